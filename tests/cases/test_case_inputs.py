@@ -84,9 +84,9 @@ def test_text_and_numbers_give_the_same_case():
         ({"gauge_mm": "wide"}, "gauge_mm = 'wide'", "a number above 0", "1600"),
         ({"gage_mm": 1600}, "'gage_mm'", "gauge_mm", "did you mean gauge_mm?"),
         ({"crown_radius_in": 9}, "crown_radius_in = 9", "8, 10, 14", "choose"),
-        ({"rail": "UIC33"}, "rail 'UIC33'", "136RE", "choose"),
+        ({"rail": "UIC33"}, "rail 'UIC33'", "136RE", "a file"),
         ({"rail": "60E1", "crown_radius_in": 10}, "crown_radius_in = 10 for 60E1", "no crown radius", "leave it out"),
-        ({"wheel": "S1003"}, "wheel 'S1003'", "AAR-1B", "choose"),
+        ({"wheel": "S1003"}, "wheel 'S1003'", "AAR-1B", "S1002"),
     ],
 )
 def test_wrong_inputs_are_named(values, given, allowed, advice):

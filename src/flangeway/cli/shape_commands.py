@@ -198,8 +198,8 @@ ProfileNames = Annotated[
     list[str],
     typer.Argument(
         metavar="NAME_OR_FILE...",
-        help="136RE, 136RE-8, 136RE-14, 60E1, S-519-A, AAR-1B, S1002, heavy-haul, R-519-A, or a .ban, .whl, .prr, "
-        ".prw, .csv, .txt, .dat, .dxf, .slcs or .slcw file; several: one table and one picture of all.",
+        help="136RE, 136RE-8, 136RE-14, 60E1, 60E2, 54E1, 49E1, S-519-A, AAR-1B, S1002, heavy-haul, R-519-A, or a "
+        ".ban, .whl, .prr, .prw, .csv, .txt, .dat, .dxf, .slcs or .slcw file; several: one table and picture of all.",
         autocompletion=completion(profile_names, *PROFILE_FILES),
     ),
 ]
@@ -207,7 +207,14 @@ ProfileKind = Annotated[
     str | None,
     typer.Option("--kind", help="Kind of profile in the file.", show_default=False, **choices("rail", "wheel")),
 ]
-ProfileMirror = Annotated[bool, typer.Option("--mirror", help="Reverse the first coordinate: a left-hand rail.")]
+ProfileMirror = Annotated[
+    bool | None,
+    typer.Option(
+        "--mirror/--no-mirror",
+        help="Reverse the first coordinate: a left-hand rail; left out: if its field side is worn more.",
+        show_default=False,
+    ),
+]
 ProfileFlip = Annotated[bool, typer.Option("--flip", help="Reverse the second coordinate.")]
 ProfileOrigin = Annotated[
     str | None,
@@ -267,7 +274,7 @@ def profile(
     names: ProfileNames,
     unit: Unit = None,
     kind: ProfileKind = None,
-    mirror: ProfileMirror = False,
+    mirror: ProfileMirror = None,
     flip: ProfileFlip = False,
     origin: ProfileOrigin = None,
     tape: ProfileTape = None,

@@ -161,7 +161,7 @@ def test_users_see_how_certain_the_contours_are():
 @pytest.mark.parametrize(
     ("make", "word"),
     [
-        (lambda: rail("54E1"), "136RE"),
+        (lambda: rail("115RE"), "136RE"),
         (lambda: rail(crown_radius_in=12), "8, 10, 14"),
         (lambda: wheel("S1003"), "AAR-1B"),
         (lambda: wheel(cut_height_mm=5.0), "20 to 100"),

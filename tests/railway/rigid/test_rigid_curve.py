@@ -8,7 +8,8 @@ import pytest
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Line, Placement
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.rigid.rigid_curve import STEEPEST_RAD, RigidCurve
+from flangeway.railway.profiles.running_graphs import STEEPEST_RAD
+from flangeway.railway.rigid.rigid_curve import RigidCurve
 
 
 @pytest.fixture(params=["rail", "wheel"])

@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from flangeway.cases.wheelset.wheelset_profiles import with_body
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Outline
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.joining import BUNDLED_NAMES, Joined, joined, nominal_profile
-from flangeway.railway.profiles.measures import measures, worn_side
+from flangeway.railway.profiles.measures import measures, only_face, worn_side
 from flangeway.railway.profiles.orientation import Orientation
 from flangeway.railway.profiles.profile_file import (
     READABLE,
@@ -26,6 +27,7 @@ from flangeway.railway.profiles.profile_file import (
 )
 from flangeway.railway.profiles.smoothing import Smoothing
 from flangeway.railway.profiles.whole_outline import whole_profile
+from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
@@ -81,7 +83,19 @@ def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str
     body: RailProfile | WheelProfile | None = done.profile if done is not None else None
     if isinstance(profile.surface, Outline):
         body = whole_profile(profile)
+    if join is None:
+        profile = replace(profile, notices=(*profile.notices, *_as_cases_see_it(profile, name_or_file)))
     return ProfileRun(profile, body, done, _summary(profile, body, done))
+
+
+def _as_cases_see_it(profile: MeasuredProfile, name: str) -> tuple[str, ...]:
+    """Return what a case says of a profile beyond its own notices: what contact leaves out, or why it is refused."""
+    try:
+        body = with_body(profile, name, profile.kind)
+        RigidCurve.from_contour(body.running_surface)
+    except InputError as reason:
+        return (f"Cases refuse it: {reason.given}; allowed is {reason.allowed}; {reason.advice}.",)
+    return tuple(each for each in body.notices if each.startswith("Beyond"))
 
 
 def run_profiles(names: Sequence[str], options: ReadOptions, join: str | None = None) -> list[ProfileRun]:
@@ -186,7 +200,8 @@ def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, 
         "smallest_convex_radius_mm": _radius(curvatures.max(initial=0.0)),
         "smallest_hollow_radius_mm": _radius(-curvatures.min(initial=0.0)),
         "measures": measures(running, profile.kind),
-        "worn_side": None if profile.kind == "wheel" or (side := worn_side(running)) is None else vars(side),
+        "worn_side": None if profile.kind == "wheel" or (side := worn_side(_along(running))) is None else vars(side),
+        "only_face": None if profile.kind == "wheel" else only_face(_along(running)),
         "smoothing": None if profile.smoothing is None else _smoothing_summary(profile.smoothing),
         "join": None if join is None else _join_summary(join),
         "area_mm2": body.outline.area if body is not None else None,

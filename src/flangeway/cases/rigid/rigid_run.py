@@ -12,7 +12,7 @@ from pydantic import Field
 
 from flangeway.cases.case import Case, Progress
 from flangeway.cases.rigid.rigid_case import GEOMETRY_CASES, GeometryCase
-from flangeway.cases.wheelset.wheelset_profiles import profile_notes, worn_field_sides
+from flangeway.cases.wheelset.wheelset_profiles import profile_notes, side_warnings
 from flangeway.errors import InputError
 from flangeway.exact import contact_modulus
 from flangeway.materials import Elastic
@@ -257,7 +257,7 @@ def run_geometry(
     if case.wheel == "AAR-1B" and case.lateral_force_kN != 0.0 and equilibrium.position is not None:
         progress("varying the radii of the flange root")
         flange_root = flange_root_effect(case)
-    remarks += [*worn_field_sides(track), *case.derived(), *profile_notes(track, axle)]
+    remarks += [*side_warnings(track), *case.derived(), *profile_notes(track, axle)]
     summary = _summary(name, case, jumps, conicities, equilibrium, remarks)
     _leave_out_conforming(summary, track, axle)
     summary["timings_s"] = {"total": time.perf_counter() - start}

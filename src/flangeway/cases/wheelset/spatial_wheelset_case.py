@@ -11,7 +11,7 @@ from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, summarise_spatial_wheelset
 from flangeway.cases.wheelset.wheelset_case import CaseRun, WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
-from flangeway.cases.wheelset.wheelset_profiles import profile_notes, worn_field_sides
+from flangeway.cases.wheelset.wheelset_profiles import profile_notes
 from flangeway.contact.patch.contact_ellipse import PARABOLIC
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.theories import Theory
@@ -88,7 +88,9 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     model: Literal["spatial", "plane"] = Field(
         "spatial", description="spatial: three dimensions; plane: a slice of thickness_mm in plane strain"
     )
-    rail: str = Field("60E1", description="rail: 136RE, 60E1, or a file that `flangeway profile` reads")
+    rail: str = Field(
+        "60E1", description="rail: 60E1, 60E2, 54E1, 49E1, 136RE, or a file that `flangeway profile` reads"
+    )
     wheel: str = Field(
         "S1002", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file"
     )
@@ -338,5 +340,4 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             *([HERTZ] if any(patch.hertz is None for patch in result.patches) else []),
             *self._supports(),
             "The load acts at the car's centre of gravity and stays vertical.",
-            *worn_field_sides(problem.track),
         ]

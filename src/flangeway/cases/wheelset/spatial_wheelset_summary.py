@@ -8,6 +8,7 @@ import numpy as np
 
 from flangeway.cases.summary import Summary, SummaryPart
 from flangeway.cases.wheelset.rolling_summary import RollingSummary, rolling_summary
+from flangeway.cases.wheelset.wheelset_profiles import side_warnings
 from flangeway.cases.wheelset.wheelset_summary import (
     LoadSummary,
     PositionSummary,
@@ -218,5 +219,5 @@ def summarise_spatial_wheelset(
         timings_s=result.timings_s | {"total": total_s},
         case=dict(case),
         assumptions=list(assumptions),
-        warnings=list(result.warnings),
+        warnings=[*result.warnings, *side_warnings(result.problem.track)],
     )

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
-from flangeway.cases.wheelset.wheelset_profiles import profile_notes, worn_field_sides
+from flangeway.cases.wheelset.wheelset_profiles import profile_notes, side_warnings
 from flangeway.cases.wheelset.wheelset_summary import (
     ContactSummary,
     MeshSummary,
@@ -50,7 +50,7 @@ def summarise(case: WheelsetInputs, result: WheelsetResult, total_s: float) -> W
         case={"name": case.name, **case.model_dump()},
         assumptions=_assumptions(case, result),
         published=case.published_position(),
-        warnings=[*result.warnings, *worn_field_sides(result.model.problem.track)],
+        warnings=[*result.warnings, *side_warnings(result.model.problem.track)],
     )
 
 

@@ -33,7 +33,9 @@ N_AXLES = 4  # wheelsets of a usual wagon
 class WheelsetInputs(Case):
     """Profiles, measures, load and material of a wheelset on two rails."""
 
-    rail: str = Field("136RE", description="rail: 136RE, 60E1, S-519-A, or a file that `flangeway profile` reads")
+    rail: str = Field(
+        "136RE", description="rail: 136RE, 60E1, 60E2, 54E1, 49E1, S-519-A, or a file that `flangeway profile` reads"
+    )
     crown_radius_in: float | None = Field(
         None, gt=0.0, description="radius of the crown of a 136RE: 8, 10 or 14 in (default: 10)"
     )
@@ -54,7 +56,10 @@ class WheelsetInputs(Case):
     rail_unit: LengthUnit | None = Field(
         None, description="unit of the rail's file, if the file does not name one (default: mm)"
     )
-    rail_mirror: bool = Field(False, description="whether the rail's file contains a left-hand rail, to be mirrored")
+    rail_mirror: bool | None = Field(
+        None,
+        description="whether the rail's file contains a left-hand rail, to be mirrored (default: by its worn side)",
+    )
     wheel_unit: LengthUnit | None = Field(
         None, description="unit of the wheel's file, if the file does not name one (default: mm)"
     )
@@ -66,7 +71,7 @@ class WheelsetInputs(Case):
         description="tape line from the flange's back (default: from the file, else measured, else 70)",
     )
     left_rail_unit: LengthUnit | None = Field(None, description="rail_unit of left_rail")
-    left_rail_mirror: bool = Field(False, description="rail_mirror of left_rail")
+    left_rail_mirror: bool | None = Field(None, description="rail_mirror of left_rail")
     left_wheel_unit: LengthUnit | None = Field(None, description="wheel_unit of left_wheel")
     left_wheel_mirror: bool = Field(False, description="wheel_mirror of left_wheel")
     left_wheel_tape_mm: float | None = Field(None, ge=40.0, le=110.0, description="wheel_tape_mm of left_wheel")
@@ -281,7 +286,7 @@ class WheelsetInputs(Case):
             options = {each: getattr(self, f"{right}_{each}", None) if v is None else v for each, v in options.items()}
         return ReadOptions(
             unit=options["unit"],
-            mirror=bool(options["mirror"]),
+            mirror=options["mirror"],
             tape_mm=options["tape_mm"],
             position=options[position_key(key).removeprefix(f"{key}_")],
         )

@@ -14,18 +14,29 @@ from flangeway.railway.profiles.bundled import (
     WHEELS,
     RailProfile,
     WheelProfile,
+    bundled_name,
     rail,
     wheel,
 )
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
 from flangeway.railway.profiles.formats.raw_profile import Kind
-from flangeway.railway.profiles.joining import end_gap_mm, joined, nominal_profile, on_plain_body
-from flangeway.railway.profiles.profile_file import READABLE, MeasuredProfile, ReadOptions, read_profile, side_notices
+from flangeway.railway.profiles.joining import body_distance_mm, joined, nominal_profile, on_plain_body
+from flangeway.railway.profiles.profile_file import (
+    FIELD_WORN,
+    MIRRORED,
+    READABLE,
+    MeasuredProfile,
+    ReadOptions,
+    read_profile,
+    side_notices,
+)
 from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.railway.track.placements import Side, Track, Wheelset
 from flangeway.system.file_content import is_file
 
 READ_AS_IT_IS = ReadOptions()
+USUAL_BODIES: dict[Kind, tuple[str, ...]] = {"rail": ("136RE", "60E1"), "wheel": WHEELS}
+"""Bodies that a file gets by itself; others, whose heads are much alike, are taken where they are named."""
 PLAIN = "plain"  # body of a rail or wheel that fits no bundled one: a block beside its running surface
 
 
@@ -43,8 +54,8 @@ def rail_named(
     the body.
     - `name`: of a bundled rail, or of a file.
     - `crown_radius_in`: radius of a 136RE's crown; None: the usual one.
-    - `body`: the bundled rail for a file's head; None: the other side's if it fits, else the one nearest to the head's
-      ends.
+    - `body`: the bundled rail for a file's head; None: the other side's if it fits, else that of
+      `USUAL_BODIES` nearest to most of the surface.
     - `other`: the rail of the other side.
     - `options`: what the file does not contain: unit, mirror, distance of the tape line.
     - `key`: name of the input, for messages: the options are called after it, such as ``rail_unit``.
@@ -86,7 +97,7 @@ def wheel_named(
 
 def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
     for option, value in vars(options).items():
-        if value != getattr(READ_AS_IT_IS, option):
+        if value not in (None, False):
             wrong = position_key(key) if option == "position" else f"{key}_{option}"
             raise InputError(f"{wrong} of the bundled {name}", "a file", f"leave {wrong} out")
 
@@ -109,22 +120,32 @@ def _from_file(
             f"a {kind}",
             "exchange the keys rail and wheel",
         )
+    return with_body(measured, name, key, body, other)
+
+
+def with_body(
+    measured: MeasuredProfile, name: str, key: str, body: str | None = None, other: str | None = None
+) -> RailProfile | WheelProfile:
+    """Return a rail or wheel from what was read of a file, with its own body or that of a bundled one.
+
+    Parameters and errors as of `rail_named`.
+    """
+    kind = measured.kind
     if isinstance(measured.surface, Outline):
         return whole_profile(measured)
     bodies = (*(RAILS if kind == "rail" else WHEELS), PLAIN)
     body = body or _nearest_body(measured, other)
-    if body == PLAIN:
-        return on_plain_body(measured)
+    if body != PLAIN:
+        try:
+            wanted = nominal_profile(body)
+        except InputError as reason:
+            raise InputError(
+                f"{kind}_body = {body}", ", ".join(bodies), "choose the one nearest to the measured profile"
+            ) from reason
+        if isinstance(wanted, RailProfile) != (kind == "rail"):
+            raise InputError(f"{kind}_body = {body}", ", ".join(bodies), f"a {kind} needs the body of a {kind}")
     try:
-        wanted = nominal_profile(body)
-    except InputError as reason:
-        raise InputError(
-            f"{kind}_body = {body}", ", ".join(bodies), "choose the one nearest to the measured profile"
-        ) from reason
-    if isinstance(wanted, RailProfile) != (kind == "rail"):
-        raise InputError(f"{kind}_body = {body}", ", ".join(bodies), f"a {kind} needs the body of a {kind}")
-    try:
-        return _joined(measured, body).profile
+        return on_plain_body(measured) if body == PLAIN else _joined(measured, body).profile
     except InputError as reason:
         others = [each for each in bodies if each != body and _fits(measured, each)]
         advice = (
@@ -139,6 +160,7 @@ def _from_file(
 def _as_keys(text: str, key: str) -> str:
     """Return a text that names options of ``flangeway profile`` with the keys that do the same in a case."""
     text = re.sub(r"--unit (mm|cm|m|in|ft)\b", rf"{key}_unit = \1", text)
+    text = text.replace("--no-mirror", f"{key}_mirror = false")
     for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
         text = re.sub(rf"--{option}\b", f"{key}_{name}", text)
     return re.sub(r"--position( in \w+)?", position_key(key), text)
@@ -171,17 +193,21 @@ def _fits(measured: MeasuredProfile, body: str) -> bool:
 
 
 def _nearest_body(measured: MeasuredProfile, other: str | None) -> str:
-    """Return the other side's body if it fits; else the bundled one that is nearest to the surface's ends."""
-    names = RAILS if measured.kind == "rail" else WHEELS
-    gaps = {name: gap for name in names if (gap := end_gap_mm(measured, name)) is not None}
+    """Return the other side's body if it fits, else the usual one nearest to most of the surface; see `PLAIN`."""
+    names = USUAL_BODIES[measured.kind]
+    known = RAILS if measured.kind == "rail" else WHEELS
+    tried = dict.fromkeys((other, *names)) if other in known else names
+    gaps = {name: gap for name in tried if name and (gap := body_distance_mm(measured, name)) is not None}
     nearest = sorted(gaps, key=lambda name: (name != other, gaps[name]))
-    return next((name for name in nearest if _fits(measured, name)), other if other in names else names[0])
+    # sections of a crossing fit no rail
+    last = PLAIN if measured.first_slice is not None else other if other in known else names[0]
+    return next((name for name in nearest if _fits(measured, name)), last)
 
 
 def _refuse_other_kind(name: str, kind: Kind) -> None:
     names = {"rail": (*RAILS, REFERENCE_RAIL), "wheel": (*WHEELS, *REFERENCE_WHEELS)}
     other: Kind = "wheel" if kind == "rail" else "rail"
-    if name in names[other]:
+    if bundled_name(name) in names[other]:
         raise InputError(
             f"{kind} = {name}, which is a {other}",
             ", ".join(names[kind]),
@@ -200,17 +226,19 @@ def profile_notes(track: Track, wheelset: Wheelset) -> list[str]:
     wheels = [("Wheel", each) for each in dict.fromkeys(wheelset.wheel_of(side) for side in both)]
     rails = [("Rail", each) for each in dict.fromkeys(track.rail_of(side) for side in both)]
     profiles: list[tuple[str, RailProfile | WheelProfile]] = [*wheels, *rails]
+    notices = [(notice, each.title) for _, each in profiles for notice in each.notices]
     return [
         *(f"{word} {each.title}. {each.certainty}" for word, each in profiles),
-        *(f"{notice} ({each.title})" for _, each in profiles for notice in each.notices),
+        *(f"{notice} ({title})" for notice, title in notices if not notice.startswith((MIRRORED, FIELD_WORN))),
     ]
 
 
-def worn_field_sides(track: Track) -> list[str]:
-    """Return a warning for each rail that is worn more at the side that no flange reaches."""
+def side_warnings(track: Track) -> list[str]:
+    """Return a warning for each rail that was mirrored, or is worn more at the side that no flange reaches."""
     warnings = []
     for side, key in (("right", "rail"), ("left", "left_rail")):
         if side == "right" or not track.is_symmetric:
-            head = track.rail_of("left" if side == "left" else "right").running_surface
-            warnings += [_as_keys(each, key) for each in side_notices(head)]
+            one = track.rail_of("left" if side == "left" else "right")
+            found = [each for each in one.notices if each.startswith(MIRRORED)]
+            warnings += [_as_keys(each, key) for each in found or side_notices(one.running_surface)]
     return warnings

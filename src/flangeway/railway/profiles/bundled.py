@@ -2,7 +2,8 @@
 
 import difflib
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,9 +24,12 @@ from flangeway.system.file_content import packaged_rows
 
 _RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
     "136RE": {10.0: "136RE_R10_A_arcs.csv", 8.0: "136RE_R8_A_arcs.csv", 14.0: "136RE_R14_arcs.csv"},
-    "60E1": {None: "60E1_derived_arcs.csv"},
+    **{name: {None: f"{name}_arcs.csv"} for name in ("60E1", "60E2", "54E1", "49E1")},
 }
 """Files by rail and radius of the crown in inches, the default first; None for a rail with one crown."""
+
+_OTHER_NAMES = {"UIC60": "60E1", "60KG": "60E1", "UIC54": "54E1", "S49": "49E1", "RE136": "136RE", "136LB": "136RE"}
+"""Other names of bundled rails, in capital letters without blanks and hyphens (EN 13674-1, table A.1)."""
 
 _WHEEL_FILES = {"AAR-1B": "AAR1B_wide_flange_DERIVED_arcs.csv"}
 WHEELS = ("AAR-1B", "S1002", "heavy-haul")  # names of the bundled wheels
@@ -40,17 +44,13 @@ SECTIONS = {
     "136RE-8": ("136RE", 8.0),
     "136RE-10": ("136RE", 10.0),
     "136RE-14": ("136RE", 14.0),
-    "60E1": ("60E1", None),
+    **{name: (name, None) for name in RAILS if name != "136RE"},
 }
 """Rail and radius of its crown in inches by the name of the section; None for the usual one."""
 
 _CUT_HEIGHTS_MM = (20.0, 100.0)
 _FLANGE_ROOT_RADII_MM = (10.0, 20.0)
 
-_HEAD_SIDE = {
-    "136RE": ("crown", "shoulder", "gauge_corner", "head_side_1:40"),
-    "60E1": ("crown", "shoulder", "gauge_corner", "head_side_1:20"),
-}
 _RUNNING = (
     "flange_back",
     "flange_tip_land",
@@ -107,7 +107,8 @@ class WheelProfile:
     - `flange_back_mm`: distance of the flange's back face from the tape line.
     - `certainty`: accuracy of the contour.
     - `notices`: sentences on what was left out, bridged, smoothed or assumed when its file was read.
-    - `fine`: the running surface with as smooth a curvature as is known, for gaps in three dimensions; None: as drawn.
+    - `fine`: the running surface where it is known better than the outline has it, with as smooth a curvature as is
+      known, or worn a little: contact takes it, the elastic body keeps the outline. None: as drawn.
     """
 
     title: str
@@ -122,18 +123,25 @@ class WheelProfile:
 
     @property
     def running_surface(self) -> Contour:
-        """The running surface as one chain, from the flange's back to the rim."""
-        return self.outline.part(self.running_names)
-
-    @property
-    def gap_surface(self) -> Contour:
-        """The same, for gaps: `fine` if there is one."""
-        return self.fine or self.running_surface
+        """The running surface as one chain, from the flange's back to the rim: `fine` if there is one."""
+        return self.fine or self.outline.part(self.running_names)
 
 
-def _advice(kind: str, name: str, known: tuple[str, ...]) -> str:
-    same = [each for each in known if each.upper() == name.upper()]
-    return f"did you mean {same[0]}?" if same else f"choose a {kind} that is there"
+def bundled_name(name: str) -> str:
+    """Return the bundled name that one is another spelling of, such as 60E1 for ``"UIC 60"``; else the name itself."""
+    plain = _plain(name)
+    plain = _OTHER_NAMES.get(plain, plain)
+    names = (*SECTIONS, REFERENCE_RAIL, *WHEELS, *REFERENCE_WHEELS)
+    return next((each for each in names if _plain(each) == plain), name)
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\s_-]", "", name).upper()
+
+
+def _advice(kind: str, name: str, known: Sequence[str]) -> str:
+    near = difflib.get_close_matches(name.upper(), known, n=1, cutoff=0.75)
+    return f"did you mean {near[0]}?" if near else f"give one of these, or the {kind}'s profile in a file"
 
 
 def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailProfile:
@@ -142,15 +150,16 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     Parameters
     ----------
     name
-        ``"136RE"``, ``"60E1"``, or `REFERENCE_RAIL`.
+        One of `RAILS`, or `REFERENCE_RAIL`; other spellings are understood, see `bundled_name`.
     crown_radius_in
-        Radius of the crown of a 136RE in inches: 8, 10 (the default) or 14. A 60E1 has one crown.
+        Radius of the crown of a 136RE in inches: 8, 10 (the default) or 14. The others have one crown.
 
     Raises
     ------
     InputError
         If the name or the radius is unknown; the message lists those there are.
     """
+    name = bundled_name(name)
     if name == REFERENCE_RAIL and crown_radius_in is None:
         return _reference_rail()
     if name not in _RAIL_FILES:
@@ -168,19 +177,21 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
             f"one of {known}" if known else "no crown radius: this rail has one crown",
             "choose a radius that is there" if known else "leave it out",
         )
-    side = _HEAD_SIDE[name]
-    certainty, source = _RAIL_TEXTS[name](radius)
+    half = _read_segments(radii[radius], "x{}_mm", "y{}_mm")
+    below_crown = list(half)[1:]
+    side = below_crown[: next(i for i, part in enumerate(below_crown, 1) if part.startswith("head_side"))]
+    certainty, source = _EN_TEXTS if radius is None else _texts_136re(radius)
     return RailProfile(
         title=name if radius is None else f"{name}, crown radius {radius:g} in",
-        outline=_mirrored_and_joined(_read_segments(radii[radius], "x{}_mm", "y{}_mm")),
-        head_names=(*(f"{part}_gauge" for part in side[:0:-1]), "crown", *(f"{part}_field" for part in side[1:])),
+        outline=_mirrored_and_joined(half),
+        head_names=(*(f"{part}_gauge" for part in side[::-1]), "crown", *(f"{part}_field" for part in side)),
         base_names=("base",),
         certainty=certainty,
         source=source,
     )
 
 
-def _texts_136re(radius: float | None) -> tuple[str, str]:
+def _texts_136re(radius: float) -> tuple[str, str]:
     """Certainty and source of the 136RE with some crown."""
     exact = radius == 14
     return (
@@ -193,16 +204,11 @@ def _texts_136re(radius: float | None) -> tuple[str, str]:
     )
 
 
-def _texts_60e1(_: float | None) -> tuple[str, str]:
-    """Certainty and source of the 60E1."""
-    return (
-        "The arcs of the head are exact; below it fillets, web and foot are derived from nominal dimensions: area, "
-        "height of the centroid and Ixx agree with EN 13674-1 to 0.15 %, Iyy to 0.9 %.",
-        "60E1 (UIC 60): head as on GENSYS's page of the profile; nominal dimensions of EN 13674-1 below it.",
-    )
-
-
-_RAIL_TEXTS = {"136RE": _texts_136re, "60E1": _texts_60e1}
+_EN_TEXTS = (
+    "Exact: all lines and arcs are those of the standard; area and moments of inertia agree with it to 0.04 %.",
+    "EN 13674-1, annex A: radii, slopes and heights as in the public package EN13674 of A. Rohrbeck.",
+)
+"""Certainty and source of the rails of EN 13674-1."""
 
 
 def wheel(
@@ -213,7 +219,7 @@ def wheel(
     Parameters
     ----------
     name
-        ``"AAR-1B"``, ``"S1002"``, ``"heavy-haul"``, or one of `REFERENCE_WHEELS`.
+        One of `WHEELS` or `REFERENCE_WHEELS`; other spellings are understood, see `bundled_name`.
     cut_height_mm
         Height above the tape line of the straight cut that closes the region, 20 to 100 mm
         (30 to 100 mm for the heavy-haul wheel, whose rim's edge is higher).
@@ -226,6 +232,7 @@ def wheel(
     InputError
         If the name is unknown or a length is out of range.
     """
+    name = bundled_name(name)
     if name not in (*WHEELS, *REFERENCE_WHEELS):
         advice = _advice("wheel", name, (*WHEELS, *REFERENCE_WHEELS))
         known = ", ".join((*WHEELS, *REFERENCE_WHEELS))
@@ -305,8 +312,8 @@ def _s1002(cut_height: float) -> WheelProfile:
         cut_height,
         title="S1002",
         certainty=(
-            "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.05 micrometres. The "
-            "rim is cut off where the tread ends, 60 mm outside of the tape line; its edge is not drawn."
+            "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.001 micrometres, to "
+            "0.05 in the section. The profile ends 60 mm outside the tape line; the chamfer is omitted."
         ),
         source="EN 13715, S1002: formulas and coefficients as in public programs, the same in six of them.",
     )
@@ -422,9 +429,9 @@ def bundled_section(name: str) -> DrawnSection:
 
     An `InputError` if there is none of that name; the message lists those there are.
     """
-    found = {known.upper(): known for known in SECTIONS}.get(name.upper())
-    if found is None:
-        near = difflib.get_close_matches(name.upper(), SECTIONS, n=1, cutoff=0.5)
+    found = bundled_name(name)
+    if found not in SECTIONS:
+        near = difflib.get_close_matches(name.upper(), SECTIONS, n=1, cutoff=0.75)
         raise InputError(
             f"a section called {name!r}",
             f"{', '.join(SECTIONS)}, or a file that ends with .toml, .csv or .dxf",

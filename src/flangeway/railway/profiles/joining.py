@@ -11,7 +11,9 @@ whose ends do not fit is moved sideways until its field side, which does not wea
 reports it; the gauge is measured on the head, so that nothing else depends on where the file's x = 0 is.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -25,11 +27,13 @@ from flangeway.railway.profiles.bundled import (
     WHEELS,
     RailProfile,
     WheelProfile,
+    bundled_name,
     rail,
     wheel,
 )
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin
+from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, extent, graphs_of
 from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between, point_at
 
 LEAST_BLEND_MM = 1.0
@@ -56,17 +60,22 @@ A shorter one would be in contact on the nominal outline, without a warning.
 HEIGHTS_MM = (-30.0, 1.0)
 """Height of a measured head's top over that of the nominal rail: worn, but never higher than new."""
 
+HALF_HEAD_MM = 36.0  # distance of a head's middle from its gauge face
 GAUGE_DEPTH_MM = 14.0
 """Depth below the top at which the face of a rail's head is at x = 0 if the file counts from the gauge face."""
 
 TIP_OFF_MM = 0.05  # height of a measured flange above the tip of the joined body below which the tip counts as measured
 
+SPACING_MM = 0.5  # distance of the points whose distances are taken
 PLAIN_CUT_MM, PLAIN_BASE_MM = 50.0, 150.0
 MEASURED = "measured"
 
 LEANS_DEG = (0.8, 4.0)
 """Lean of a head's field side from the nominal one that is reported: inclinations are 1:60 to 1:15."""
 
+RAIL_SIDES, WHEEL_SIDES = ("field side", "gauge side"), ("flange's back", "rim")
+"""Both ends of a running surface, in the direction of the outline."""
+CLIPPED_MM = 2.0  # width of a part beyond an overhang from which there is a notice that contact leaves it out
 FACE_MM = 5.0  # height of the face, above the end of the measured surface, whose lean is measured
 STRAIGHT_MM = 0.02  # distance from a straight line below which a face counts as straight
 
@@ -131,8 +140,10 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         raise InputError(f"--join {name} for a closed outline", "a running surface", "leave --join out: it is whole")
     shift, offset = _shift(measured, nominal)
     surface = measured.surface.transformed(Placement(translation=shift))
-    outline, joints = _closed(surface, nominal)
-    notices = measured.notices
+    outline, joints = _closed(surface, nominal, partial(measured.place, moved=shift))
+    drawn = nominal.head_names if isinstance(nominal, RailProfile) else nominal.running_names
+    running = _running(outline, drawn)
+    notices = (*measured.notices, *clipped_notices(outline.part(running), measured, shift))
     if offset:
         notices = (*notices, f"The head is moved sideways by {offset:.2f} mm: its field side lies on the nominal one.")
     _refuse_short(surface, kind)
@@ -146,7 +157,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         wheel_profile = WheelProfile(
             title,
             outline,
-            _running(outline, nominal.running_names),
+            running,
             flange_height_mm=-float(outline.bounds()[0, 1]),
             flange_back_mm=measured.flange_back_mm,
             certainty=certainty,
@@ -154,21 +165,54 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
             notices=(*notices, *_unmeasured_tip(surface, outline, nominal)),
         )
         return Joined(wheel_profile, nominal, surface, joints)
-    names = _running(outline, nominal.head_names)[::-1]
     notices = (*notices, *_lean(surface, nominal))
     placing = measured.first_slice and measured.first_slice.transformed(Placement(translation=shift))
-    rail_profile = RailProfile(title, outline, names, nominal.base_names, certainty, source, notices, placing)
+    rail_profile = RailProfile(title, outline, running[::-1], nominal.base_names, certainty, source, notices, placing)
     return Joined(rail_profile, nominal, surface, joints)
 
 
-def end_gap_mm(measured: MeasuredProfile, name: str) -> float | None:
-    """Maximum distance of the ends of a measured surface from a bundled outline; None where it does not fit."""
+def clipped_notices(
+    running: Contour, measured: MeasuredProfile, moved: tuple[float, float] = (0.0, 0.0)
+) -> tuple[str, ...]:
+    """Return a notice for each end at which contact leaves out more than `CLIPPED_MM` beyond an overhang.
+
+    An `InputError` if as much lies beyond it as of a second running surface, see `MAX_CLIPPED`.
+
+    - `running`: running surface of the joined body, from the field side to the gauge side or from the back to the rim.
+    - `moved`: what it was moved by from where the file's axes have it.
+    """
+    kept, *others = graphs_of(running)
+    x, y, angle, curvature, length = kept[-1]
+    mean = angle + 0.5 * curvature * length
+    chord = length * np.sinc(0.5 * curvature * length / np.pi)
+    ends = (kept[0, :2], np.array([x + chord * np.cos(mean), y + chord * np.sin(mean)]))
+    words = RAIL_SIDES[::-1] if measured.kind == "rail" else WHEEL_SIDES
+    if others and extent(others[0]) > MAX_CLIPPED * extent(kept):
+        raise InputError(
+            f"a running surface divided by an overhang, about {measured.place(ends[int(others[0][0, 0] > x)], moved)}",
+            f"one running surface, or parts beyond an overhang up to {MAX_CLIPPED:g} of its width",
+            "save the part that the wheel runs on alone, and remove hooks of the measurement",
+        )
+    beyond = {bool(other[0, 0] > kept[0, 0]) for other in others if extent(other) > CLIPPED_MM}
+    return tuple(
+        f"Beyond {measured.place(ends[after], moved)} the surface overhangs; contact leaves it out ({words[after]})."
+        for after in sorted(beyond)
+    )
+
+
+def body_distance_mm(measured: MeasuredProfile, name: str) -> float | None:
+    """Median distance of a measured surface from a bundled outline, which wear hardly changes; None if it does not fit.
+
+    The head's ends alone do not tell rails apart.
+    """
     nominal = nominal_profile(name)
     try:
-        surface = measured.surface.transformed(Placement(translation=_shift(measured, nominal)[0]))
-        return max(joint.gap_mm for joint in _joints(surface, nominal)[1])
+        shift = _shift(measured, nominal)[0]
+        surface = measured.surface.transformed(Placement(translation=shift))
+        _joints(surface, nominal, partial(measured.place, moved=shift))
     except InputError:
         return None
+    return float(np.median(nominal.outline.closest(surface.sampled(spacing=SPACING_MM))[2]))
 
 
 def _shift(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> tuple[tuple[float, float], float]:
@@ -179,7 +223,7 @@ def _shift(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> tu
     surface = (measured.first_slice or measured.surface).transformed(Placement(translation=shift))
     _refuse_height(surface, nominal)
     try:
-        _joints(surface, nominal)
+        _joints(surface, nominal, partial(measured.place, moved=shift))
     except InputError:
         offset = _field_shift(measured, surface, nominal)
         if offset is None:
@@ -189,19 +233,16 @@ def _shift(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> tu
 
 
 def nominal_profile(name: str) -> RailProfile | WheelProfile:
-    """Return a bundled rail or wheel by a name such as ``136RE-8``; capital and small letters are the same.
+    """Return a bundled rail or wheel by a name such as ``136RE-8`` or ``UIC 60``, see `bundled_name`.
 
     An `InputError` if there is none of that name.
     """
-    known = {each.upper(): each for each in (*SECTIONS, REFERENCE_RAIL, *WHEELS, *REFERENCE_WHEELS)}
-    found = known.get(name.upper())
-    if found is None:
-        raise InputError(f"a rail or wheel called {name!r}", BUNDLED_NAMES, "choose one of them, or give a file")
+    found = bundled_name(name)
     if found in (*WHEELS, *REFERENCE_WHEELS):
         return wheel(found)
-    if found == REFERENCE_RAIL:
-        return rail(found)
-    rail_name, radius = SECTIONS[found]
+    if found not in (*SECTIONS, REFERENCE_RAIL):
+        raise InputError(f"a rail or wheel called {name!r}", BUNDLED_NAMES, "choose one of them, or give a file")
+    rail_name, radius = SECTIONS.get(found, (found, None))
     return rail(rail_name, crown_radius_in=radius)
 
 
@@ -279,7 +320,8 @@ def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     surface, is_rail = measured.surface, measured.kind == "rail"
     if isinstance(surface, Outline):
         raise InputError(f"a plain body for {measured.title}", "a running surface", "leave it out")
-    _refuse_short(surface, measured.kind)
+    middle = HALF_HEAD_MM if is_rail and frame_origin(measured) == "gauge" else 0.0
+    _refuse_short(surface, measured.kind, middle)
     start, end = surface.segments[0].start, surface.segments[-1].end
     (_, low), (_, top) = (measured.first_slice or surface).bounds()
     level = min(top - PLAIN_BASE_MM, low - 10.0) if is_rail else max(PLAIN_CUT_MM, start[1] + 10.0, end[1] + 10.0)
@@ -288,15 +330,14 @@ def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     outline = Outline.from_segments([*surface.segments, *sides], [*[MEASURED] * len(surface.segments), *around])
     title, source = f"{measured.title} on a plain body", f"File: {measured.format}."
     certainty = f"Running surface as measured, on a block of steel with upright faces.{_tape_text(measured)}"
+    notices = (*measured.notices, *clipped_notices(surface, measured))
     if is_rail:
         upright = Placement(translation=(-0.5 * (start[0] + end[0]), -level))
         placing = measured.first_slice and measured.first_slice.transformed(upright)
         base = outline.transformed(upright)
-        return RailProfile(title, base, (MEASURED,), ("base",), certainty, source, measured.notices, placing)
+        return RailProfile(title, base, (MEASURED,), ("base",), certainty, source, notices, placing)
     height = -float(outline.bounds()[0, 1])
-    return WheelProfile(
-        title, outline, (MEASURED,), height, measured.flange_back_mm, certainty, source, measured.notices
-    )
+    return WheelProfile(title, outline, (MEASURED,), height, measured.flange_back_mm, certainty, source, notices)
 
 
 def _tape_text(measured: MeasuredProfile) -> str:
@@ -317,8 +358,8 @@ def _unmeasured_tip(surface: Contour, outline: Outline, nominal: WheelProfile) -
     )
 
 
-def _refuse_short(surface: Contour, kind: Kind) -> None:
-    (low, _), (high, _) = surface.bounds()
+def _refuse_short(surface: Contour, kind: Kind, middle: float = 0.0) -> None:
+    (low, _), (high, _) = surface.bounds() - np.array([middle, 0.0])
     first, last = REACHES_MM[kind]
     if low > first or high < last:
         raise InputError(
@@ -340,10 +381,12 @@ def _refuse_height(surface: Contour, nominal: RailProfile) -> None:
         )
 
 
-def _joints(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[list[float], tuple[Joint, Joint]]:
+def _joints(
+    surface: Contour, nominal: RailProfile | WheelProfile, where: Callable[[Point], str]
+) -> tuple[list[float], tuple[Joint, Joint]]:
     """Return the lengths along the nominal outline at which the transitions land, and both joints."""
     is_rail = isinstance(nominal, RailProfile)
-    words = ("field side", "gauge side") if is_rail else ("flange's back", "rim")
+    words = RAIL_SIDES if is_rail else WHEEL_SIDES
     names = ("transition_field", "transition_gauge") if is_rail else ("transition_back", "transition_rim")
     limits = (MAX_GAP_MM, MAX_GAP_MM if is_rail else MAX_RIM_GAP_MM)
     lengths = lengths_along(nominal.outline)
@@ -356,8 +399,8 @@ def _joints(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[list
         limit = MAX_WEAR_MM if is_rail and i == 1 and end[0] > foot[0] else limits[i]
         if gap > limit:
             raise InputError(
-                f"the end of the measured surface at the {words[i]}, ({end[0]:.5g}, {end[1]:.5g}) mm, {gap:.3g} mm "
-                f"from the nominal {nominal.title}",
+                f"the end of the measured surface at the {words[i]}, {where(end)}, {gap:.3g} mm from the nominal "
+                f"{nominal.title}",
                 f"up to {limit:g} mm",
                 "check --origin, --mirror and the name after --join"
                 + ("" if is_rail else ", and the tape line: --tape"),
@@ -369,9 +412,11 @@ def _joints(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[list
     return places, (joints[0], joints[1])
 
 
-def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outline, tuple[Joint, Joint]]:
+def _closed(
+    surface: Contour, nominal: RailProfile | WheelProfile, where: Callable[[Point], str]
+) -> tuple[Outline, tuple[Joint, Joint]]:
     """Return the outline of the measured surface, both transitions, and the remainder of the nominal outline."""
-    places, joints = _joints(surface, nominal)
+    places, joints = _joints(surface, nominal, where)
     lengths = lengths_along(nominal.outline)
     others = pieces_between(nominal.outline, lengths, places[1], places[0])
     chain: list[tuple[str, Segment]] = [

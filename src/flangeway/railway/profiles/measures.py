@@ -14,6 +14,7 @@ TIP_MM = 2.0  # distance below the flange's tip of the upper point of the measur
 HEAD_MM = 14.0  # depth below the top at which a head's width is measured
 SIDE_MM = 25.0  # distance from a head's middle, to each side, at which its drop below the top is measured
 WORN_MM = 0.5  # difference of both sides of a head from which one of them is the worn one
+LEFT_MM = 1.5  # difference from which the worn side is the gauge side; a lean of 1:40 makes 1.25 mm
 MAX_WIDTH = 0.5  # half width of a contact over a radius of its bodies up to which these are half planes
 
 MAX_CHANGE = 1.5
@@ -95,13 +96,13 @@ def _rail(points: FloatArray) -> dict[str, float]:
     return found
 
 
-def worn_side(surface: Contour) -> WornSide | None:
-    """Return the side of a right-hand rail's head that is worn more, None if neither is or not both are seen.
+def worn_side(points: FloatArray) -> WornSide | None:
+    """Return the side of a right-hand rail's head (n, 2) that is worn more, None if neither is or not both are seen.
 
     Compared are both sides' drops below the top and both sides' half widths, see `measures`: a worn corner drops more,
     a worn face is nearer to the middle. A head that was measured inclined drops more at the gauge side as well.
     """
-    found = measures(surface, "rail")
+    found = _rail(points)
     if "gauge_drop_mm" not in found or "field_drop_mm" not in found:
         return None
     drop = found["gauge_drop_mm"] - found["field_drop_mm"]
@@ -111,6 +112,29 @@ def worn_side(surface: Contour) -> WornSide | None:
         key=lambda each: abs(each[0]),
     )  # fmt: skip
     return None if abs(more) < WORN_MM else WornSide("gauge side" if more > 0.0 else "field side", abs(more), measure)
+
+
+def only_face(points: FloatArray) -> str | None:
+    """Return the side of a right-hand rail's head (n, 2) whose face alone was measured; None if both or none were."""
+    top = points[np.argmax(points[:, 1])]
+    gauge, field = (float(top[1] - points[side, 1].min()) for side in (points[:, 0] <= top[0], points[:, 0] >= top[0]))
+    if max(gauge, field) < HEAD_MM or min(gauge, field) > 0.5 * HEAD_MM:
+        return None
+    return "gauge side" if gauge > field else "field side"
+
+
+def left_hand(points: FloatArray) -> str | None:
+    """Return what shows that points (n, 2) of a head, read as a right-hand one, are those of a left-hand one.
+
+    Instruments measure the gauge face, and wheels wear it: both on the field side show it. Wear below `LEFT_MM` is no
+    evidence.
+    """
+    if only_face(points) == "field side":
+        return "only the face of its field side is measured"
+    side = worn_side(points)
+    if side is None or side.name == "gauge side" or side.more_mm < LEFT_MM:
+        return None
+    return f"its field side is worn more, by {side.more_mm:.2f} mm ({side.measure})"
 
 
 def seen_back_mm(surface: Contour) -> float | None:
@@ -142,11 +166,7 @@ def _first_x(points: FloatArray, level: float) -> float | None:
 def relative_curvature(wheel: WheelProfile, wheel_point: ArrayLike, rail: RailProfile, rail_point: ArrayLike) -> float:
     """Sum of the curvatures of a wheel and a rail at points in their own frames, 1/mm; convex is positive."""
     total = 0.0
-    for outline, names, point in (
-        (wheel.outline, wheel.running_names, wheel_point),
-        (rail.outline, rail.head_names, rail_point),
-    ):
-        curve = outline.part(names)
+    for curve, point in ((wheel.running_surface, wheel_point), (rail.running_surface, rail_point)):
         segment = int(curve.closest(np.atleast_2d(point))[0][0])
         total += curve.segments[segment].curvature
     return total

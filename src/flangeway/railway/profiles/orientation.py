@@ -57,10 +57,18 @@ class Orientation:
 
     def applied(self, points: FloatArray) -> FloatArray:
         """Return points (n, 2) of the file in mm and this package's axes, in the file's order."""
-        scale = UNITS_MM[self.unit]
-        signs = np.array([-scale if self.mirrored else scale, scale if self.upwards else -scale])
-        placed: FloatArray = points * signs + self.shift_mm
+        placed: FloatArray = points * self._signs + self.shift_mm
         return placed
+
+    def undone(self, points: FloatArray) -> FloatArray:
+        """Return points (n, 2) in this package's axes as the file has them, in its unit."""
+        original: FloatArray = (points - self.shift_mm) / self._signs
+        return original
+
+    @property
+    def _signs(self) -> FloatArray:
+        scale = UNITS_MM[self.unit]
+        return np.array([-scale if self.mirrored else scale, scale if self.upwards else -scale])
 
 
 @dataclass(frozen=True)

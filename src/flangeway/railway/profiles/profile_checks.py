@@ -92,7 +92,7 @@ def _without_doubled(points: FloatArray, lines: Lines) -> tuple[FloatArray, Line
     if not n_left_out:
         return points, lines, []
     first = next(i for i, k in enumerate([*kept, -1]) if k != i)
-    notice = f"{n_left_out} points nearer than {SAME_MM:g} mm to the one before are left out"
+    notice = f"{n_left_out} of {len(points)} points nearer than {SAME_MM:g} mm to the one before are left out"
     return points[kept], lines[kept], [f"{notice}, the first in line {lines[first]}."]
 
 
@@ -138,7 +138,11 @@ def _without_outliers(points: FloatArray, lines: Lines, drop: bool) -> tuple[Flo
             "remove the line, or give --drop-outliers",
         )
     kept = np.setdiff1d(np.arange(len(points)), found)
-    return points[kept], lines[kept], [f"{len(found)} points off the curve are left out, the first in {what}."]
+    return (
+        points[kept],
+        lines[kept],
+        [f"{len(found)} of {len(points)} points off the curve are left out, the first in {what}."],
+    )
 
 
 def _without_folds(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[str]]:
@@ -153,7 +157,9 @@ def _without_folds(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines,
             continue
         dropped.append(i)
         if len(points) - i <= _HOOK:
-            notice = f"The last {len(points) - i} points turn back and are left out, from line {lines[i]}."
+            notice = (
+                f"The last {len(points) - i} of {len(points)} points turn back and are left out, from line {lines[i]}."
+            )
             return points[kept], lines[kept], [notice]
         if math.dist(points[i], last) > _MAX_FOLD_MM or len(dropped) > _MOST_FOLDED:
             x, y = last
@@ -166,7 +172,11 @@ def _without_folds(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines,
         return points, lines, []
     x, y = points[dropped[0]]
     place = f"line {lines[dropped[0]]} at ({x:.6g}, {y:.6g}) mm"
-    return points[kept], lines[kept], [f"{len(dropped)} points that go back are left out, the first in {place}."]
+    return (
+        points[kept],
+        lines[kept],
+        [f"{len(dropped)} of {len(points)} points that go back are left out, the first in {place}."],
+    )
 
 
 def _gaps(points: FloatArray, lines: Lines) -> list[str]:

@@ -3,9 +3,11 @@
 import codecs
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Segment, as_point
@@ -21,7 +23,7 @@ from flangeway.railway.profiles.formats.segment_files import (
 from flangeway.railway.profiles.formats.simpack import read_simpack, write_simpack
 from flangeway.railway.profiles.formats.slice_files import SLICES, UNITS, read_slices
 from flangeway.railway.profiles.formats.two_column import one_line, read_two_column, write_two_column
-from flangeway.railway.profiles.measures import seen_back_mm, worn_side
+from flangeway.railway.profiles.measures import left_hand, seen_back_mm, worn_side
 from flangeway.railway.profiles.orientation import UNITS_MM, Orientation, agreed_unit, orientation
 from flangeway.railway.profiles.profile_checks import checked_points, refuse_length
 from flangeway.railway.profiles.smoothing import USUAL_WAVELENGTH_MM, Smoothing, smoothed
@@ -47,6 +49,9 @@ _SPACING_MM = 0.25
 _MANY_HELD = 0.05
 _DEVIATION_MM = 2e-4
 
+MIRRORED = "The file holds a left-hand rail, and is mirrored"
+FIELD_WORN = "The head is worn more at the field side"
+"""MIRRORED, FIELD_WORN: beginnings of notices of which results warn."""
 BACK_OFF_MM = 0.5
 """Difference of a measured flange back from the tape distance of the file above which there is a notice."""
 
@@ -62,7 +67,8 @@ class ReadOptions:
     kind
         ``"rail"`` or ``"wheel"``.
     mirror
-        Whether to reverse the first coordinate: the file holds the profile of a left-hand side.
+        Whether to reverse the first coordinate: the file holds the profile of a left-hand side. None: a wheel's flange
+        shows it, and a rail's head where one side is clearly worn more, or only one is measured.
     flip
         Whether to reverse the second coordinate.
     origin
@@ -82,7 +88,7 @@ class ReadOptions:
 
     unit: str | None = None
     kind: str | None = None
-    mirror: bool = False
+    mirror: bool | None = None
     flip: bool = False
     origin: str | None = None
     tape_mm: float | None = None
@@ -106,6 +112,7 @@ class MeasuredProfile:
     - `smoothing`: the smooth curve beside the points; None for lines and arcs.
     - `notices`: sentences on what was left out, bridged or assumed.
     - `first_slice`: of a rail that varies along the track the surface of the first slice, which places all of them.
+    - `file`: name of its file.
     """
 
     title: str
@@ -116,6 +123,7 @@ class MeasuredProfile:
     smoothing: Smoothing | None
     notices: tuple[str, ...] = ()
     first_slice: Contour | None = None
+    file: str = ""
 
     def __post_init__(self) -> None:
         """Make the points read-only."""
@@ -135,6 +143,11 @@ class MeasuredProfile:
         if self.orientation.tape_mm is None:
             raise InputError(f"the tape line of {self.title}, a rail", "a wheel", "give the file of a wheel")
         return self.orientation.tape_mm
+
+    def place(self, point: ArrayLike, moved: tuple[float, float] = (0.0, 0.0)) -> str:
+        """Return words for a point in this package's axes, moved from there, in the file's own coordinates."""
+        x, y = self.orientation.undone(np.asarray(point, dtype=np.float64) - moved)
+        return f"x = {x:z.5g}, y = {y:z.5g} {self.orientation.unit} in {self.file or self.title}"
 
     @property
     def best_points(self) -> FloatArray:
@@ -164,10 +177,11 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
             slices = read_slices(file, _text(content))
             position = slices.wanted(given.position)
             stem = f"{file.stem} at {position:g} {UNITS[slices.kind]}"
-            return _profile(slices.section(position, _slice), "slices", given, stem, slices.slice(0, _slice))
+            found = _profile(slices.section(position, _slice), "slices", given, stem, slices.slice(0, _slice))
+            return replace(found, file=file.name)
         if given.position is not None:
             raise InputError(f"--position {given.position:g}", f"a file of slices, {', '.join(SLICES)}", "leave it out")
-        return _profile(_read(content, ending), FORMATS[ending], given, file.stem)
+        return replace(_profile(_read(content, ending), FORMATS[ending], given, file.stem), file=file.name)
     except InputError as reason:
         raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
 
@@ -218,15 +232,25 @@ def _profile(
             raw.points * scale, raw.lines, unit_is_sure=sure, drop_outliers=options.drop_outliers
         )
         raw = replace(raw, points=points / scale, lines=lines)
-    taken, notices = orientation(
+    oriented = partial(
+        orientation,
         first or raw,
         unit=options.unit,
         kind=options.kind,
-        mirror=options.mirror,
         flip=options.flip,
         origin=options.origin,
         tape_mm=options.tape_mm,
     )
+    taken, notices = oriented(mirror=bool(options.mirror))
+    # crossings, and what was drawn, may be unlike on both sides
+    if taken.kind == "rail" and options.mirror is None and not raw.mirrored and first is None and raw.contour is None:
+        why = left_hand(taken.applied(raw.points))
+        if why is not None:
+            taken, notices = oriented(mirror=True)
+            taken = replace(taken, how={**taken.how, "side": "from the worn side"})
+            more.append(f"{MIRRORED}: read as a right-hand one, {why}. --no-mirror keeps it as it is.")
+    if options.mirror is False:
+        taken = replace(taken, how={**taken.how, "side": "given"})
     if taken.mirrored and taken.how["side"] == "from the flange":
         more.append("The flange shows a left-hand wheel; it is mirrored to the right-hand side.")
     title = (one_line(raw.title) or stem) if first is None else stem
@@ -248,8 +272,8 @@ def _profile(
         )
     if smoothing.n_held > _MANY_HELD * len(points):
         more.append(
-            f"{smoothing.n_held} points were held to the limit: the waves that they show are smoothed with a larger "
-            "--smooth and --limit."
+            f"{smoothing.n_held} of {len(points)} points were held to the limit: the waves that they show are smoothed "
+            "with a larger --smooth and --limit."
         )
     taken, seen = _checked_against_shape(taken, smoothing.curve)
     placing = None
@@ -284,13 +308,10 @@ def _checked_against_shape(taken: Orientation, surface: Contour) -> tuple[Orient
 
 def side_notices(head: Contour) -> list[str]:
     """Return a notice where a rail's head is worn more at the side that no flange reaches."""
-    side = worn_side(head)
+    side = worn_side(head.sampled(spacing=_SPACING_MM, max_deviation=_DEVIATION_MM))
     if side is None or side.name == "gauge side":
         return []
-    return [
-        f"The head is worn more at the field side, by {side.more_mm:.2f} mm ({side.measure}): a left-hand rail? "
-        "--mirror reverses it."
-    ]
+    return [f"{FIELD_WORN}, by {side.more_mm:.2f} mm ({side.measure}): a left-hand rail? --mirror reverses it."]
 
 
 def _placed(contour: Contour, taken: Orientation) -> Contour:

@@ -24,13 +24,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
-from flangeway.geometry import Contour, Placement, Segment
+from flangeway.geometry import Contour, Placement
+from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, extent, graphs_of
 from flangeway.types import Floats
-
-STEEPEST_RAD = math.radians(89.0)
-"""Steeper parts of a profile are left out: a wheel that comes from above cannot touch there first."""
-
-_MAX_LOSS_MM = 2.0
 
 
 class CurvePoints(NamedTuple):
@@ -69,36 +65,26 @@ class RigidCurve:
 
     @classmethod
     def from_contour(cls, contour: Contour, placement: Placement | None = None) -> Self:
-        """Return the part of a contour whose tangents are less steep than `STEEPEST_RAD`.
+        """Return the widest part of a contour whose tangents are less steep than `STEEPEST_RAD`.
 
-        An `InputError` if there is no such part, or an overhang divides it.
+        What lies beyond an overhang, as of a chamfer or a lip, is left out. An `InputError` if there is no such part,
+        or another one is wider than `MAX_CLIPPED` of it.
 
         - `contour`: in either direction.
         - `placement`: where it is; untransformed by default.
         """
         placed = contour if placement is None else contour.transformed(placement)
-        if placed.segments[-1].end[0] < placed.segments[0].start[0]:
-            placed = placed.reversed()
-        runs: list[list[tuple[float, ...]]] = [[]]
-        for segment in placed.segments:
-            row, reaches_start, reaches_end = _running_part(segment)
-            if not reaches_start:
-                runs.append([])
-            if row is not None:
-                runs[-1].append(row)
-            if not reaches_end:
-                runs.append([])
-        tables = sorted((np.array(run) for run in runs if run), key=_extent)
+        tables = graphs_of(placed)
         if not tables:
             raise InputError("a profile without a running surface", "tangents that are not vertical", "check its axes")
-        if len(tables) > 1 and _extent(tables[-2]) > _MAX_LOSS_MM:
-            x, y = tables[-2][0, :2]
+        if len(tables) > 1 and extent(tables[1]) > MAX_CLIPPED * extent(tables[0]):
+            x, y = tables[1][0, :2]
             raise InputError(
                 f"a running surface divided by an overhang, about ({x:.2f}, {y:.2f})",
                 "one surface that runs from the gauge side to the field side",
                 "check the profile's axes, and remove hooks of the measurement",
             )
-        table = tables[-1]
+        table = tables[0]
         return cls(table[:, :2], table[:, 2], table[:, 3], table[:, 4])
 
     @classmethod
@@ -184,33 +170,6 @@ class RigidCurve:
     def moved(self, x: float, y: float) -> "RigidCurve":
         """Return the curve after a translation."""
         return RigidCurve(self.starts + np.array([x, y]), self.angles, self.curvatures, self.lengths)
-
-
-def _extent(rows: Floats) -> float:
-    return float(rows[:, 4] @ np.cos(rows[:, 2] + 0.5 * rows[:, 3] * rows[:, 4]))
-
-
-def _running_part(segment: Segment) -> tuple[tuple[float, ...] | None, bool, bool]:
-    """Part of a segment that is not too steep, and whether it reaches the segment's start and end.
-
-    Returned: x, y, angle, curvature and length of the part, or None; two flags.
-    """
-    tangent = segment.tangent(0.0)[0]
-    angle = math.atan2(tangent[1], tangent[0])
-    curvature = segment.curvature
-    first, last = 0.0, segment.length
-    if curvature == 0.0:
-        if abs(angle) > STEEPEST_RAD:
-            return None, False, False
-    else:
-        # the lengths at which the angle takes both limits; files give arcs shorter than half a turn
-        limits = sorted(((-STEEPEST_RAD - angle) / curvature, (STEEPEST_RAD - angle) / curvature))
-        first, last = max(first, limits[0]), min(last, limits[1])
-        if last - first < 1e-9 * segment.length:
-            return None, False, False
-    start = segment.point(first / segment.length)[0]
-    row = (float(start[0]), float(start[1]), angle + curvature * first, curvature, last - first)
-    return row, first == 0.0, last == segment.length
 
 
 MAX_YAW_RAD = 0.2  # maximum yaw; beyond it steep flanges touch at the height of the axle

@@ -280,7 +280,7 @@ class RigidGeometry:
         found, lost = self._rolled(target, eta, phi, at_axle=at_axle)
         if len(lost):
             raise InputError(
-                f"a lateral displacement of {target[lost[0]]:g} mm, at which no roll lets both wheels touch",
+                f"a lateral displacement of {target[lost[0]]:g} mm: no two-wheel contact position found",
                 "profiles on which the touch can be followed",
                 "smooth the profiles, or change the displacement a little",
             )

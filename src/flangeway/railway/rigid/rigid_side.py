@@ -70,10 +70,10 @@ class RigidSide:
             rail_frame, reference = mirrored(rail_frame), mirrored(reference)
         wheel_frame = Placement(0.0, (0.0, -wheelset.tape_radius_mm)).after(reference)
         wheel, rail = wheelset.wheel_of(side), track.rail_of(side)
-        profile = RigidCurve.from_contour(wheel.outline.part(wheel.running_names), wheel_frame)
+        profile = RigidCurve.from_contour(wheel.running_surface, wheel_frame)
         return cls(
             outline_across(profile, yaw_rad),
-            RigidCurve.from_contour(rail.outline.part(rail.head_names), rail_frame),
+            RigidCurve.from_contour(rail.running_surface, rail_frame),
             wheel_frame,
             rail_frame,
             yaw_rad if side == "right" else -yaw_rad,
@@ -156,7 +156,9 @@ class RigidSide:
         lateral, roll = lateral[part], roll[part]
         first, last = self.rail.joints[[0, -1]]
         arcs, wheel = self._samples
-        near = np.flatnonzero((wheel.x + lateral.max() > first - 3.0) & (wheel.x + lateral.min() < last + 3.0))
+        # roll moves the wheel's lower part across by its radius times the angle
+        across = lateral[:, None] - np.sin(roll)[:, None] * [wheel.y.min(), wheel.y.max()]
+        near = np.flatnonzero((wheel.x + across.max() > first - 3.0) & (wheel.x + across.min() < last + 3.0))
         within = slice(near[0], near[-1] + 1)
         arcs, x, y = arcs[within], wheel.x[within], wheel.y[within]
         cosine, sine = np.cos(roll)[:, None], np.sin(roll)[:, None]

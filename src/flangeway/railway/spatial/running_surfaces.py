@@ -75,7 +75,7 @@ def running_surfaces(
         if of_rail not in done:
             done[of_rail] = _rail(problem, model, rail, cache, progress)
         found[side] = SideSurfaces(
-            RigidCurve.from_contour(wheel.gap_surface, curves.wheel_frame),
+            curves.wheel,
             curves.rail,
             done[of_wheel][0],
             done[of_rail][0],
@@ -176,9 +176,17 @@ def _corners(cells: SurfaceCells) -> Floats:
 
 
 def _stations(curve: RigidCurve, corners: Floats) -> Floats:
-    """Lengths along a curve, and along the chain of its mesh's corners, at these, by rising lengths: (n, 2)."""
+    """Lengths along a curve, and along the chain of its mesh's corners, at these, by rising lengths: (n, 2).
+
+    Corners beyond an overhang, which the curve leaves out, are left out: those kept follow each other across.
+    """
     arcs: Floats = np.linspace(0.0, curve.length, 1 + int(np.ceil(curve.length / 0.002)))
     x = curve.at(arcs).x
-    inside = (corners[:, 0] >= x[0]) & (corners[:, 0] <= x[-1])
-    pairs = np.stack((np.interp(corners[:, 0], x, arcs), stations_of(corners)), axis=1)[inside]
-    return pairs[np.argsort(pairs[:, 0])]
+    along = stations_of(corners)
+    outward = corners[-1, 0] > corners[0, 0]
+    turns = np.flatnonzero(np.diff(corners[:, 0]) * (1.0 if outward else -1.0) <= 0.0) + 1
+    parts = np.split(np.arange(len(corners)), turns)
+    part = max(parts, key=lambda numbers: float(np.ptp(corners[numbers, 0])))
+    part = part[(corners[part, 0] >= x[0]) & (corners[part, 0] <= x[-1])]
+    pairs = np.stack((np.interp(corners[part, 0], x, arcs), along[part]), axis=1)
+    return pairs if outward else pairs[::-1]

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from flangeway.elements import Lagrange
 from flangeway.elements.quadrature import edge_shapes
@@ -37,6 +36,8 @@ PER_DECADE = 8
 """Wavenumbers for each decade; three times as many change no displacement by more than 1e-4."""
 FAR = 0.02
 """Load of the last sleepers over that of the most loaded one, above which there are too few."""
+MAX_OFF_MM = 3.0
+"""Distance from the section's surface above which points are in another frame; chords and corners make up to 1 mm."""
 CHUNK = 64
 """Distances whose weights are computed together: bounds their memory."""
 
@@ -177,28 +178,26 @@ class SupportedRail:
         return moved
 
     def on_surface(self, points: Floats) -> tuple[Ints, Floats]:
-        """Nodes of the boundary's edges next to points (n, 2), and their shares there, each (n, order + 1).
+        """Nodes of the boundary's edges nearest to points (n, 2), and their shares at the feet, each (n, order + 1).
 
-        An `InputError` if a point is farther from the mesh than its chords can be from its curve.
+        Points of another mesh of the section lie off these chords where the outline turns, most at the joints of a
+        measured head with its body: they are projected. An `InputError` if one is farther away than `MAX_OFF_MM`.
         """
         space = self.problem.elasticity.space
         edges = space.mesh.boundary_edges
         start, chords = space.mesh.points[edges[:, 0]], np.diff(space.mesh.points[edges], axis=1)[:, 0]
-        lengths = np.linalg.norm(chords, axis=1)
-        _, near = cKDTree(start + chords / 2.0).query(points, k=min(4, len(edges)))
-        apart = points[:, None] - start[near]
-        share = np.clip(np.einsum("nei,nei->ne", apart, chords[near]) / lengths[near] ** 2, 0.0, 1.0)
-        distances = np.linalg.norm(apart - share[..., None] * chords[near], axis=-1)
-        best = distances.argmin(axis=1)
-        rows = np.arange(len(points))
-        if len(points) and float((distances[rows, best] / lengths[near[rows, best]]).max()) > 0.2:
+        squares = (chords**2).sum(axis=1)
+        apart = points[:, None] - start
+        share = np.clip(np.einsum("nei,ei->ne", apart, chords) / squares, 0.0, 1.0)
+        distances = np.linalg.norm(apart - share[..., None] * chords, axis=-1)
+        best, rows = distances.argmin(axis=1), np.arange(len(points))
+        if len(points) and (maximum := float(distances[rows, best].max())) > MAX_OFF_MM:
             raise InputError(
-                f"points up to {float(distances[rows, best].max()):.3g} mm from the surface of "
-                f"`{self.problem.elasticity.name}`",
+                f"points up to {maximum:.3g} mm from the surface of `{self.problem.elasticity.name}`",
                 "points on the surface, in the frame of the section",
                 "check the placement of the rail",
             )
-        return space.edge_nodes(edges)[near[rows, best]], edge_shapes(space.order, share[rows, best])
+        return space.edge_nodes(edges)[best], edge_shapes(space.order, share[rows, best])
 
     def seats_from(self, nodes: Ints, shares: Floats) -> Floats:
         """Displacements of points at z = 0 by unit loads of the seats: (n, 3, n_sleepers, 3).

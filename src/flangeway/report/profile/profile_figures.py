@@ -94,9 +94,9 @@ def join_figure(joined: Joined) -> Figure:
                 f"{joint.name.replace('_', ', ')}: end {joint.gap_mm:.3f} mm from the nominal outline", fontsize=9
             )
             for letter, place, apart in (
-                ("end", joint.end, (8, 6)),
-                ("foot", joint.foot, (8, -14)),
-                ("landing", joint.landing, (8, 4)),
+                ("measured end", joint.end, (8, 6)),
+                ("nearest nominal point", joint.foot, (8, -14)),
+                ("junction", joint.landing, (8, 4)),
             ):
                 text = axes.annotate(letter, place, xytext=apart, textcoords="offset points", fontsize=8, zorder=6)
                 text.set_path_effects([HALO])

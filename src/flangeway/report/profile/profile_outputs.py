@@ -154,7 +154,7 @@ def profile_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
     rows = [
         ("what", f"{summary['kind']}, {summary['format']}", how["kind"]),
         ("unit of the file", taken["unit"], how["unit"]),
-        ("its second coordinate", "up" if taken["second_coordinate_up"] else "down", how["up"]),
+        ("vertical axis in the file", f"positive {'up' if taken['second_coordinate_up'] else 'down'}", how["up"]),
         ("mirrored", "yes" if taken["mirrored"] else "no", how["side"]),
         ("its origin", taken["origin"], how["origin"]),
     ]
@@ -167,11 +167,11 @@ def profile_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
         ("points", f"{summary['points']}", "in reverse" if taken["order_reversed"] else ""),
         ("lines", f"{summary['lines']}", ""),
         ("arcs", f"{summary['arcs']}", ""),
-        ("length along it, mm", f"{summary['length_mm']:.3f}", ""),
-        *_point("from {}, mm", summary["lower_left_mm"]),
-        *_point("to {}, mm", summary["upper_right_mm"]),
+        ("arc length, mm", f"{summary['length_mm']:.3f}", ""),
+        *_point("{} min, mm", summary["lower_left_mm"]),
+        *_point("{} max, mm", summary["upper_right_mm"]),
     ]
-    for key, name in (("convex", "smallest convex radius, mm"), ("hollow", "smallest hollow radius, mm")):
+    for key, name in (("convex", "minimum convex radius, mm"), ("hollow", "minimum concave radius, mm")):
         value = summary[f"smallest_{key}_radius_mm"]
         rows.append((name, "none" if value is None else f"{value:.4g}", ""))
     rows += [
@@ -179,7 +179,7 @@ def profile_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
     ]
     if summary["kind"] == "rail":
         side = summary["worn_side"]
-        rows.append(("worn more at", "neither" if side is None else side["name"], _more(side)))
+        rows.append(("worn more at", *_worn(side, summary["only_face"])))
     return rows + _smoothing_rows(summary) + _join_rows(summary)
 
 
@@ -187,8 +187,10 @@ def _point(name: str, point: Sequence[float]) -> list[tuple[str, str, str]]:
     return [(name.format(axis), f"{value:z.3f}", "") for axis, value in zip("xy", point, strict=True)]
 
 
-def _more(side: dict[str, Any] | None) -> str:
-    return "" if side is None else f"by {side['more_mm']:.2f} mm: {side['measure']}"
+def _worn(side: dict[str, Any] | None, only_face: str | None) -> tuple[str, str]:
+    if only_face is not None:
+        return "not seen", f"only the face of the {only_face} is measured"
+    return ("neither", "") if side is None else (side["name"], f"by {side['more_mm']:.2f} mm: {side['measure']}")
 
 
 def _smoothing_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
@@ -206,7 +208,8 @@ def _smoothing_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
         (
             "  deviation, maximum, μm",
             f"{smoothing['maximum_deviation_um']:.2f}",
-            f"limit {smoothing['limit_um']:.3g}" + (f", {n_held} points held to it" if n_held else ""),
+            f"limit {smoothing['limit_um']:.3g}"
+            + (f", {n_held} of {summary['points']} points at the limit" if n_held else ""),
         ),
     ]
 
@@ -221,7 +224,7 @@ def _join_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
             for x, y in [joint["end_mm"]]
         ]
         lost = summary["join"]["area_less_than_nominal_mm2"]
-        rows.append(("  area less than the nominal one, mm²", f"{lost:.1f}", ""))
+        rows.append(("  worn area, mm²", f"{lost:.1f}", ""))
     if summary["area_mm2"] is not None:
         rows.append(("area of the whole section, mm²", f"{summary['area_mm2']:.1f}", ""))
     return rows

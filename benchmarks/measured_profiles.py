@@ -1,0 +1,105 @@
+"""Public measured profiles in the default case, each with a nominal partner: what converges, and why others do not.
+
+The files are those of the program CONTACT (github.com/eve70a/CONTACT, testbank and examples); none is copied here.
+``python -m benchmarks.measured_profiles FOLDER [LATERAL_MM...]`` prints a table in Markdown: a line for each file, or
+for three sections of a file of slices.
+"""
+
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from flangeway.cases.profile.profile_run import run_profile
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_profiles import position_key, with_body
+from flangeway.errors import InputError
+from flangeway.railway.profiles.formats.slice_files import SLICES
+from flangeway.railway.profiles.profile_file import ReadOptions, sections_of
+
+ENDINGS = (".prr", ".prw", ".ban", ".whl", *SLICES)
+LATERAL_MM = (-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0)
+AMERICAN = ("136RE", "AAR-1B", "heavy-haul")
+PARTNERS = {"rail": ("S1002", "AAR-1B"), "wheel": ("60E1", "136RE")}
+"""Nominal partner of a profile on a European body, and on an American one."""
+
+
+@dataclass(frozen=True)
+class MeasuredRow:
+    """A file in the default case at one lateral position, or free for None.
+
+    - `end`: ``"converged"``, ``"refused"`` or ``"not converged"``.
+    - `words`: refusal or message.
+    - `warnings`: of the result.
+    """
+
+    file: str
+    partner: str
+    lateral_mm: float | None
+    end: str
+    words: str
+    warnings: tuple[str, ...] = ()
+
+
+def profile_files(folder: Path) -> list[tuple[Path, float | None]]:
+    """Files of profiles in a folder, with a first, a middle and a last position of those of slices."""
+    found: list[tuple[Path, float | None]] = []
+    for file in sorted(each for each in folder.iterdir() if each.suffix.lower() in ENDINGS):
+        places = sections_of(file)
+        chosen = [places[i] for i in sorted({0, len(places) // 2, len(places) - 1})] if places else [None]
+        found += [(file, place) for place in chosen]
+    return found
+
+
+def rows_of(file: Path, position: float | None, lateral_mm: Sequence[float | None]) -> Iterator[MeasuredRow]:
+    """Run a file in the default case, free and at lateral positions; after a refusal of the file itself no more."""
+    name = file.name if position is None else f"{file.name} at {position:g}"
+    try:
+        measured = run_profile(str(file), ReadOptions(position=position)).profile
+        body = with_body(measured, str(file), measured.kind).title
+    except InputError as reason:
+        yield MeasuredRow(name, "", None, "refused", str(reason))
+        return
+    american = any(word in body.rpartition(" on ")[2] for word in AMERICAN)
+    partner = PARTNERS[measured.kind][american]
+    values: dict[str, Any] = {measured.kind: str(file), "wheel" if measured.kind == "rail" else "rail": partner}
+    if position is not None:
+        values[position_key(measured.kind)] = position
+    for lateral in lateral_mm:
+        given = values if lateral is None else {**values, "lateral_mm": lateral}
+        try:
+            run = SpatialWheelsetCase.from_values(given).run()
+        except InputError as reason:
+            yield MeasuredRow(name, partner, lateral, "refused", str(reason))
+            continue
+        end = "converged" if run.summary.status.converged else "not converged"
+        yield MeasuredRow(name, partner, lateral, end, run.summary.status.message, tuple(run.summary.warnings))
+
+
+def table(folder: Path, lateral_mm: Sequence[float | None] = (None, *LATERAL_MM)) -> Iterator[str]:
+    """Lines of the table."""
+    yield "| file | partner | converged at, mm | otherwise |"
+    yield "|---|---|---|---|"
+    for file, position in profile_files(folder):
+        rows = list(rows_of(file, position, lateral_mm))
+        good = ", ".join("free" if row.lateral_mm is None else f"{row.lateral_mm:g}" for row in rows if _good(row))
+        other: dict[str, list[str]] = {}
+        for row in rows:
+            if not _good(row):
+                words = row.words.replace(str(file.parent) + "/", "").splitlines()
+                place = "free" if row.lateral_mm is None else f"{row.lateral_mm:g}"
+                other.setdefault(f"{row.end}: {'; '.join(words[1:2] if 'lateral disp' in words[0] else words[:1])}", [])
+                other[next(reversed(other))].append(place)
+        reasons = "; ".join(f"{', '.join(places)}: {words}" for words, places in other.items())
+        mirrored = " (mirrored)" if any("left-hand" in each for row in rows for each in row.warnings) else ""
+        yield f"| {rows[0].file}{mirrored} | {rows[0].partner} | {good} | {reasons} |"
+
+
+def _good(row: MeasuredRow) -> bool:
+    return row.end == "converged"
+
+
+if __name__ == "__main__":
+    for line in table(Path(sys.argv[1]), [None, *map(float, sys.argv[2:] or LATERAL_MM)]):
+        print(line, flush=True)
