@@ -31,7 +31,7 @@ MAX_DIGITS = 16.0
 EPS = float(np.finfo(np.float64).eps)
 
 RAISED_DIAGONAL = 1e-12
-"""Relative increase of diagonal entries: above the round-off of pivots, below all but a slender body's softest modes."""
+"""Relative increase of diagonal entries: above round-off of pivots, below all but a slender body's softest modes."""
 
 INVERSE_ITERATIONS = 3
 """Iterations until the softest motion has 1e-6 of other ones, if these are a hundred times as stiff."""
@@ -81,6 +81,8 @@ def solve_linear(
         return np.empty(0), Status(True, "every unknown is prescribed", 0, MAX_DIGITS)
     factor = cholesky(matrix, groups) if product is None else _preconditioner(matrix, groups, product)
     product = matrix if product is None else product
+    unit = float(np.abs(rhs).max()) or 1.0  # of forces, whose squares must neither underflow nor overflow
+    rhs = rhs / unit
     values, direction, residual, power = np.zeros(matrix.n), np.zeros(matrix.n), rhs, 1.0
     for iteration in range(MAX_CORRECTIONS):  # noqa: B007 (used after the loop)
         correction = factor.solve(residual)
@@ -102,7 +104,7 @@ def solve_linear(
     ratio = float(np.abs(residual).max() / scale) if scale > 0.0 else 0.0
     digits = digits_left(change, product.relative_energy(values))
     status = Status(ratio <= SMALL_RESIDUAL, f"the residual is {ratio:.1e} of the maximum force", 1)
-    return values, status.with_digits(digits)
+    return values * unit, status.with_digits(digits)
 
 
 def relative_maximum(correction: Floats, values: Floats) -> float:

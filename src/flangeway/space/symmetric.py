@@ -173,5 +173,5 @@ class DifferenceProduct:
         return _relative(nodal @ self.at_nodes(nodal), np.abs(nodal) @ terms)
 
     def _differences(self, vector: Floats) -> tuple[Floats, Floats]:
-        """Each entry's column node's displacement minus its row node's, in the component of its column and of its row."""
+        """Each entry's column node's displacement minus its row node's, in its column's component and in its row's."""
         return vector[self._columns] - vector[self._row_nodes], vector[self._column_nodes] - vector[self._rows]
