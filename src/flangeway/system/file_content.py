@@ -1,6 +1,8 @@
 """What readers of files share: whether there is a file, its bytes, the cells of lines in CSV, and what TOML says."""
 
 import csv
+import errno
+import stat
 import tomllib
 from importlib.resources import files
 from pathlib import Path
@@ -20,11 +22,18 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def limited_bytes(file: Path, limit: int) -> tuple[int, bytes]:
+    """Size and bytes of a file, none of a larger one; an `OSError` for what is no file, such as a named pipe."""
+    found = file.stat()
+    if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):  # a folder has an error of its own
+        raise OSError(errno.EINVAL, "not a file but a pipe or a device")
+    return found.st_size, file.read_bytes() if found.st_size <= limit else b""
+
+
 def file_content(file: Path, what: str) -> bytes:
     """Return the bytes of a file; an `InputError` if it cannot be read or is empty, "a profile" expected, say."""
     try:
-        size = file.stat().st_size
-        content = file.read_bytes() if size <= MAX_BYTES else b""
+        size, content = limited_bytes(file, MAX_BYTES)
     except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
         why = getattr(reason, "strerror", None) or reason
         raise InputError(f"file {file}: {why}", "a file that can be read", "check the name") from reason
