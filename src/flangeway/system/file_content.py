@@ -2,6 +2,7 @@
 
 import csv
 import errno
+import re
 import stat
 import tomllib
 from importlib.resources import files
@@ -11,6 +12,7 @@ from typing import Any
 from flangeway.errors import InputError
 
 MAX_BYTES = 50_000_000
+COMMA_NUMBER = re.compile(r"[+-]?\d*,\d*(?:[eE][+-]?\d+)?")
 MAX_DEPTH = 50  # tables and lists inside of each other; no input has more than ten
 
 
@@ -54,14 +56,23 @@ def utf8_text(content: bytes) -> str:
         ) from reason
 
 
+def csv_separator(header: str) -> str:
+    """What separates the cells of a table with this first line: semicolons or tabs if it has some, else commas."""
+    return next((each for each in ";\t" if each in header), ",")
+
+
 def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
-    """Return the cells of a line without blanks around them; none of an empty line."""
+    """Return the cells of a line without blanks around them; none of an empty line.
+
+    Unless commas separate them, those in numbers are decimal commas, and become points.
+    """
     try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
     except csv.Error as reason:
         raise InputError(
             f"line {number} of {len(line)} characters: {reason}", "short cells", "check that each row has its own line"
         ) from reason
+    return [cell.replace(",", ".") if separator != "," and COMMA_NUMBER.fullmatch(cell) else cell for cell in cells]
 
 
 def packaged_rows(package: str, name: str) -> list[dict[str, str]]:
