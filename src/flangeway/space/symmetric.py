@@ -70,7 +70,7 @@ class SymmetricMatrix:
         at most e over this.
         """
         magnitudes = replace(self, values=np.abs(self.values))
-        return _relative(vector @ self.times(vector), np.abs(vector) @ magnitudes.times(np.abs(vector)))
+        return _relative(float(vector @ self.times(vector)), float(np.abs(vector) @ magnitudes.times(np.abs(vector))))
 
     def restricted(self, kept: NDArray[np.bool_]) -> "SymmetricMatrix":
         """Rows and columns where ``kept``, shape (n,), is true, in their order."""
@@ -107,7 +107,7 @@ class SymmetricMatrix:
 
 
 def _relative(energy: float, terms: float) -> float:
-    return float(energy / terms) if terms > 0.0 else 1.0
+    return energy / terms if terms > 0.0 else 1.0
 
 
 class DifferenceProduct:
@@ -170,7 +170,7 @@ class DifferenceProduct:
         along, across = (np.abs(self._values * each) for each in self._differences(nodal))
         terms = np.bincount(self._rows, along, len(nodal)) + np.bincount(self._columns, across, len(nodal))
         terms += abs(self._added) @ np.abs(nodal)
-        return _relative(nodal @ self.at_nodes(nodal), np.abs(nodal) @ terms)
+        return _relative(float(nodal @ self.at_nodes(nodal)), float(np.abs(nodal) @ terms))
 
     def _differences(self, vector: Floats) -> tuple[Floats, Floats]:
         """Each entry's column node's displacement minus its row node's, in its column's component and in its row's."""
