@@ -55,7 +55,7 @@ class SumCase(RunnableCase):
         time.sleep(float(os.environ.get("SUM_SECONDS", "0")))
         status = Status(self.a != 5, "five does not converge" if self.a == 5 else "done", 1)
         summary = SumSummary(status=StatusSummary(status.converged, status.message), case={}, timings_s={},
-                             peak_memory_MB=None, total=self.a + self.b / 3.0)
+                             total=self.a + self.b / 3.0)
         return SumRun(self, status, summary)
 
 CASES["sum"] = SumCase

@@ -72,7 +72,8 @@ def patch_columns(models: Collection[str | None]) -> tuple[str, ...]:
 WHEELSET_COLUMNS, PATCH_COLUMNS = wheelset_columns(("plane",)), patch_columns(("plane",))
 """Of plane wheelsets, and of other cases."""
 
-_SKIPPED = ("timings_s", "case", "versions", "published", "status")
+_SKIPPED = ("timings_s", "peak_memory_MB", "case", "versions", "published", "status")
+"""Parts of summaries that are no result of a row, or depend on the machine and on what it computed before."""
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,10 @@ from flangeway.types import Floats
 
 FORMAT = "flangeway campaign 1"
 WAITING = "waiting"
+STATUSES = (WAITING, "converged", "not converged", "failed")
+TEXTS = ("message", "_remark", "side", "region")
+"""Ends of the names of columns with text."""
+
 OWN_COLUMNS = ("row", "identity", "status", "message", "warnings")
 
 Columns = dict[str, list[Value]]
@@ -84,14 +88,21 @@ class CampaignDatabase:
         self._opened.close()
 
     def begin(self, campaign: Campaign) -> None:
-        """Store the rows of a campaign as waiting, or make sure that they are those stored before.
+        """Store the rows of a campaign as waiting, those too that are missing in the file of this campaign.
 
         An `InputError` if the file is that of another campaign.
         """
         stored = self._stored_identity()
         if stored is None:
             self._create(campaign)
-        elif stored != campaign.identity:
+        elif stored == campaign.identity:
+            with self._transaction():
+                self._insert_rows(campaign)
+                for table in ("patches", "timings"):  # what is left of rows that somebody has deleted
+                    self._connection.execute(
+                        f'DELETE FROM {table} WHERE "row" IN (SELECT "row" FROM rows WHERE status = ?)', (WAITING,)
+                    )
+        else:
             raise InputError(
                 f"{self.path} with results of another campaign: {self._difference(campaign)}",
                 "the campaign that it was begun with",
@@ -161,14 +172,18 @@ class CampaignDatabase:
                 "versions": json.dumps(versions()),
             }
             self._connection.executemany("INSERT INTO meta VALUES (?, ?)", facts.items())
-            names = ("row", "identity", "status", *campaign.keys)
-            self._connection.executemany(
-                f"INSERT INTO rows ({', '.join(map(quoted, names))}) VALUES ({', '.join('?' * len(names))})",
-                (
-                    (row.number, row.identity, WAITING, *(as_cell(row.varied[key]) for key in campaign.keys))
-                    for row in campaign.rows
-                ),
-            )
+            self._insert_rows(campaign)
+
+    def _insert_rows(self, campaign: Campaign) -> None:
+        """Store the rows that are not there as waiting."""
+        names = ("row", "identity", "status", *campaign.keys)
+        self._connection.executemany(
+            f"INSERT OR IGNORE INTO rows ({', '.join(map(quoted, names))}) VALUES ({', '.join('?' * len(names))})",
+            (
+                (row.number, row.identity, WAITING, *(as_cell(row.varied[key]) for key in campaign.keys))
+                for row in campaign.rows
+            ),
+        )
 
     def _stored_identity(self) -> str | None:
         if not self._connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'meta'").fetchone():
@@ -338,7 +353,9 @@ def results(database: str | Path) -> CampaignTable:
             rows = _columns(connection, "rows", wanted, '"row"')
             of_patches = [name for _, name, *_ in connection.execute("PRAGMA table_info(patches)")]
             patches = _columns(connection, "patches", of_patches, '"row", side, number')
-    except (sqlite3.Error, KeyError) as reason:
+        _refuse_broken({name: cells for name, cells in rows.items() if name not in keys})
+        _refuse_broken(patches)
+    except (sqlite3.Error, KeyError, ValueError) as reason:
         raise unusable(path, reason) from reason
     return CampaignTable(facts["name"], facts["case"], keys, inputs, rows, patches)
 
@@ -350,6 +367,20 @@ def _wanted(names: list[str], keys: tuple[str, ...], columns: list[str]) -> list
     if not set(wheelset_columns(())) <= set(names):
         found.sort()
     return [*own[:2], *keys, *(columns or found), *own[2:]]
+
+
+def _refuse_broken(columns: Columns) -> None:
+    """Raise a `ValueError` for cells that no row has stored, and for text in columns of numbers."""
+    for name, cells in columns.items():
+        for row, cell in zip(columns["row"], cells, strict=True):
+            if name == "status":
+                correct = cell in STATUSES
+            elif name == "warnings":
+                correct = cell is None or isinstance(json.loads(str(cell)), list)
+            else:
+                correct = not isinstance(cell, str | bytes) or name.endswith(TEXTS)
+            if not correct:
+                raise ValueError(f"row {row} has {cell!r} in the column {name}")
 
 
 def _columns(connection: sqlite3.Connection, table: str, names: list[str], order: str) -> Columns:

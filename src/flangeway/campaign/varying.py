@@ -9,7 +9,7 @@ from typing import Any
 
 from flangeway.cases.case import GivenText, closest
 from flangeway.errors import InputError, short
-from flangeway.system.file_content import csv_cells
+from flangeway.system.file_content import csv_cells, csv_separator
 
 RANGE_KEYS = ("from", "to", "n", "step")
 MOST_ROWS = 1_000_000
@@ -120,8 +120,7 @@ def read_table(path: Path) -> list[dict[str, Any]]:
         raise InputError(
             f"table {path}: {why}", "a CSV file in UTF-8, its path relative to the campaign's file", "correct the path"
         ) from reason
-    first = text.partition("\n")[0]
-    separator = ";" if ";" in first else "\t" if "\t" in first else ","
+    separator = csv_separator(text.partition("\n")[0])
     lines = []
     for number, line in enumerate(text.splitlines(), 1):
         try:

@@ -92,6 +92,19 @@ class Table(BaseModel):
                     return name, unit
         return key, None
 
+    def refuse_without_effect(self, keys: Iterable[str], key: str, wanted: str, within: str = "") -> None:
+        """Refuse inputs that another one leaves without effect, if they are not those by default.
+
+        - `within`: path of this table in the case, before the inputs' names.
+        """
+        for name in keys:
+            if getattr(self, name) != type(self).model_fields[name].default:
+                raise InputError(
+                    f"{within}{name} = {getattr(self, name)} with {key} = {getattr(self, key)}",
+                    f"{name} with {key} = {wanted}",
+                    f"leave {name} out, or give {key} = {wanted}",
+                )
+
 
 class Case(Table):
     """Inputs of a computation; units are in the names, and keys that are left out have defaults.
@@ -146,16 +159,6 @@ class Case(Table):
         except InputError as reason:
             given, allowed, advice = map(self.as_written, (reason.given, reason.allowed, reason.advice))
             raise InputError(f"{place(given)}{given}", allowed, advice) from reason
-
-    def refuse_without_effect(self, keys: Iterable[str], key: str, wanted: str) -> None:
-        """Refuse inputs that another one leaves without effect, if they are not those by default."""
-        for name in keys:
-            if getattr(self, name) != type(self).model_fields[name].default:
-                raise InputError(
-                    f"{name} = {getattr(self, name)} with {key} = {getattr(self, key)}",
-                    f"{name} with {key} = {wanted}",
-                    f"leave {name} out, or give {key} = {wanted}",
-                )
 
     @classmethod
     def tables_of_inputs(cls, units: Units = "metric") -> list[tuple[str, list[tuple[str, str, str, str]]]]:

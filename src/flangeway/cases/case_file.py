@@ -9,7 +9,7 @@ from flangeway.cases.bodies.chains import BearingRingCase, RollerBetweenPlatesCa
 from flangeway.cases.bodies.cook import CookCase
 from flangeway.cases.bodies.presets import ContactPatchCase, HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
-from flangeway.cases.case import RunnableCase, closest, key_text, merged
+from flangeway.cases.case import RunnableCase, Table, closest, key_text, merged
 from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase
 from flangeway.cases.section.section_run import TorsionCase
 from flangeway.cases.spatial.spatial_case import SpatialCase
@@ -95,7 +95,7 @@ def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = Non
     _refuse_other_file(Path(name_or_file))
     text = CaseText.read(Path(name_or_file))
     case, values = text.case()
-    inputs = _set(text.resolved(values), given)
+    inputs = _set(_with_tables(case, text.resolved(values), given), given)
     replaced = {key.partition(".")[0] for key in given}
 
     def where(key: Key) -> str:
@@ -106,7 +106,7 @@ def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = Non
 
 def _by_name(name: str, settings: Mapping[str, Any]) -> RunnableCase:
     case = find_case(name)
-    values = _set({}, settings)
+    values = _set(_with_tables(case, {}, settings), settings)
     missing = [key for key in case.example if case.model_fields[key].is_required() and key not in values]
     if missing:
         raise InputError(
@@ -223,6 +223,16 @@ class CaseText(TomlFile):
                 "correct the path, or copy the file there",
             )
         return name
+
+
+def _with_tables(case: type[RunnableCase], values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Values with the default of each table that settings name."""
+    named = {name.partition(".")[0] for name in settings if "." in name}
+    defaults = {
+        key: case.model_fields[key].get_default(call_default_factory=True) for key in named & {*case.model_fields}
+    }
+    tables = {key: each.model_dump(exclude_unset=True) for key, each in defaults.items() if isinstance(each, Table)}
+    return tables | values
 
 
 def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -98,8 +98,8 @@ class ContactSolution(Result):
 
     @property
     def status(self) -> Status:
-        """How the computation ended."""
-        return self.state.status
+        """How the computation ended, with the digits that round-off leaves of the bodies' displacements."""
+        return self.state.status.with_digits(self.response.digits)
 
     @cached_property
     def overlaps(self) -> tuple[BodyOverlap, ...]:

@@ -12,7 +12,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Contour
 from flangeway.geometry.arrays import point_text
 from flangeway.mesh.connectivity import chain_starts, edge_places, ordered_pairs
-from flangeway.problems import Part
+from flangeway.problems import Body, Part
 from flangeway.types import Bools, Complex, Floats, Ints
 
 FAR = 0.25
@@ -71,7 +71,8 @@ class Surface:
         The drawn surface in the body's frame. The mesh's straight edges have corners where it is smooth, and corners
         show in the pressure and in the size of the gap, by h^2 / 8 R for edges of length h on a radius R. With a curve
         the gap is measured from the curve, all along the edges: the nodes are shifted onto it, and edges of order 1
-        get a point of it in their middles (`bends`). Left out: the mesh's edges themselves.
+        get a point of it in their middles (`bends`). Left out: the mesh's edges themselves, which are curved where the
+        mesh is, at order 1 too.
     nodes_only
         Whether edges of order 1 stay straight between their nodes on the curve. It saves a third of the time of an
         iteration, and is enough where h^2 / 8 R is far below the approach of the surfaces, as on wheels and rails.
@@ -168,13 +169,21 @@ class Surface:
         """Where the curve is beside the middles of edges of order 1, shape (n_edges,).
 
         The point of an edge from a to b is ``(a + b) / 2 + bend (b - a)``, with points as complex numbers: it moves and
-        turns with its edge. None without a curve or with its nodes only, where the curve is straight, and of a higher
-        order, whose own nodes between the ends are shifted onto the curve.
+        turns with its edge. None if no curve is given and the mesh is not curved, with nodes only, where the curve is
+        straight, and of a higher order, whose own nodes between the ends are on the curve.
         """
-        if self.curve is None or self.nodes_only or self.edge_nodes.shape[1] > 2:
+        if self.nodes_only or self.edge_nodes.shape[1] > 2:
             return None
-        ends = (self.part.body.nodes[self.nodes] + self.shifts)[self.edge_places]
-        bends = as_complex(self._to_curve(ends.mean(axis=1))) / as_complex(ends[:, 1] - ends[:, 0])
+        body = self.part.body
+        ends = (body.nodes[self.nodes] + self.shifts)[self.edge_places]
+        middles = ends.mean(axis=1)
+        if self.curve is not None:
+            off = self._to_curve(middles)
+        elif isinstance(body, Body) and body.mesh.curves is not None:
+            off = body.mesh.edge_middles(body.mesh.edge_numbers(self.edge_nodes)) - middles
+        else:
+            return None
+        bends = as_complex(off) / as_complex(ends[:, 1] - ends[:, 0])
         return bends if np.abs(bends).max() > STRAIGHT else None
 
     @cached_property
@@ -205,7 +214,7 @@ class Surface:
         are curved in the mesh.
         """
         depth = np.zeros(len(self.edge_nodes))
-        if self.curve is not None and (self.bends is not None or self.edge_nodes.shape[1] > 2):
+        if self.bends is not None or (self.curve is not None and self.edge_nodes.shape[1] > 2):
             return depth
         ends = as_complex(self.part.body.nodes[self.edge_nodes[:, [0, -1]]])
         chords = ends[:, 1] - ends[:, 0]

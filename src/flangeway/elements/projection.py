@@ -1,6 +1,6 @@
 """The integrals behind the projections of virtual elements (Moherdaui 2021, 3.3.3), for whole batches of polygons."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,6 +19,7 @@ class Polygons:
     local: Floats  # vertices in local coordinates, (n_vertices, 2, n_cells)
     normals: Floats  # outward normals in space times the lengths of the edges, (n_vertices, 2, n_cells)
     moments: Floats  # integrals of the monomials up to degree 2 k, (n_monomials(2 k), n_cells)
+    inner: Floats | None = field(default=None, kw_only=True)  # see `inner_factor`
 
     @classmethod
     def of(cls, vertices: Floats, order: int, frame: Frame) -> "Polygons":
@@ -49,6 +50,8 @@ class Polygons:
         if not n_inner:
             return np.ascontiguousarray(boundary.swapaxes(0, 1))
         means = monomials.mass(self.order, self.moments)[:n_inner] / self.moments[0]
+        if self.inner is not None:
+            batched.solve_lower(self.inner, means, out=means)
         return np.concatenate((boundary.swapaxes(0, 1), means))
 
     def gradient_moments(self, boundary: Floats) -> Floats:
@@ -74,6 +77,8 @@ class Polygons:
         if n_inner:
             local = monomials.derivatives(order - 1)
             in_space = np.einsum("jie,jga->aige", self.frame.map, local)
+            if self.inner is not None:
+                in_space = np.einsum("aige,ghe->aihe", in_space, self.inner)
             moments[:, :, self.n_boundary :] = -in_space * self.moments[0]
         return moments
 
@@ -127,6 +132,32 @@ class Polygons:
         np.einsum("ae,aie->ie", of_monomials, value[1:], out=value[0])
         np.subtract(mean[:, None], value[0], out=value[0])
         return value, rhs
+
+
+def inner_factor(order: int, moments: Floats) -> Floats | None:
+    """Monomials of degree k - 2 in terms of the polynomials whose moments are the unknowns inside cells: ``m = L q``.
+
+    The polynomials q are the monomials orthogonalised in turn, with 1 on the diagonal of L. Moments with the monomials
+    themselves nearly depend on each other from degree 4 on, and condensing them costs the digits. Up to degree 1 the
+    principal frame makes the monomials orthogonal: None.
+
+    Parameters
+    ----------
+    order
+        Order k of the element.
+    moments
+        Integrals of the monomials up to degree 2 k - 4 or more, (n, n_cells).
+
+    Returns
+    -------
+    Floats or None
+        Lower triangular, shape (n_monomials(k - 2), n_monomials(k - 2), n_cells).
+
+    """
+    if order < 4:
+        return None
+    factor = batched.cholesky(monomials.mass(order - 2, moments))
+    return factor / np.einsum("aae->ae", factor)
 
 
 def principal_frame(vertices: Floats) -> Frame:

@@ -49,6 +49,8 @@ class Reconstruction:
         to degree k - 2 are the last degrees of freedom.
     missed
         Integrals of products of what `gradient` misses, (n_local, n_local, n_cells), where they are known.
+    inner
+        Monomials in terms of the polynomials whose moments are degrees of freedom, see `inner_factor`; None: the same.
 
     """
 
@@ -61,6 +63,7 @@ class Reconstruction:
     energy_moments: Floats | None = None
     value_moments: Floats | None = None
     missed: Floats | None = None
+    inner: Floats | None = None
 
     @property
     def exact(self) -> bool:
@@ -152,9 +155,14 @@ class Reconstruction:
         rhs = np.einsum("abe,bme->ame", mass, self.value)
         n_inner = n_monomials(self.order - 2)
         rhs[:n_inner] = 0.0
-        diagonal = np.arange(n_inner)
-        rhs[diagonal, self.n_local - n_inner + diagonal] = self.areas
+        rhs[:n_inner, self.n_local - n_inner :] = self.inner_moments
         return batched.solve(mass, rhs)
+
+    @property
+    def inner_moments(self) -> Floats:
+        """Integrals of the value times monomials by the degrees of freedom inside, (n_inner, n_inner, n_cells)."""
+        factor = np.eye(self.n_interior)[:, :, None] if self.inner is None else self.inner
+        return factor * self.areas
 
     def coordinate_dofs(self) -> Floats:
         """Degrees of freedom of the coordinates x and y about the cells' origins, (n_local, 2, n_cells)."""

@@ -117,6 +117,7 @@ class StabilisationFree(Element):
             plain.monomial_dofs,
             plain.gradient_moments,
             plain.energy_moments,
+            inner=plain.inner,
             energetic=energetic,
         )
 
@@ -152,8 +153,8 @@ def _moments(cells: Polygons, plain: Reconstruction, degree: int) -> Floats:
         mass = monomials.mass(max(degree - 1, order), cells.moments)[:n_below, : plain.value.shape[0]]
         values = np.einsum("abe,bme->ame", mass, plain.value)
         values[:n_inner] = 0.0
-        inner = np.arange(min(n_inner, n_below))
-        values[inner, n_local - n_inner + inner] = plain.areas
+        inner = min(n_inner, n_below)
+        values[:inner, n_local - n_inner :] = plain.inner_moments[:inner]
         derivatives = np.einsum("jie,jba->abie", plain.frame.map, monomials.derivatives(degree))
         result -= np.einsum("abie,bme->aime", derivatives, values, optimize=True)
     places, weights = gauss((order + degree) // 2 + 1)

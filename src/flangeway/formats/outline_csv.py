@@ -2,8 +2,9 @@
 
 Rows of segments have the columns ``name, type, x0, y0, x1, y1`` and, for arcs, ``xc, yc``; ``type`` is ``line`` or
 ``arc``. Arcs are shorter than half a turn unless a column ``turn`` says ``left`` or ``right``. Rows of corners have the
-columns ``x, y``. Names of columns may carry the unit: ``x0_mm``. Lines that start with ``#`` are comments, but
-``# unit: mm`` and ``# mirror`` are read, without the colon too. Loops follow each other; those inside others are holes.
+columns ``x, y``. Semicolons or tabs may separate cells, with decimal commas in them. Names of columns may carry the
+unit: ``x0_mm``. Lines that start with ``#`` are comments, but ``# unit: mm`` and ``# mirror`` are read, without the
+colon too. Loops follow each other; those inside others are holes.
 """
 
 import itertools
@@ -23,7 +24,7 @@ from flangeway.formats.drawn_section import (
 )
 from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE
-from flangeway.system.file_content import csv_cells
+from flangeway.system.file_content import csv_cells, csv_separator
 
 _COORDINATES = ("x0", "y0", "x1", "y1", "xc", "yc", "x", "y")
 _HOW = "columns such as x0_mm, a line '# unit: mm', or the input unit"
@@ -44,7 +45,7 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
     header, in_header = parse_header(lines)
     in_comment = [match[1] for line in comments if (match := re.fullmatch(r"units?\s*[:=]?\s*(\w+)", line.lower()))]
     agreed = agreed_unit(in_header or next(iter(in_comment), None), unit, _HOW)
-    rows = parse_rows(header, lines[1:])
+    rows = parse_rows(header, lines)
     mirrored = mirrored or any(re.fullmatch(r"mirror(\s*[:=]?\s*(yes|true))?", line.lower()) for line in comments)
     if "x" in header:
         loops = [drawn_polygon([_point(row, "x", "y", number) for number, row in rows])]
@@ -66,7 +67,7 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
 def parse_header(lines: Sequence[tuple[int, str]]) -> tuple[list[str], str | None]:
     """Return the names of columns in the first of numbered lines, without units, and the unit that they carry."""
     number, line = lines[0] if lines else (1, "")
-    names = csv_cells(line, number)
+    names = csv_cells(line, number, csv_separator(line))
     units = {name.rpartition("_")[2] for name in names if name.rpartition("_")[0] in _COORDINATES}
     if len(units) > 1 or not units <= set(UNITS):
         raise InputError(
@@ -84,10 +85,10 @@ def parse_header(lines: Sequence[tuple[int, str]]) -> tuple[list[str], str | Non
 
 
 def parse_rows(header: Sequence[str], lines: Sequence[tuple[int, str]]) -> list[tuple[int, dict[str, str]]]:
-    """Return the cells of lines by column, with the number of each line."""
-    rows = []
-    for number, line in lines:
-        cells = csv_cells(line, number)
+    """Return the cells of lines after that of the header by column, with the number of each line."""
+    rows, separator = [], csv_separator(lines[0][1])
+    for number, line in lines[1:]:
+        cells = csv_cells(line, number, separator)
         if len(cells) > len(header):
             raise InputError(f"line {number} with {len(cells)} cells", f"{len(header)} cells", "correct the line")
         rows.append((number, dict(itertools.zip_longest(header, cells, fillvalue=""))))

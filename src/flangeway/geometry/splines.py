@@ -14,6 +14,7 @@ from flangeway.geometry.placement import Placement
 from flangeway.types import Floats
 
 SAMPLES = 16  # between two points, to start the search of the closest place
+CLOSED = 1e-12  # distance of the ends relative to the coordinates, below which it is round-off
 STEPS = 20  # of Newton's method, at most
 
 
@@ -21,7 +22,8 @@ STEPS = 20  # of Newton's method, at most
 class Spline:
     """Cubic spline through points, with continuous curvature; parameters in proportion to the lengths of the chords.
 
-    Without a condition on the slope at open ends ("not a knot"). Closed if the first point is repeated at the end.
+    Without a condition on the slope at open ends ("not a knot"). Closed if the first point is repeated at the end, up
+    to `CLOSED` of the coordinates.
 
     Parameters
     ----------
@@ -43,6 +45,8 @@ class Spline:
             raise InputError(f"a spline through {len(points)} points", "4 points or more", "add points, or take an Arc")
         if (np.hypot(*np.diff(points, axis=0).T) <= 1e-14 * np.abs(points).max()).any():
             raise InputError("a spline that has a point twice in a row", "neighbours that differ", "remove one")
+        if np.abs(points[-1] - points[0]).max() <= CLOSED * np.abs(points).max():
+            points[-1] = points[0]
         points.setflags(write=False)
         object.__setattr__(self, "points", points)
 

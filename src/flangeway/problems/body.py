@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Any, Literal, get_args
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.checks import check_positive
@@ -17,7 +18,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.problems.linear_body import LinearBody, RigidFreedom
 from flangeway.problems.stiffness_body import StiffnessBody
-from flangeway.space import CondensedMatrix, Space, SymmetricMatrix
+from flangeway.space import CondensedMatrix, DifferenceProduct, Space, SymmetricMatrix
 from flangeway.types import Floats
 
 Point = tuple[float, float]
@@ -204,6 +205,12 @@ class Body(LinearBody):
     def stiffness(self) -> SymmetricMatrix:
         """Stiffness of the free unknowns at nodes, in their order; those inside cells are condensed."""
         return self._condensed.matrix.restricted(self.free)
+
+    @property
+    def product(self) -> DifferenceProduct:
+        """See `LinearBody.product`."""
+        kept = sp.eye_array(len(self.free), format="csr")[:, np.flatnonzero(self.free)]
+        return DifferenceProduct(self._condensed.matrix, kept, axisymmetric=self.axisymmetric)
 
     def field(self, values: Floats) -> Floats:
         """All displacements (n_dofs, 2) from those of the free unknowns (n_free,), without body forces."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import point_text
 from flangeway.problems.elasticity_problem import Elasticity
-from flangeway.space import Space, SymmetricMatrix
+from flangeway.space import DifferenceProduct, Space, SymmetricMatrix
 from flangeway.types import Bools, Floats
 
 
@@ -105,6 +105,11 @@ class LinearBody(ABC):
     @abstractmethod
     def stiffness(self) -> SymmetricMatrix:
         """Stiffness of the unknowns that move, in their order."""
+
+    @property
+    def product(self) -> SymmetricMatrix | DifferenceProduct:
+        """Product with the stiffness, as accurate as it can be had."""
+        return self.stiffness
 
     @abstractmethod
     def field(self, values: Floats) -> Floats:

@@ -20,7 +20,6 @@ from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import edge_rule, gauss_lobatto
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import cross_product
-from flangeway.mesh import PolyMesh
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 from flangeway.types import Floats
@@ -48,22 +47,20 @@ class SectionBoundary:
     hole_areas: Floats
 
 
-def boundary_of(mesh: PolyMesh) -> SectionBoundary:
-    """Sort the boundary edges of a mesh into the outer boundary and holes, by their signed areas."""
+def boundary_of(space: Space) -> SectionBoundary:
+    """Sort the boundary edges of a space's mesh into the outer boundary and holes, by the areas inside their edges."""
+    mesh = space.mesh
     pairs = mesh.boundary_edges
+    weights, shapes, slopes = edge_rule(space.order, space.order)
     graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(mesh.n_points, mesh.n_points))
     labels = sp.csgraph.connected_components(graph, directed=False)[1][pairs[:, 0]]
     outer, holes, areas = [], [], []
     for label in np.unique(labels):
         group = pairs[labels == label]
-        local = mesh.points - mesh.points[group[0, 0]]
-        start, end = local[group[:, 0]], local[group[:, 1]]
-        area = float(np.sum(cross_product(start, end))) / 2.0
-        if mesh.curves is not None:
-            rows = mesh.curve_rows[mesh.edge_numbers(group)]
-            on_curve = rows >= 0
-            forward = mesh.curves.pairs[rows[on_curve], 0] == group[on_curve, 0]
-            area += float(np.where(forward, 1.0, -1.0) @ mesh.curves.beside(mesh.points)[0][rows[on_curve]])
+        nodes = space.nodes[space.edge_nodes(group)]
+        nodes = nodes - nodes[0, 0]
+        # half the integral of position x tangent along the edges, polynomials of their order
+        area = float(np.sum(cross_product(shapes @ nodes, slopes @ nodes) @ weights)) / 2.0
         if area > 0.0:
             outer.append(group)
         else:
@@ -139,13 +136,13 @@ class Torsion:
     @property
     def mean_modulus(self) -> float:
         """Mean shear modulus over the area; the modulus itself if there is one."""
-        areas = self.space.mesh.cell_areas
+        areas = self.space.element_mesh.cell_areas
         return float(self.cell_moduli @ areas / areas.sum())
 
     @cached_property
     def centre(self) -> Floats:
         """Centroid weighted by the shear modulus, shape (2,): the origin of the warping function."""
-        mesh = self.space.mesh
+        mesh = self.space.element_mesh
         weights = self.cell_moduli * mesh.cell_areas
         base = mesh.points[0]
         return np.asarray(base + weights @ (mesh.cell_centroids - base) / weights.sum())
@@ -153,7 +150,7 @@ class Torsion:
     @cached_property
     def boundary(self) -> SectionBoundary:
         """Outer boundary and holes."""
-        return boundary_of(self.space.mesh)
+        return boundary_of(self.space)
 
     def stiffness(self) -> SymmetricMatrix:
         """Integrals of ``G grad . grad`` (warping) or ``grad . grad / G`` (Prandtl), no unknown held."""
@@ -213,7 +210,7 @@ class Torsion:
         load = np.zeros(n_dofs)
         for batch in self.space.batches():
             if self.load == "vertex_mean":
-                areas = self.space.mesh.cell_areas[batch.cells]
+                areas = self.space.element_mesh.cell_areas[batch.cells]
                 local = np.broadcast_to(2.0 * areas / len(batch.dofs), batch.dofs.shape)
             else:
                 reconstruction = batch.element.reconstruct(batch.outline)

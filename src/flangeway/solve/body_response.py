@@ -65,6 +65,9 @@ class Constrained:
 class BodyResponse(ABC):
     """Answers of placed bodies to forces on their surface nodes; subclasses are final."""
 
+    digits: float | None = None
+    """Decimal digits that round-off leaves of displacements; None where they are not estimated."""
+
     def __init__(self, surfaces: Sequence[SurfaceNodes]) -> None:
         self.surfaces = tuple(surfaces)
         counts = [len(surface.nodes) for surface in self.surfaces]

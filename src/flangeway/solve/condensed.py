@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from flangeway._core import Cholesky
+from flangeway.errors import InputError
 from flangeway.problems import LinearBody
 from flangeway.solve.body_response import BodyResponse, SurfaceNodes, components
-from flangeway.solve.linear import factorise, indefinite
+from flangeway.solve.linear import digits_left, factorise, indefinite, relative_maximum
+from flangeway.solve.status import MIN_DIGITS, Status
 from flangeway.system.disk_cache import Cache, content_key
 from flangeway.system.memory_limits import refuse_beyond_memory
 from flangeway.types import Floats, Ints
@@ -20,6 +22,9 @@ from flangeway.types import Floats, Ints
 DENSE_COPIES = 6
 """Dense matrices of the surface's unknowns that exist at a time while the flexibility is made."""
 
+
+POWER_ITERATIONS = 3
+"""Iterations until the softest displacement has 1e-6 of others, if these are a hundred times as stiff."""
 
 ZERO_PIVOT, EPS = 1e-13, float(np.finfo(np.float64).eps)
 """Pivot over the diagonal entry that it began as which rounding leaves of a zero, as in the sparse factorisation."""
@@ -47,13 +52,12 @@ class CondensedBody:
         self.body = body
         self._numbers = body.free_numbers(surface.nodes)
         self._loose = np.flatnonzero(self._numbers >= 0)
-        key = content_key("flexibility", *body.content, surface.nodes) if cache is not None else None
-        if cache is None or key is None:
-            flexibility: NDArray[np.float64] = self._computed()["flexibility"]
-        else:
-            flexibility = cache.get(key, self._computed)["flexibility"]
-        self.flexibility = np.asarray(flexibility, dtype=np.float64)
+        key = content_key("flexibility and digits", *body.content, surface.nodes) if cache is not None else None
+        arrays = self._computed() if cache is None or key is None else cache.get(key, self._computed)
+        self.flexibility: NDArray[np.float64] = np.asarray(arrays["flexibility"], dtype=np.float64)
         self.flexibility.setflags(write=False)
+        self.digits = float(arrays["digits"][0])
+        """Decimal digits that round-off leaves of the body's softest displacement, `MIN_DIGITS` or more."""
 
     @cached_property
     def _factor(self) -> Cholesky:
@@ -73,7 +77,26 @@ class CondensedBody:
         inverse = cho_solve(factor, np.eye(n))
         flexibility: Floats = np.zeros((len(self._numbers), len(self._numbers)))
         flexibility[np.ix_(self._loose, self._loose)] = (inverse + inverse.T) / 2.0
-        return {"flexibility": flexibility}
+        return {"flexibility": flexibility, "digits": np.array([self._digits(inverse)])}
+
+    def _digits(self, flexibility: Floats) -> float:
+        """Digits of the displacement by the forces that it is largest for, found by power iteration."""
+        forces = np.cos(np.arange(len(flexibility)))
+        for _ in range(POWER_ITERATIONS):
+            forces = flexibility @ (forces / np.abs(forces).max(initial=1.0))
+        moved = self._factor.recover(flexibility @ forces, np.zeros(self._factor.n))
+        product = self.body.product
+        residual = -product.times(moved)
+        residual[self._numbers[self._loose]] += forces
+        change = relative_maximum(self._factor.solve(residual), moved)
+        digits = digits_left(change, product.relative_energy(moved))
+        if digits < MIN_DIGITS:
+            raise InputError(
+                Status(False, f"the flexibility of body {self.body.name!r}", 0).with_digits(digits).message,
+                "bodies whose displacements keep two digits or more",
+                "take a thicker body, larger elements, or hold it in more places",
+            )
+        return digits
 
     def field(self, forces: Floats) -> Floats:
         """Displacements (n_dofs, 2) of all nodes under forces (n, 2) on the surface nodes, body's axes."""
@@ -109,6 +132,7 @@ class CondensedBodies(BodyResponse):
             if key not in unique:
                 unique[key] = CondensedBody(surface, cache)
             self._condensed.append(unique[key])
+        self.digits = min(each.digits for each in self._condensed)
         self._asked: tuple[Floats, Ints] = (np.empty((0, 2, 2)), np.empty(0, dtype=np.int64))
         self._kept: list[tuple[slice, Floats]] = []
 

@@ -14,7 +14,7 @@ from flangeway.solve.constraints import SupportConstraints, find_constraints
 from flangeway.solve.free_motions import refuse_free_motions
 from flangeway.solve.linear import solve_linear
 from flangeway.solve.status import Status
-from flangeway.space import SymmetricMatrix
+from flangeway.space import DifferenceProduct, SymmetricMatrix
 from flangeway.types import Floats
 
 
@@ -76,21 +76,24 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
     refuse_free_motions(problem, constraints)
     condensed = problem.condensed_stiffness()
     springs = [_spring_matrix(problem, spring) for spring in problem.springs]
-    matrix = condensed.matrix
-    for spring in springs:
-        matrix = _sum(matrix, spring)
+    added = sum(springs, sp.csc_array((condensed.matrix.n, condensed.matrix.n)))
+    matrix = _sum(condensed.matrix, added) if springs else condensed.matrix
+    product = DifferenceProduct(
+        condensed.matrix, constraints.transform, axisymmetric=problem.axisymmetric, springs=added
+    )
     mechanical = problem.load_vector()
     thermal = problem.thermal_load_vector()
     load = condensed.condense(mechanical + thermal).ravel()
     applied, handle_forces = _handle_forces(problem, constraints)
     reduced = _reduced(matrix, constraints)
-    rhs = constraints.transform.T @ (load - matrix.times(constraints.shift)) + applied
-    free_values, status = _solved(problem, reduced, constraints, rhs)
+    rhs = constraints.transform.T @ (load - product.at_nodes(constraints.shift)) + applied
+    free_values, status = _solved(problem, reduced, constraints, rhs, product)
     nodal = constraints.transform @ free_values + constraints.shift
     displacements = condensed.recover(nodal, mechanical + thermal)
     spring_forces = np.array([-(spring @ nodal) for spring in springs]).reshape(-1, len(nodal) // 2, 2)
-    internal = condensed.matrix.times(nodal) - load  # f - K_bi K_ii^-1 f_i is the condensed load
-    reactions = internal.reshape(-1, 2) - spring_forces.sum(axis=0)
+    # f - K_bi K_ii^-1 f_i is the condensed load
+    reactions = (product.at_nodes(nodal) - load).reshape(-1, 2)
+    internal = (reactions + spring_forces.sum(axis=0)).ravel()
     internal_work = float(np.sum(displacements * (mechanical + thermal))) + float(internal @ nodal)
     spring_energy = -0.5 * float(np.sum(spring_forces * nodal.reshape(1, -1, 2)))
     motions = _handle_motions(constraints, nodal)
@@ -162,11 +165,15 @@ def _handle_motions(constraints: SupportConstraints, nodal: Floats) -> Floats:
 
 
 def _solved(
-    problem: Elasticity, matrix: SymmetricMatrix, constraints: SupportConstraints, rhs: Floats
+    problem: Elasticity,
+    matrix: SymmetricMatrix,
+    constraints: SupportConstraints,
+    rhs: Floats,
+    product: DifferenceProduct,
 ) -> tuple[Floats, Status]:
     """Free unknowns, and their status."""
     try:
-        return solve_linear(matrix, constraints.groups, rhs)
+        return solve_linear(matrix, constraints.groups, rhs, product)
     except NotPositiveDefiniteError as error:
         group = int(constraints.groups[int(error.args[1])])
         place = f"its handle {group - problem.space.n_nodes}"

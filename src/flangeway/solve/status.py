@@ -1,7 +1,7 @@
 """How a computation ended, and the limits and the history of Newton's method."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flangeway.checks import check_integer, check_tolerance
 
@@ -11,6 +11,10 @@ stiffness is above the tolerance."""
 
 STALLED = 3
 """Iterations without a change of constraints, none of which halves the residual, after which it no longer falls."""
+
+
+MIN_DIGITS, FEW_DIGITS = 2.0, 6.0
+"""Decimal digits below which a solution is not accepted, and below which its message names them."""
 
 
 @dataclass(frozen=True)
@@ -25,12 +29,24 @@ class Status:
         A sentence: what happened and, on failure, what to try.
     iterations
         Number of Newton iterations.
+    digits
+        Decimal digits of the displacements that round-off leaves; None where they are not estimated.
 
     """
 
     converged: bool
     message: str
     iterations: int
+    digits: float | None = None
+
+    def with_digits(self, digits: float | None) -> "Status":
+        """Take the digits over, not converged below `MIN_DIGITS`; the message names fewer than `FEW_DIGITS`."""
+        if digits is None or digits >= FEW_DIGITS:
+            return replace(self, digits=digits)
+        count = "less than two digits are" if digits < MIN_DIGITS else f"about {digits:.0f} digits are"
+        cause = "the body is slender, or its cells or moduli are of very different sizes"
+        message = f"{self.message}; {count} left by round-off: {cause}"
+        return Status(self.converged and digits >= MIN_DIGITS, message, self.iterations, digits)
 
 
 @dataclass(frozen=True)

@@ -110,7 +110,7 @@ def _warping(problem: Torsion) -> tuple[Floats, Floats, Status]:
 def _remove_means(problem: Torsion, function: Floats, cell_parts: NDArray[np.integer]) -> None:
     """Subtract from the function its mean on each connected part, weighted by the shear modulus."""
     space = problem.space
-    weights = problem.cell_moduli * space.mesh.cell_areas
+    weights = problem.cell_moduli * space.element_mesh.cell_areas
     integrals = np.empty(space.mesh.n_cells)
     batches = list(space.batches())
     for batch in batches:

@@ -4,13 +4,14 @@ from flangeway.space.cell_condensation import CondensedMatrix, InnerUnknowns, as
 from flangeway.space.coefficients import CellCoefficient, Coefficient
 from flangeway.space.functions import interpolate, load_vector
 from flangeway.space.spaces import CellBatch, Space
-from flangeway.space.symmetric import SymmetricMatrix
+from flangeway.space.symmetric import DifferenceProduct, SymmetricMatrix
 
 __all__ = [
     "CellBatch",
     "CellCoefficient",
     "Coefficient",
     "CondensedMatrix",
+    "DifferenceProduct",
     "InnerUnknowns",
     "Space",
     "SymmetricMatrix",

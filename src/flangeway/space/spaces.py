@@ -122,6 +122,11 @@ class Space:
         return curved
 
     @cached_property
+    def element_mesh(self) -> PolyMesh:
+        """The mesh with the edges that elements of this order have: at order 1 all are straight."""
+        return self.mesh if self.order > 1 else self.mesh.straight()
+
+    @cached_property
     def _regions(self) -> tuple[tuple[Element, NDArray[np.int64]], ...]:
         if isinstance(self.element, Element):
             return ((self.element, np.arange(self.mesh.n_cells)),)

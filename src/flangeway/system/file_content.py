@@ -1,6 +1,9 @@
 """What readers of files share: whether there is a file, its bytes, the cells of lines in CSV, and what TOML says."""
 
 import csv
+import errno
+import re
+import stat
 import tomllib
 from importlib.resources import files
 from pathlib import Path
@@ -9,6 +12,7 @@ from typing import Any
 from flangeway.errors import InputError
 
 MAX_BYTES = 50_000_000
+COMMA_NUMBER = re.compile(r"[+-]?\d*,\d*(?:[eE][+-]?\d+)?")
 MAX_DEPTH = 50  # tables and lists inside of each other; no input has more than ten
 
 
@@ -20,11 +24,18 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def limited_bytes(file: Path, limit: int) -> tuple[int, bytes]:
+    """Size and bytes of a file, none of a larger one; an `OSError` for what is no file, such as a named pipe."""
+    found = file.stat()
+    if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):  # a folder has an error of its own
+        raise OSError(errno.EINVAL, "not a file but a pipe or a device")
+    return found.st_size, file.read_bytes() if found.st_size <= limit else b""
+
+
 def file_content(file: Path, what: str) -> bytes:
     """Return the bytes of a file; an `InputError` if it cannot be read or is empty, "a profile" expected, say."""
     try:
-        size = file.stat().st_size
-        content = file.read_bytes() if size <= MAX_BYTES else b""
+        size, content = limited_bytes(file, MAX_BYTES)
     except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
         why = getattr(reason, "strerror", None) or reason
         raise InputError(f"file {file}: {why}", "a file that can be read", "check the name") from reason
@@ -45,14 +56,23 @@ def utf8_text(content: bytes) -> str:
         ) from reason
 
 
+def csv_separator(header: str) -> str:
+    """What separates the cells of a table with this first line: semicolons or tabs if it has some, else commas."""
+    return next((each for each in ";\t" if each in header), ",")
+
+
 def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
-    """Return the cells of a line without blanks around them; none of an empty line."""
+    """Return the cells of a line without blanks around them; none of an empty line.
+
+    Unless commas separate them, those in numbers are decimal commas, and become points.
+    """
     try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
     except csv.Error as reason:
         raise InputError(
             f"line {number} of {len(line)} characters: {reason}", "short cells", "check that each row has its own line"
         ) from reason
+    return [cell.replace(",", ".") if separator != "," and COMMA_NUMBER.fullmatch(cell) else cell for cell in cells]
 
 
 def packaged_rows(package: str, name: str) -> list[dict[str, str]]:

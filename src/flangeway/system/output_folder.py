@@ -14,6 +14,10 @@ def refuse_unwritable(folder: Path, names: tuple[str, ...] = ()) -> None:
     """Raise `InputError` for a folder in which files of some names cannot be written; nothing stays behind."""
     try:
         place = _existing(folder)
+        if folder.resolve() == Path(folder.absolute().anchor):
+            raise InputError(
+                f"output folder {folder}, the root of the file system", "a folder for results", "name one with --out"
+            )
         if not place.is_dir():
             raise InputError(
                 f"output folder {folder}: {place} is not a folder",

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from flangeway.errors import InputError
-from flangeway.system.file_content import toml_data, utf8_text
+from flangeway.system.file_content import limited_bytes, toml_data, utf8_text
 from flangeway.types import Key
 
 MAX_BYTES = 5_000_000
@@ -43,8 +43,7 @@ class TomlFile:
         """Read a file; an `InputError` if it cannot be read, is larger than `MAX_BYTES`, or is no TOML in UTF-8."""
         kind = cls.kind
         try:
-            size = file.stat().st_size
-            content = file.read_bytes() if size <= MAX_BYTES else b""
+            size, content = limited_bytes(file, MAX_BYTES)
         except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
             raise InputError(
                 f"{kind.name} {file}: {getattr(reason, 'strerror', None) or reason}",

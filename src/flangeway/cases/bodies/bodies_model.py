@@ -57,6 +57,15 @@ from flangeway.types import Floats
 
 Ints = NDArray[np.int32]
 
+USED_BY = (
+    ("enforcement", ("penalty", "augmented-lagrange"), ("penalty_MPa_mm", "nodal_penalty_N_per_mm")),
+    ("enforcement", ("augmented-lagrange",), ("penetration_mm",)),
+    ("enforcement", ("barrier",), ("barrier_N_per_mm", "barrier_reach_mm")),
+    ("pairing", ("segment-to-segment",), ("weighting",)),
+    ("pairing", ("node-to-segment",), ("slack",)),
+)
+"""Choice of a contact, the values of it that use further inputs, and these."""
+
 LOAD_KEYS = ("pressure_MPa", "traction_MPa", "force_N", "body_force_N_mm3")
 
 
@@ -340,6 +349,9 @@ class _Builder:
         return {name: elastic(each, self.case.hypothesis) for name, each in table.materials.items()}
 
     def _contact(self, table: ContactTable, key: str, bodies: Mapping[str, BodyModel]) -> Contact:
+        for name, used_by, inputs in USED_BY:
+            if getattr(table, name) not in used_by:
+                table.refuse_without_effect(inputs, name, " or ".join(used_by), f"{key}.")
         sides = [self._surface(table, role, key, bodies) for role in ("secondary", "primary")]
         pairing = {
             "segment-to-segment": SegmentToSegment(weighting=table.weighting),

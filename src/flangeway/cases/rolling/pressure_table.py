@@ -6,7 +6,7 @@ import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
-from flangeway.system.file_content import csv_cells, file_content
+from flangeway.system.file_content import csv_cells, csv_separator, file_content
 from flangeway.types import Floats, Ints
 
 COLUMNS = ("right_mm", "ahead_mm", "pressure_MPa")
@@ -29,14 +29,15 @@ def read_pressures(path: Path) -> tuple[PatchGrid, Floats]:
         lines = file_content(path, WANTED).decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as reason:
         raise InputError(f"{path}: no text in UTF-8", WANTED, "save it as CSV") from reason
-    names = csv_cells(lines[0], 1)
+    separator = csv_separator(lines[0])
+    names = csv_cells(lines[0], 1, separator)
     missing = [name for name in COLUMNS if name not in names]
     if missing:
         raise InputError(f"{path}, line 1: no column {' and '.join(missing)}", WANTED, "name the columns")
     places = [names.index(name) for name in COLUMNS]
     rows = []
     for number, line in enumerate(lines[1:], 2):
-        cells = csv_cells(line, number)
+        cells = csv_cells(line, number, separator)
         try:
             rows += [[float(cells[place]) for place in places]] if cells else []
         except (ValueError, IndexError) as reason:

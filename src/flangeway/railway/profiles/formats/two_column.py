@@ -32,6 +32,7 @@ from flangeway.railway.profiles.formats.raw_profile import (
     numbered_points,
     with_decimal_points,
 )
+from flangeway.system.file_content import csv_cells, csv_separator
 
 _COMMENT = re.compile(r"\s*(?:#|!|%|//)(.*)")
 _KEYS = ("unit", "kind", "origin", "up", "mirror", "tape_mm", "title")
@@ -63,7 +64,7 @@ def read_two_column(
                 header[key] = (number, value)
             notices += [unread] if unread else []
         elif line.strip():
-            cells = _cells(line)
+            cells = _cells(line, number)
             values = _numbers(cells, len(names))
             if values is None and not rows:
                 unit_of_columns = _unit_of_columns(line) or unit_of_columns
@@ -135,14 +136,10 @@ def _keyed(words: str, number: int) -> tuple[str | None, str, str]:
     return None, "", ""
 
 
-def _cells(line: str) -> list[str]:
+def _cells(line: str, number: int) -> list[str]:
     """Return the cells of a line; commas are decimal points where semicolons or blanks separate."""
     line = with_decimal_points(line.strip())
-    if ";" in line:
-        return [cell.strip().replace(",", ".") for cell in line.rstrip(";").split(";")]
-    if "," in line:
-        return [cell.strip() for cell in line.rstrip(",").split(",")]
-    return line.split()
+    return csv_cells(line.rstrip(";,"), number, csv_separator(line)) if ";" in line or "," in line else line.split()
 
 
 def _numbers(cells: list[str], n_names: int = 0) -> list[float] | None:
