@@ -273,10 +273,17 @@ class StressField:
         possible = normal.mean(axis=1) + 2.0 / 3.0 * mises >= normal.max() - (1.0 - BELOW_BOUND) * mises.max()
         return self._maximum_of(possible, lambda part: part.principal[:, 0])
 
-    def column(self, position: tuple[float, float, float]) -> DepthProfile:
-        """Stresses on the normal through the nearest column."""
-        at = int(np.abs(self.along - position[0]).argmin()), int(np.abs(self.z - position[2]).argmin())
-        return DepthProfile(self.depths, SpatialStresses(self.components[:, at[0], at[1]]))
+    def nearest(self, position: tuple[float, float, float]) -> tuple[int, int, int]:
+        """Numbers of the point nearest to a length along the surface, depth and z."""
+        row, depth, strip = (
+            int(np.abs(values - at).argmin())
+            for values, at in zip((self.along, self.depths, self.z), position, strict=True)
+        )
+        return row, depth, strip
+
+    def column(self, at: tuple[int, int, int]) -> DepthProfile:
+        """Stresses on the normal through a point."""
+        return DepthProfile(self.depths, SpatialStresses(self.components[:, at[0], at[2]]))
 
     def _maximum_of(self, possible: Bools, values: Callable[[SpatialStresses], Floats]) -> StressMaximum:
         """Maximum of what is costly to compute, from the points (k n m,) at which it is possible."""

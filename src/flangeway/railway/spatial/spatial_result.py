@@ -76,6 +76,11 @@ class SpatialResult:
         """Return a patch with its creep forces, None without friction."""
         return next((each for each in self.rolling if each.patch is patch), None)
 
+    def tractions_of(self, side: Side) -> Floats | None:
+        """Tractions (t, z) by friction on the wheel's cells of a side, (n, n_z, 2); None: the theory has none."""
+        found = [each.tractions for each in self.rolling if each.patch.side == side and each.tractions is not None]
+        return sum(found[1:], found[0]) if found else None
+
     @property
     def approach_mm(self) -> float:
         """Vertical displacement of the axle's middle, down, from the rigid position to the equilibrium."""

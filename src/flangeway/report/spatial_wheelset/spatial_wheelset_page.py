@@ -30,13 +30,14 @@ from flangeway.report.spatial_wheelset.running_surface_files import (
     below_table,
     patches_table,
     write_section,
+    write_stresses,
     write_surface,
 )
 from flangeway.report.spatial_wheelset.wheelset_patches import (
-    depths_figure,
     patches_figure,
     pressures_figure,
     section_figure,
+    stresses_figure,
 )
 from flangeway.report.wheelset import wheelset_page
 from flangeway.system.output_folder import Writer, text_writer
@@ -59,17 +60,18 @@ PICTURES: dict[str, tuple[Callable[[SpatialWheelsetRun], Figure], str, str]] = {
         "Pressure of each patch across and along the track through its maximum.",
         "Pressure across and along the track through the maximum of each patch; dashed: Hertz's for the same force.",
     ),
-    "depth.png": (
-        depths_figure,
-        "Stresses over the depth below each patch.",
-        "Stresses on the normal below the centre of each patch, of a half-space under the patch's pressures: x along "
-        "the surface across the track, y along the normal, z along the track. Rail and wheel of one material have the "
-        "same.",
+    "stresses.png": (
+        stresses_figure,
+        "Von Mises stress below each patch across and along the track, and stresses over the depth.",
+        "The von Mises stress below each patch, across and along the track through its maximum (+), and stresses on the "
+        "normal there: x along the surface across the track, y along the normal, z along the track; of a half-space "
+        "under the tractions of all cells. Rail and wheel of one material have the same without friction.",
     ),
 }
 """Pictures of the report by the files' names: what draws them, what they show, and the caption."""
 COLLECTION, PATCHES, BELOW = "wheelset.pvd", "patches.csv", "subsurface.csv"
 SURFACES = {f"{role}-{side}": (side, role) for side, role in PARTS}
+STRESSES = {f"stresses-{name}": part for name, part in SURFACES.items()}
 SECTIONS = {f"section-{name}": part for name, part in SURFACES.items()}
 RAILS_PICTURE, RAILS = "rails.png", "rails.csv"
 RAILS_CAPTION = (
@@ -78,7 +80,7 @@ RAILS_CAPTION = (
 )
 NAMES = (
     *PICTURES,
-    *(f"{name}.vtu" for name in (*SURFACES, *SECTIONS)),
+    *(f"{name}.vtu" for name in (*SURFACES, *SECTIONS, *STRESSES)),
     COLLECTION,
     PATCHES,
     BELOW,
@@ -88,7 +90,8 @@ NAMES = (
 FILES = (
     "The same numbers, for programs, are in `summary.json`; a row for each patch, for a spreadsheet, in `patches.csv`; "
     "the stresses below the patches in `subsurface.csv`; the rails along the track in `rails.csv`; pressures "
-    "and gaps on the running surfaces, and displacements and stresses of whole sections through the patches, in "
+    "and gaps on the running surfaces, displacements and stresses of whole sections through the patches, and stresses "
+    "in the volumes below the patches, in "
     "`wheelset.pvd`, which ParaView opens with both rails and wheels."
 )
 AXES = {key: WHEELSET_AXES[key] for key in ("space", "rail", "wheel", "forces")} | {
@@ -155,7 +158,10 @@ def _files(run: SpatialWheelsetRun) -> dict[str, Writer]:
     found = {name: (side, role) for name, (side, role) in SECTIONS.items() if side in sections[role]}
     for name, (side, role) in found.items():
         writers[f"{name}.vtu"] = partial(write_section, sections[role][side], side, role)
-    files = [(0.0, name, f"{name}.vtu") for name in (*SURFACES, *found)]
+    below = {name: part for name, part in STRESSES.items() if any(p.side == part[0] for p in run.result.patches)}
+    for name, (side, role) in below.items():
+        writers[f"{name}.vtu"] = partial(write_stresses, run.result, side, role)
+    files = [(0.0, name, f"{name}.vtu") for name in (*SURFACES, *found, *below)]
     writers[COLLECTION] = lambda path: write_collection(path, files)
     writers[BELOW] = text_writer(below_table(run))
     return writers
@@ -175,13 +181,15 @@ PATCH: tuple[Column, ...] = (
     ("x on the rail, mm", lambda p: p.rail_position_mm[0], "z.2f"),
     ("x on the wheel, mm", lambda p: p.wheel_position_mm[0], "z.2f"),
     ("ahead of the axle, mm", lambda p: p.track_position_mm[2], "z.2f"),
-    ("von Mises{, MPa|: depth, mm}", lambda p: _at(p, "max_von_mises"), ".0f|.2f"),
+    ("maximum von Mises{, MPa|: depth, mm}", lambda p: _at(p, "max_von_mises"), ".0f|.2f"),
 )
 FURTHER: tuple[Column, ...] = (
     ("maximum pressure over the shear strength", "pressure_over_shear_strength", ".2f"),
     ("y on the rail, mm", lambda p: p.rail_position_mm[1], "z.2f"),
     ("y on the wheel, mm", lambda p: p.wheel_position_mm[1], "z.2f"),
-    ("maximum shear{, MPa|: depth, mm}", lambda p: _at(p, "max_shear"), ".0f|.2f"),
+    ("von Mises below the centre of pressure{, MPa|: depth, mm}", lambda p: _at(p, "von_mises_below_centre"), ".0f|.2f"),
+    ("maximum Tresca{, MPa|: depth, mm}", lambda p: _at(p, "max_tresca"), ".0f|.2f"),
+    ("maximum tension{, MPa|: depth, mm}", lambda p: _at(p, "max_tension"), ".0f|.2f"),
     ("Hertz: {longer|shorter} semi-axis, mm", "hertz_semi_axes_mm", ".2f"),
     ("angle of the longer one from z, deg", "angle_deg", "z.1f"),
     ("lateral force on the wheel, kN", "lateral_force_kN", ".3f"),
