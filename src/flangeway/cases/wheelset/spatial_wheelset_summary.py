@@ -79,7 +79,8 @@ class WheelPatchSummary(SummaryPart):
     """A contact patch; Hertz's values are None where the curvatures vary too much within it.
 
     `pressure_over_shear_strength` is the maximum pressure over k = yield strength / sqrt(3), None if the bodies are not
-    of steel and it is not given; `rolling` is None without friction.
+    of steel and it is not given; `shakedown_state` is elastic, shakedown (elastic after the first passages), hardening
+    (the same with kinematic hardening) or above limits (yields in each passage), for a circular patch; `rolling` is None without friction.
     """
 
     side: Side
@@ -91,6 +92,7 @@ class WheelPatchSummary(SummaryPart):
     max_pressure_MPa: float
     max_pressure_remark: str
     pressure_over_shear_strength: float | None
+    shakedown_state: str | None
     hertz_pressure_MPa: float | None
     semi_axes_mm: Sequence[float]
     hertz_semi_axes_mm: Sequence[float] | None
@@ -135,7 +137,7 @@ class SpatialWheelsetSummary(Summary):
 
 def patch_summary(result: SpatialResult, patch: SpatialPatch) -> WheelPatchSummary:
     """Return the numbers of a patch."""
-    yield_strength, rolling = result.yield_MPa, result.rolling_of(patch)
+    rolling = result.rolling_of(patch)
     lateral, vertical = (patch.force_on_wheel_N / 1e3).tolist()
     hertz, ellipse = patch.hertz, patch.ellipse
     below = {role: _below(patch, role, result.tractions_of(patch.side)) for role in ROLES}
@@ -148,7 +150,8 @@ def patch_summary(result: SpatialResult, patch: SpatialPatch) -> WheelPatchSumma
         contact_angle_deg=math.degrees(patch.contact_angle_rad),
         max_pressure_MPa=ellipse.max_pressure,
         max_pressure_remark=patch.remark,
-        pressure_over_shear_strength=math.sqrt(3.0) * ellipse.max_pressure / yield_strength if yield_strength else None,
+        pressure_over_shear_strength=result.load_factor(patch),
+        shakedown_state=result.shakedown_state(patch),
         hertz_pressure_MPa=hertz.max_pressure if hertz else None,
         semi_axes_mm=ellipse.semi_axes,
         hertz_semi_axes_mm=hertz.semi_axes if hertz else None,

@@ -5,6 +5,7 @@ from functools import partial
 
 from matplotlib.figure import Figure
 
+from flangeway.cases.wheelset.rolling_summary import RollingSummary
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
 from flangeway.cases.wheelset.wheelset_summary import AXES as WHEELSET_AXES
@@ -100,7 +101,10 @@ AXES = {key: WHEELSET_AXES[key] for key in ("space", "rail", "wheel", "forces")}
     "contact angle": "of the plane normal to the force from the track's plane, positive towards the flange",
     "angle": "from z to the longer semi-axis, positive towards the gauge side",
     "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards",
-    "stresses": "tension positive",
+    "p0/k": "maximum pressure over the shear strength k = yield strength / sqrt(3). Shakedown state of a circular patch: "
+    "elastic; shakedown, elastic after the first passages; hardening, the same with kinematic hardening; above limits, "
+    "steel yields in each passage",
+    "stresses": "tension positive; maxima are those of the whole volume below a patch",
 }
 
 
@@ -176,26 +180,27 @@ PATCH: tuple[Column, ...] = (
     ("force, kN", "normal_force_kN", ".2f"),
     ("maximum pressure, MPa", lambda p: marked(number(p.max_pressure_MPa, 1), p.max_pressure_remark), ""),
     ("  Hertz, MPa", "hertz_pressure_MPa", ".1f"),
+    ("p0/k (load factor)", "pressure_over_shear_strength", ".2f"),
+    ("  shakedown state", lambda p: p.shakedown_state or "–", ""),
     ("{longer|shorter} semi-axis, mm", "semi_axes_mm", ".2f"),
     ("contact angle, deg", "contact_angle_deg", ".2f"),
     ("x on the rail, mm", lambda p: p.rail_position_mm[0], "z.2f"),
     ("x on the wheel, mm", lambda p: p.wheel_position_mm[0], "z.2f"),
-    ("ahead of the axle, mm", lambda p: p.track_position_mm[2], "z.2f"),
-    ("maximum von Mises{, MPa|: depth, mm}", lambda p: _at(p, "max_von_mises"), ".0f|.2f"),
+    ("longitudinal position, mm", lambda p: p.track_position_mm[2], "z.2f"),
+    ("max. von Mises{, MPa|: depth, mm}", lambda p: _at(p, "max_von_mises"), ".0f|.2f"),
 )
 FURTHER: tuple[Column, ...] = (
-    ("maximum pressure over the shear strength", "pressure_over_shear_strength", ".2f"),
     ("y on the rail, mm", lambda p: p.rail_position_mm[1], "z.2f"),
     ("y on the wheel, mm", lambda p: p.wheel_position_mm[1], "z.2f"),
-    ("von Mises below the centre of pressure{, MPa|: depth, mm}", lambda p: _at(p, "von_mises_below_centre"), ".0f|.2f"),
-    ("maximum Tresca{, MPa|: depth, mm}", lambda p: _at(p, "max_tresca"), ".0f|.2f"),
-    ("maximum tension{, MPa|: depth, mm}", lambda p: _at(p, "max_tension"), ".0f|.2f"),
+    ("von Mises below the centre{, MPa|: depth, mm}", lambda p: _at(p, "von_mises_below_centre"), ".0f|.2f"),
+    ("max. Tresca{, MPa|: depth, mm}", lambda p: _at(p, "max_tresca"), ".0f|.2f"),
+    ("max. tension{, MPa|: depth, mm}", lambda p: _at(p, "max_tension"), ".0f|.2f"),
     ("Hertz: {longer|shorter} semi-axis, mm", "hertz_semi_axes_mm", ".2f"),
-    ("angle of the longer one from z, deg", "angle_deg", "z.1f"),
+    ("orientation of the major axis, deg", "angle_deg", "z.1f"),
     ("lateral force on the wheel, kN", "lateral_force_kN", ".3f"),
     ("vertical force on the wheel, kN", "vertical_force_kN", ".3f"),
     ("area, mm²", "area_mm2", ".1f"),
-    ("conformity: turn of the rail's normal, deg", "conformity_deg", ".1f"),
+    ("change of contact normal across the patch, deg", "conformity_deg", ".1f"),
     ("rolling radius, mm", "rolling_radius_mm", ".3f"),
     ("cells {across|along}", "cells", "d"),
 )
@@ -227,10 +232,24 @@ def results_table(summary: SpatialWheelsetSummary) -> SummaryTable:
     ratios = {"L/V": sides}
     if summary.rolling is not None:
         rolling = summary.rolling
-        for name, values in (("  Nadal's limit", rolling.nadal_limits), ("  share", rolling.shares_of_nadal_limits)):
-            ratios[name] = {side: number(value, 3) for side, value in zip(SIDES, values, strict=True)}
-        whole["flange climb"] = "possible" if rolling.flange_climb_possible else "not possible"
-    return with_whole(table, whole, [p.side for p in patches], {**ratios, "gauge face outwards, mm": gauge})
+        ratios["  Nadal's limit"] = {
+            side: number(value, 3) for side, value in zip(SIDES, rolling.nadal_limits, strict=True)
+        }
+        whole["Nadal's criterion"] = _nadal_words(rolling)
+    return with_whole(table, whole, [p.side for p in patches], {**ratios, "gauge-face deflection (outwards), mm": gauge})
+
+
+def _nadal_words(rolling: RollingSummary) -> str:
+    """Nadal's criterion for the wheel whose flange touches, in words."""
+    found = [
+        (share, f"{side} wheel" if sum(each is not None for each in rolling.shares_of_nadal_limits) > 1 else "")
+        for side, share in zip(SIDES, rolling.shares_of_nadal_limits, strict=True)
+        if share is not None
+    ]
+    if not found:
+        return "no flange contact"
+    share, where = max(found)
+    return f"{'exceeded' if share > 1.0 else 'not exceeded'} ({100.0 * share:.0f} %)" + (where and f", {where}")
 
 
 def _at(patch: WheelPatchSummary, name: str) -> tuple[float, float]:
@@ -254,8 +273,8 @@ def _position_table(summary: SpatialWheelsetSummary) -> SummaryTable:
     rows = [
         ("approach, mm", number(position.approach_mm, 4)),
         ("gauge widened, mm", f"{sum(rail.gauge_outward_mm for rail in summary.rails):z.3f}"),
-        ("load onto the track, kN", number(load.onto_track_kN, 3)),
-        ("load in the track's plane, kN", number(load.lateral_in_track_kN, 3)),
+        ("load normal to the track plane, kN", number(load.onto_track_kN, 3)),
+        ("load parallel to the track plane, kN", number(load.lateral_in_track_kN, 3)),
         *(
             (f"{word} force on the {each.side} wheel, kN", f"{getattr(each, f'{word}_force_kN'):z.3f}")
             for each in summary.sides
@@ -268,9 +287,9 @@ def _position_table(summary: SpatialWheelsetSummary) -> SummaryTable:
 
 def _rails_table(summary: SpatialWheelsetSummary) -> SummaryTable:
     quantities: list[Column] = [
-        ("top of the head to the right, mm", "lateral_mm", "z.3f"),
+        ("railhead lateral displacement, mm", "lateral_mm", "z.3f"),
         ("  up, mm", "vertical_mm", "z.3f"),
         ("  roll, mrad", lambda rail: 1e3 * rail.roll_rad, "z.3f"),
-        ("gauge face outwards, mm", "gauge_outward_mm", "z.3f"),
+        ("gauge-face deflection (outwards), mm", "gauge_outward_mm", "z.3f"),
     ]
     return table_across("Heads of the rails at the wheels", (r.side for r in summary.rails), summary.rails, quantities)
