@@ -1,0 +1,66 @@
+"""G2, G9, G10: yielding without a word, a default in another gauge, and adverse cant in silence."""
+
+import pytest
+
+from flangeway.cases.rigid.rigid_case import find_geometry_case
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.errors import InputError
+from flangeway.exact.shakedown import ABOVE, shakedown_limits, shakedown_state
+from flangeway.railway.track.wheelset_load import superelevation_angle
+
+CURVE = {"curve_radius_m": 500.0, "speed_km_h": 80.0}
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_superelevation_follows_the_curve(sign):
+    """60 mm raise the outer rail of both curves, -60 mm the inner one, with a warning that names the input."""
+    for height, warned in ((60.0, False), (-60.0, True)):
+        case = SpatialWheelsetCase.from_values(
+            {"speed_km_h": 80.0, "curve_radius_m": sign * 500.0, "superelevation_mm": height}
+        )
+        assert case.load().tilt_rad == pytest.approx(superelevation_angle(sign * height, 1500.0))
+        assert any("superelevation_mm" in each and "adverse" in each for each in case.warnings()) == warned
+    straight = SpatialWheelsetCase.from_values({"superelevation_mm": -60.0})
+    assert straight.load().tilt_rad == pytest.approx(superelevation_angle(-60.0, 1500.0))
+    assert straight.warnings() == []
+
+
+def test_a_curve_and_its_mirror_image_have_opposite_loads():
+    """With the same superelevation the force in the track's plane changes its sign with the radius."""
+    left, right = (
+        SpatialWheelsetCase.from_values(CURVE | {"curve_radius_m": radius, "superelevation_mm": 60.0}).load().in_track
+        for radius in (500.0, -500.0)
+    )
+    assert left[0] == pytest.approx(-right[0], rel=1e-12)
+    assert left[1] == pytest.approx(right[1], rel=1e-12)
+
+
+@pytest.mark.parametrize("key", ["friction", "kinetic_friction", "flange_friction"])
+def test_coefficients_of_friction_end_at_one(key):
+    """A coefficient of 3 is refused by its name with the bound; 1 is allowed."""
+    values = {"speed_km_h": 50.0, "friction": 0.3, key: 3.0}
+    with pytest.raises(InputError) as raised:
+        SpatialWheelsetCase.from_values(values)
+    assert key in str(raised.value)
+    assert "1" in raised.value.allowed
+    SpatialWheelsetCase.from_values(values | {key: 1.0, "friction": 1.0}).check()
+
+
+def test_geometry_and_run_have_one_default_wheelset():
+    """Profiles, gauge, wheels and load of `geometry` are those of `run wheelset`; `s1002-60e1` carries 200 kN too."""
+    own, main = find_geometry_case("wheelset", {}), SpatialWheelsetCase()
+    for key in ("rail", "wheel", "gauge_mm", "wheel_radius_mm", "wheel_radius_at", "axle_load_kN", "rail_inclination"):
+        assert getattr(own, key) == getattr(main, key), key
+    assert find_geometry_case("s1002-60e1", {}).load().vertical_N == main.load().vertical_N == 200e3
+
+
+@pytest.mark.parametrize("traction", [0.0, 0.15, 0.3])
+def test_shakedown_states_change_at_the_limits(traction):
+    """From elastic to what no limit allows, at first yield, shakedown and shakedown with hardening of a circle."""
+    limits = shakedown_limits("point", traction)
+    first, plain, most = (float(each) for each in (limits.first_yield, limits.shakedown, limits.hardening))
+    assert shakedown_state(0.999 * first, traction) == "elastic"
+    assert shakedown_state(1.001 * first, traction) == shakedown_state(0.999 * plain, traction) == "shakedown"
+    assert shakedown_state(1.001 * max(plain, most), traction) == ABOVE
+    if plain < 0.99 * most:
+        assert shakedown_state(1.001 * plain, traction) == shakedown_state(0.999 * most, traction) == "hardening"
