@@ -146,9 +146,11 @@ def test_below_even_cells_the_sum_by_fft_is_the_sum_of_rectangles() -> None:
     found = half_space_field(loads, (width, strip), depths, 0.3, margin)
     x, z = (size * (np.arange(-margin, count + margin) + 0.5) for size, count in ((width, 7), (strip, 5)))
     d, x, z = (each.ravel() for each in np.meshgrid(depths, x, z, indexing="ij"))
-    ends = [size * np.stack((np.arange(count), np.arange(count) + 1.0), axis=1) for size, count in ((width, 7), (strip, 5))]
+    ends = [
+        size * np.stack((np.arange(count), np.arange(count) + 1.0), axis=1) for size, count in ((width, 7), (strip, 5))
+    ]
     wanted = half_space_stresses(*ends, loads[..., 0], np.stack((x, d, z), axis=1), 0.3, loads[..., 1:])
-    assert found.reshape(6, -1).T == pytest.approx(wanted, abs=1e-12)
+    assert pytest.approx(wanted, abs=1e-12) == found.reshape(6, -1).T
     pressure = half_space_field(loads[..., :1], (width, strip), depths, 0.3, margin)
     shears = half_space_field(loads[..., 1:], (width, strip), depths, 0.3, margin)
     assert pressure + shears == pytest.approx(found, abs=1e-12)

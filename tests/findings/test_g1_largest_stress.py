@@ -10,10 +10,9 @@ from flangeway.post.patch_stresses import stress_field
 
 
 def point_load_stresses(points, loads, positions, poisson):
-    """Stresses (n, 3, 3) in a half-space z > 0 under normal forces at its surface (Boussinesq, 1885; Timoshenko and
-    Goodier, 1970, art. 138), summed over the forces.
+    """Stresses (n, 3, 3) in a half-space z > 0, summed over normal forces at its surface.
 
-    An own derivation: radial and hoop stresses of each force in cylindrical coordinates about it.
+    Boussinesq (1885); Timoshenko and Goodier (1970, art. 138), in cylindrical coordinates about each force.
     """
     total = np.zeros((len(points), 3, 3))
     for load, (px, py) in zip(loads, positions, strict=True):
@@ -22,7 +21,9 @@ def point_load_stresses(points, loads, positions, poisson):
         part = (1.0 - 2.0 * poisson) / (distance * (distance + z))
         radial = part - 3.0 * radius**2 * z / distance**5
         hoop = (1.0 - 2.0 * poisson) * (z / distance**3 - 1.0 / (distance * (distance + z)))
-        cosine, sine = (np.where(radius > 0.0, each / np.maximum(radius, 1e-30), unit) for each, unit in ((x, 1), (y, 0)))
+        cosine, sine = (
+            np.where(radius > 0.0, each / np.maximum(radius, 1e-30), unit) for each, unit in ((x, 1), (y, 0))
+        )
         shear = -3.0 * radius * z**2 / distance**5
         one = np.zeros((len(points), 3, 3))
         one[:, 0, 0] = radial * cosine**2 + hoop * sine**2
@@ -83,7 +84,7 @@ def test_the_maximum_below_a_patch_with_two_peaks_is_that_of_boussinesqs_forces(
 
 
 def test_tension_is_greatest_at_the_edge_of_a_circular_patch() -> None:
-    """At the edge of a Hertzian circle the radial tension at the surface is (1 - 2 nu) p0 / 3, within the cells' width."""
+    """At the edge of a Hertzian circle the radial tension at the surface is (1 - 2 nu) p0 / 3, within a cell."""
     ends = np.linspace(-1.5, 1.5, 61)
     ends, z = np.stack((ends[:-1], ends[1:]), axis=1), np.linspace(-1.475, 1.475, 60)
     x, y = np.meshgrid(ends.mean(axis=1), z, indexing="ij")
@@ -115,7 +116,7 @@ def test_uneven_cells_of_two_patches_carry_their_whole_load() -> None:
 
 
 def test_a_wheelset_prints_the_maximum_below_a_patch_with_two_peaks() -> None:
-    """S1002 on 60E1, 200 kN, 2 mm aside: 353 MPa below the centre of the right patch, 634 MPa beside it (coarse meshes)."""
+    """S1002 on 60E1, 200 kN, 2 mm aside: 353 MPa below the centre on the right, 634 MPa beside it."""
     case = SpatialWheelsetCase.from_values(
         {"lateral_mm": 2.0, "size_scale": 6.0, "order": 1, "rail_support": "continuous"}
     )

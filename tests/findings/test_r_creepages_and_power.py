@@ -37,7 +37,9 @@ def test_longitudinal_creepage_of_a_cone_on_a_round_rail_is_that_of_its_radius()
     state = linear_theory(contact, motion)
     patch = RollingPatch(None, state, contact)  # type: ignore[arg-type]  # creepages do not need the bodies
     shares = contact.row_shares
-    assert patch.longitudinal_creepage == pytest.approx(float(shares @ slip) - float(shares @ s * (shares @ spin)), abs=1e-12)
+    assert patch.longitudinal_creepage == pytest.approx(
+        float(shares @ slip) - float(shares @ s * (shares @ spin)), abs=1e-12
+    )
     assert patch.longitudinal_creepage == pytest.approx(3e-4, abs=1e-9)
     biased = float(motion.along @ shares)
     assert patch.longitudinal_creepage - biased == pytest.approx(5.0**2 / (5.0 * radius * rail), rel=0.02)

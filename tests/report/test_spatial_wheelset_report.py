@@ -132,7 +132,7 @@ def test_collection_opens_all_surfaces_and_sections(folder):
 
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_the_volumes_below_the_patches_hold_the_maximum_at_its_position(run, folder, side):
-    """The file's maximum von Mises stress is the summary's, at the summary's point; at the surface it has the pressure."""
+    """The file's maximum von Mises stress is the summary's, at its point; the surface has the pressure."""
     patches = [each for each in run.summary.patches if each.side == side]
     for role in ("rail", "wheel"):
         found = meshio.read(folder / f"stresses-{role}-{side}.vtu")

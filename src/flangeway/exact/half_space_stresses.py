@@ -62,9 +62,7 @@ def half_space_stresses(
     return result
 
 
-def half_space_field(
-    loads: Floats, cell: tuple[float, float], depths: Floats, poisson: float, margin: int
-) -> Floats:
+def half_space_field(loads: Floats, cell: tuple[float, float], depths: Floats, poisson: float, margin: int) -> Floats:
     """Stresses below even cells under uniform tractions, at all depths under the middles of the cells.
 
     The sum over the cells is a convolution, ``s_ij = sum over kl of K_(i-k)(j-l) t_kl``, exact by FFT at each depth.
@@ -94,7 +92,7 @@ def half_space_field(
         width * (np.arange(-count - margin, count + margin, dtype=np.float64) + 0.5)
         for width, count in zip(cell, (n, m), strict=True)
     )
-    a, b, d = a[:, None], b, depths[:, None, None]
+    a, d = a[:, None], depths[:, None, None]
     corners = []
     if loads.shape[2] != 2:
         corners.append(_by_pressure(a, b, d, poisson))

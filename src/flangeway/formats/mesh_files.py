@@ -356,9 +356,7 @@ def write_vtu_grids(
         for name, parts in point_data.items()
     }
     at_cells = {name: [array] for name, array in _at_cells({}, len(hexahedra), "cells", body_id).items()}
-    _write_blocks(
-        path, space, [("hexahedron", hexahedra)], _checked(arrays, len(space), "points"), at_cells
-    )
+    _write_blocks(path, space, [("hexahedron", hexahedra)], _checked(arrays, len(space), "points"), at_cells)
 
 
 def _at_cells(data: Mapping[str, ArrayLike], n: int, where: str, body_id: ArrayLike) -> dict[str, NDArray[Any]]:

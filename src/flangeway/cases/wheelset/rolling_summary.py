@@ -15,8 +15,8 @@ class RollingSummary(SummaryPart):
     """How the wheelset rolls: torque on the axle, moment that guides it, Nadal's limits, and power.
 
     `yaw_moment_kNm` is that of the contact on the wheelset, counter-clockwise from above, `traction_kN` the sum of
-    creep forces ahead, `power_W` what friction dissipates. Nadal's limits are those of the left and the right wheel; L/V
-    over them is None for a wheel whose flange does not touch; above 1 the criterion is exceeded, and flange climb is
+    creep forces ahead, `power_W` what friction dissipates. Nadal's limits are those of the left and the right wheel;
+    L/V over them is None for a wheel whose flange does not touch; above 1 the criterion is exceeded, and flange climb is
     possible. The kinematic (Klingel's) wave is
     that of the equivalent conicity of rigid wheels at 3 mm, None where there is none.
     """

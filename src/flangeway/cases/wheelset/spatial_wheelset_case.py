@@ -127,7 +127,10 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
         0.0, ge=0.0, description="slip velocity in which the difference of both falls to 1/e"
     )
     flange_friction: float | None = Field(
-        None, ge=0.0, le=MAX_FRICTION, description="coefficient on the gauge face, steeper than 45 degrees (default: friction)"
+        None,
+        ge=0.0,
+        le=MAX_FRICTION,
+        description="coefficient on the gauge face, steeper than 45 degrees (default: friction)",
     )
     rolling_theory: Theory = Field(
         "exact", description="creep forces: exact theory, fastsim, fastrip, polach or linear theory"

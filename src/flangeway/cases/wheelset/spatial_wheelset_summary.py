@@ -80,7 +80,8 @@ class WheelPatchSummary(SummaryPart):
 
     `pressure_over_shear_strength` is the maximum pressure over k = yield strength / sqrt(3), None if the bodies are not
     of steel and it is not given; `shakedown_state` is elastic, shakedown (elastic after the first passages), hardening
-    (the same with kinematic hardening) or above limits (yields in each passage), for a circular patch; `rolling` is None without friction.
+    (the same with kinematic hardening) or above limits (yields in each passage), for a circular patch; `rolling` is
+    None without friction.
     """
 
     side: Side
@@ -205,7 +206,9 @@ def _below(patch: SpatialPatch, role: Role, tractions: Floats | None) -> BelowSu
     field, line = patch.field(role, tractions), patch.below(role, tractions)
     maxima = field.max_von_mises, field.max_tresca, field.max_tension
     places = patch.points_below(role, *np.array([each.position for each in maxima]).T).tolist()
-    values = [part for each, place in zip(maxima, places, strict=True) for part in (each.value, each.position[1], place)]
+    values = [
+        part for each, place in zip(maxima, places, strict=True) for part in (each.value, each.position[1], place)
+    ]
     mises = line.stresses.von_mises
     return BelowSummary(*values, float(mises.max()), float(line.depths[mises.argmax()]))
 

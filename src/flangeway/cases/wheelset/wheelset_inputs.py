@@ -130,7 +130,8 @@ class WheelsetInputs(Case):
     superelevation_mm: float | Literal["from-speed"] = Field(
         0.0,
         description="height of the outer rail of the curve over the inner one, negative: adverse cant; without "
-        "curve_radius_m of the right rail over the left one; from-speed: equilibrium superelevation of speed and radius",
+        "curve_radius_m of the right rail over the left one; from-speed: equilibrium superelevation of speed and "
+        "radius",
     )
     cant_deficiency_mm: float = Field(
         0.0, ge=0.0, description="equilibrium superelevation less the superelevation from-speed"

@@ -277,8 +277,8 @@ def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[Spati
 def _of_yielding(result: SpatialResult) -> list[str]:
     """Warnings on patches under which steel yields in each passage."""
     return [
-        f"{patch.side} side, {patch.region}: p0/k = {result.load_factor(patch):.2f} is above the shakedown limits: steel "
-        "yields in each passage, which is not modelled"
+        f"{patch.side} side, {patch.region}: p0/k = {result.load_factor(patch):.2f} is above the shakedown limits: "
+        "steel yields in each passage, which is not modelled"
         for patch in result.patches
         if result.shakedown_state(patch) == ABOVE
     ]

@@ -64,9 +64,10 @@ PICTURES: dict[str, tuple[Callable[[SpatialWheelsetRun], Figure], str, str]] = {
     "stresses.png": (
         stresses_figure,
         "Von Mises stress below each patch across and along the track, and stresses over the depth.",
-        "The von Mises stress below each patch, across and along the track through its maximum (+), and stresses on the "
-        "normal there: x along the surface across the track, y along the normal, z along the track; of a half-space "
-        "under the tractions of all cells. Rail and wheel of one material have the same without friction.",
+        "The von Mises stress below each patch, across and along the track through its maximum (+), and stresses on "
+        "the normal there: x along the surface across the track, y along the normal, z along the track; of a "
+        "half-space under the tractions of all cells. Bodies of one material: the rail's; without friction the wheel "
+        "has the same.",
     ),
 }
 """Pictures of the report by the files' names: what draws them, what they show, and the caption."""
@@ -101,8 +102,8 @@ AXES = {key: WHEELSET_AXES[key] for key in ("space", "rail", "wheel", "forces")}
     "contact angle": "of the plane normal to the force from the track's plane, positive towards the flange",
     "angle": "from z to the longer semi-axis, positive towards the gauge side",
     "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards",
-    "p0/k": "maximum pressure over the shear strength k = yield strength / sqrt(3). Shakedown state of a circular patch: "
-    "elastic; shakedown, elastic after the first passages; hardening, the same with kinematic hardening; above limits, "
+    "p0/k": "maximum pressure over the shear strength k = yield strength / sqrt(3). Shakedown state of a circular "
+    "patch: elastic; shakedown, elastic after the first passages; hardening, the same with kinematic hardening; above limits, "
     "steel yields in each passage",
     "stresses": "tension positive; maxima are those of the whole volume below a patch",
 }
@@ -236,7 +237,9 @@ def results_table(summary: SpatialWheelsetSummary) -> SummaryTable:
             side: number(value, 3) for side, value in zip(SIDES, rolling.nadal_limits, strict=True)
         }
         whole["Nadal's criterion"] = _nadal_words(rolling)
-    return with_whole(table, whole, [p.side for p in patches], {**ratios, "gauge-face deflection (outwards), mm": gauge})
+    return with_whole(
+        table, whole, [p.side for p in patches], {**ratios, "gauge-face deflection (outwards), mm": gauge}
+    )
 
 
 def _nadal_words(rolling: RollingSummary) -> str:

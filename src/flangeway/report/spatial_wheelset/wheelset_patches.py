@@ -191,7 +191,7 @@ def lines_below(result: SpatialResult) -> list[tuple[SpatialPatch, Role]]:
 
 
 def stresses_figure(run: SpatialWheelsetRun) -> Figure:
-    """Draw the von Mises stress below each patch across and along the track, and stresses over the depth at its maximum."""
+    """Draw the von Mises stress below each patch across and along the track, and stresses over its maximum's depth."""
     lines = lines_below(run.result)
     count, several = max(len(lines), 1), len({role for _, role in lines}) > 1
     figure, rows = figure_with_room(12.5, 0.5 + 3.3 * count, ROOM_OF_STRESSES, count, 3)
