@@ -1,7 +1,9 @@
 """G2, G9, G10: yielding without a word, a default in another gauge, and adverse cant in silence."""
 
+import numpy as np
 import pytest
 
+from flangeway import cli
 from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
@@ -46,12 +48,28 @@ def test_coefficients_of_friction_end_at_one(key):
     SpatialWheelsetCase.from_values(values | {key: 1.0, "friction": 1.0}).check()
 
 
-def test_geometry_and_run_have_one_default_wheelset():
-    """Profiles, gauge, wheels and load of `geometry` are those of `run wheelset`; `s1002-60e1` carries 200 kN too."""
-    own, main = find_geometry_case("wheelset", {}), SpatialWheelsetCase()
+@pytest.mark.parametrize("name", ["wheelset", "s1002-60e1"])
+def test_geometry_and_run_have_one_default_wheelset(name):
+    """Profiles, gauge, wheels and load of `geometry` are those of `run wheelset`."""
+    own, main = find_geometry_case(name, {}), SpatialWheelsetCase()
     for key in ("rail", "wheel", "gauge_mm", "wheel_radius_mm", "wheel_radius_at", "axle_load_kN", "rail_inclination"):
         assert getattr(own, key) == getattr(main, key), key
-    assert find_geometry_case("s1002-60e1", {}).load().vertical_N == main.load().vertical_N == 200e3
+    assert own.load().vertical_N == main.load().vertical_N == 200e3
+
+
+def test_geometry_without_a_case_is_in_standard_gauge(tmp_path, monkeypatch):
+    """`geometry --wheel S1002 --rail 60E1` has the usual conicity of this pair, 0.17 to 0.18, not that of 1600 mm."""
+    monkeypatch.setattr(
+        "sys.argv",
+        ["flangeway", "geometry", "--wheel", "S1002", "--rail", "60E1", "--set", "step_mm=0.1", "--no-pictures",
+         "--out", str(tmp_path / "out"), "-q"],
+    )  # fmt: skip
+    with pytest.raises(SystemExit) as caught:
+        cli.main()
+    assert caught.value.code == 0
+    table = np.genfromtxt(tmp_path / "out" / "conicity.csv", delimiter=",", names=True)
+    amplitude, conicity = (table[name] for name in table.dtype.names[:2])
+    assert np.interp(3.0, amplitude, conicity) == pytest.approx(0.177, abs=0.004)
 
 
 @pytest.mark.parametrize("traction", [0.0, 0.15, 0.3])

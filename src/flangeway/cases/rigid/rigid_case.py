@@ -138,7 +138,7 @@ def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryC
     own, known = GeometryCase.model_fields, kind.model_fields
     unused = [key for key in given if (name_of := kind.input_named(key)[0]) in known and name_of not in own]
     used = {key: value for key, value in given.items() if key not in unused}
-    base = GEOMETRY_CASES[SpatialWheelsetCase.name if name == OWN_NAME else name][1]
+    base = GEOMETRY_CASES["s1002-60e1" if name == OWN_NAME else name][1]
     case = GeometryCase.from_values(
         merged(merged(base, text.resolved(used)), values),
         lambda key: "" if key and key[0] in values else text.place(key),

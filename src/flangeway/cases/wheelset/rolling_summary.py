@@ -16,9 +16,9 @@ class RollingSummary(SummaryPart):
 
     `yaw_moment_kNm` is that of the contact on the wheelset, counter-clockwise from above, `traction_kN` the sum of
     creep forces ahead, `power_W` what friction dissipates. Nadal's limits are those of the left and the right wheel;
-    L/V over them is None for a wheel whose flange does not touch; above 1 the criterion is exceeded, and flange climb is
-    possible. The kinematic (Klingel's) wave is
-    that of the equivalent conicity of rigid wheels at 3 mm, None where there is none.
+    L/V over them is None for a wheel whose flange does not touch; above 1 the criterion is exceeded, and flange
+    climb is possible. The kinematic (Klingel's) wave is that of the equivalent conicity of rigid wheels at 3 mm,
+    None where there is none.
     """
 
     speed_km_h: float

@@ -103,8 +103,8 @@ AXES = {key: WHEELSET_AXES[key] for key in ("space", "rail", "wheel", "forces")}
     "angle": "from z to the longer semi-axis, positive towards the gauge side",
     "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards",
     "p0/k": "maximum pressure over the shear strength k = yield strength / sqrt(3). Shakedown state of a circular "
-    "patch: elastic; shakedown, elastic after the first passages; hardening, the same with kinematic hardening; above limits, "
-    "steel yields in each passage",
+    "patch: elastic; shakedown, elastic after the first passages; hardening, the same with kinematic hardening; above "
+    "limits, steel yields in each passage",
     "stresses": "tension positive; maxima are those of the whole volume below a patch",
 }
 
