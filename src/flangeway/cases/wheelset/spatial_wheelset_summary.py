@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from flangeway.cases.wheelset.wheelset_summary import (
 )
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, Rolling
+from flangeway.post.patch_stresses import StressMaximum
 from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
@@ -204,13 +206,18 @@ def _rolling(patch: RollingPatch) -> PatchRollingSummary:
 
 def _below(patch: SpatialPatch, role: Role, tractions: Floats | None) -> BelowSummary:
     field, line = patch.field(role, tractions), patch.below(role, tractions)
-    maxima = field.max_von_mises, field.max_tresca, field.max_tension
-    places = patch.points_below(role, *np.array([each.position for each in maxima]).T).tolist()
-    values = [
-        part for each, place in zip(maxima, places, strict=True) for part in (each.value, each.position[1], place)
-    ]
     mises = line.stresses.von_mises
-    return BelowSummary(*values, float(mises.max()), float(line.depths[mises.argmax()]))
+    values: dict[str, Any] = {}
+    for name in ("max_von_mises", "max_tresca", "max_tension"):
+        found: StressMaximum = getattr(field, name)
+        point = patch.points_below(role, *(np.array([each]) for each in found.position))[0]
+        values |= {
+            f"{name}_MPa": found.value,
+            f"{name}_depth_mm": found.position[1],
+            f"{name}_position_mm": point.tolist(),
+        }
+    at = int(mises.argmax())
+    return BelowSummary(**values, von_mises_below_centre_MPa=mises[at], von_mises_below_centre_depth_mm=line.depths[at])
 
 
 def summarise_spatial_wheelset(

@@ -97,8 +97,7 @@ def cell_text(value: Any, form: str) -> str:
 
 def timings_table(timings_s: Mapping[str, float]) -> SummaryTable:
     """Seconds of each stage; ``total`` is that of computing."""
-    names = {"total": "computing, in all"}
-    rows = [(names.get(name, name.replace("_", "-")), number(t, 2)) for name, t in timings_s.items()]
+    rows = [(name.replace("_", "-"), number(t, 2)) for name, t in timings_s.items()]
     return SummaryTable("Time", ("", "s"), tuple(rows))
 
 

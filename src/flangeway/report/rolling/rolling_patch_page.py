@@ -139,9 +139,9 @@ def _results(summary: RollingPatchSummary) -> SummaryTable:
         rows.append(("maximum traction, MPa", summary.max_traction_MPa, ".1f"))
     if rolling is not None:
         rows += [
-            ("T-gamma: frictional power over speed, N", rolling.t_gamma_N, "z.3f"),
-            ("  forces times creepages, without spin, N", rolling.t_gamma_without_spin_N, "z.3f"),
-            ("  and with spin moment times spin, N", rolling.t_gamma_with_spin_N, "z.3f"),
+            ("T-gamma, N", rolling.t_gamma_N, "z.3f"),
+            ("  forces times creepages, N", rolling.t_gamma_without_spin_N, "z.3f"),
+            ("  and spin moment times spin, N", rolling.t_gamma_with_spin_N, "z.3f"),
             ("frictional power, W", summary.frictional_power_W, "z.1f"),
             ("maximum power density, W/mm²", summary.max_power_density_W_mm2, "z.2f"),
             ("maximum slip velocity, m/s", summary.max_slip_velocity_m_s, ".4f"),
