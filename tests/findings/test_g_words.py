@@ -8,7 +8,9 @@ from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE, shakedown_limits, shakedown_state
+from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_load import superelevation_angle
+from flangeway.railway.wheelset.residual import RelativeResiduals
 
 CURVE = {"curve_radius_m": 500.0, "speed_km_h": 80.0}
 
@@ -82,3 +84,13 @@ def test_shakedown_states_change_at_the_limits(traction):
     assert shakedown_state(1.001 * max(plain, most), traction) == ABOVE
     if plain < 0.99 * most:
         assert shakedown_state(1.001 * plain, traction) == shakedown_state(0.999 * most, traction) == "hardening"
+
+
+def test_a_position_has_plain_numbers_and_its_residual_includes_the_yaw():
+    """G14: NumPy's numbers become floats; the yaw residual counts with and without a residual of the torque."""
+    position = WheelsetPosition(np.float64(1.5), np.float64(-0.5), np.float64(1e-3))
+    assert [type(each) for each in position.components] == [float] * 3
+    assert repr(position) == repr(WheelsetPosition(1.5, -0.5, 1e-3))
+    for torque in (0.0, 4e-9):
+        found = RelativeResiduals(0.0, 0.0, 0.0, torque_residual=torque, yaw_residual=3e-9)
+        assert found.equilibrium_residual == pytest.approx(np.hypot(torque, 3e-9), rel=1e-12)

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from flangeway.errors import InputError
 from flangeway.types import Floats
 
-ABOVE = "above limits"
+ABOVE = "yields"
 """Shakedown state of a patch under which steel yields in each passage."""
 TABLE = Path(__file__).with_name("shakedown.csv")
 

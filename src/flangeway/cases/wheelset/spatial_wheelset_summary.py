@@ -82,7 +82,7 @@ class WheelPatchSummary(SummaryPart):
 
     `pressure_over_shear_strength` is the maximum pressure over k = yield strength / sqrt(3), None if the bodies are not
     of steel and it is not given; `shakedown_state` is elastic, shakedown (elastic after the first passages), hardening
-    (the same with kinematic hardening) or above limits (yields in each passage), for a circular patch; `rolling` is
+    (the same with kinematic hardening) or yields (in each passage), for a circular patch; `rolling` is
     None without friction.
     """
 

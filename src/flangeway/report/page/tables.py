@@ -70,7 +70,9 @@ def with_whole(
         return replace(table, header=("", "value"), rows=tuple(whole.items()))
     rows = [(name, text, *[""] * (n_columns - 1)) for name, text in whole.items()]
     for name, texts in (of_group or {}).items():
-        rows.append((name, *(texts[each] if groups.index(each) == at else "" for at, each in enumerate(groups))))
+        rows.append(
+            (name, *(texts.get(each, "") if groups.index(each) == at else "" for at, each in enumerate(groups)))
+        )
     return replace(table, rows=(*rows, *table.rows))
 
 

@@ -4,13 +4,14 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
+from flangeway.cases.wheelset.rolling_summary import RollingSummary
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.contact.rolling.theories import WITH_TRACTIONS, Theory
 from flangeway.railway.spatial.spatial_result import SpatialResult
-from flangeway.railway.track.placements import SIDE_SIGN
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.report.page.record import Picture
 from flangeway.report.page.tables import Column, SummaryTable, number, table_across
 from flangeway.report.rolling.creep_curves import curves_figure
@@ -113,6 +114,17 @@ def rolling_table(summary: SpatialWheelsetSummary) -> SummaryTable:
     return table_across(caption, names, patches, (*ROLLING, *FURTHER_ROLLING))
 
 
+def _nadal_words(rolling: RollingSummary) -> str:
+    """Nadal's criterion for the wheels whose flanges touch, in words."""
+    shares = zip(SIDES, rolling.shares_of_nadal_limits, strict=True)
+    words = [
+        f"{side} wheel {'exceeded' if share > 1.0 else 'not exceeded'} ({100.0 * share:.0f} %)"
+        for side, share in shares
+        if share is not None
+    ]
+    return ", ".join(words) or "no flange contact"
+
+
 def motion_tables(summary: SpatialWheelsetSummary) -> list[SummaryTable]:
     """How the whole wheelset rolls, if creep forces are part of its equilibrium."""
     found = summary.rolling
@@ -127,6 +139,7 @@ def motion_tables(summary: SpatialWheelsetSummary) -> list[SummaryTable]:
         ("traction, kN", f"{found.traction_kN:z.3f}"),
         ("T-gamma of all patches, N", number(found.t_gamma_N, 1)),
         ("frictional power, W", number(found.power_W, 0)),
+        ("Nadal's criterion", _nadal_words(found)),
         ("kinematic wave (Klingel): length, m", number(found.kinematic_wavelength_m, 2)),
         ("  frequency, Hz", number(found.kinematic_frequency_Hz, 2)),
     )

@@ -5,7 +5,6 @@ from functools import partial
 
 from matplotlib.figure import Figure
 
-from flangeway.cases.wheelset.rolling_summary import RollingSummary
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
 from flangeway.cases.wheelset.wheelset_summary import AXES as WHEELSET_AXES
@@ -102,9 +101,10 @@ AXES = {key: WHEELSET_AXES[key] for key in ("space", "rail", "wheel", "forces")}
     "contact angle": "of the plane normal to the force from the track's plane, positive towards the flange",
     "angle": "from z to the longer semi-axis, positive towards the gauge side",
     "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards",
+    "gauge-face deflection": "of the elastic rail, positive outwards, away from the middle of the track",
     "p0/k": "maximum pressure over the shear strength k = yield strength / sqrt(3). Shakedown state of a circular "
-    "patch: elastic; shakedown, elastic after the first passages; hardening, the same with kinematic hardening; above "
-    "limits, steel yields in each passage",
+    "patch: elastic; shakedown, elastic after the first passages; hardening, the same with kinematic hardening; "
+    "yields, in each passage",
     "stresses": "tension positive; maxima are those of the whole volume below a patch",
 }
 
@@ -236,23 +236,12 @@ def results_table(summary: SpatialWheelsetSummary) -> SummaryTable:
         ratios["  Nadal's limit"] = {
             side: number(value, 3) for side, value in zip(SIDES, rolling.nadal_limits, strict=True)
         }
-        whole["Nadal's criterion"] = _nadal_words(rolling)
-    return with_whole(
-        table, whole, [p.side for p in patches], {**ratios, "gauge-face deflection (outwards), mm": gauge}
-    )
-
-
-def _nadal_words(rolling: RollingSummary) -> str:
-    """Nadal's criterion for the wheel whose flange touches, in words."""
-    found = [
-        (share, f"{side} wheel" if sum(each is not None for each in rolling.shares_of_nadal_limits) > 1 else "")
-        for side, share in zip(SIDES, rolling.shares_of_nadal_limits, strict=True)
-        if share is not None
-    ]
-    if not found:
-        return "no flange contact"
-    share, where = max(found)
-    return f"{'exceeded' if share > 1.0 else 'not exceeded'} ({100.0 * share:.0f} %)" + (where and f", {where}")
+        ratios["  share of the limit, %"] = {
+            side: number(100.0 * share, 0)
+            for side, share in zip(SIDES, rolling.shares_of_nadal_limits, strict=True)
+            if share is not None
+        }
+    return with_whole(table, whole, [p.side for p in patches], {**ratios, "gauge-face deflection, mm": gauge})
 
 
 def _at(patch: WheelPatchSummary, name: str) -> tuple[float, float]:
@@ -293,6 +282,6 @@ def _rails_table(summary: SpatialWheelsetSummary) -> SummaryTable:
         ("railhead lateral displacement, mm", "lateral_mm", "z.3f"),
         ("  up, mm", "vertical_mm", "z.3f"),
         ("  roll, mrad", lambda rail: 1e3 * rail.roll_rad, "z.3f"),
-        ("gauge-face deflection (outwards), mm", "gauge_outward_mm", "z.3f"),
+        ("gauge-face deflection, mm", "gauge_outward_mm", "z.3f"),
     ]
     return table_across("Heads of the rails at the wheels", (r.side for r in summary.rails), summary.rails, quantities)

@@ -210,7 +210,7 @@ def stresses_figure(run: SpatialWheelsetRun) -> Figure:
             drawn = axes.contourf(places[order], field.depths, cut[:, order], levels, cmap=COLOURS, extend="max")
             axes.plot(middle, found.position[1], "+", color="white", ms=9)
             axes.set(ylim=(deepest, 0.0), ylabel="depth in mm")
-            axes.set_aspect("equal", adjustable="datalim")
+            axes.set_aspect("equal", adjustable="box")
         figure.colorbar(drawn, ax=panels[1], label="von Mises in MPa", format="%.0f")
         draw_depths(panels[2], field.column(at))
         panels[2].set(ylim=(deepest, 0.0), ylabel="depth in mm")
