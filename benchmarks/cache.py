@@ -29,9 +29,7 @@ def measurements() -> Iterator[Measurement]:
         pairs = zip(first["forces_N"], second["forces_N"], strict=True)
         apart = max(abs(one - other) for one, other in pairs) / first["load_N"]
         told = ", ".join(f"{stage} {value:.2f} s" for stage, value in second["stages_s"].items())
-        yield Measurement(
-            f"second run of {name}", ITSELF, second["seconds"], first["seconds"], apart, None, told
-        )
+        yield Measurement(f"second run of {name}", ITSELF, second["seconds"], first["seconds"], apart, None, told)
 
 
 def _run(name: str) -> dict[str, Any]:
