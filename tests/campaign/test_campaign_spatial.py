@@ -82,7 +82,7 @@ def test_rows_that_roll_have_their_creep_forces(tmp_path):
     assert abs(left["longitudinal_creep_force_N"]) > 0.01 * load
     for each in (left, right):
         assert each["frictional_power_W"] == pytest.approx(each["t_gamma_N"] * 80.0 / 3.6)
-        assert each["share_of_nadal_limit"] < 1.0
+        assert each["share_of_nadal_limit"] is None or each["share_of_nadal_limit"] < 1.0
 
 
 @pytest.mark.ci

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.exact import LineContact
-from flangeway.exact.half_space_stresses import half_space_stresses
+from flangeway.exact.half_space_stresses import half_space_field, half_space_stresses
 
 
 def test_a_square_under_pressure_has_the_stresses_of_love() -> None:
@@ -137,3 +137,20 @@ def test_at_the_surface_stresses_are_the_tractions() -> None:
     loads, shears = np.array([[2.0, 1.0]]), np.array([[[0.3, -0.6], [0.2, 0.1]]])
     found = half_space_stresses(x, z, loads, np.array([[0.3, 1e-7, 0.2], [0.3, 1e-7, 2.4]]), 0.3, shears)
     assert found[:, [1, 3, 4]] == pytest.approx(np.array([[-2.0, -0.3, 0.6], [0.0, 0.0, 0.0]]), abs=1e-5)
+
+
+def test_below_even_cells_the_sum_by_fft_is_the_sum_of_rectangles() -> None:
+    """Under random pressures and shears on 7 x 5 cells all stresses, at the surface and beside the cells too, agree."""
+    loads, width, strip = np.random.default_rng(1).random((7, 5, 3)), 0.3, 0.7
+    depths, margin = np.array([0.0, 0.1, 1.0, 2.0]), 2
+    found = half_space_field(loads, (width, strip), depths, 0.3, margin)
+    x, z = (size * (np.arange(-margin, count + margin) + 0.5) for size, count in ((width, 7), (strip, 5)))
+    d, x, z = (each.ravel() for each in np.meshgrid(depths, x, z, indexing="ij"))
+    ends = [
+        size * np.stack((np.arange(count), np.arange(count) + 1.0), axis=1) for size, count in ((width, 7), (strip, 5))
+    ]
+    wanted = half_space_stresses(*ends, loads[..., 0], np.stack((x, d, z), axis=1), 0.3, loads[..., 1:])
+    assert pytest.approx(wanted, abs=1e-12) == found.reshape(6, -1).T
+    pressure = half_space_field(loads[..., :1], (width, strip), depths, 0.3, margin)
+    shears = half_space_field(loads[..., 1:], (width, strip), depths, 0.3, margin)
+    assert pressure + shears == pytest.approx(found, abs=1e-12)

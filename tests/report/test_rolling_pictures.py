@@ -98,10 +98,10 @@ def test_patches_lie_in_the_shakedown_diagram_and_their_names_do_not_overlap():
     assert not any(a.overlaps(b) for number, a in enumerate(boxes) for b in boxes[:number])
 
 
-def test_flange_climb_is_possible_where_a_wheel_exceeds_nadals_limit():
-    """Shares of L/V in Nadal's limits, None for a wheel without contact, and the statement."""
-    for right, possible in ((1.2, True), (0.3, False), (float("nan"), False)):
-        ratios = {"left": 0.25, "right": right}
+def test_nadals_criterion_is_that_of_the_wheel_whose_flange_touches():
+    """Shares of L/V in Nadal's limits, None for a wheel whose flange does not touch, and the statement."""
+    for right, touches, exceeded in ((1.2, True, True), (0.3, True, False), (1.2, False, False)):
+        ratios = {"left": 0.7, "right": right}
         result = SimpleNamespace(
             wheelset=SimpleNamespace(model=SimpleNamespace(rolling=SimpleNamespace(speed_m_s=20.0))),
             equilibrium=SimpleNamespace(
@@ -113,7 +113,8 @@ def test_flange_climb_is_possible_where_a_wheel_exceeds_nadals_limit():
             rolling=(),
             nadal_limit=lambda _: 0.5,
             lateral_over_vertical=ratios.__getitem__,
+            flange_touches={"left": False, "right": touches}.__getitem__,
         )
         found = rolling_summary(result)
-        assert found.shares_of_nadal_limits == [0.5, None if np.isnan(right) else right / 0.5]
-        assert found.flange_climb_possible is possible
+        assert found.shares_of_nadal_limits == [None, right / 0.5 if touches else None]
+        assert found.nadal_criterion_exceeded is exceeded

@@ -121,7 +121,8 @@ def spatial_row(result: SpatialResult, seconds: float) -> RowResult:
         motion = result.head_motion(side)
         values |= {f"{side}_{name}": value for name, value in zip(_HEAD, motion, strict=True)}
         if result.rolling:
-            values[f"{side}_{_NADAL}"] = _plain(result.lateral_over_vertical(side) / result.nadal_limit(side))
+            share = result.lateral_over_vertical(side) / result.nadal_limit(side)
+            values[f"{side}_{_NADAL}"] = _plain(share) if result.flange_touches(side) else None
     return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
 
 

@@ -70,7 +70,7 @@ GeometryRail = Annotated[
 @app.command()
 @shows_results
 def geometry(
-    case: GeometryName = "wheelset-tangent",
+    case: GeometryName = "s1002-60e1",
     set_: GeometrySet = None,
     wheel: GeometryWheel = None,
     rail: GeometryRail = None,

@@ -16,6 +16,7 @@ Derivatives of the integrals are sums over the corners of a rectangle.
 """
 
 import numpy as np
+import scipy.fft
 
 from flangeway.types import Floats
 
@@ -61,8 +62,54 @@ def half_space_stresses(
     return result
 
 
+def half_space_field(loads: Floats, cell: tuple[float, float], depths: Floats, poisson: float, margin: int) -> Floats:
+    """Stresses below even cells under uniform tractions, at all depths under the middles of the cells.
+
+    The sum over the cells is a convolution, ``s_ij = sum over kl of K_(i-k)(j-l) t_kl``, exact by FFT at each depth.
+
+    Parameters
+    ----------
+    loads
+        Tractions on the half-space: the pressure (n, m, 1), shears along x and z (n, m, 2), or all (n, m, 3).
+    cell
+        Width of the cells along x and z.
+    depths
+        At the surface 0 is allowed, shape (k,).
+    poisson
+        Poisson's ratio.
+    margin
+        Cells around the loaded ones of which the stresses are returned too.
+
+    Returns
+    -------
+    Floats
+        Components as `half_space_stresses`, shape (6, k, n + 2 margin, m + 2 margin).
+
+    """
+    n, m = loads.shape[:2]
+    # distances from the ends of a cell to the middle of another one
+    a, b = (
+        width * (np.arange(-count - margin, count + margin, dtype=np.float64) + 0.5)
+        for width, count in zip(cell, (n, m), strict=True)
+    )
+    a, d = a[:, None], depths[:, None, None]
+    corners = []
+    if loads.shape[2] != 2:
+        corners.append(_by_pressure(a, b, d, poisson))
+    if loads.shape[2] != 1:
+        corners += [_by_shear(a, b, d, poisson), _by_shear(b, a, d, poisson)[[2, 1, 0, 4, 3, 5]]]
+    shape = [scipy.fft.next_fast_len(2 * (count + margin) - 1, real=True) for count in (n, m)]
+    spectra = scipy.fft.rfft2(loads, shape, axes=(0, 1))
+    total = sum(
+        scipy.fft.rfft2(np.diff(np.diff(kernel, axis=-2), axis=-1), shape) * spectra[..., number]
+        for number, kernel in enumerate(corners)
+    )
+    field = scipy.fft.irfft2(total, shape)[..., n - 1 : 2 * (n + margin) - 1, m - 1 : 2 * (m + margin) - 1]
+    return np.asarray(field / (2.0 * np.pi))
+
+
 def _by_pressure(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:
-    """The six sums at one corner of each rectangle, without ``1 / 2 pi``, shape (6, k, n)."""
+    """The six sums at one corner of each rectangle, without ``1 / 2 pi``, shape (6, ...)."""
     r = np.sqrt(a**2 + b**2 + d**2)
     share = 1.0 - 2.0 * poisson
     first = -np.arctan2(a * b, d * r)  # V_d
@@ -73,7 +120,7 @@ def _by_pressure(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:
     x_aa = np.arctan2(a * b * (r - d), a**2 * r + d * b**2)
     x_bb = np.arctan2(a * b * (r - d), b**2 * r + d * a**2)
     return np.stack(
-        (
+        np.broadcast_arrays(
             2.0 * poisson * first - d * a * by_a - share * x_aa,
             first - d * second,
             2.0 * poisson * first - d * b * by_b - share * x_bb,
@@ -91,7 +138,7 @@ def _by_shear(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:
     logs = [np.log(np.where(c > 0.0, c + r, (r**2 - c**2) / (r - np.minimum(c, 0.0)))) for c in (b, a)]  # V_x, V_z
     rest = (2.0 * poisson + d / r) / (d + r)
     return np.stack(
-        (
+        np.broadcast_arrays(
             2.0 * logs[0] + b * rest + d**2 * by_a,
             -(d**2) * by_a,
             2.0 * poisson * logs[0] - b * rest,

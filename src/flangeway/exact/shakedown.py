@@ -25,6 +25,8 @@ from numpy.typing import ArrayLike
 from flangeway.errors import InputError
 from flangeway.types import Floats
 
+ABOVE = "yields"
+"""Shakedown state of a patch under which steel yields in each passage."""
 TABLE = Path(__file__).with_name("shakedown.csv")
 
 
@@ -62,6 +64,16 @@ def shakedown_limits(contact: Literal["line", "point"], traction: ArrayLike) -> 
     table = _table()
     columns = table[:, 1:4] if contact == "line" else table[:, 4:]
     return ShakedownLimits(*(1.0 / np.interp(values, table[:, 0], 1.0 / column) for column in columns.T))
+
+
+def shakedown_state(load_factor: float, traction: float) -> str:
+    """What a circular patch does to the steel under repeated rolling, in words, by p0 / k and traction coefficient."""
+    limits = shakedown_limits("point", min(traction, 1.0))
+    if load_factor <= float(limits.first_yield):
+        return "elastic"
+    if load_factor <= float(limits.shakedown):
+        return "shakedown"
+    return "hardening" if load_factor <= float(limits.hardening) else ABOVE
 
 
 @lru_cache(maxsize=1)

@@ -2,7 +2,7 @@
 
 from flangeway.formats.calculix_matrix import CalculixMatrix, read_calculix_matrix
 from flangeway.formats.drawn_section import UNITS, DrawnSection, PartMaterial
-from flangeway.formats.mesh_files import read_mesh, write_vtu, write_vtu_lines
+from flangeway.formats.mesh_files import read_mesh, write_vtu, write_vtu_grids, write_vtu_lines
 from flangeway.formats.mesh_repair import MeshFile
 from flangeway.formats.outline_files import read_section
 
@@ -16,5 +16,6 @@ __all__ = [
     "read_mesh",
     "read_section",
     "write_vtu",
+    "write_vtu_grids",
     "write_vtu_lines",
 ]

@@ -4,7 +4,7 @@ import contextlib
 import io
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -320,6 +320,43 @@ def write_vtu_lines(
         _checked(point_data, len(space), "points"),
         {name: [array] for name, array in at_cells.items()} if len(ends) else {},
     )
+
+
+def write_vtu_grids(
+    path: str | Path, grids: Sequence[NDArray[Any]], point_data: Mapping[str, Sequence[ArrayLike]], *, body_id: int = 0
+) -> None:
+    """Write structured grids in space as hexahedra (VTK type 12); see `write_vtu`.
+
+    Parameters
+    ----------
+    path
+        File to write; its ending is ``.vtu``.
+    grids
+        Points of each grid, shape (k, n, m, 3).
+    point_data
+        By name an array with the shape (k, n, m) or (k, n, m, n_components) for each grid.
+    body_id
+        Number of the body of all cells.
+
+    """
+    cells, first = [np.zeros((0, 8), dtype=np.int64)], 0
+    for points in grids:
+        numbers = first + np.arange(points[..., 0].size).reshape(points.shape[:3])
+        first += numbers.size
+        low, high = numbers[:-1], numbers[1:]
+        corners = [
+            part for layer in (low, high)
+            for part in (layer[:, :-1, :-1], layer[:, 1:, :-1], layer[:, 1:, 1:], layer[:, :-1, 1:])
+        ]  # fmt: skip
+        cells.append(np.stack(corners, axis=-1).reshape(-1, 8))
+    hexahedra = np.concatenate(cells)
+    space = np.concatenate([points.reshape(-1, 3) for points in grids])
+    arrays = {
+        name: np.concatenate([np.reshape(part, (-1, *np.shape(part)[3:])) for part in parts])
+        for name, parts in point_data.items()
+    }
+    at_cells = {name: [array] for name, array in _at_cells({}, len(hexahedra), "cells", body_id).items()}
+    _write_blocks(path, space, [("hexahedron", hexahedra)], _checked(arrays, len(space), "points"), at_cells)
 
 
 def _at_cells(data: Mapping[str, ArrayLike], n: int, where: str, body_id: ArrayLike) -> dict[str, NDArray[Any]]:

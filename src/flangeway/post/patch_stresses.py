@@ -10,13 +10,22 @@ from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.contact.patch.patch_body import PatchBody
 from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, PatchContact
 from flangeway.elements import Reconstruction
-from flangeway.exact.half_space_stresses import half_space_stresses
+from flangeway.exact.half_space_stresses import half_space_field, half_space_stresses
 from flangeway.post.lines import OUTSIDE, locate, polynomials_at
 from flangeway.post.stress import corner_values
 from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.surface_compliance import StripForces, wave_sums, waves
 from flangeway.space import CellBatch
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
+
+TO_AXES = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
+"""Signs of the components of a half-space in the axes of a `DepthProfile`, in which the depth is -y."""
+AROUND = 3
+"""Cells around a patch below which stresses are computed: tension is greatest at its edge."""
+BELOW_BOUND = 1.0 - 1e-9
+"""Part of a bound that counts as reaching it, for round-off."""
+ROUND_OFF = 1e-6
+"""Part of the width of a cell that is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +64,9 @@ class SpatialStresses:
     @property
     def von_mises(self) -> Floats:
         """Von Mises stress, shape (n,)."""
-        one, two, three = self.principal.T
-        return np.sqrt(((one - two) ** 2 + (two - three) ** 2 + (three - one) ** 2) / 2.0)
+        xx, yy, zz, *shears = self.components.T
+        normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+        return np.sqrt(normal / 2.0 + 3.0 * np.sum(np.square(shears), axis=0))
 
     @property
     def by_name(self) -> dict[str, Floats]:
@@ -202,5 +212,129 @@ def half_space_profile(
     """
     places = np.stack((np.full(len(depths), place[0]), depths, np.full(len(depths), place[1])), axis=1)
     found = half_space_stresses(*rectangles, pressures, places, poisson, shears)
-    # the depth is -y
-    return DepthProfile(depths, SpatialStresses(found * (1.0, 1.0, 1.0, -1.0, -1.0, 1.0)))
+    return DepthProfile(depths, SpatialStresses(found * TO_AXES))
+
+
+@dataclass(frozen=True, eq=False)
+class StressMaximum:
+    """Maximum of a stress in a volume: its value in MPa, and the length along the surface, depth and z in mm."""
+
+    value: float
+    position: tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class StressField:
+    """Stresses in the volume below a patch, of a half-space under the tractions of all cells.
+
+    Parameters
+    ----------
+    along, z
+        Middles of the columns: lengths along the surface (n,) and places along z (m,).
+    depths
+        Rising from 0 at the surface, shape (k,).
+    components
+        xx, yy, zz, xy, yz, xz in the axes of a `DepthProfile`, tension positive, shape (k, n, m, 6).
+
+    """
+
+    along: Floats
+    z: Floats
+    depths: Floats
+    components: Floats
+
+    @cached_property
+    def stresses(self) -> SpatialStresses:
+        """At all points, in the order of the components, (k n m, 6)."""
+        return SpatialStresses(self.components.reshape(-1, 6))
+
+    @cached_property
+    def max_von_mises(self) -> StressMaximum:
+        """Maximum von Mises stress."""
+        return self._maximum(self.von_mises.ravel())
+
+    @property
+    def von_mises(self) -> Floats:
+        """Von Mises stress, shape (k, n, m)."""
+        return self.stresses.von_mises.reshape(self.components.shape[:3])
+
+    @property
+    def max_tresca(self) -> StressMaximum:
+        """Maximum of Tresca's stress, twice the shear stress."""
+        mises = self.stresses.von_mises
+        # Tresca's stress is between von Mises' and 2 / sqrt(3) of it
+        return self._maximum_of(mises >= np.sqrt(0.75) * mises.max() * BELOW_BOUND, lambda part: part.tresca)
+
+    @property
+    def max_tension(self) -> StressMaximum:
+        """Maximum of the first principal stress."""
+        normal, mises = self.stresses.components[:, :3], self.stresses.von_mises
+        # the first principal stress is not less than the normal stresses, nor above their mean and 2/3 of von Mises'
+        possible = normal.mean(axis=1) + 2.0 / 3.0 * mises >= normal.max() - (1.0 - BELOW_BOUND) * mises.max()
+        return self._maximum_of(possible, lambda part: part.principal[:, 0])
+
+    def nearest(self, position: tuple[float, float, float]) -> tuple[int, int, int]:
+        """Numbers of the point nearest to a length along the surface, depth and z."""
+        row, depth, strip = (
+            int(np.abs(values - at).argmin())
+            for values, at in zip((self.along, self.depths, self.z), position, strict=True)
+        )
+        return row, depth, strip
+
+    def column(self, at: tuple[int, int, int]) -> DepthProfile:
+        """Stresses on the normal through a point."""
+        return DepthProfile(self.depths, SpatialStresses(self.components[:, at[0], at[2]]))
+
+    def _maximum_of(self, possible: Bools, values: Callable[[SpatialStresses], Floats]) -> StressMaximum:
+        """Maximum of what is costly to compute, from the points (k n m,) at which it is possible."""
+        whole = np.full(len(possible), -np.inf)
+        whole[possible] = values(SpatialStresses(self.stresses.components[possible]))
+        return self._maximum(whole)
+
+    def _maximum(self, values: Floats) -> StressMaximum:
+        at = int(values.argmax())
+        depth, row, strip = np.unravel_index(at, self.components.shape[:3])
+        return StressMaximum(
+            float(values[at]), (float(self.along[row]), float(self.depths[depth]), float(self.z[strip]))
+        )
+
+
+def stress_field(
+    ends: Floats, z: Floats, tractions: Floats, inside: Bools, depths: Floats, poisson: float
+) -> StressField:
+    """Stresses in the volume below a patch.
+
+    Parameters
+    ----------
+    ends
+        Ends of the rows of cells along the surface, rising, shape (n, 2).
+    z
+        Middles of the strips, all of one width, shape (m,).
+    tractions
+        Pressure on the half-space, and shears along the surface and z where there are some, (n, m, 1) or (n, m, 3).
+    inside
+        Cells of the patch, shape (n, m). Loads of the others count too.
+    depths
+        Rising, shape (k,).
+    poisson
+        Poisson's ratio.
+
+    """
+    rows, strips = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
+    widths, strip = np.diff(ends, axis=1)[:, 0], float(z[1] - z[0])
+    loaded = np.flatnonzero(tractions.any(axis=(1, 2)))
+    first, last, width = ends[rows[0], 0], ends[rows[-1], 1], float(widths[rows].min())
+    # even rows from an end of the patch on, as far as there are loads; rows of other patches share theirs by overlap
+    before = int(np.ceil((first - ends[loaded[0], 0]) / width - ROUND_OFF))
+    count = before + int(np.ceil((ends[loaded[-1], 1] - first) / width - ROUND_OFF))
+    edges = first + width * (np.arange(count + 1, dtype=np.float64) - before)
+    overlap = np.minimum(edges[1:, None], ends[:, 1]) - np.maximum(edges[:-1, None], ends[:, 0])
+    even = np.einsum("ij,jzc->izc", np.maximum(overlap, 0.0) / width, tractions)
+    field = half_space_field(even, (width, strip), depths, poisson, AROUND)
+    middles = edges[0] + width * (np.arange(count + 2 * AROUND) - AROUND + 0.5)
+    near = np.flatnonzero((middles > first - AROUND * width) & (middles < last + AROUND * width))
+    # the field's strips begin `AROUND` ones before the first
+    along = slice(int(strips[0]), int(strips[-1]) + 2 * AROUND + 1)
+    part = np.moveaxis(field[:, :, near[0] : near[-1] + 1, along], 0, -1) * TO_AXES
+    every: Floats = z[0] + strip * (np.arange(len(z) + 2 * AROUND) - AROUND)
+    return StressField(middles[near], every[along], depths, part)

@@ -28,7 +28,7 @@ def test_contact_forces_are_in_equilibrium_with_the_load_and_a_curve_is_mirrored
     """Forces and moment of the load to 1e-8; a curve to the other side exchanges left and right."""
     curve = {"speed_km_h": 80, "superelevation_mm": 60}
     left = solved(wheelset, curve_radius_m=500, **curve)
-    right = solved(wheelset, curve_radius_m=-500, speed_km_h=80, superelevation_mm=-60)
+    right = solved(wheelset, curve_radius_m=-500, speed_km_h=80, superelevation_mm=60)
     assert left.status.converged
     assert left.equilibrium.stable
     total = np.zeros(3)

@@ -63,7 +63,7 @@ _STANDARD = {
     "wheel_radius_mm": 460.0,
     "wheel_radius_at": "tape-line",
     "centre_of_gravity_height_mm": 1000.0,
-    "axle_load_kN": 225.0,
+    "axle_load_kN": 200.0,
     "maximum_lateral_mm": 7.0,
 }
 """A vehicle on standard gauge, which is measured 14 mm below the top of the rails."""
@@ -138,7 +138,7 @@ def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryC
     own, known = GeometryCase.model_fields, kind.model_fields
     unused = [key for key in given if (name_of := kind.input_named(key)[0]) in known and name_of not in own]
     used = {key: value for key, value in given.items() if key not in unused}
-    base = GEOMETRY_CASES[name][1] if name != OWN_NAME else {}
+    base = GEOMETRY_CASES["s1002-60e1" if name == OWN_NAME else name][1]
     case = GeometryCase.from_values(
         merged(merged(base, text.resolved(used)), values),
         lambda key: "" if key and key[0] in values else text.place(key),

@@ -335,4 +335,6 @@ def _forces_by(theory: Theory, found: CreepForces) -> TheoryForces:
         lateral_force_kN=found.across / 1e3,
         spin_moment_Nm=found.moment / 1e3,
         t_gamma_N=found.t_gamma,
+        t_gamma_without_spin_N=found.products(motion)[0],
+        t_gamma_with_spin_N=sum(found.products(motion)),
     )

@@ -20,6 +20,8 @@ class TheoryForces(SummaryPart):
     lateral_force_kN: float
     spin_moment_Nm: float
     t_gamma_N: float
+    t_gamma_without_spin_N: float
+    t_gamma_with_spin_N: float
 
 
 @dataclass(frozen=True, kw_only=True)

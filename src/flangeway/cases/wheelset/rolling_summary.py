@@ -15,9 +15,10 @@ class RollingSummary(SummaryPart):
     """How the wheelset rolls: torque on the axle, moment that guides it, Nadal's limits, and power.
 
     `yaw_moment_kNm` is that of the contact on the wheelset, counter-clockwise from above, `traction_kN` the sum of
-    creep forces ahead, `power_W` what friction dissipates. Nadal's limits, and L/V over them (None without contact),
-    are those of the left and the right wheel; above 1 flange climb is possible. The kinematic (Klingel's) wave is
-    that of the equivalent conicity of rigid wheels at 3 mm, None where there is none.
+    creep forces ahead, `power_W` what friction dissipates. Nadal's limits are those of the left and the right wheel;
+    L/V over them is None for a wheel whose flange does not touch; above 1 the criterion is exceeded, and flange
+    climb is possible. The kinematic (Klingel's) wave is that of the equivalent conicity of rigid wheels at 3 mm,
+    None where there is none.
     """
 
     speed_km_h: float
@@ -30,7 +31,7 @@ class RollingSummary(SummaryPart):
     power_W: float
     nadal_limits: Sequence[float]
     shares_of_nadal_limits: Sequence[float | None]
-    flange_climb_possible: bool
+    nadal_criterion_exceeded: bool
     kinematic_wavelength_m: float | None
     kinematic_frequency_Hz: float | None
 
@@ -41,7 +42,10 @@ def rolling_summary(result: SpatialResult) -> RollingSummary | None:
     if motion is None or rolled is None:
         return None
     length, limits = result.kinematic_wavelength_mm, [result.nadal_limit(side) for side in SIDES]
-    ratios = [result.lateral_over_vertical(side) for side in SIDES]
+    shares = [
+        result.lateral_over_vertical(side) / limit if result.flange_touches(side) else None
+        for side, limit in zip(SIDES, limits, strict=True)
+    ]
     return RollingSummary(
         speed_km_h=3.6 * motion.speed_m_s,
         rate_rad_per_s=rolled.rate_rad_s,
@@ -52,8 +56,8 @@ def rolling_summary(result: SpatialResult) -> RollingSummary | None:
         t_gamma_N=sum(each.t_gamma_N for each in result.rolling),
         power_W=sum(each.power_W for each in result.rolling),
         nadal_limits=limits,
-        shares_of_nadal_limits=[ratio / limit for ratio, limit in zip(ratios, limits, strict=True)],
-        flange_climb_possible=any(ratio > limit for ratio, limit in zip(ratios, limits, strict=True)),
+        shares_of_nadal_limits=shares,
+        nadal_criterion_exceeded=any(share is not None and share > 1.0 for share in shares),
         kinematic_wavelength_m=None if length is None else length / 1e3,
         kinematic_frequency_Hz=None if length is None else 1e3 * motion.speed_m_s / length,
     )

@@ -1,7 +1,7 @@
 """The case of a wheelset on two rails in three dimensions."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 from pydantic import Field
@@ -31,8 +31,8 @@ from flangeway.solve import Status
 # ruff: noqa: N815 (units in names)
 
 HERTZ = (
-    "Hertz's theory is left out where the curvatures vary within a patch: where the gap is off a paraboloid by more "
-    f"than {100.0 * PARABOLIC:g} % of its height."
+    "Hertz's theory is left out where the curvatures vary within a patch: where the gap deviates from a paraboloid by "
+    f"more than {100.0 * PARABOLIC:g} % of its height."
 )
 THEORIES: dict[Theory, str] = {
     "exact": "the exact theory on the bodies",
@@ -41,6 +41,8 @@ THEORIES: dict[Theory, str] = {
     "polach": "Polach's formula",
     "linear": "linear theory",
 }
+MAX_FRICTION = 1.0
+"""Upper bound of coefficients of friction: the driest steel on steel has 0.8, and shakedown limits end at 1."""
 ROLLING_KEYS = (
     *("kinetic_friction", "friction_decay_m_per_s", "flange_friction", "rolling_theory", "torque_kNm"),
     *("yaw_stiffness_kNm_per_mrad", "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"),
@@ -116,17 +118,21 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     friction: float | None = Field(
         None,
         ge=0.0,
+        le=MAX_FRICTION,
         description="coefficient of friction: the wheelset rolls at speed_km_h with creep forces (default, and 0: "
         "without friction)",
     )
     kinetic_friction: float | None = Field(
-        None, ge=0.0, description="coefficient at high slip velocity (default: friction)"
+        None, ge=0.0, le=MAX_FRICTION, description="coefficient at high slip velocity (default: friction)"
     )
     friction_decay_m_per_s: float = Field(
         0.0, ge=0.0, description="slip velocity in which the difference of both falls to 1/e"
     )
     flange_friction: float | None = Field(
-        None, ge=0.0, description="coefficient on the gauge face, steeper than 45 degrees (default: friction)"
+        None,
+        ge=0.0,
+        le=MAX_FRICTION,
+        description="coefficient on the gauge face, steeper than 45 degrees (default: friction)",
     )
     rolling_theory: Theory = Field(
         "exact", description="creep forces: exact theory, fastsim, fastrip, polach or linear theory"
@@ -191,6 +197,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             return self.plane().run(progress, cold=cold)
         start = time.perf_counter()
         result = solve_spatial(self.problem(), self.spatial_model(), cold=cold, progress=progress)
+        result = replace(result, warnings=(*self.warnings(), *result.warnings))
         case = {"name": self.name, **self.model_dump()}
         summary = summarise_spatial_wheelset(case, result, self._assumptions(result), time.perf_counter() - start)
         return SpatialWheelsetRun(self, result, summary)
@@ -308,12 +315,12 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             "fixed": "The rails are fixed along their whole base.",
         }[self.rail_support]
         wheel = {
-            "rim": "The wheels are rims without web and hub, held at their cuts.",
+            "rim": "Only the rims of the wheels are modelled, clamped at their inner faces.",
             "whole": "The wheels have an assumed web and hub, and are held at the bore; sections drawn and saved "
             "are of their rims alone, held at their cuts: web and hub count in the compliance only.",
         }[self.wheel_section]
         axle = {
-            "elastic": "The axle bends as one of class F of the AAR, loaded at its journals.",
+            "elastic": "Axle bending: AAR class F axle, loaded at its journals.",
             "rigid": "The axle is rigid.",
         }[self.axle]
         return [track, wheel, axle]
@@ -330,13 +337,13 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     def _assumptions(self, result: SpatialResult) -> list[str]:
         problem = result.problem
         return [
-            "Three dimensions: each rail is a prism, each wheel a body of revolution in the gap.",
+            "Three dimensions: each rail is a prism; gaps are computed for true bodies of revolution.",
             *self.derived(),
             *profile_notes(problem.track, problem.wheelset),
             f"Linear elastic, isotropic steel: Young's modulus {self.young_MPa:g} MPa, Poisson's ratio "
-            f"{self.poisson:g}; no yielding, however high the stress.",
+            f"{self.poisson:g}; plasticity is not modelled.",
             self._friction_words(),
-            "Stresses below a patch are those of a half-space under its pressures.",
+            "Stresses below the patches are those of a half-space under the tractions of all cells.",
             *([HERTZ] if any(patch.hertz is None for patch in result.patches) else []),
             *self._supports(),
             "The load acts at the car's centre of gravity and stays vertical.",

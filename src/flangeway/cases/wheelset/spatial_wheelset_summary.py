@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,11 +19,11 @@ from flangeway.cases.wheelset.wheelset_summary import (
 )
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, Rolling
-from flangeway.post.patch_stresses import DepthProfile
+from flangeway.post.patch_stresses import StressMaximum
 from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
-from flangeway.railway.track.discretisation import ROLES
+from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.types import Floats
 
@@ -31,19 +32,31 @@ from flangeway.types import Floats
 
 @dataclass(frozen=True)
 class BelowSummary(SummaryPart):
-    """Maximum stresses on the normal below a centre of pressure, with their depths."""
+    """Maximum stresses in the whole volume below a patch, with their depths and positions in the track's axes.
+
+    Tresca's stress is twice the shear stress, tension the first principal stress. The von Mises stress on the normal
+    below the centre of pressure stands beside the maximum: it is much less below a divided patch.
+    """
 
     max_von_mises_MPa: float
     max_von_mises_depth_mm: float
-    max_shear_MPa: float
-    max_shear_depth_mm: float
+    max_von_mises_position_mm: Sequence[float]
+    max_tresca_MPa: float
+    max_tresca_depth_mm: float
+    max_tresca_position_mm: Sequence[float]
+    max_tension_MPa: float
+    max_tension_depth_mm: float
+    max_tension_position_mm: Sequence[float]
+    von_mises_below_centre_MPa: float
+    von_mises_below_centre_depth_mm: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class PatchRollingSummary(SummaryPart):
     """Friction of a patch that rolls, on the wheel; what only theories with tractions have is None for the others.
 
-    Creepages, and forces along the surface: ahead and to the right; spin: counter-clockwise from above.
+    Creepages, and forces along the surface: ahead and to the right; spin: counter-clockwise from above. `t_gamma_N` is
+    the power that friction dissipates over the speed; without and with spin: forces times creepages at the centre.
     """
 
     theory: str
@@ -55,6 +68,8 @@ class PatchRollingSummary(SummaryPart):
     spin_moment_Nm: float
     traction_coefficient: float
     t_gamma_N: float
+    t_gamma_without_spin_N: float
+    t_gamma_with_spin_N: float
     frictional_power_W: float
     slipping_share: float | None
     max_traction_MPa: float | None
@@ -67,7 +82,9 @@ class WheelPatchSummary(SummaryPart):
     """A contact patch; Hertz's values are None where the curvatures vary too much within it.
 
     `pressure_over_shear_strength` is the maximum pressure over k = yield strength / sqrt(3), None if the bodies are not
-    of steel and it is not given; `rolling` is None without friction.
+    of steel and it is not given; `shakedown_state` is elastic, shakedown (elastic after the first passages), hardening
+    (the same with kinematic hardening) or yields (in each passage), for a circular patch; `rolling` is
+    None without friction.
     """
 
     side: Side
@@ -79,6 +96,7 @@ class WheelPatchSummary(SummaryPart):
     max_pressure_MPa: float
     max_pressure_remark: str
     pressure_over_shear_strength: float | None
+    shakedown_state: str | None
     hertz_pressure_MPa: float | None
     semi_axes_mm: Sequence[float]
     hertz_semi_axes_mm: Sequence[float] | None
@@ -121,12 +139,12 @@ class SpatialWheelsetSummary(Summary):
     warnings: Sequence[str]
 
 
-def patch_summary(patch: SpatialPatch, yield_strength: float | None, rolling: RollingPatch | None) -> WheelPatchSummary:
-    """Return the numbers of a patch; `rolling` with friction."""
+def patch_summary(result: SpatialResult, patch: SpatialPatch) -> WheelPatchSummary:
+    """Return the numbers of a patch."""
+    rolling = result.rolling_of(patch)
     lateral, vertical = (patch.force_on_wheel_N / 1e3).tolist()
     hertz, ellipse = patch.hertz, patch.ellipse
-    tractions = None if rolling is None else rolling.tractions
-    below = {role: _below(patch.below(role, tractions)) for role in ROLES}
+    below = {role: _below(patch, role, result.tractions_of(patch.side)) for role in ROLES}
     return WheelPatchSummary(
         side=patch.side,
         region=patch.region,
@@ -136,7 +154,8 @@ def patch_summary(patch: SpatialPatch, yield_strength: float | None, rolling: Ro
         contact_angle_deg=math.degrees(patch.contact_angle_rad),
         max_pressure_MPa=ellipse.max_pressure,
         max_pressure_remark=patch.remark,
-        pressure_over_shear_strength=math.sqrt(3.0) * ellipse.max_pressure / yield_strength if yield_strength else None,
+        pressure_over_shear_strength=result.load_factor(patch),
+        shakedown_state=result.shakedown_state(patch),
         hertz_pressure_MPa=hertz.max_pressure if hertz else None,
         semi_axes_mm=ellipse.semi_axes,
         hertz_semi_axes_mm=hertz.semi_axes if hertz else None,
@@ -176,6 +195,8 @@ def _rolling(patch: RollingPatch) -> PatchRollingSummary:
         spin_moment_Nm=patch.spin_moment_Nm,
         traction_coefficient=patch.used_friction,
         t_gamma_N=patch.t_gamma_N,
+        t_gamma_without_spin_N=patch.products_N[0],
+        t_gamma_with_spin_N=patch.products_N[1],
         frictional_power_W=patch.power_W,
         slipping_share=share,
         max_traction_MPa=traction,
@@ -184,14 +205,20 @@ def _rolling(patch: RollingPatch) -> PatchRollingSummary:
     )
 
 
-def _below(line: DepthProfile) -> BelowSummary:
-    mises, shear = line.stresses.von_mises, line.stresses.tresca / 2.0
-
-    def at(values: Floats) -> tuple[float, float]:
-        number = int(np.argmax(values))
-        return float(values[number]), float(line.depths[number])
-
-    return BelowSummary(*at(mises), *at(shear))
+def _below(patch: SpatialPatch, role: Role, tractions: Floats | None) -> BelowSummary:
+    field, line = patch.field(role, tractions), patch.below(role, tractions)
+    mises = line.stresses.von_mises
+    values: dict[str, Any] = {}
+    for name in ("max_von_mises", "max_tresca", "max_tension"):
+        found: StressMaximum = getattr(field, name)
+        point = patch.points_below(role, *(np.array([each]) for each in found.position))[0]
+        values |= {
+            f"{name}_MPa": found.value,
+            f"{name}_depth_mm": found.position[1],
+            f"{name}_position_mm": point.tolist(),
+        }
+    at = int(mises.argmax())
+    return BelowSummary(**values, von_mises_below_centre_MPa=mises[at], von_mises_below_centre_depth_mm=line.depths[at])
 
 
 def summarise_spatial_wheelset(
@@ -213,7 +240,7 @@ def summarise_spatial_wheelset(
     """
     return SpatialWheelsetSummary(
         **equilibrium_parts(result, result.problem.load),
-        patches=[patch_summary(patch, result.yield_MPa, result.rolling_of(patch)) for patch in result.patches],
+        patches=[patch_summary(result, patch) for patch in result.patches],
         rails=[RailMotionSummary(side, *result.head_motion(side)) for side in SIDES],
         rolling=rolling_summary(result),
         timings_s=result.timings_s | {"total": total_s},

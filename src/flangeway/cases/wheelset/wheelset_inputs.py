@@ -134,8 +134,9 @@ class WheelsetInputs(Case):
     )
     superelevation_mm: float | Literal["from-speed"] = Field(
         0.0,
-        description="height of the right rail over the left one; from-speed: equilibrium superelevation of speed "
-        "and radius",
+        description="height of the outer rail of the curve over the inner one, negative: adverse cant; without "
+        "curve_radius_m of the right rail over the left one; from-speed: equilibrium superelevation of speed and "
+        "radius",
     )
     cant_deficiency_mm: float = Field(
         0.0, ge=0.0, description="equilibrium superelevation less the superelevation from-speed"
@@ -205,6 +206,13 @@ class WheelsetInputs(Case):
             )
         return sentences
 
+    def warnings(self) -> list[str]:
+        """Return what is unusual about the inputs, in sentences."""
+        given = self.superelevation_mm
+        if self.curve_radius_m is None or given == "from-speed" or given >= 0.0:
+            return []
+        return [f"superelevation_mm = {given:g}: adverse cant, the inner rail of the curve is {-given:g} mm higher"]
+
     @property
     def _rolls(self) -> bool:
         """Whether there may be a speed on straight track."""
@@ -228,9 +236,7 @@ class WheelsetInputs(Case):
                     "give from-speed, or leave cant_deficiency_mm out: the given one includes it",
                 )
             height = float(self.superelevation_mm)
-            # the default superelevation of a curve is that of its outer rail
-            to_the_right = self.curve_radius_m is not None and self.curve_radius_m < 0.0
-            return -height if to_the_right and "superelevation_mm" not in self.model_fields_set else height
+            return -height if (self.curve_radius_m or 0.0) < 0.0 else height
         if self.speed_km_h is None or self.curve_radius_m is None:
             raise InputError(
                 "superelevation_mm = from-speed without speed_km_h and curve_radius_m", "both", "give them or a height"

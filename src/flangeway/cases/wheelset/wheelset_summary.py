@@ -14,9 +14,8 @@ from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
 REFERENCE = (
     "Position relative to the reference position, in which the axle is level, in the middle of the track, and the "
-    "wheels' tape lines are at the height of the rails' tops (y = 0), in the track's axes; beside it along horizontal "
-    "and vertical. The approach is the descent from the position in which rigid wheels touch (in a curve: from the "
-    "rigid equilibrium)."
+    "wheels' tape lines are at the height of the rails' tops (y = 0), in the track's axes. The approach is the descent "
+    "from the position in which rigid wheels touch (in a curve: from the rigid equilibrium)."
 )
 AXES = {
     "space": (

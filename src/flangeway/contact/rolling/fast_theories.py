@@ -1,5 +1,7 @@
 """Creep forces of an ellipse in closed form: Kalker's linear theory, and Polach's."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from flangeway.contact.rolling.creepages import Creepages
@@ -8,6 +10,22 @@ from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces
 from flangeway.errors import InputError
 from flangeway.solve import Status
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PolachForces(CreepForces):
+    """Creep forces by Polach's formula.
+
+    Parameters
+    ----------
+    t_gamma
+        Energy dissipated over the distance rolled by the force against longitudinal and lateral slip. The force by spin
+        does no work here: in linear theory its work is that of the spin moment by lateral slip, with the other sign,
+        and the formula has no moment. So it is a lower bound where there is spin.
+
+    """
+
+    t_gamma: float = 0.0
 
 
 def linear_theory(contact: RollingContact, motion: Creepages) -> CreepForces:
@@ -32,7 +50,7 @@ def linear_theory(contact: RollingContact, motion: Creepages) -> CreepForces:
     return _closed_form("linear theory", contact, motion, ellipse, (x, y, moment), notices)
 
 
-def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0, slip: float = 1.0) -> CreepForces:
+def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0, slip: float = 1.0) -> PolachForces:
     """Polach's formula (1999, Vehicle System Dynamics 33 supplement; 2005, Wear 258).
 
     Range: one patch that is nearly an ellipse, any creepages; the force is within about 5 % of the limit of friction of
@@ -65,7 +83,7 @@ def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0,
     decay = contact.friction.decay
     share = np.exp(-velocity / decay) if decay > 0.0 else float(velocity == 0.0)
     limit = float((kinetic + (static - kinetic) * share) @ rows)
-    x = y = 0.0
+    x = y = work = 0.0
     if whole > 0.0 and limit > 0.0:
         stiffness = np.hypot(c.c11 * ellipse.xi, c.c22 * ellipse.eta) / creep if creep > 0.0 else c.c22
         gradient = np.pi * ellipse.unit * stiffness * whole / (4.0 * limit)
@@ -78,7 +96,9 @@ def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0,
         by_spin = -9.0 / 16.0 * a * limit * shape * spread
         x = force * ellipse.xi / whole
         y = (force * ellipse.eta - by_spin * ellipse.phi) / whole
-    return _closed_form("Polach", contact, motion, ellipse, (float(x), float(y), 0.0))
+        work = -float(force * creep**2 / whole)
+    found = _closed_form("Polach", contact, motion, ellipse, (float(x), float(y), 0.0))
+    return PolachForces(**vars(found), t_gamma=work)
 
 
 def _closed_form(

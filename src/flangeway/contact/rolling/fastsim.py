@@ -112,15 +112,44 @@ class SimplifiedRolling(CreepForces):
         states[self.strips.inside] = np.where(met, np.where(slips, SLIPS, STICKS), NO_CONTACT)
         return states
 
-    @property
+    @cached_property
+    def t_gamma(self) -> float:
+        """Energy dissipated over the distance rolled: tractions times slip of the strips, see `CreepForces.t_gamma`.
+
+        With flexibilities that differ it is not forces times creepages: they bend the rigid slip by spin.
+        """
+        return float(self._work[:, -1] @ self.strips.widths)
+
+    @cached_property
+    def _work(self) -> Floats:
+        """Energy dissipated over the width and the distance rolled from the leading edge to the nodes of the strips.
+
+        With one flexibility the elastic part ``L (T_k + T_(k-1)) (T_k - T_(k-1)) / 2`` of a step sums to zero.
+        """
+        (tractions, slips, _), x = self.nodes, self.strips.x
+        # slip at a node is that of the step before it
+        means = (tractions[:, :, 1:] + tractions[:, :, :-1]) / 2.0
+        steps = -np.sum(means * slips[:, :, 1:], axis=0) * (x[:, :-1] - x[:, 1:])
+        return np.concatenate((np.zeros((len(x), 1)), np.cumsum(steps, axis=1)), axis=1)
+
+    @cached_property
     def power_density(self) -> Floats:
-        """Tractions times slip: frictional power over area."""
-        return -np.sum(self.tractions * self.slip_velocities, axis=2)
+        """Frictional power over area: tractions times slip, means over the cells, whose sum is the power."""
+        z, half = self.contact.places[1], self.contact.grid.strip / 2.0
+        place, _ = self._places_of(np.append(z - half, z[-1] + half))
+        nodes = np.arange(self.strips.x.shape[1])
+        work = np.stack([np.interp(at, nodes, of) for at, of in zip(place, self._work, strict=True)])
+        density = np.zeros(self.contact.pressures.shape)
+        density[self.strips.inside] = -self.ellipse.direction * np.diff(work, axis=1) / (2.0 * half)
+        return np.asarray(abs(self.motion.speed) * density)
 
     @cached_property
     def _places(self) -> tuple[Floats, Bools]:
-        """Places of the cells among the nodes of their strips, and which lie on these."""
-        x = self.ellipse.direction * (self.contact.places[1] - self.ellipse.centre[1])
+        return self._places_of(self.contact.places[1])
+
+    def _places_of(self, z: Floats) -> tuple[Floats, Bools]:
+        """Places along z (m,) among the nodes of the strips, and which lie on these, (n, m)."""
+        x = self.ellipse.direction * (z - self.ellipse.centre[1])
         cosine = x / self.strips.half[:, None]
         return np.arccos(np.clip(cosine, -1.0, 1.0)) * (self.strips.x.shape[1] - 1) / np.pi, np.abs(cosine) < 1.0
 

@@ -48,9 +48,20 @@ class CreepForces:
 
     @property
     def t_gamma(self) -> float:
-        """Energy dissipated over the distance rolled: T-gamma with spin, ``-(F . creepages + moment spin)``."""
-        motion = self.motion
-        return -float(np.sum(self.along * motion.along + self.across * motion.across + self.moment * motion.spin))
+        """Energy that friction dissipates over the distance rolled, its power over the speed.
+
+        Of theories with tractions it is the integral of tractions times slip, of the others forces times creepages.
+        """
+        return sum(self.products(self.motion))
+
+    def products(self, centre: Creepages) -> tuple[float, float]:
+        """Forces times creepages, and spin moment times spin, both positive where they dissipate.
+
+        The first one is T-gamma without spin, their sum T-gamma with spin, for creepages at the patch's origin: one
+        number each.
+        """
+        translation = self.along * centre.along + self.across * centre.across
+        return -float(np.sum(translation)), -float(np.sum(self.moment * centre.spin))
 
     @property
     def frictional_power(self) -> float:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from flangeway.errors import InputError
+from flangeway.exact.shakedown import ABOVE, shakedown_state
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
 from flangeway.railway.rigid.elastic_start import CLIMBED_MM
 from flangeway.railway.spatial.rail_along_track import RailAlongTrack, rail_along_track
@@ -75,6 +76,20 @@ class SpatialResult:
     def rolling_of(self, patch: SpatialPatch) -> RollingPatch | None:
         """Return a patch with its creep forces, None without friction."""
         return next((each for each in self.rolling if each.patch is patch), None)
+
+    def load_factor(self, patch: SpatialPatch) -> float | None:
+        """Maximum pressure over the shear strength, p0 / k; None if the yield strength is not known."""
+        return float(np.sqrt(3.0) * patch.ellipse.max_pressure / self.yield_MPa) if self.yield_MPa else None
+
+    def shakedown_state(self, patch: SpatialPatch) -> str | None:
+        """State of the steel under repeated rolling, see `flangeway.exact.shakedown.shakedown_state`."""
+        factor, rolling = self.load_factor(patch), self.rolling_of(patch)
+        return None if factor is None else shakedown_state(factor, rolling.used_friction if rolling else 0.0)
+
+    def tractions_of(self, side: Side) -> Floats | None:
+        """Tractions (t, z) by friction on the wheel's cells of a side, (n, n_z, 2); None: the theory has none."""
+        found = [each.tractions for each in self.rolling if each.patch.side == side and each.tractions is not None]
+        return sum(found[1:], found[0]) if found else None
 
     @property
     def approach_mm(self) -> float:
@@ -144,6 +159,10 @@ class SpatialResult:
         given = motion.friction.limits[0].max() if motion.flange_friction is None else motion.flange_friction
         friction = float(given)
         return (slope - friction) / (1.0 + friction * slope)
+
+    def flange_touches(self, side: Side) -> bool:
+        """Whether a wheel touches the gauge corner: with its flange or flange root."""
+        return any(patch.side == side and patch.region == "gauge corner" for patch in self.patches)
 
     def head_motion(self, side: Side) -> tuple[float, float, float, float]:
         """Motion of a rail's head in the track's axes, lateral, vertical and roll, and that of its gauge face outwards.
@@ -240,7 +259,7 @@ def solve_position(
         )
     rolling = _rolling(wheelset, equilibrium.state, patches) if status.converged else ()
     result = SpatialResult(status, wheelset, equilibrium, tuple(patches), timings, tuple(warnings), None, rolling)
-    return replace(result, warnings=(*warnings, *_of_rolling(result)))
+    return replace(result, warnings=(*warnings, *_of_yielding(result), *_of_rolling(result)))
 
 
 def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[SpatialPatch]) -> tuple[RollingPatch, ...]:
@@ -255,6 +274,16 @@ def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[Spati
     return tuple(found)
 
 
+def _of_yielding(result: SpatialResult) -> list[str]:
+    """Warnings on patches under which steel yields in each passage."""
+    return [
+        f"{patch.side} side, {patch.region}: p0/k = {result.load_factor(patch):.2f} is above the shakedown limits: "
+        "steel yields in each passage, which is not modelled"
+        for patch in result.patches
+        if result.shakedown_state(patch) == ABOVE
+    ]
+
+
 def _of_rolling(result: SpatialResult) -> list[str]:
     """Warnings on creep forces."""
     found = []
@@ -262,6 +291,6 @@ def _of_rolling(result: SpatialResult) -> list[str]:
         found += [f"{each.patch.side} side, {each.patch.region}: {notice}" for notice in each.forces.notices]
     for side in SIDES if result.rolling else ():
         ratio, limit = result.lateral_over_vertical(side), result.nadal_limit(side)
-        if ratio > limit:
+        if result.flange_touches(side) and ratio > limit:
             found.append(f"{side} wheel: L/V of {ratio:.2f} above Nadal's limit of {limit:.2f}: its flange may climb")
     return found

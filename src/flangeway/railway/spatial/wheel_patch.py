@@ -8,7 +8,7 @@ import numpy as np
 
 from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.exact import PointContact, contact_modulus
-from flangeway.post.patch_stresses import DepthProfile, half_space_profile
+from flangeway.post.patch_stresses import DepthProfile, StressField, half_space_profile, stress_field
 from flangeway.railway.spatial.side_contact import SideState
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import SIDE_SIGN, Side
@@ -17,7 +17,7 @@ from flangeway.types import Floats
 
 DEPTHS = (0.05, 3.0)
 """Least depth over the shorter semi-axis, and greatest one over the longer one, of the lines below patches."""
-N_DEPTHS = 60
+N_DEPTHS = 40
 NARROW = 10
 """Cells across or along a patch below which its maximum pressure is uncertain by more than 2 %."""
 
@@ -109,20 +109,49 @@ class SpatialPatch:
         return f"{across} by {along} cells" if min(across, along) < NARROW else ""
 
     def below(self, role: Role, tractions: Floats | None = None) -> DepthProfile:
-        """Stresses on the normal below the centre of pressure, of a half-space under the tractions of the patch.
+        """Stresses on the normal below the centre of pressure, of a half-space under the tractions of the side.
 
         Axes: x along the surface, y along its outward normal, z along the track. The tractions by friction on the
         wheel's cells, along x and z, have the shape (n_cells, n_strips, 2).
         """
-        grid, ellipse = self.state.grid.grid, self.ellipse
-        window = np.ix_(ellipse.inside.any(axis=1), ellipse.inside.any(axis=0))
-        depths: Floats = np.geomspace(DEPTHS[0] * ellipse.semi_axes[1], DEPTHS[1] * ellipse.semi_axes[0], N_DEPTHS)
+        grid, loads = self.state.grid.grid, self._loads(role, tractions)
+        window = np.ix_(loads.any(axis=(1, 2)), loads.any(axis=(0, 2)))
         z = np.stack((grid.z - grid.strip / 2.0, grid.z + grid.strip / 2.0), axis=1)
+        loads = loads[window]
         return half_space_profile(
             (grid.cells[window[0][:, 0]], z[window[1][0]]),
-            np.where(ellipse.inside, self.state.cells.pressures, 0.0)[window],
-            (float(self._row @ grid.stations), float(ellipse.centre[2])),
-            depths,
+            loads[..., 0],
+            (float(self._row @ grid.stations), float(self.ellipse.centre[2])),
+            self._depths,
             self.materials[role][1],
-            None if tractions is None else tractions[window] * (1.0 if role == "wheel" else -1.0),
+            None if tractions is None else loads[..., 1:],
         )
+
+    def field(self, role: Role, tractions: Floats | None = None) -> StressField:
+        """Stresses in the volume below the patch, as `below`."""
+        grid, depths = self.state.grid.grid, np.append(0.0, self._depths)
+        loads = self._loads(role, tractions)
+        return stress_field(grid.cells, grid.z, loads, self.ellipse.inside, depths, self.materials[role][1])
+
+    def points_below(self, role: Role, along: Floats, depths: Floats, z: Floats) -> Floats:
+        """Points of a body at depths below lengths along the rail's surface, in the track's axes; (n,) each, (n, 3)."""
+        state, stations = self.state, self.state.grid.grid.stations
+        points, normals = (
+            np.stack([np.interp(along, stations, values) for values in each.T], axis=1)
+            for each in (state.points, state.normals)
+        )
+        inward = normals * (1.0 if role == "wheel" else -1.0) / np.linalg.norm(normals, axis=1)[:, None]
+        points = points + depths[:, None] * inward
+        return np.column_stack((SIDE_SIGN[self.side] * points[:, 0], points[:, 1], z))
+
+    @property
+    def _depths(self) -> Floats:
+        long, short = self.ellipse.semi_axes
+        return np.geomspace(DEPTHS[0] * short, DEPTHS[1] * long, N_DEPTHS)
+
+    def _loads(self, role: Role, tractions: Floats | None) -> Floats:
+        """Pressure and shears of all cells of the side on a body as a half-space, (n_cells, n_strips, 1 or 3)."""
+        pressures = self.state.cells.pressures[..., None]
+        if tractions is None:
+            return pressures
+        return np.concatenate((pressures, tractions * (1.0 if role == "wheel" else -1.0)), axis=2)

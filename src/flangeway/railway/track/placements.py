@@ -223,6 +223,7 @@ class WheelsetPosition:
     def __post_init__(self) -> None:
         for name, value in zip(("lateral_mm", "vertical_mm", "roll_rad"), self.components, strict=True):
             check_finite("WheelsetPosition", name, value)
+            object.__setattr__(self, name, float(value))  # searches give NumPy's numbers
 
     @property
     def components(self) -> tuple[float, float, float]:

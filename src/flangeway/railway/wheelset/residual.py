@@ -94,7 +94,7 @@ class RelativeResiduals:
     def equilibrium_residual(self) -> float:
         """Root of the sum of squares of the residuals of what is free."""
         found = self.norm_of(np.array(self.free))
-        return math.hypot(found, self.torque_residual, self.yaw_residual) if self.torque_residual else found
+        return math.hypot(found, self.torque_residual, self.yaw_residual)
 
     def norm_of(self, free: Bools) -> float:
         """Root of the sum of squares of some, in the order of lateral and vertical displacement and roll."""

@@ -70,7 +70,9 @@ def with_whole(
         return replace(table, header=("", "value"), rows=tuple(whole.items()))
     rows = [(name, text, *[""] * (n_columns - 1)) for name, text in whole.items()]
     for name, texts in (of_group or {}).items():
-        rows.append((name, *(texts[each] if groups.index(each) == at else "" for at, each in enumerate(groups))))
+        rows.append(
+            (name, *(texts.get(each, "") if groups.index(each) == at else "" for at, each in enumerate(groups)))
+        )
     return replace(table, rows=(*rows, *table.rows))
 
 
@@ -97,8 +99,7 @@ def cell_text(value: Any, form: str) -> str:
 
 def timings_table(timings_s: Mapping[str, float]) -> SummaryTable:
     """Seconds of each stage; ``total`` is that of computing."""
-    names = {"total": "computing, in all"}
-    rows = [(names.get(name, name.replace("_", "-")), number(t, 2)) for name, t in timings_s.items()]
+    rows = [(name.replace("_", "-"), number(t, 2)) for name, t in timings_s.items()]
     return SummaryTable("Time", ("", "s"), tuple(rows))
 
 

@@ -135,13 +135,15 @@ def _results(summary: RollingPatchSummary) -> SummaryTable:
         ("traction coefficient", summary.traction_coefficient, ".4f"),
     ]
     if summary.slipping_share is not None:
-        rows.append(("part of the patch that slips, %", 100.0 * summary.slipping_share, ".1f"))
+        rows.append(("slip area, %", 100.0 * summary.slipping_share, ".1f"))
         rows.append(("maximum traction, MPa", summary.max_traction_MPa, ".1f"))
     if rolling is not None:
         rows += [
             ("T-gamma, N", rolling.t_gamma_N, "z.3f"),
+            ("  forces times creepages, N", rolling.t_gamma_without_spin_N, "z.3f"),
+            ("  and spin moment times spin, N", rolling.t_gamma_with_spin_N, "z.3f"),
             ("frictional power, W", summary.frictional_power_W, "z.1f"),
-            ("  over the area, at most, W/mm²", summary.max_power_density_W_mm2, "z.2f"),
+            ("maximum power density, W/mm²", summary.max_power_density_W_mm2, "z.2f"),
             ("maximum slip velocity, m/s", summary.max_slip_velocity_m_s, ".4f"),
         ]
     columns: list[Column] = [(name, partial(_constant, value), form) for name, value, form in rows]

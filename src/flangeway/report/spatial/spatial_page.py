@@ -137,7 +137,7 @@ def _results(summary: SpatialSummary) -> SummaryTable:
         ("  Hertz, MPa", "hertz_pressure_MPa", ".1f"),
         ("{longer|shorter} semi-axis, mm", "semi_axes_mm", ".4f"),
         ("  Hertz, {longer|shorter}, mm", "hertz_semi_axes_mm", ".4f"),
-        ("angle of the longer one from z, degrees", "angle_deg", "z.1f"),
+        ("orientation of the major axis, degrees", "angle_deg", "z.1f"),
         ("area, mm²", "area_mm2", ".3f"),
         ("cells {across|along z}", "cells", "d"),
     ]

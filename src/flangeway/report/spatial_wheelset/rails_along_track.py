@@ -77,7 +77,7 @@ def rails_table(run: SpatialWheelsetRun) -> SummaryTable:
     rails = run.result.rails
     quantities: list[Column] = [
         ("top of the rail down, mm", lambda rail: -rail.head[:, 1].min(), ".3f"),
-        ("gauge face outwards, mm", lambda rail: rail.gauge_outward_mm.max(), ".3f"),
+        ("gauge-face deflection, mm", lambda rail: rail.gauge_outward_mm.max(), ".3f"),
     ]
     if len(next(iter(rails.values())).sleepers_mm):
         quantities.append(("maximum force of a sleeper, kN", lambda rail: rail.reactions[:, 1].max() / 1e3, ".2f"))

@@ -4,13 +4,14 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
+from flangeway.cases.wheelset.rolling_summary import RollingSummary
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.contact.rolling.theories import WITH_TRACTIONS, Theory
 from flangeway.railway.spatial.spatial_result import SpatialResult
-from flangeway.railway.track.placements import SIDE_SIGN
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.report.page.record import Picture
 from flangeway.report.page.tables import Column, SummaryTable, number, table_across
 from flangeway.report.rolling.creep_curves import curves_figure
@@ -30,7 +31,8 @@ CAPTIONS = {
 AXES = {
     "creepage": "and creep force: of the wheel on the rail: ahead, and along the rail's surface to the right; spin "
     "and its moment counter-clockwise seen from above",
-    "T-gamma": "energy that friction dissipates over the distance rolled, spin included; N is J/m",
+    "T-gamma": "energy that friction dissipates over the distance rolled: its power over the speed; N is J/m. Without "
+    "and with spin: creep forces times creepages at the centre of the patch, and spin moment times spin",
 }
 
 
@@ -85,16 +87,18 @@ ROLLING: tuple[Column, ...] = (
     ("longitudinal creepage, %", _of("longitudinal_creepage", 100.0), "z.4f"),
     ("lateral creepage, %", _of("lateral_creepage", 100.0), "z.4f"),
     ("spin creepage, 1/m", _of("spin_creepage_per_m"), "z.4f"),
-    ("creep force ahead, kN", _of("longitudinal_creep_force_kN"), "z.3f"),
-    ("creep force to the right, kN", _of("lateral_creep_force_kN"), "z.3f"),
+    ("longitudinal creep force, kN", _of("longitudinal_creep_force_kN"), "z.3f"),
+    ("lateral creep force, kN", _of("lateral_creep_force_kN"), "z.3f"),
     ("traction coefficient", _of("traction_coefficient"), ".3f"),
     ("T-gamma, N", _of("t_gamma_N"), ".2f"),
 )
 FURTHER_ROLLING: tuple[Column, ...] = (
+    ("T-gamma without spin, N", _of("t_gamma_without_spin_N"), "z.2f"),
+    ("T-gamma with spin, N", _of("t_gamma_with_spin_N"), "z.2f"),
     ("spin moment, N m", _of("spin_moment_Nm"), "z.2f"),
     ("frictional power, W", _of("frictional_power_W"), ".1f"),
-    ("  over the area, at most, W/mm²", _of("max_power_density_W_mm2"), ".2f"),
-    ("part of the patch that slips, %", _of("slipping_share", 100.0), ".0f"),
+    ("  maximum power density, W/mm²", _of("max_power_density_W_mm2"), ".2f"),
+    ("slip area, %", _of("slipping_share", 100.0), ".0f"),
     ("maximum traction, MPa", _of("max_traction_MPa"), ".0f"),
     ("maximum slip velocity, m/s", _of("max_slip_velocity_m_s"), ".4f"),
 )
@@ -110,6 +114,17 @@ def rolling_table(summary: SpatialWheelsetSummary) -> SummaryTable:
     return table_across(caption, names, patches, (*ROLLING, *FURTHER_ROLLING))
 
 
+def _nadal_words(rolling: RollingSummary) -> str:
+    """Nadal's criterion for the wheels whose flanges touch, in words."""
+    shares = zip(SIDES, rolling.shares_of_nadal_limits, strict=True)
+    words = [
+        f"{side} wheel {'exceeded' if share > 1.0 else 'not exceeded'} ({100.0 * share:.0f} %)"
+        for side, share in shares
+        if share is not None
+    ]
+    return ", ".join(words) or "no flange contact"
+
+
 def motion_tables(summary: SpatialWheelsetSummary) -> list[SummaryTable]:
     """How the whole wheelset rolls, if creep forces are part of its equilibrium."""
     found = summary.rolling
@@ -119,11 +134,12 @@ def motion_tables(summary: SpatialWheelsetSummary) -> list[SummaryTable]:
         ("speed, km/h", f"{found.speed_km_h:g}"),
         ("rotation, rad/s", number(found.rate_rad_per_s, 4)),
         ("yaw, mrad", f"{found.yaw_mrad:z.3f}"),
-        ("moment of contact and creep forces about the vertical, kN m", f"{found.yaw_moment_kNm:z.3f}"),
+        ("yaw moment from contact forces, kN m", f"{found.yaw_moment_kNm:z.3f}"),
         ("torque on the axle, kN m", f"{found.torque_kNm:z.3f}"),
         ("traction, kN", f"{found.traction_kN:z.3f}"),
         ("T-gamma of all patches, N", number(found.t_gamma_N, 1)),
-        ("power of the creepages, W", number(found.power_W, 0)),
+        ("frictional power, W", number(found.power_W, 0)),
+        ("Nadal's criterion", _nadal_words(found)),
         ("kinematic wave (Klingel): length, m", number(found.kinematic_wavelength_m, 2)),
         ("  frequency, Hz", number(found.kinematic_frequency_Hz, 2)),
     )

@@ -11,7 +11,7 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import WheelPatchSummary
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import Rolling
-from flangeway.formats import write_vtu
+from flangeway.formats import write_vtu, write_vtu_grids
 from flangeway.mesh import PolyMesh
 from flangeway.railway.spatial.side_contact import SideState
 from flangeway.railway.spatial.spatial_result import SpatialResult
@@ -26,6 +26,8 @@ from flangeway.types import Bools, Floats
 
 PARTS: tuple[tuple[Side, Role], ...] = tuple((side, role) for role in ROLES for side in ("left", "right"))
 DIGITS = 6
+DEPTH = 2.0
+"""Depth of the stresses that are written over the shorter semi-axis: deeper, normals of a gauge corner cross."""
 
 
 def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> None:
@@ -66,6 +68,26 @@ def write_section(section: WholeSection, side: Side, role: Role, path: Path) -> 
     }
     number = PARTS.index((side, role))
     write_vtu(path, section.mesh, corner_data=arrays, positions=section.positions, body_id=number)
+
+
+def write_stresses(result: SpatialResult, side: Side, role: Role, path: Path) -> None:
+    """Write the stresses in the volumes below the patches of a body, of a half-space under the tractions of all cells.
+
+    The points are in the track's axes; components of the stress are those across (x), normal to the surface (y) and
+    along the track (z) at each patch.
+    """
+    found = [(each, each.field(role, result.tractions_of(side))) for each in result.patches if each.side == side]
+    grids: list[Floats] = []
+    stresses: list[Floats] = []
+    mises: list[Floats] = []
+    for patch, field in found:
+        shown = field.depths <= DEPTH * patch.ellipse.semi_axes[1]
+        depths, along, z = np.meshgrid(field.depths[shown], field.along, field.z, indexing="ij")
+        grids.append(patch.points_below(role, along.ravel(), depths.ravel(), z.ravel()).reshape(*z.shape, 3))
+        stresses.append(field.components[shown])
+        mises.append(field.von_mises[shown])
+    arrays = {"stress_MPa": stresses, "von_mises_MPa": mises}
+    write_vtu_grids(path, grids, arrays, body_id=PARTS.index((side, role)))
 
 
 def friction_fields(result: SpatialResult, side: Side, role: Role) -> dict[str, Floats]:
@@ -117,8 +139,7 @@ def below_table(run: SpatialWheelsetRun) -> str:
     """Return the stresses on the normals below the centres of pressure as CSV, a row for each depth."""
     rows: list[dict[str, object]] = []
     for patch, role in lines_below(run.result):
-        rolling = run.result.rolling_of(patch)
-        line = patch.below(role, None if rolling is None else rolling.tractions)
+        line = patch.below(role, run.result.tractions_of(patch.side))
         where = {"side": patch.side, "region": patch.region, "body": role}
         columns = ResultTable({"depth_mm": line.depths, **line.stresses.by_name})
         rows += [{**where, **dict(zip(columns.columns, row, strict=True))} for row in columns.rows()]

@@ -30,13 +30,14 @@ from flangeway.report.spatial_wheelset.running_surface_files import (
     below_table,
     patches_table,
     write_section,
+    write_stresses,
     write_surface,
 )
 from flangeway.report.spatial_wheelset.wheelset_patches import (
-    depths_figure,
     patches_figure,
     pressures_figure,
     section_figure,
+    stresses_figure,
 )
 from flangeway.report.wheelset import wheelset_page
 from flangeway.system.output_folder import Writer, text_writer
@@ -59,17 +60,19 @@ PICTURES: dict[str, tuple[Callable[[SpatialWheelsetRun], Figure], str, str]] = {
         "Pressure of each patch across and along the track through its maximum.",
         "Pressure across and along the track through the maximum of each patch; dashed: Hertz's for the same force.",
     ),
-    "depth.png": (
-        depths_figure,
-        "Stresses over the depth below each patch.",
-        "Stresses on the normal below the centre of each patch, of a half-space under the patch's pressures: x along "
-        "the surface across the track, y along the normal, z along the track. Rail and wheel of one material have the "
-        "same.",
+    "stresses.png": (
+        stresses_figure,
+        "Von Mises stress below each patch across and along the track, and stresses over the depth.",
+        "The von Mises stress below each patch, across and along the track through its maximum (+), and stresses on "
+        "the normal there: x along the surface across the track, y along the normal, z along the track; of a "
+        "half-space under the tractions of all cells. Bodies of one material: the rail's; without friction the wheel "
+        "has the same.",
     ),
 }
 """Pictures of the report by the files' names: what draws them, what they show, and the caption."""
 COLLECTION, PATCHES, BELOW = "wheelset.pvd", "patches.csv", "subsurface.csv"
 SURFACES = {f"{role}-{side}": (side, role) for side, role in PARTS}
+STRESSES = {f"stresses-{name}": part for name, part in SURFACES.items()}
 SECTIONS = {f"section-{name}": part for name, part in SURFACES.items()}
 RAILS_PICTURE, RAILS = "rails.png", "rails.csv"
 RAILS_CAPTION = (
@@ -78,7 +81,7 @@ RAILS_CAPTION = (
 )
 NAMES = (
     *PICTURES,
-    *(f"{name}.vtu" for name in (*SURFACES, *SECTIONS)),
+    *(f"{name}.vtu" for name in (*SURFACES, *SECTIONS, *STRESSES)),
     COLLECTION,
     PATCHES,
     BELOW,
@@ -88,7 +91,8 @@ NAMES = (
 FILES = (
     "The same numbers, for programs, are in `summary.json`; a row for each patch, for a spreadsheet, in `patches.csv`; "
     "the stresses below the patches in `subsurface.csv`; the rails along the track in `rails.csv`; pressures "
-    "and gaps on the running surfaces, and displacements and stresses of whole sections through the patches, in "
+    "and gaps on the running surfaces, displacements and stresses of whole sections through the patches, and stresses "
+    "in the volumes below the patches, in "
     "`wheelset.pvd`, which ParaView opens with both rails and wheels."
 )
 AXES = {key: WHEELSET_AXES[key] for key in ("space", "rail", "wheel", "forces")} | {
@@ -97,7 +101,11 @@ AXES = {key: WHEELSET_AXES[key] for key in ("space", "rail", "wheel", "forces")}
     "contact angle": "of the plane normal to the force from the track's plane, positive towards the flange",
     "angle": "from z to the longer semi-axis, positive towards the gauge side",
     "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards",
-    "stresses": "tension positive",
+    "gauge-face deflection": "of the elastic rail, positive outwards, away from the middle of the track",
+    "p0/k": "maximum pressure over the shear strength k = yield strength / sqrt(3). Shakedown state of a circular "
+    "patch: elastic; shakedown, elastic after the first passages; hardening, the same with kinematic hardening; "
+    "yields, in each passage",
+    "stresses": "tension positive; maxima are those of the whole volume below a patch",
 }
 
 
@@ -155,7 +163,10 @@ def _files(run: SpatialWheelsetRun) -> dict[str, Writer]:
     found = {name: (side, role) for name, (side, role) in SECTIONS.items() if side in sections[role]}
     for name, (side, role) in found.items():
         writers[f"{name}.vtu"] = partial(write_section, sections[role][side], side, role)
-    files = [(0.0, name, f"{name}.vtu") for name in (*SURFACES, *found)]
+    below = {name: part for name, part in STRESSES.items() if any(p.side == part[0] for p in run.result.patches)}
+    for name, (side, role) in below.items():
+        writers[f"{name}.vtu"] = partial(write_stresses, run.result, side, role)
+    files = [(0.0, name, f"{name}.vtu") for name in (*SURFACES, *found, *below)]
     writers[COLLECTION] = lambda path: write_collection(path, files)
     writers[BELOW] = text_writer(below_table(run))
     return writers
@@ -170,24 +181,27 @@ PATCH: tuple[Column, ...] = (
     ("force, kN", "normal_force_kN", ".2f"),
     ("maximum pressure, MPa", lambda p: marked(number(p.max_pressure_MPa, 1), p.max_pressure_remark), ""),
     ("  Hertz, MPa", "hertz_pressure_MPa", ".1f"),
+    ("p0/k (load factor)", "pressure_over_shear_strength", ".2f"),
+    ("  shakedown state", lambda p: p.shakedown_state or "–", ""),
     ("{longer|shorter} semi-axis, mm", "semi_axes_mm", ".2f"),
     ("contact angle, deg", "contact_angle_deg", ".2f"),
     ("x on the rail, mm", lambda p: p.rail_position_mm[0], "z.2f"),
     ("x on the wheel, mm", lambda p: p.wheel_position_mm[0], "z.2f"),
-    ("ahead of the axle, mm", lambda p: p.track_position_mm[2], "z.2f"),
-    ("von Mises{, MPa|: depth, mm}", lambda p: _at(p, "max_von_mises"), ".0f|.2f"),
+    ("longitudinal position, mm", lambda p: p.track_position_mm[2], "z.2f"),
+    ("max. von Mises{, MPa|: depth, mm}", lambda p: _at(p, "max_von_mises"), ".0f|.2f"),
 )
 FURTHER: tuple[Column, ...] = (
-    ("maximum pressure over the shear strength", "pressure_over_shear_strength", ".2f"),
     ("y on the rail, mm", lambda p: p.rail_position_mm[1], "z.2f"),
     ("y on the wheel, mm", lambda p: p.wheel_position_mm[1], "z.2f"),
-    ("maximum shear{, MPa|: depth, mm}", lambda p: _at(p, "max_shear"), ".0f|.2f"),
+    ("von Mises below the centre{, MPa|: depth, mm}", lambda p: _at(p, "von_mises_below_centre"), ".0f|.2f"),
+    ("max. Tresca{, MPa|: depth, mm}", lambda p: _at(p, "max_tresca"), ".0f|.2f"),
+    ("max. tension{, MPa|: depth, mm}", lambda p: _at(p, "max_tension"), ".0f|.2f"),
     ("Hertz: {longer|shorter} semi-axis, mm", "hertz_semi_axes_mm", ".2f"),
-    ("angle of the longer one from z, deg", "angle_deg", "z.1f"),
+    ("orientation of the major axis, deg", "angle_deg", "z.1f"),
     ("lateral force on the wheel, kN", "lateral_force_kN", ".3f"),
     ("vertical force on the wheel, kN", "vertical_force_kN", ".3f"),
     ("area, mm²", "area_mm2", ".1f"),
-    ("conformity: turn of the rail's normal, deg", "conformity_deg", ".1f"),
+    ("change of contact normal across the patch, deg", "conformity_deg", ".1f"),
     ("rolling radius, mm", "rolling_radius_mm", ".3f"),
     ("cells {across|along}", "cells", "d"),
 )
@@ -219,10 +233,15 @@ def results_table(summary: SpatialWheelsetSummary) -> SummaryTable:
     ratios = {"L/V": sides}
     if summary.rolling is not None:
         rolling = summary.rolling
-        for name, values in (("  Nadal's limit", rolling.nadal_limits), ("  share", rolling.shares_of_nadal_limits)):
-            ratios[name] = {side: number(value, 3) for side, value in zip(SIDES, values, strict=True)}
-        whole["flange climb"] = "possible" if rolling.flange_climb_possible else "not possible"
-    return with_whole(table, whole, [p.side for p in patches], {**ratios, "gauge face outwards, mm": gauge})
+        ratios["  Nadal's limit"] = {
+            side: number(value, 3) for side, value in zip(SIDES, rolling.nadal_limits, strict=True)
+        }
+        ratios["  share of the limit, %"] = {
+            side: number(100.0 * share, 0)
+            for side, share in zip(SIDES, rolling.shares_of_nadal_limits, strict=True)
+            if share is not None
+        }
+    return with_whole(table, whole, [p.side for p in patches], {**ratios, "gauge-face deflection, mm": gauge})
 
 
 def _at(patch: WheelPatchSummary, name: str) -> tuple[float, float]:
@@ -246,8 +265,8 @@ def _position_table(summary: SpatialWheelsetSummary) -> SummaryTable:
     rows = [
         ("approach, mm", number(position.approach_mm, 4)),
         ("gauge widened, mm", f"{sum(rail.gauge_outward_mm for rail in summary.rails):z.3f}"),
-        ("load onto the track, kN", number(load.onto_track_kN, 3)),
-        ("load in the track's plane, kN", number(load.lateral_in_track_kN, 3)),
+        ("load normal to the track plane, kN", number(load.onto_track_kN, 3)),
+        ("load parallel to the track plane, kN", number(load.lateral_in_track_kN, 3)),
         *(
             (f"{word} force on the {each.side} wheel, kN", f"{getattr(each, f'{word}_force_kN'):z.3f}")
             for each in summary.sides
@@ -260,9 +279,9 @@ def _position_table(summary: SpatialWheelsetSummary) -> SummaryTable:
 
 def _rails_table(summary: SpatialWheelsetSummary) -> SummaryTable:
     quantities: list[Column] = [
-        ("top of the head to the right, mm", "lateral_mm", "z.3f"),
+        ("railhead lateral displacement, mm", "lateral_mm", "z.3f"),
         ("  up, mm", "vertical_mm", "z.3f"),
         ("  roll, mrad", lambda rail: 1e3 * rail.roll_rad, "z.3f"),
-        ("gauge face outwards, mm", "gauge_outward_mm", "z.3f"),
+        ("gauge-face deflection, mm", "gauge_outward_mm", "z.3f"),
     ]
     return table_across("Heads of the rails at the wheels", (r.side for r in summary.rails), summary.rails, quantities)

@@ -23,10 +23,16 @@ from flangeway.report.figures.drawing import (
     figure_with_room,
     new_figure,
 )
+from flangeway.report.figures.plots import COLOURS
 from flangeway.report.spatial.patch_map import PatchMap, draw_depths, draw_pressures, draw_sections
 from flangeway.report.wheelset.wheelset_figure import STEEL, draw_sketch
 
 ROOM = Room(left=0.72, right=0.75, bottom=0.62, top=0.68, across=0.15)
+ROOM_OF_STRESSES = Room(left=0.8, bottom=0.6, top=0.4, across=0.9, between=0.75)
+N_LEVELS = 13
+"""Limits of colours of a stress, from 0 to its maximum."""
+DEPTH_OF_WIDTH = 0.7
+"""Depth of the pictures of stresses over their width."""
 ROOM_OF_LINES = Room(left=0.8, bottom=0.6, top=0.35, across=0.75, between=0.75)
 HALF_VIEW_MM = 50.0
 """Half the width and height of what is shown of each side in section."""
@@ -184,22 +190,38 @@ def lines_below(result: SpatialResult) -> list[tuple[SpatialPatch, Role]]:
     return [(patch, role) for patch in result.patches for role in roles]
 
 
-def depths_figure(run: SpatialWheelsetRun) -> Figure:
-    """Draw the stresses below each patch over the depth."""
+def stresses_figure(run: SpatialWheelsetRun) -> Figure:
+    """Draw the von Mises stress below each patch across and along the track, and stresses over its maximum's depth."""
     lines = lines_below(run.result)
-    columns = min(max(len(lines), 1), 3)
-    count = -(-max(len(lines), 1) // columns)
-    figure, rows = figure_with_room(4.2 * columns + 0.6, 4.4 * count, ROOM_OF_LINES, count, columns)
-    panels = rows.ravel()
-    several = len({role for _, role in lines}) > 1
-    for axes, (patch, role) in zip(panels, lines, strict=False):
-        rolling = run.result.rolling_of(patch)
-        draw_depths(axes, patch.below(role, None if rolling is None else rolling.tractions))
+    count, several = max(len(lines), 1), len({role for _, role in lines}) > 1
+    figure, rows = figure_with_room(12.5, 0.5 + 3.3 * count, ROOM_OF_STRESSES, count, 3)
+    for panels, (patch, role) in zip(rows, lines, strict=False):
+        field = patch.field(role, run.result.tractions_of(patch.side))
         where = patch_name(patch, run.result.patches)
-        axes.set_title((f"{role}: {where}" if several else where).capitalize(), fontsize=10)
-        axes.set(xlabel="stress in MPa", ylabel="depth in mm")
-    for axes in panels[len(lines) :]:
-        axes.set_visible(False)
+        found, shown = field.max_von_mises, patch_map(run.result, patch.side)
+        row, _, strip = at = field.nearest(found.position)
+        values, highest = field.von_mises, found.value
+        across = shown.across(field.along)
+        deepest = min(field.depths[-1], DEPTH_OF_WIDTH * float(np.ptp(across)))
+        cuts = (across, values[:, :, strip], across[row]), (field.z, values[:, row], field.z[strip])
+        for axes, (places, cut, middle) in zip(panels, cuts, strict=False):
+            levels = np.linspace(0.0, highest, N_LEVELS)
+            order = np.argsort(places)
+            drawn = axes.contourf(places[order], field.depths, cut[:, order], levels, cmap=COLOURS, extend="max")
+            axes.plot(middle, found.position[1], "+", color="white", ms=9)
+            axes.set(ylim=(deepest, 0.0), ylabel="depth in mm")
+            axes.set_aspect("equal", adjustable="box")
+        figure.colorbar(drawn, ax=panels[1], label="von Mises in MPa", format="%.0f")
+        draw_depths(panels[2], field.column(at))
+        panels[2].set(ylim=(deepest, 0.0), ylabel="depth in mm")
+        name = (f"{role}: {where}" if several else where).capitalize()
+        titles = f"{name}: across", f"Along the track, maximum {highest:.0f} MPa", "Below the maximum"
+        for axes, title in zip(panels, titles, strict=True):
+            axes.set_title(title, fontsize=10)
+    for axes, label in zip(
+        rows[-1], ("length along the rail's surface in mm", "z ahead of the axle in mm", "stress in MPa"), strict=True
+    ):
+        axes.set_xlabel(label)
     if lines:
-        panels[0].legend(loc="lower left", fontsize=8)
+        rows[0, 2].legend(loc="lower left", fontsize=8)
     return figure

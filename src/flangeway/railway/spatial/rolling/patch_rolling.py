@@ -12,6 +12,7 @@ import numpy as np
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
 from flangeway.contact.patch.patch_contact import CHANGE
 from flangeway.contact.patch.patch_grid import PatchGrid
+from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact, box_of
@@ -193,20 +194,25 @@ class RollingPatch:
         """Normal and creep force on the wheel together, N, in the track's axes, shape (3,)."""
         return np.append(self.patch.force_on_wheel_N, 0.0) + self.creep_force_on_wheel_N
 
+    @cached_property
+    def creepages(self) -> Creepages:
+        """Creepages at the origin of `contact` in the patch's axes, a number each: the rows' slip there, weighted."""
+        return self.forces.motion.mean(self.contact.places[0], self.contact.row_shares)
+
     @property
     def longitudinal_creepage(self) -> float:
         """Slip of the wheel ahead over the speed, at the origin of `contact`; the mean of the rows by normal force."""
-        return self._mean(self.forces.motion.along)
+        return float(self.creepages.along)
 
     @property
     def lateral_creepage(self) -> float:
         """Slip of the wheel along the rail's surface to the right over the speed."""
-        return -SIDE_SIGN[self.patch.side] * self._mean(self.forces.motion.across)
+        return -SIDE_SIGN[self.patch.side] * float(self.creepages.across)
 
     @property
     def spin_creepage_per_m(self) -> float:
         """Rotation of the wheel on the rail about its normal over the speed, 1/m, counter-clockwise from above."""
-        return -1e3 * SIDE_SIGN[self.patch.side] * self._mean(self.forces.motion.spin)
+        return -1e3 * SIDE_SIGN[self.patch.side] * float(self.creepages.spin)
 
     @property
     def lateral_creep_force_N(self) -> float:  # noqa: N802
@@ -225,14 +231,16 @@ class RollingPatch:
 
     @property
     def t_gamma_N(self) -> float:  # noqa: N802
-        """Energy that friction dissipates over the distance rolled, N = J/m."""
+        """Energy that friction dissipates over the distance rolled, its power over the speed, N = J/m."""
         return self.forces.t_gamma
+
+    @property
+    def products_N(self) -> tuple[float, float]:  # noqa: N802
+        """T-gamma of creep forces and creepages at the origin of `contact`, without and with spin, N."""
+        without, by_spin = self.forces.products(self.creepages)
+        return without, without + by_spin
 
     @property
     def power_W(self) -> float:  # noqa: N802
         """Power that friction dissipates, W."""
         return self.speed_m_s * self.forces.t_gamma
-
-    def _mean(self, creepages: float | Floats) -> float:
-        shares = self.contact.row_shares
-        return float(np.broadcast_to(creepages, shares.shape) @ shares)
