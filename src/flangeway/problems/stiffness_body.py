@@ -16,6 +16,7 @@ from flangeway.mesh.connectivity import edge_places
 from flangeway.mesh.meeting import meeting
 from flangeway.problems.elasticity_problem import ON_AXIS
 from flangeway.problems.linear_body import LinearBody
+from flangeway.problems.rigid_motions import MAX_WRONG, likely_mistake, wrong_rows
 from flangeway.space import SymmetricMatrix
 from flangeway.types import Bools, Floats, Ints
 
@@ -62,7 +63,9 @@ class StiffnessBody(LinearBody):
     ------
     InputError
         If the matrix is not symmetric, has another size, a diagonal that is not positive or numbers that are not
-        finite; if a surface has unknown nodes, crosses or touches itself, or has the body on its right. Motions without
+        finite; if a surface has unknown nodes, crosses or touches itself, or has the body on its right; if K times a
+        translation or rotation is not zero on most nodes: rows in another order than the coordinates. A wrong unit of
+        length or of force cannot be seen in K, nor can a wrong permutation of a body of revolution. Motions without
         strain are found where the matrix is factorised.
 
     """
@@ -95,6 +98,7 @@ class StiffnessBody(LinearBody):
             )
         for surface in self.surfaces:
             self._check_surface(surface)
+        self._check_rigid_motions()
 
     @property
     def _owner(self) -> str:
@@ -346,6 +350,17 @@ class StiffnessBody(LinearBody):
                 f"{self._owner}: K[{rows[number]}, {rows[number]}] is {diagonal[number]:.6g}, of {self.named(number)}",
                 "a positive definite matrix of the unknowns that are not held",
                 "a multiplier or an unknown without stiffness is no displacement: eliminate it, or hold it",
+            )
+
+    def _check_rigid_motions(self) -> None:
+        of = self._matrix, self.nodes, self._places[: len(self.nodes)]
+        wrong = wrong_rows(*of, axisymmetric=self.axisymmetric)
+        if wrong > MAX_WRONG:
+            raise InputError(
+                f"{self._owner}: a translation or rotation of the body makes forces on {100.0 * wrong:.0f} % of the nodes",
+                "a stiffness K that belongs to these coordinates and rows: K times a rigid motion is zero",
+                likely_mistake(*of, axisymmetric=self.axisymmetric)
+                or "compare the order of the nodes in K and in the coordinates: one of them is permuted",
             )
 
     def _check_axis(self) -> None:

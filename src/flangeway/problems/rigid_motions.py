@@ -1,0 +1,89 @@
+"""Rigid motions in a stiffness matrix that another program has assembled: they strain nothing, so K r = 0."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import spsolve
+from scipy.spatial import cKDTree
+
+from flangeway.types import Bools, Floats, Ints
+
+MAX_FORCE = 1e-4
+"""Force of a rigid motion on a row over the sum of its terms' magnitudes: above what seven printed digits leave."""
+
+MAX_WRONG = 0.5
+"""Fraction of rows with such a force from which K does not belong to the nodes; fewer are springs to the ground."""
+
+NEIGHBOURS = 9
+"""Nodes, with the node itself, within twice whose distance a missing unknown may have been coupled to the node."""
+
+
+def wrong_rows(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric: bool) -> float:
+    """Fraction of the nodes on which a rigid motion of the body makes a force, 0 where none can be checked.
+
+    Nodes close to unknowns that K is without, or that it has decoupled, are left out: their terms are missing.
+
+    Parameters
+    ----------
+    matrix
+        Symmetric stiffness K, shape (n, n).
+    nodes
+        Coordinates, shape (n_nodes, 2).
+    rows
+        Row of K of each component of each node, -1 where K is without it, shape (n_nodes, 2).
+    axisymmetric
+        Whether the only rigid motion is that along y.
+
+    """
+    off_diagonal = sp.csr_array(abs(matrix) - sp.diags_array(abs(matrix.diagonal())))
+    decoupled = np.asarray(off_diagonal.sum(axis=1)).ravel() == 0.0
+    clear = _far_from(nodes, ((rows < 0) | decoupled[rows]).any(axis=1))
+    if not clear.any():
+        return 0.0
+    x, y = (nodes - nodes.mean(axis=0)).T
+    motions = [(0.0 * x, 0.0 * x + 1.0)]
+    if not axisymmetric:
+        motions += [(0.0 * x + 1.0, 0.0 * x), (-y, x)]
+    there = rows >= 0
+    known = np.zeros(matrix.shape[0], dtype=np.bool_)
+    known[rows[there]] = True
+    wrong = np.zeros(len(nodes), dtype=np.bool_)
+    for components in motions:
+        motion = np.zeros(matrix.shape[0])
+        motion[rows[there]] = np.column_stack(components)[there]
+        if not known.all():  # unknowns inside of cells follow: K_ii r_i = -K_ib r_b
+            inner = sp.csc_array(matrix[~known][:, ~known])
+            motion[~known] = spsolve(inner, -(matrix[~known] @ motion))
+        forces, terms = np.abs(matrix @ motion), abs(matrix) @ np.abs(motion)
+        wrong |= (forces > MAX_FORCE * terms)[rows].any(axis=1)
+    return float(wrong[clear].mean())
+
+
+def likely_mistake(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric: bool) -> str | None:
+    """Advice that names the order of unknowns in which rigid motions make fewer forces; None where no such is known."""
+    known = (
+        advice
+        for advice, other in _other_orders(rows, matrix.shape[0])
+        if wrong_rows(matrix, nodes, other, axisymmetric=axisymmetric) <= MAX_WRONG
+    )
+    return next(known, None)
+
+
+def _other_orders(rows: Ints, n: int) -> Iterator[tuple[str, Ints]]:
+    yield "x and y are swapped: give rows=rows[:, ::-1], or swap the columns of the coordinates", rows[:, ::-1]
+    if n == rows.size:
+        blocked, nodewise = np.arange(n).reshape(2, -1).T, np.arange(n).reshape(-1, 2)
+        yield "K has all x components first, then all y: give rows=np.arange(n).reshape(2, -1).T", blocked
+        yield "K has the two components of a node after each other: leave rows out", nodewise
+    for step in (1, -1):
+        yield "nodes are shifted by one: one program counts from 1, the other one from 0", np.roll(rows, step, axis=0)
+
+
+def _far_from(nodes: Floats, missing: Bools) -> Bools:
+    """Nodes farther from missing ones than twice the distance of their next `NEIGHBOURS`."""
+    if not missing.any():
+        return ~missing
+    around = cKDTree(nodes).query(nodes, k=min(NEIGHBOURS, len(nodes)))[0]
+    far: Bools = cKDTree(nodes[missing]).query(nodes)[0] > 2.0 * around[:, -1]
+    return far
