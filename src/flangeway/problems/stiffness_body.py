@@ -96,9 +96,9 @@ class StiffnessBody(LinearBody):
                 "at least one, {name: nodes}",
                 "name the nodes along its boundary",
             )
+        self._check_rigid_motions()
         for surface in self.surfaces:
             self._check_surface(surface)
-        self._check_rigid_motions()
 
     @property
     def _owner(self) -> str:
