@@ -20,9 +20,11 @@ NEIGHBOURS = 9
 
 
 def wrong_rows(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric: bool) -> float:
-    """Fraction of the nodes on which a rigid motion of the body makes a force, 0 where none can be checked.
+    """Fraction of the nodes on which a rigid motion of the body makes a force; below `MAX_WRONG` that is explained.
 
-    Nodes close to unknowns that K is without, or that it has decoupled, are left out: their terms are missing.
+    Forces of translations may be those of springs to the ground, or of unknowns that K is without or has decoupled:
+    they count away from such unknowns, and on most nodes. Where translations make no force, nothing explains a
+    rotation's: the fraction is 1.
 
     Parameters
     ----------
@@ -39,8 +41,6 @@ def wrong_rows(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric:
     off_diagonal = sp.csr_array(abs(matrix) - sp.diags_array(abs(matrix.diagonal())))
     decoupled = np.asarray(off_diagonal.sum(axis=1)).ravel() == 0.0
     clear = _far_from(nodes, ((rows < 0) | decoupled[rows]).any(axis=1))
-    if not clear.any():
-        return 0.0
     x, y = (nodes - nodes.mean(axis=0)).T
     motions = [(0.0 * x, 0.0 * x + 1.0)]
     if not axisymmetric:
@@ -48,7 +48,7 @@ def wrong_rows(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric:
     there = rows >= 0
     known = np.zeros(matrix.shape[0], dtype=np.bool_)
     known[rows[there]] = True
-    wrong = np.zeros(len(nodes), dtype=np.bool_)
+    wrong = np.zeros(rows.shape, dtype=np.bool_)
     for components in motions:
         motion = np.zeros(matrix.shape[0])
         motion[rows[there]] = np.column_stack(components)[there]
@@ -56,8 +56,11 @@ def wrong_rows(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric:
             inner = sp.csc_array(matrix[~known][:, ~known])
             motion[~known] = spsolve(inner, -(matrix[~known] @ motion))
         forces, terms = np.abs(matrix @ motion), abs(matrix) @ np.abs(motion)
-        wrong |= (forces > MAX_FORCE * terms)[rows].any(axis=1)
-    return float(wrong[clear].mean())
+        unequal = (forces > MAX_FORCE * terms)[rows] & there
+        if len(motions) == 3 and components is motions[2] and (unequal & ~wrong).any():
+            return 1.0
+        wrong |= unequal
+    return float(wrong.any(axis=1)[clear].mean()) if clear.any() else 0.0
 
 
 def likely_mistake(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric: bool) -> str | None:
