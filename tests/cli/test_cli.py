@@ -194,7 +194,7 @@ def test_times_are_those_that_the_user_waits(call):
         ("geometry s1002-60e1 --set maximum_l", "maximum_lateral_mm="),
         ("geometry en", "en15302"),
         ("geometry en15302 --wheel S", "S1002"),
-        ("section 6", "60E1"),
+        ("section 6", "60E1 60E2"),
         ("profile S", "S-519-A S1002"),
         ("run cook --units u", "us"),
     ],

@@ -52,7 +52,7 @@ def test_bundled_section_and_folder(call, tmp_path):
     """A bundled rail goes into the folder asked for, with the word on how certain its outline is."""
     status, out, _ = call("section", "60e1", "--order", 1, "--size", 8, "--out", "here")
     assert status == 0
-    assert "below it fillets, web and foot are derived" in out
+    assert "all lines and arcs are those of the standard" in out
     assert {path.name for path in (tmp_path / "here").iterdir()} == FILES
 
 

@@ -357,7 +357,7 @@ class StiffnessBody(LinearBody):
         wrong = wrong_rows(*of, axisymmetric=self.axisymmetric)
         if wrong > MAX_WRONG:
             raise InputError(
-                f"{self._owner}: a translation or rotation of the body makes forces on {100.0 * wrong:.0f} % of the nodes",
+                f"{self._owner}: a rigid motion of the body makes forces on {100.0 * wrong:.0f} % of the nodes",
                 "a stiffness K that belongs to these coordinates and rows: K times a rigid motion is zero",
                 likely_mistake(*of, axisymmetric=self.axisymmetric)
                 or "compare the order of the nodes in K and in the coordinates: one of them is permuted",

@@ -11,16 +11,13 @@ import pytest
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 
-S1002_ON_60E1 = {
-    "wheel": "S1002", "rail": "60E1", "gauge_mm": 1435.0, "wheel_radius_mm": 460.0, "wheel_radius_at": "tape-line",
-}  # fmt: skip
 INPUTS: dict[str, dict[str, Any]] = {
     "fem": {},
     "vem": {"method": "vem"},
     "fem, nodes, penalty": {"pairing": "node-to-segment"},
     "vem, multiplier": {"method": "vem", "enforcement": "multiplier"},
     "vem, nodes, multiplier": {"method": "vem", "pairing": "node-to-segment", "enforcement": "multiplier"},
-    "S1002 on 60E1": S1002_ON_60E1,
+    "R-519-A on 136RE": {"wheel": "R-519-A"},
 }
 COARSE = {
     "tangent, fem": (0.0, -0.731958587055, 0.0),
@@ -28,13 +25,13 @@ COARSE = {
     "tangent, fem, nodes, penalty": (0.0, -0.732043185564, 0.0),
     "tangent, vem, multiplier": (0.0, -0.736709816966, 0.0),
     "tangent, vem, nodes, multiplier": (0.0, -0.736704752599, 0.0),
-    "tangent, S1002 on 60E1": (0.0, -0.777789602088, 0.0),
+    "tangent, R-519-A on 136RE": (0.0, -1.02779434263, 0.0),
     "curve, fem": (9.4331827747, -0.700700721729, 0.000471420629938),
     "curve, vem": (9.60585482101, -0.707279266418, 0.000478826491137),
     "curve, fem, nodes, penalty": (9.43156440242, -0.701169332057, 0.000470316778734),
     "curve, vem, multiplier": (9.60605196773, -0.706932592835, 0.000478834306201),
     "curve, vem, nodes, multiplier": (9.60067832186, -0.707260965972, 0.000478097625967),
-    "curve, S1002 on 60E1": (6.10658048295, -0.696593460552, 0.0001198348075),
+    "curve, R-519-A on 136RE": (7.67158498886, -0.887461669692, 0.000181177736231),
 }
 """Lateral and vertical displacement in mm and roll in rad, with size_scale 4."""
 FINE = {
