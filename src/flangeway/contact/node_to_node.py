@@ -13,7 +13,7 @@ from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import point_text
+from flangeway.geometry.arrays import cross_product, point_text
 from flangeway.mesh.insertion import opposite_places
 from flangeway.types import Floats, Ints
 
@@ -48,7 +48,16 @@ class MatchingNodes:
 
 @dataclass(frozen=True, eq=False)
 class MatchedPairs(NodePairs):
-    """Nodes and the nodes opposite them: gaps along the normals before the deformation, which turn with the primary."""
+    """Nodes and the nodes opposite them: gaps along the normals before the deformation, which turn with the primary.
+
+    Parameters
+    ----------
+    shifts
+        Distance along the surface of each node from the one opposite it, over the length that belongs to it, (n,).
+
+    """
+
+    shifts: Floats
 
     def slides(self, points: Floats, before: Floats) -> Slides:
         """See `Pairs.slides`."""
@@ -72,8 +81,9 @@ class NodeToNode(Pairing):
 
     The boundaries must match where they are opposite each other: `flangeway.mesh.match_boundaries` gives polygons of
     both bodies the nodes of the other one. Pairs never change and gaps are linear in the displacements, which must be
-    small: sliding far below the edges. A node's area is the integral of its shape function along the surface, which is
-    positive for every order (trapezoids for order 1, Simpson's rule for order 2): a uniform pressure is exact.
+    small: sliding far below the edges, and `press` has not converged where it is above half of one. A node's area is the
+    integral of its shape function along the surface, which is positive for every order (trapezoids for order 1,
+    Simpson's rule for order 2): a uniform pressure is exact.
 
     Gaps are taken along the mean of both surfaces' normals before the deformation. These turn with the chord of the
     primary surface, so that bodies may turn together; what a change of that turn does to the gap is of second order and
@@ -110,7 +120,7 @@ class NodeToNode(Pairing):
         slots, each = np.broadcast_to(np.arange(width), (n, width)), np.arange(n)[:, None]
         return MatchedPairs(
             found.nodes, found.edges, found.nodes, gaps, areas, whole, found.nodes[:, None], found.edges, each, flat,
-            slots, width,
+            slots, width, np.abs(cross_product(normals, apart)) / found.lengths,
         )  # fmt: skip
 
 

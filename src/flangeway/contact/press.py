@@ -10,7 +10,9 @@ import numpy as np
 
 from flangeway.checks import are_finite, refused
 from flangeway.contact.contact_pair import Contact
+from flangeway.contact.guards import GuardedPairs
 from flangeway.contact.kinematics import as_complex, as_vectors
+from flangeway.contact.node_to_node import MatchedPairs
 from flangeway.contact.overlap import BodyOverlap, body_overlaps
 from flangeway.contact.system import ContactLinearisation, ContactSystem
 from flangeway.errors import InputError, short
@@ -37,6 +39,9 @@ MOST_DENSE_BYTES = 4e9
 
 ITERATION_COPIES = 8
 """Dense matrices of all surface unknowns that exist at a time in an iteration with friction where all nodes touch."""
+
+MAX_SHIFT = 0.5
+"""Distance of nodes that NodeToNode pairs, over an edge, above which each faces the partner of another one."""
 
 FRICTION_ERROR = 1e-4
 """Error of a step with friction, see `StepSettings`, where nothing else is said."""
@@ -106,15 +111,34 @@ class ContactSolution(Result):
         """How deep each pair of parts overlaps, measured on the whole deformed boundaries; without those apart."""
         return body_overlaps(self.system, self.response, self.state)
 
-    def without_overlap(self) -> "ContactSolution":
-        """Itself, or with the status of a failure if bodies overlap by more than is explained."""
+    def checked(self) -> "ContactSolution":
+        """Itself, or with the status of a failure if bodies overlap or paired nodes have slid from each other."""
         if not self.status.converged:
             return self
-        errors = [str(each) for each in self.overlaps if not each.is_explained]
+        errors = [*self._slides(), *(str(each) for each in self.overlaps if not each.is_explained)]
         if not errors:
             return self
-        failed = Status(False, "not converged: " + "; ".join(errors), self.status.iterations)
+        failed = replace(self.status, converged=False, message="not converged: " + "; ".join(errors))
         return replace(self, state=replace(self.state, status=failed), overlapped=True)
+
+    def _slides(self) -> list[str]:
+        """Sentences about nodes under force that have left those opposite them, of node-to-node contacts."""
+        lin, errors = self.state.linearisation, []
+        assert isinstance(lin, ContactLinearisation)
+        for number, (contact, pairs) in enumerate(zip(self.system.contacts, lin.pairs, strict=True)):
+            base = pairs.parts[0] if isinstance(pairs, GuardedPairs) else pairs
+            if not isinstance(base, MatchedPairs):
+                continue
+            shifts = np.where(self.state.forces[lin.starts[number] :][: len(base.keys)] > 0.0, base.shifts, 0.0)
+            if (most := float(shifts.max(initial=0.0))) > MAX_SHIFT:
+                node = self.system.nodes_of(contact.secondary)[base.nodes[shifts.argmax()]]
+                x, y = self.state.positions[node]
+                errors.append(
+                    f"{contact.secondary.part.name} has slid by {most:.2g} edges from the node opposite it at "
+                    f"({x:.4g}, {y:.4g}), and NodeToNode is for sliding far below an edge; match the boundaries where "
+                    "the bodies meet, or take SegmentToSegment"
+                )
+        return errors
 
     @property
     def table(self) -> ResultTable:
@@ -352,7 +376,7 @@ def press(
         for x, y in np.concatenate([system.corners_on_corners(undeformed, i) for i in range(len(contacts))])[:1]:
             more = f"; a corner meets a corner at ({x:.4g}, {y:.4g}): the side on which the force acts is arbitrary"
             state = replace(state, status=replace(state.status, message=state.status.message + more))
-    return ContactSolution(system, response, state, tuple(done), depths).without_overlap()
+    return ContactSolution(system, response, state, tuple(done), depths).checked()
 
 
 def _append_step(steps: list[LoadStep], leg: int, share: float, state: ContactState) -> None:

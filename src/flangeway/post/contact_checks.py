@@ -46,9 +46,9 @@ def check_contact(
 
     Errors: forces or positions that are not finite, nodes that pull, and a penetration of the size of the elastic
     sinking p a / E* (maximum pressure, half width, modulus of contact; for Hertz's contact it is the height of the
-    circle over the half width). Warnings: a corner that meets a corner, a penetration above 5 % of that, straight edges
-    in contact whose distance h^2 / 8 R from their curve is above it, regions of fewer than 8 segments, and
-    a pressure that oscillates from node to node.
+    circle over the half width). Warnings: a corner that meets a corner, a penetration above 5 % of that, or a gap that
+    a barrier leaves, straight edges in contact whose distance h^2 / 8 R from their curve is above it, regions of fewer
+    than 8 segments, and a pressure that oscillates from node to node.
 
     Parameters
     ----------
@@ -88,6 +88,13 @@ def check_contact(
                 f"sink; {stiffer}"
             )
             (errors if depth > MAX_PENETRATION * sinking else warnings).append(sentence)
+        # a barrier keeps surfaces apart: the mean gap by force, since at the ends of a contact it is the whole reach
+        apart = float((forces * np.maximum(lin.gaps[inside], 0.0)).sum()) / max(float(forces.sum()), 1e-300)
+        if apart > SMALL_PENETRATION * sinking:
+            warnings.append(
+                f"surfaces of {name} are {apart:.1e} mm apart under pressure, {100.0 * apart / sinking:.0f} % of what "
+                "they sink, and the force is too large by about as much; take a smaller barrier"
+            )
         facets = _facet_depth(contact, lin.pairs[number], np.flatnonzero(forces > 0.0))
         if facets > SMALL_PENETRATION * sinking:
             drawn = contact.secondary.curve is not None and contact.primary.curve is not None

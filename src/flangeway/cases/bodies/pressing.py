@@ -165,7 +165,7 @@ class _Driver:
         reference = self.bodies.reference(tuple(part.placement for part in self.system.parts))
         depths = [float((-pairs.gaps).max(initial=0.0)) for pairs in self.system.linearise(reference, None).pairs]
         found = ContactSolution(self.system, self.loaded(1.0), state, tuple(self.steps), np.array(depths))
-        return found.without_overlap()
+        return found.checked()
 
     def failed(self, state: ContactState, message: str) -> Pressed:
         status = Status(False, message, state.status.iterations)
