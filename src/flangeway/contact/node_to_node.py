@@ -81,7 +81,7 @@ class NodeToNode(Pairing):
 
     The boundaries must match where they are opposite each other: `flangeway.mesh.match_boundaries` gives polygons of
     both bodies the nodes of the other one. Pairs never change and gaps are linear in the displacements, which must be
-    small: sliding far below the edges, and `press` has not converged where it is above half of one. A node's area is the
+    small: sliding far below the edges; `press` has not converged where it is above half of one. A node's area is the
     integral of its shape function along the surface, which is positive for every order (trapezoids for order 1,
     Simpson's rule for order 2): a uniform pressure is exact.
 

@@ -56,7 +56,7 @@ def wrong_rows(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric:
             inner = sp.csc_array(matrix[~known][:, ~known])
             motion[~known] = spsolve(inner, -(matrix[~known] @ motion))
         forces, terms = np.abs(matrix @ motion), abs(matrix) @ np.abs(motion)
-        unequal = (forces > MAX_FORCE * terms)[rows] & there
+        unequal = np.asarray(forces > MAX_FORCE * terms)[rows] & there
         if len(motions) == 3 and components is motions[2] and (unequal & ~wrong).any():
             return 1.0
         wrong |= unequal
