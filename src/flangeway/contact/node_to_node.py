@@ -53,11 +53,14 @@ class MatchedPairs(NodePairs):
     Parameters
     ----------
     shifts
-        Distance along the surface of each node from the one opposite it, over the length that belongs to it, (n,).
+        Distance along the surface of each node from the one opposite it, in the mesh's unit of length, shape (n,).
+    longest
+        Longest edge at each node, shape (n,).
 
     """
 
     shifts: Floats
+    longest: Floats
 
     def slides(self, points: Floats, before: Floats) -> Slides:
         """See `Pairs.slides`."""
@@ -117,10 +120,13 @@ class NodeToNode(Pairing):
         flat = NodeEdgeGaps(parameters, gaps, normals, gradients, np.zeros((n, 2 * width, 2 * width)))
         depth = secondary.part.body.depth
         areas, whole = found.lengths * depth, self.node_areas(secondary)[found.nodes]
+        longest = np.zeros(len(secondary.nodes))
+        for column in secondary.edge_places.T:
+            np.maximum.at(longest, column, secondary.edge_lengths)
         slots, each = np.broadcast_to(np.arange(width), (n, width)), np.arange(n)[:, None]
         return MatchedPairs(
             found.nodes, found.edges, found.nodes, gaps, areas, whole, found.nodes[:, None], found.edges, each, flat,
-            slots, width, np.abs(cross_product(normals, apart)) / found.lengths,
+            slots, width, np.abs(cross_product(normals, apart)), longest[found.nodes],
         )  # fmt: skip
 
 

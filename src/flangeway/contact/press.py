@@ -129,8 +129,12 @@ class ContactSolution(Result):
             base = pairs.parts[0] if isinstance(pairs, GuardedPairs) else pairs
             if not isinstance(base, MatchedPairs):
                 continue
-            shifts = np.where(self.state.forces[lin.starts[number] :][: len(base.keys)] > 0.0, base.shifts, 0.0)
-            if (most := float(shifts.max(initial=0.0))) > MAX_SHIFT:
+            loaded = self.state.forces[lin.starts[number] :][: len(base.keys)] > 0.0
+            if not loaded.any():
+                continue
+            # In mean edges under force: inserted nodes make edges of any shortness, beside which all slides are long.
+            shifts = np.where(loaded, base.shifts, 0.0) / base.longest[loaded].mean()
+            if (most := float(shifts.max())) > MAX_SHIFT:
                 node = self.system.nodes_of(contact.secondary)[base.nodes[shifts.argmax()]]
                 x, y = self.state.positions[node]
                 errors.append(

@@ -55,12 +55,13 @@ def wrong_rows(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric:
         if not known.all():  # unknowns inside of cells follow: K_ii r_i = -K_ib r_b
             inner = sp.csc_array(matrix[~known][:, ~known])
             motion[~known] = spsolve(inner, -(matrix[~known] @ motion))
-        forces, terms = np.abs(matrix @ motion), abs(matrix) @ np.abs(motion)
-        unequal = np.asarray(forces > MAX_FORCE * terms)[rows] & there
+        forces: Floats = np.abs(matrix @ motion)
+        terms: Floats = abs(matrix) @ np.abs(motion)
+        unequal = np.greater(forces[rows], MAX_FORCE * terms[rows]) & there
         if len(motions) == 3 and components is motions[2] and (unequal & ~wrong).any():
             return 1.0
         wrong |= unequal
-    return float(wrong.any(axis=1)[clear].mean()) if clear.any() else 0.0
+    return float(np.asarray(wrong.any(axis=1))[clear].mean()) if clear.any() else 0.0
 
 
 def likely_mistake(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric: bool) -> str | None:

@@ -329,8 +329,10 @@ class DenseEquations:
         motions, n = self.motions, len(self.motions.residual)
         _, _, by_unit, resultants = self._responses(self.laws.guess(answer))
         loads = motions.loads(answer.forces)
-        root = np.sqrt(np.maximum(loads, 1e-12 * (float(loads.max()) or 1.0)) / motions.sizes)
         stiffness = resultants @ by_unit[:, :n] - motions.stiffness
+        # forces that would move what holds them by less than the last digit of the sizes are none
+        least = np.finfo(float).eps * float(np.abs(stiffness).max()) * motions.sizes.max()
+        root = np.sqrt(np.maximum(loads, 1e-12 * (max(float(loads.max()), least) or 1.0)) / motions.sizes)
         left, values, right = np.linalg.svd(stiffness / root / root[:, None])
         along = left.T @ ((motions.residual - resultants @ by_unit[:, n]) / root)
         limits = NEUTRAL_FORCE * np.linalg.norm(left * (loads / root)[:, None], axis=0)

@@ -71,6 +71,9 @@ UNHELD = 1e-9
 """Force left on a floating part over the maximum load, or the total force, above which a message names it."""
 
 NOT_BALANCED = 1e-6
+
+# Forces below this part of the largest one are round-off of the solved equations: their constraints are open.
+ROUND_OFF = 1e-13
 """Force along a motion over the maximum load, above which a message names it."""
 
 UNHELD_AFTER = 12
@@ -591,6 +594,8 @@ class _Run:
 
     def result(self, message: str, *, converged: bool) -> ContactState:
         message += self._stays_free() if converged else ""
+        # which constraints are said to be closed must not rest on the last digit of the others' forces
+        self.forces = np.where(self.forces > ROUND_OFF * self.forces.max(initial=0.0), self.forces, 0.0)
         friction = None
         if (slides := self.slides) is not None:
             slips, let_back = self._slips(self.current, slides), self._let_back(self.current, self.tangential)
