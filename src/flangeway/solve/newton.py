@@ -57,10 +57,8 @@ from flangeway.types import Floats
 MEMORY, MAX_GROWTH, MIN_FRACTION = 12, 2.0, 1.0 / 32.0
 """A step is halved while its residual is above the maximum of so many iterations before it, times the growth, until the
 fraction of the step. Active sets change in the first iterations, so that the residual need not fall in each; without any
-limit nodes on edges far shorter than their share of the surface, which are not stable under pressure, run away."""
-SETTLE_AFTER = 4
-"""Iterations in which a node changes to the edge that it faces. Later on it stays with its edge by a wider margin: at a
-kink of a surface neither of the two edges may have a solution with the node on it."""
+limit nodes on edges far shorter than their share of the surface, which are not stable under pressure, run away. After as
+many, pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
 
 SPRINGS = (1e-6, 1e-4, 1e-2, 1.0)
 """Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint: the first one
@@ -329,7 +327,7 @@ class _Run:
                     "not converged: the contact laws of a linearised step have no solution; take smaller steps, a "
                     "finer mesh or a softer penalty"
                 )
-            here, fraction, settle = self._here(), 1.0, len(self.history) >= SETTLE_AFTER
+            here, fraction, settle = self._here(), 1.0, len(self.history) >= MEMORY
             limit = MAX_GROWTH * max((each.residual for each in self.history[-MEMORY:]), default=np.inf)
             taken = self._take(here, step, fraction, correction, settle=settle)
             while taken.residual > limit and fraction > MIN_FRACTION:
