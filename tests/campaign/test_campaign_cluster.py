@@ -62,7 +62,10 @@ def scheduler(tmp_path, monkeypatch):
 
 
 def test_two_workers_of_a_cluster_one_of_them_killed_give_the_table_of_one_machine(scheduler, tmp_path):
-    """Rows go to both workers of a cluster; one is killed on the way; each number is that of this process alone."""
+    """Rows go to both workers of a cluster; one is killed on the way; each number is that of this process alone.
+
+    To 1e-9: rows that are computed again after the kill start from another neighbour.
+    """
     address, (_, *workers) = scheduler
     file = tmp_path / "c.toml"
     file.write_text(CAMPAIGN, encoding="utf-8")
@@ -84,7 +87,7 @@ def test_two_workers_of_a_cluster_one_of_them_killed_give_the_table_of_one_machi
     for first, rows in campaign.chunks:
         for row, result in zip(rows, compute(Chunk(rows, first)).results, strict=True):
             stored = {name: found.rows[name][row.number - 1] for name in result.values}
-            assert stored == dict(result.values)
+            assert stored == pytest.approx(dict(result.values), rel=1e-9)
 
 
 def test_a_scheduler_that_is_not_there_is_reported(monkeypatch, tmp_path):

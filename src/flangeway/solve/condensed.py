@@ -52,7 +52,7 @@ class CondensedBody:
         self.body = body
         self._numbers = body.free_numbers(surface.nodes)
         self._loose = np.flatnonzero(self._numbers >= 0)
-        key = content_key("flexibility and digits", *body.content, surface.nodes) if cache is not None else None
+        key = content_key("flexibility", *body.content, surface.nodes) if cache is not None else None
         arrays = self._computed() if cache is None or key is None else cache.get(key, self._computed)
         self.flexibility: NDArray[np.float64] = np.asarray(arrays["flexibility"], dtype=np.float64)
         self.flexibility.setflags(write=False)
