@@ -56,9 +56,9 @@ from flangeway.types import Floats
 
 MEMORY, MAX_GROWTH, MIN_FRACTION = 12, 2.0, 1.0 / 32.0
 """A step is halved while its residual is above the maximum of so many iterations before it, times the growth, until the
-fraction of the step. Active sets change in the first iterations, so that the residual need not fall in each; without any
-limit nodes on edges far shorter than their share of the surface, which are not stable under pressure, run away. After as
-many, pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
+fraction of the step. Active sets change in the first iterations, so that the residual need not fall in each; without
+any limit nodes on edges far shorter than their share of the surface, which are not stable under pressure, run away.
+After as many, pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
 
 SPRINGS = (1e-6, 1e-4, 1e-2, 1.0)
 """Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint: the first one
