@@ -93,15 +93,12 @@ def test_a_barrier_of_a_case_is_that_of_multipliers_with_a_gap() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"motions": [{"body": "upper", "push_N": (1e3, -1e3)}]}, "a push that is oblique"),
         ({"motions": [{"body": "upper", "leg": 2, "push_N": (0.0, -1e3)}]}, "in leg 1"),
         ({"motions": [{"body": "middle", "shift_mm": (0.0, -0.1)}]}, "which has no supports"),
-        ({"loads": [{"body": "upper", "body_force_N_mm3": (0.0, -1.0)}]}, "loads or displacements of supports"),
-        ({"loads": [{"body": "middle", "body_force_N_mm3": (0.0, -1.0)}]}, "loads or displacements of supports"),
     ],
 )
 def test_what_friction_and_floating_bodies_do_not_go_with_is_refused(change, message) -> None:
-    """Oblique and late pushes, motions of bodies without supports, and loads on bodies in contact."""
+    """Late pushes, and motions of bodies without supports."""
     values = load_case("stack", size_mm=10.0).bodies().model_dump()
     with pytest.raises(InputError, match=message):
         TwoBodiesCase.from_values({**values, **change}).check()

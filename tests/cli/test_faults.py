@@ -127,7 +127,7 @@ def test_no_memory_is_told(call, monkeypatch, tmp_path, text):
     def fail(*_, **__):
         raise MemoryError(text)
 
-    monkeypatch.setattr("flangeway.cases.bodies.two_bodies.press_loaded", fail)
+    monkeypatch.setattr("flangeway.cases.bodies.two_bodies.press", fail)
     status, out, err = call(*RUN)
     assert status == 1
     assert "flangeway: out of memory" in err

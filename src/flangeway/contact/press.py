@@ -32,6 +32,8 @@ from flangeway.solve import (
     follow,
     solve_contact,
 )
+from flangeway.solve.body_loads import BodyLoad, loads_on
+from flangeway.solve.body_response import LoadedBodies
 from flangeway.types import Floats
 
 MOST_DENSE_BYTES = 4e9
@@ -82,7 +84,7 @@ class ContactSolution(Result):
     system
         The contacts.
     response
-        The bodies; give it to another `press` of the same contacts to save their condensation.
+        The bodies without loads; give it to another `press` of the same contacts to save their condensation.
     state
         The final state, or the attempt that failed.
     steps
@@ -109,7 +111,7 @@ class ContactSolution(Result):
     @cached_property
     def overlaps(self) -> tuple[BodyOverlap, ...]:
         """How deep each pair of parts overlaps, measured on the whole deformed boundaries; without those apart."""
-        return body_overlaps(self.system, self.response, self.state)
+        return body_overlaps(self.system, self._loaded, self.state)
 
     def checked(self) -> "ContactSolution":
         """Itself, or with the status of a failure if bodies overlap or paired nodes have slid from each other."""
@@ -236,9 +238,13 @@ class ContactSolution(Result):
         return forces
 
     def field(self, part: Part) -> ElasticField:
-        """Elastic displacements of a part in its own frame, for stresses and pictures."""
+        """Elastic displacements of a part in its own frame, with its loads, for stresses and pictures."""
         number = self._number(part)
-        return ElasticField(part.body.elasticity, self._fields[number])
+        return ElasticField(self._loaded.problem(number, self.state.placements[number]), self._fields[number])
+
+    def placement(self, part: Part) -> Placement:
+        """Placement of a part's frame, with what is held of it."""
+        return self.state.placements[self._number(part)]
 
     def unknowns(self, part: Part) -> Floats:
         """Displacements of a part in its own frame, in the order of its body's stiffness matrix, shape (n,)."""
@@ -256,7 +262,12 @@ class ContactSolution(Result):
     @cached_property
     def _fields(self) -> list[Floats]:
         rotations = self.response.rotations(self.state.placements)
-        return self.response.fields(rotations, self.state.nodal_forces)
+        return self._loaded.fields(rotations, self.state.nodal_forces)
+
+    @property
+    def _loaded(self) -> BodyResponse:
+        """The bodies with the loads of the state."""
+        return self.state.response or self.response
 
 
 def press(
@@ -264,6 +275,7 @@ def press(
     motion: Mapping[Part, Placement] | Sequence[Mapping[Part, Placement]],
     *,
     loads: Mapping[Part, Load] | None = None,
+    body_loads: Mapping[Part, Sequence[BodyLoad]] | None = None,
     handles: Sequence[Handle] = (),
     steps: StepSettings | Sequence[StepSettings] | None = None,
     path: Literal["condensed", "sparse"] | None = None,
@@ -289,7 +301,12 @@ def press(
         Force x, y and moment on the held edges and points of parts, which then move together as a rigid handle where
         the contacts hold it, by part; None in place of a number: the handle does not move in that way, or by its
         ``motion``. The force acts at the middle of what is held and keeps its direction. It grows with the first
-        motion. Parts of which nothing is held need no entry: only contacts act on them.
+        motion. Parts of which nothing is held need no entry: contacts and `body_loads` act on them.
+    body_loads
+        Loads on the body of each part: `flangeway.problems.Traction`, `Pressure`, `PointForce`, `BodyForce`, `Gravity`
+        and `TemperatureChange`, and `PrescribedDisplacement` of what is held, relative to its handle or frame. Edges,
+        points and functions of them are those of the body's own frame. Pressures turn with the body, other forces keep
+        their direction in space. They grow with the first motion, which may be empty, and act on handles too.
     handles
         Rigid motions that contacts, loads and springs decide, each shared by one or more parts that are held: two
         wheels on an axle, bodies bolted together. Their pivots are those at the parts' own placements; a motion, the
@@ -311,37 +328,29 @@ def press(
     Raises
     ------
     InputError
-        If a moved or loaded part has no contact, a motion is mirrored, a load or a handle is on a part that is not held
-        fully, nothing is held of a moved one, a part has two handles, parts of a handle move differently, there are not
-        as many step sizes as motions, or the path is unknown.
+        If a moved or loaded part has no contact, a motion is mirrored, a load does not fit its body, a force or a
+        handle is on a part that is not held fully, nothing is held of a moved one, a part has two handles, parts of a
+        handle move differently, there are not as many step sizes as motions, or the path is unknown.
 
     """
-    system = ContactSystem(contacts)
+    system, on_bodies = ContactSystem(contacts), body_loads or {}
     motions = [motion] if isinstance(motion, Mapping) else list(motion)
     _refuse_bad_motions(system, motions)
     _refuse_bad_loads(system, motions, loads or {})
+    _refuse_bad_body_loads(system, on_bodies)
     _refuse_bad_handles(system, motions, [*(loads or {})], handles)
-    if steps is None and any(each.friction_coefficient for each in contacts):
-        steps = StepSettings(error=FRICTION_ERROR)
-    settings_of = list(steps) if isinstance(steps, Sequence) else [steps] * len(motions)
-    if len(settings_of) != len(motions):
-        raise InputError(
-            f"press(steps=...) of {len(settings_of)} motions for a path of {len(motions)}",
-            "one StepSettings for all motions, or one for each",
-            "give as many as there are motions",
-        )
-    optional = [("steps", each, StepSettings) for each in settings_of]
-    for name, value, kind in (*optional, ("settings", settings, NewtonSettings)):
-        if not isinstance(value, kind | None):
-            raise refused("press", name, value, f"{kind.__name__}(...)", "leave it out")
+    settings_of = _step_settings(system, len(motions), steps)
+    if not isinstance(settings, NewtonSettings | None):
+        raise refused("press", "settings", settings, "NewtonSettings(...)", "leave it out")
     path = _usual_path(system, floating=bool(loads or handles)) if path is None else path
     if not isinstance(path, str) or path not in PATHS:
         raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
-    response = response or PATHS[path](system.surface_nodes)
+    bodies = response or PATHS[path](system.surface_nodes)
+    displaced = [loads_on(part.body, on_bodies[part]) if on_bodies.get(part) else None for part in system.parts]
     done: list[LoadStep] = []
 
     placed = tuple(part.placement for part in system.parts)
-    origin = response.reference(placed)
+    origin = bodies.reference(placed)
     depths = _penetrations(system, origin)
     reached: ContactState | None = None
     for number, (leg, sizes) in enumerate(zip(motions, settings_of, strict=True)):
@@ -354,10 +363,11 @@ def press(
             placed: tuple[Placement, ...] = placed,
         ) -> ContactState:
             placements = _moved(system.parts, placed, leg, share)
-            given = loads or {}, handles
-            own = _handles_at(system.parts, placements, min(number + share, 1.0), *given)
+            growth = min(number + share, 1.0)
+            own = _handles_at(system.parts, placements, growth, loads or {}, handles)
+            loaded = LoadedBodies(bodies, displaced, placements, growth) if any(displaced) else bodies
             state = solve_contact(
-                response, system, placements, handles=own, start=start, keep_guards=False, settings=settings,
+                loaded, system, placements, handles=own, start=start, keep_guards=False, settings=settings,
                 origin=origin,
             )  # fmt: skip
             which = f"motion {number + 1}" if len(motions) > 1 else "the motion"
@@ -380,7 +390,26 @@ def press(
         for x, y in np.concatenate([system.corners_on_corners(undeformed, i) for i in range(len(contacts))])[:1]:
             more = f"; a corner meets a corner at ({x:.4g}, {y:.4g}): the side on which the force acts is arbitrary"
             state = replace(state, status=replace(state.status, message=state.status.message + more))
-    return ContactSolution(system, response, state, tuple(done), depths).checked()
+    return ContactSolution(system, bodies, state, tuple(done), depths).checked()
+
+
+def _step_settings(
+    system: ContactSystem, n_motions: int, steps: StepSettings | Sequence[StepSettings] | None
+) -> list[StepSettings | None]:
+    """Sizes of the steps of each motion; with friction, where nothing is said, by their error."""
+    if steps is None and any(each.friction_coefficient for each in system.contacts):
+        steps = StepSettings(error=FRICTION_ERROR)
+    settings_of: list[StepSettings | None] = list(steps) if isinstance(steps, Sequence) else [steps] * n_motions
+    if len(settings_of) != n_motions:
+        raise InputError(
+            f"press(steps=...) of {len(settings_of)} motions for a path of {n_motions}",
+            "one StepSettings for all motions, or one for each",
+            "give as many as there are motions",
+        )
+    for value in settings_of:
+        if not isinstance(value, StepSettings | None):
+            raise refused("press", "steps", value, "StepSettings(...)", "leave it out")
+    return settings_of
 
 
 def _append_step(steps: list[LoadStep], leg: int, share: float, state: ContactState) -> None:
@@ -492,6 +521,20 @@ def _refuse_bad_loads(
                 f"a motion of part {part.name!r}, of which nothing is held",
                 "motions of what is held",
                 "leave the motion out: contact moves this part; or hold edges of it",
+            )
+
+
+def _refuse_bad_body_loads(system: ContactSystem, body_loads: Mapping[Part, Sequence[BodyLoad]]) -> None:
+    for part, items in body_loads.items():
+        if part not in system.parts:
+            raise InputError(
+                f"loads on the body of {part.name if isinstance(part, Part) else short(part)!r}, which has no contact",
+                f"parts in contact: {', '.join(known.name for known in system.parts)}",
+                "add a contact of this part, or solve for it alone with solve_elasticity",
+            )
+        if not isinstance(items, list | tuple):
+            raise InputError(
+                f"body_loads={{{part.name!r}: {short(items)}}}", "a list of loads", "write [Gravity((0.0, -9810.0))]"
             )
 
 

@@ -154,6 +154,11 @@ class ContactSystem:
         self._first_edge = np.concatenate(([0], np.cumsum([sum(len(each.edges) for each in both) for both in sides])))
         self._points, self._spread = self._middles()
 
+    @property
+    def reach(self) -> float:
+        """Mean length of the edges of a primary surface, that of the contact where it is least."""
+        return min(float(contact.primary.edge_lengths.mean()) for contact in self.contacts)
+
     def nodes_of(self, surface: Surface) -> Ints:
         """Numbers of a surface's nodes among the surface nodes of all parts, along the surface."""
         number = self.parts.index(surface.part)

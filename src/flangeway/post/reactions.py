@@ -112,6 +112,9 @@ def relative_nodal_residual(field: ElasticField, forces: Floats, held: Bools) ->
     """
     internal, left = _internal_and_left(field, forces)
     reference = max(float(np.abs(each).max(initial=0.0)) for each in (left, forces, internal))
+    for spring in field.problem.springs:
+        at_nodes = field.displacements[: len(forces)].ravel()
+        left[: len(forces)] += (field.problem.spring_stiffness(spring) @ at_nodes).reshape(-1, 2)
     left[: len(forces)][held] = 0.0
     return float(np.abs(left).max()) / reference if reference > 0.0 else 0.0
 

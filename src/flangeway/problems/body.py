@@ -1,6 +1,6 @@
 """A linear elastic body that is held along named parts of its boundary."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, get_args
@@ -18,11 +18,15 @@ from flangeway.mesh import PolyMesh
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.problems.linear_body import LinearBody, RigidFreedom
 from flangeway.problems.stiffness_body import StiffnessBody
+from flangeway.problems.supports import Spring
 from flangeway.space import CondensedMatrix, DifferenceProduct, Space, SymmetricMatrix
 from flangeway.types import Floats
 
 Point = tuple[float, float]
 Components = Literal["x", "y", "xy"]
+
+SPRING_HOLDS = 1e-12
+"""Stiffness of the springs against a rigid motion, over the maximum, below which they leave it free."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +52,14 @@ class Body(LinearBody):
         about one held point, or both.
     thickness
         Length out of the plane.
+    springs
+        Elastic supports on named edges or points, whose other ends are on the frame.
 
     Raises
     ------
     InputError
-        If a name, point or component is unknown, or a body of revolution has a thickness.
+        If a name, point or component is unknown, a body of revolution has a thickness, or springs leave a motion free
+        other than along an axis.
 
     """
 
@@ -62,10 +69,14 @@ class Body(LinearBody):
     material: Material | Mapping[str, Material]
     held: str | Mapping[str | Point, Components] | None = None
     thickness: float = 1.0
+    springs: Sequence[Spring] = ()
 
     def __post_init__(self) -> None:
         check_positive("Body", "thickness", self.thickness, "a positive length", "take 1 for forces per length")
         self._check_held()
+        object.__setattr__(self, "springs", tuple(self.springs))
+        if not all(isinstance(each, Spring) for each in self.springs):
+            raise InputError(f"Body {self.name!r} springs={short(self.springs)}", "items Spring(...)", "make each one")
         if self.axisymmetric and self.thickness != 1.0:
             raise InputError(
                 f"body {self.name!r} of revolution with the thickness {self.thickness:g}",
@@ -102,7 +113,8 @@ class Body(LinearBody):
     @cached_property
     def elasticity(self) -> Elasticity:
         """The elastic problem of the body."""
-        return Elasticity(Space(self.mesh, self.element), self.material, self.thickness, name=self.name)
+        space = Space(self.mesh, self.element)
+        return Elasticity(space, self.material, self.thickness, supports=self.springs, name=self.name)
 
     @property
     def nodes(self) -> Floats:
@@ -150,7 +162,10 @@ class Body(LinearBody):
         """See `LinearBody.content`."""
         mesh, supports = self.mesh, dict(self.supports)
         held = {name: mesh.edge_sets[name] for name in supports if isinstance(name, str)}
-        parts = held, dict(mesh.cell_sets), self.element, self.material, supports, self.thickness
+        parts: tuple[object, ...] = held, dict(mesh.cell_sets), self.element, self.material, supports, self.thickness
+        if self.springs:  # as a matrix: two sets of edges of one name differ
+            added = self._springs
+            parts = *parts, added.indptr, added.indices, added.data
         return mesh.points, mesh.cell_offsets, mesh.cell_points, *parts
 
     @cached_property
@@ -182,6 +197,8 @@ class Body(LinearBody):
     @cached_property
     def freedom(self) -> RigidFreedom:
         """Rigid motions that what is held leaves free: it slides, turns about its one held point, or both."""
+        if self.springs:
+            return self._freedom_on_springs()
         nodes = np.flatnonzero(self.supported.any(axis=1))
         axes = "".join(axis for number, axis in enumerate("xy") if not self.supported[:, number].any())
         points, corners = self.space.nodes, np.unique(self.mesh.boundary_edges)
@@ -197,26 +214,57 @@ class Body(LinearBody):
         pivot = points[first] if len(nodes) else (points[corners].min(axis=0) + points[corners].max(axis=0)) / 2.0
         return RigidFreedom(pivot, axes, True, {first: "xy", int(corners[far]): "xy"[across]})
 
+    def _freedom_on_springs(self) -> RigidFreedom:
+        """The one slide that neither what is held nor the springs resist, if there is one."""
+        points, corners = self.space.nodes, np.unique(self.mesh.boundary_edges)
+        arms = (points - points.mean(axis=0)) / self.size
+        zero, one = np.zeros(len(points)), np.ones(len(points))
+        motions = np.stack((one, zero, zero, one, -arms[:, 1], arms[:, 0])).reshape(3, 2, -1).transpose(2, 1, 0)
+        resisted = motions.reshape(-1, 3).T @ (self._springs @ motions.reshape(-1, 3))
+        unit = float(resisted.diagonal().max()) or 1.0
+        held = motions[self.supported] if not self.axisymmetric else np.eye(3)[[0, 2]]
+        free = [axis for axis, motion in zip("xy", np.eye(3)[:2], strict=True) if not np.any(held @ motion)]
+        energies, directions = np.linalg.eigh(resisted + unit * held.T @ held)
+        loose = directions[:, energies <= SPRING_HOLDS * unit]
+        axes = "".join(axis for axis in free if np.allclose(np.abs(loose[["x", "y"].index(axis)]).sum(), 1.0))
+        if loose.shape[1] > 1 or len(axes) < loose.shape[1]:
+            raise InputError(
+                f"Body {self.name!r}, which its springs and what is held leave free to turn, or to slide obliquely",
+                "springs that hold all motions but one along x or y",
+                "add a spring against it, or hold more in Body(held=...)",
+            )
+        first = int(corners[0])
+        return RigidFreedom(points[first], axes, False, {first: axes} if axes else {})
+
     @cached_property
-    def _condensed(self) -> CondensedMatrix:
+    def _springs(self) -> sp.csc_array:
+        """Stiffness of the springs on the displacements at nodes."""
+        none = sp.csc_array((2 * self.space.n_nodes, 2 * self.space.n_nodes))
+        return sum((self.elasticity.spring_stiffness(each) for each in self.springs), none)
+
+    @cached_property
+    def condensed(self) -> CondensedMatrix:
+        """Stiffness at nodes without springs, no unknown held; unknowns inside cells are condensed."""
         return self.elasticity.condensed_stiffness()
 
     @cached_property
     def stiffness(self) -> SymmetricMatrix:
         """Stiffness of the free unknowns at nodes, in their order; those inside cells are condensed."""
-        return self._condensed.matrix.restricted(self.free)
+        matrix = self.condensed.matrix
+        return (matrix.plus(self._springs) if self.springs else matrix).restricted(self.free)
 
     @property
     def product(self) -> DifferenceProduct:
         """See `LinearBody.product`."""
         kept = sp.eye_array(len(self.free), format="csr")[:, np.flatnonzero(self.free)]
-        return DifferenceProduct(self._condensed.matrix, kept, axisymmetric=self.axisymmetric)
+        added = self._springs if self.springs else None
+        return DifferenceProduct(self.condensed.matrix, kept, axisymmetric=self.axisymmetric, springs=added)
 
     def field(self, values: Floats) -> Floats:
         """All displacements (n_dofs, 2) from those of the free unknowns (n_free,), without body forces."""
         at_nodes = np.zeros(len(self.free))
         at_nodes[self.free] = values
-        return self._condensed.recover(at_nodes)
+        return self.condensed.recover(at_nodes)
 
     def unknowns(self, field: Floats) -> Floats:
         """See `LinearBody.unknowns`; the matrix is that of `Elasticity.stiffness`."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
@@ -13,9 +14,10 @@ from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError, short
 from flangeway.materials import Material
 from flangeway.mesh.mesh_checks import set_numbers
+from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.loads import Load, TemperatureChange
 from flangeway.problems.strains import STRAIN_PLACES, StrainOperators, strain_operators
-from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support
+from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support, axes
 from flangeway.space import CellBatch, CondensedMatrix, Space, SymmetricMatrix, assemble_condensed
 from flangeway.types import Floats
 
@@ -191,6 +193,25 @@ class Elasticity:
     def condensed_stiffness(self) -> CondensedMatrix:
         """Stiffness with the unknowns inside cells eliminated, no unknown held, without springs."""
         return assemble_condensed(self.space, self.cell_stiffness, n_components=2)
+
+    def spring_stiffness(self, spring: Spring) -> sp.csc_array:
+        """Stiffness of a spring on the displacements at nodes, shape (2 n_nodes, 2 n_nodes)."""
+        space, frame = self.space, axes(spring.angle)
+        tensor = frame.T @ np.diag([spring.x, spring.y]) @ frame
+        if isinstance(spring.where, str):
+            rule = edge_quadrature(space, space.mesh.edge_set(spring.where))
+            weights = rule.weights * self.depth(rule.points)
+            mass = np.einsum("eq,qm,qn->emn", weights, rule.shapes, rule.shapes)
+            blocks = np.einsum("emn,ij->eminj", mass, tensor)
+            unknowns = (2 * rule.nodes[:, :, None] + np.arange(2)).reshape(len(rule.nodes), -1)
+            n = unknowns.shape[1]
+            rows, columns = np.repeat(unknowns, n, axis=1), np.tile(unknowns, (1, n))
+        else:
+            blocks = tensor
+            at_point = 2 * self.node_at(spring.where) + np.arange(2)
+            rows, columns = np.meshgrid(at_point, at_point, indexing="ij")
+        entries = blocks.ravel(), (rows.ravel(), columns.ravel())
+        return sp.csc_array(sp.coo_array(entries, shape=(2 * space.n_nodes, 2 * space.n_nodes)))
 
     def strains(self, batch: CellBatch, reconstruction: Reconstruction) -> StrainOperators:
         """Strains of cells as polynomials."""

@@ -112,6 +112,24 @@ class Pressure(Load):
         )
 
 
+@dataclass(frozen=True, eq=False)
+class GivenForces(Load):
+    """Forces on all unknowns, shape (n_dofs, 2)."""
+
+    values: Floats
+
+    def check(self, problem: LoadedProblem) -> None:
+        """See `Load.check`."""
+        if self.values.shape != (problem.space.n_dofs, 2):
+            raise InputError(
+                f"forces of shape {self.values.shape}", f"({problem.space.n_dofs}, 2)", "give a force for each unknown"
+            )
+
+    def forces(self, problem: LoadedProblem) -> Floats:  # noqa: ARG002 (they are given)
+        """See `Load.forces`."""
+        return self.values
+
+
 def _edge_forces(problem: LoadedProblem, edges: str, traction: Callable[[Floats, Floats], Floats]) -> Floats:
     """Forces of a traction, a function of points and normals (n, 2)."""
     rule = edge_quadrature(problem.space, problem.space.mesh.edge_set(edges))

@@ -16,7 +16,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.geometry import Placement
-from flangeway.problems import LinearBody
+from flangeway.problems import Elasticity, LinearBody
+from flangeway.solve.body_loads import BodyLoads
 from flangeway.types import Floats, Ints
 
 
@@ -84,6 +85,22 @@ class BodyResponse(ABC):
         """Positions of the surface nodes before deformation, shape (n_nodes, 2)."""
         parts = [placement.points(surface.points) for surface, placement in zip(self.surfaces, placements, strict=True)]
         return np.concatenate(parts)
+
+    def resultant(self, number: int, placement: Placement, pivot: Floats) -> Floats:  # noqa: ARG002 (no loads)
+        """Force x, y and moment about a point of space of a placed body's loads, and its derivative by the angle."""
+        return np.zeros(4)
+
+    def problem(self, number: int, placement: Placement) -> Elasticity:  # noqa: ARG002 (no loads)
+        """Elastic problem behind a body, with its loads as they act in its frame."""
+        return self.surfaces[number].body.elasticity
+
+    def turning(self, number: int, placement: Placement) -> Floats | None:  # noqa: ARG002 (no loads)
+        """What a turn by 1 rad adds to the displacements by loads of a body's surface nodes, in space; None: nothing.
+
+        Shape (n, 2). Times contact forces it is the moment of the loads at arms that are the displacements by these
+        forces (Maxwell's and Betti's theorem).
+        """
+        return None
 
     @abstractmethod
     def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
@@ -190,52 +207,92 @@ def components(nodes: Ints) -> Ints:
 
 
 class LoadedBodies(BodyResponse):
-    """Placed bodies with displacements that are there before any contact force acts.
+    """Placed bodies with loads, which displace them before any contact force acts.
 
     The bodies are linear, so displacements by loads and by contact forces add: the contact meets surfaces that the
-    loads have moved. The fields, displacements of each body under its loads and prescribed displacements without
-    contact, in its own frame (n_dofs, 2), or None, are multiplied with `share`. Loads keep their direction in the
-    bodies' frames.
+    loads have moved.
+
+    Parameters
+    ----------
+    unloaded
+        The bodies.
+    loads
+        Loads of each body, None for none.
+    placements
+        Placement of each body before handles moved it.
+    share
+        Factor on all loads.
+
     """
 
-    def __init__(self, unloaded: BodyResponse, fields: Sequence[Floats | None], share: float = 1.0) -> None:
-        super().__init__(
-            [
-                surface if field is None else _moved(surface, share * field)
-                for surface, field in zip(unloaded.surfaces, fields, strict=True)
-            ]
-        )
-        self._unloaded, self._fields, self._share = unloaded, tuple(fields), share
+    def __init__(
+        self,
+        unloaded: BodyResponse,
+        loads: Sequence[BodyLoads | None],
+        placements: Sequence[Placement],
+        share: float = 1.0,
+    ) -> None:
+        super().__init__(unloaded.surfaces)
+        self.unloaded, self.share, self.digits = unloaded, share, unloaded.digits
+        self._loads, self._given = tuple(loads), [placement.matrix for placement in placements]
 
     @property
     def n_unknowns(self) -> int:
         """See `BodyResponse.n_unknowns`."""
-        return self._unloaded.n_unknowns
+        return self.unloaded.n_unknowns
+
+    def reference(self, placements: Sequence[Placement]) -> Floats:
+        """See `BodyResponse.reference`; with the displacements by the loads."""
+        result = self.unloaded.reference(placements)
+        for i, (load, placement) in enumerate(zip(self._loads, placements, strict=True)):
+            if load is not None:
+                field = self.share * load.field(load.weights(placement.matrix, self._given[i]))
+                nodes = slice(*self.offsets[i : i + 2].tolist())
+                result[nodes] += placement.vectors(field[self.surfaces[i].nodes])
+        return result
+
+    def resultant(self, number: int, placement: Placement, pivot: Floats) -> Floats:
+        """See `BodyResponse.resultant`."""
+        if (load := self._loads[number]) is None:
+            return np.zeros(4)
+        weights = load.weights(placement.matrix, self._given[number])
+        return load.resultant(weights, self.share, placement, pivot)
+
+    def turning(self, number: int, placement: Placement) -> Floats | None:
+        """See `BodyResponse.turning`."""
+        if (load := self._loads[number]) is None:
+            return None
+        turned = np.array([[0.0, -1.0], [1.0, 0.0]]) @ placement.matrix
+        field = self.share * load.field(load.weights(turned, self._given[number], 0.0))
+        moved: Floats = placement.vectors(field[self.surfaces[number].nodes])
+        return moved
+
+    def problem(self, number: int, placement: Placement) -> Elasticity:
+        """See `BodyResponse.problem`."""
+        if (load := self._loads[number]) is None:
+            return super().problem(number, placement)
+        return load.problem(load.weights(placement.matrix, self._given[number]), self.share)
 
     def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
         """See `BodyResponse.displacements`; those by the loads are in the bodies' reference."""
-        return self._unloaded.displacements(rotations, touched, forces)
+        return self.unloaded.displacements(rotations, touched, forces)
 
     def respond(
         self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array, *, symmetric: bool = True
     ) -> Floats:
         """See `BodyResponse.respond`."""
-        return self._unloaded.respond(rotations, touched, geometric, loads, symmetric=symmetric)
+        return self.unloaded.respond(rotations, touched, geometric, loads, symmetric=symmetric)
 
     def constrained(
         self, rotations: Floats, touched: Ints, geometric: sp.csr_array, laws: Constrained
     ) -> tuple[Callable[[Ints, sp.csr_array], tuple[Floats, Floats]], Floats] | None:
         """See `BodyResponse.constrained`."""
-        return self._unloaded.constrained(rotations, touched, geometric, laws)
+        return self.unloaded.constrained(rotations, touched, geometric, laws)
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
         """See `BodyResponse.fields`; with the displacements by the loads."""
-        return [
-            found if field is None else found + self._share * field
-            for found, field in zip(self._unloaded.fields(rotations, forces), self._fields, strict=True)
-        ]
-
-
-def _moved(surface: SurfaceNodes, field: Floats) -> SurfaceNodes:
-    shifts = field[surface.nodes]
-    return SurfaceNodes(surface.body, surface.nodes, shifts if surface.shifts is None else surface.shifts + shifts)
+        found = self.unloaded.fields(rotations, forces)
+        for i, load in enumerate(self._loads):
+            if load is not None:
+                found[i] = found[i] + self.share * load.field(load.weights(rotations[self.offsets[i]], self._given[i]))
+        return found

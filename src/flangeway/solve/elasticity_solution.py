@@ -7,9 +7,7 @@ import scipy.sparse as sp
 
 from flangeway._core import NotPositiveDefiniteError
 from flangeway.errors import InputError
-from flangeway.problems import ElasticField, Elasticity, RigidHandle, Spring
-from flangeway.problems.edges import edge_quadrature
-from flangeway.problems.supports import axes
+from flangeway.problems import ElasticField, Elasticity, RigidHandle
 from flangeway.solve.constraints import SupportConstraints, find_constraints
 from flangeway.solve.free_motions import refuse_free_motions
 from flangeway.solve.linear import solve_linear
@@ -75,9 +73,9 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
     constraints = find_constraints(problem)
     refuse_free_motions(problem, constraints)
     condensed = problem.condensed_stiffness()
-    springs = [_spring_matrix(problem, spring) for spring in problem.springs]
+    springs = [problem.spring_stiffness(spring) for spring in problem.springs]
     added = sum(springs, sp.csc_array((condensed.matrix.n, condensed.matrix.n)))
-    matrix = _sum(condensed.matrix, added) if springs else condensed.matrix
+    matrix = condensed.matrix.plus(added) if springs else condensed.matrix
     product = DifferenceProduct(
         condensed.matrix, constraints.transform, axisymmetric=problem.axisymmetric, springs=added
     )
@@ -104,34 +102,6 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
     return ElasticitySolution(
         problem, displacements, status, reactions, spring_forces, motions, energy, spring_energy, work, constraints
     )
-
-
-def _spring_matrix(problem: Elasticity, spring: Spring) -> sp.csc_array:
-    """Stiffness of a spring on the displacements at nodes."""
-    space = problem.space
-    frame = axes(spring.angle)
-    tensor = frame.T @ np.diag([spring.x, spring.y]) @ frame
-    if isinstance(spring.where, str):
-        rule = edge_quadrature(space, space.mesh.edge_set(spring.where))
-        weights = rule.weights * problem.depth(rule.points)
-        mass = np.einsum("eq,qm,qn->emn", weights, rule.shapes, rule.shapes)
-        blocks = np.einsum("emn,ij->eminj", mass, tensor)
-        unknowns = (2 * rule.nodes[:, :, None] + np.arange(2)).reshape(len(rule.nodes), -1)
-        n = unknowns.shape[1]
-        rows, columns = np.repeat(unknowns, n, axis=1), np.tile(unknowns, (1, n))
-    else:
-        blocks = tensor
-        at_point = 2 * problem.node_at(spring.where) + np.arange(2)
-        rows, columns = np.meshgrid(at_point, at_point, indexing="ij")
-    size = 2 * space.n_nodes
-    return sp.csc_array(sp.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)))
-
-
-def _sum(matrix: SymmetricMatrix, added: sp.csc_array) -> SymmetricMatrix:
-    total = sp.csc_array(matrix.lower + sp.tril(added, format="csc"))
-    total.sort_indices()
-    indptr, indices = total.indptr.astype(np.int64), total.indices.astype(np.int32)
-    return SymmetricMatrix(matrix.n, indptr, indices, total.data)
 
 
 def _reduced(matrix: SymmetricMatrix, constraints: SupportConstraints) -> SymmetricMatrix:

@@ -66,7 +66,7 @@ def refuse_floating(body: LinearBody) -> None:
         PrescribedDisplacement(where, 0.0 if "x" in components else None, 0.0 if "y" in components else None)
         for where, components in [*body.supports.items(), *pins.items()]
     ]
-    problem = replace(body.elasticity, supports=supports)
+    problem = replace(body.elasticity, supports=[*supports, *body.springs])
     try:
         refuse_free_motions(problem, find_constraints(problem))
     except InputError as reason:

@@ -23,7 +23,7 @@ from flangeway.geometry import Placement
 from flangeway.problems import Part
 from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.free_motions import described_motions
-from flangeway.types import Floats, Ints
+from flangeway.types import Bools, Floats, Ints
 
 LONGEST_MOVE = 0.1
 """Motion of an iteration over the size of the part, above which it is shortened: gaps are linear over a part of it."""
@@ -230,6 +230,17 @@ class Handles:
     def _nodes(self, member: int) -> slice:
         return slice(*self._response.offsets[member : member + 2].tolist())
 
+    @property
+    def size(self) -> float:
+        """Size of the largest body."""
+        return max(surface.body.size for surface in self._response.surfaces)
+
+    def untouched(self, nodes: Ints) -> Bools:
+        """Which motions are of handles without any of some surface nodes, shape (n,)."""
+        touched = set(self._response.body_of_node[nodes].tolist())
+        alone = [touched.isdisjoint(members) for members in self._members]
+        return np.repeat(np.array(alone, dtype=np.bool_), np.diff(self.starts))
+
     def placements(self, motions: Floats) -> tuple[Placement, ...]:
         """Placements after motions (n,), rotations scaled."""
         result = list(self._placements)
@@ -242,11 +253,14 @@ class Handles:
         """Velocities of all surface nodes at positions (n_nodes, 2) by the motions, shape (n_nodes, 2, n)."""
         result = np.zeros((len(positions), 2, self.n))
         for handle, own, members, motion in self._motions(motions):
-            for nodes in map(self._nodes, members):
+            for i in members:
+                nodes = self._nodes(i)
                 result[nodes, :, own.start : own.start + len(handle.directions)] = handle.directions.T
                 if handle.turns:
-                    arms = positions[nodes] - handle.pivot_after(motion)
-                    result[nodes, :, own.stop - 1] = quarter_turn(arms) * self._units[own.stop - 1]
+                    moved = quarter_turn(positions[nodes] - handle.pivot_after(motion))
+                    by_loads = self._response.turning(i, handle.placed(self._placements[i], motion))
+                    moved = moved if by_loads is None else moved + by_loads
+                    result[nodes, :, own.stop - 1] = moved * self._units[own.stop - 1]
         return result
 
     def turned(self, forces: Floats) -> Floats:
@@ -258,17 +272,27 @@ class Handles:
         return result
 
     def forces(self, motions: Floats) -> Floats:
-        """Forces of loads and springs along the motions, shape (n,)."""
+        """Forces of loads, on the handles and on their bodies, and of springs along the motions, shape (n,)."""
         forces = np.zeros(self.n)
-        for handle, own, _, motion in self._motions(motions):
-            forces[own] = handle.forces(motion)
+        for handle, own, members, motion in self._motions(motions):
+            x, y, moment, _ = self._resultant(handle, members, motion)
+            on_bodies = np.append(handle.directions @ (x, y), [moment] if handle.turns else [])
+            forces[own] = handle.forces(motion) + on_bodies
         return forces * self._units
+
+    def _resultant(self, handle: Handle, members: Sequence[int], motion: Floats) -> Floats:
+        """Sum of `BodyResponse.resultant` over the bodies of a handle after a motion."""
+        pivot, response = handle.pivot_after(motion), self._response
+        placed = ((i, handle.placed(self._placements[i], motion)) for i in members)
+        return np.sum([response.resultant(i, placement, pivot) for i, placement in placed], axis=0)
 
     def tangent(self, motions: Floats) -> Floats:
         """Derivatives of `forces` by the motions, shape (n, n)."""
         result = np.zeros((self.n, self.n))
-        for handle, own, _, motion in self._motions(motions):
+        for handle, own, members, motion in self._motions(motions):
             result[own, own] = handle.tangent(motion)
+            if handle.turns:
+                result[own.stop - 1, own.stop - 1] += self._resultant(handle, members, motion)[3]
         return result * self._units * self._units[:, None]
 
     def residual(self, motions: Floats, positions: Floats, forces: Floats) -> Floats:

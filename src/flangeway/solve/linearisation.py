@@ -77,6 +77,10 @@ class Sliding(Protocol):
 class Constraints(Protocol):
     """Inequalities ``gap >= 0`` on the positions of surface nodes."""
 
+    @property
+    def reach(self) -> float:
+        """Distance within which a surface is certain to be found by those opposite it."""
+
     def linearise(self, positions: Floats, previous: Linearisation | None, *, settle: bool = False) -> Linearisation:
         """Linearise about positions (n_nodes, 2); pairs of ``previous`` are kept where they can be.
 

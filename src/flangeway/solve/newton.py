@@ -86,6 +86,9 @@ MOST_DENSE_EQUATIONS = 4000
 NAMED = 3
 """How many constraints a message names."""
 
+MAX_TRAVEL = 2.0
+"""Way over the size of the largest part after which no surface comes within reach of a part that nothing touches."""
+
 MAX_ROUNDS = 20
 """Rounds of further constraints for nodes that penetrate."""
 
@@ -119,6 +122,8 @@ class ContactState:
     stable
         Whether handles come back after a small push; None where that has no meaning: not converged, with friction,
         without handles, or where a motion is free.
+    response
+        The bodies, with their loads.
 
     """
 
@@ -133,6 +138,7 @@ class ContactState:
     friction: CoulombState | None = None
     motions: Floats = field(default_factory=lambda: np.zeros(0))
     stable: bool | None = None
+    response: BodyResponse | None = None
 
 
 def solve_contact(
@@ -311,7 +317,7 @@ class _Run:
         first = len(self.history)
         before = sum(each.correction == correction for each in self.history)
         for iteration in range(self.settings.max_iterations - before):
-            if len(self.current.nodes) == 0 and (loose := self._loose()):
+            if loose := self._approach():
                 return loose
             if iteration >= UNHELD_AFTER and self.unheld.any():
                 words = "; ".join(self.parts.describe(self.motions, self.unheld[:, None]))
@@ -577,6 +583,36 @@ class _Run:
         words = "; ".join(self.parts.describe(self.motions, most[:, None]))
         return f"; a force of {np.abs(left).max():.3g} is not balanced, under which {words}"
 
+    def _approach(self) -> str:
+        """Move handles that nothing touches along their loads until a surface is within reach; words if none comes.
+
+        Their equations have no contact that answers: springs alone, or nothing but the way to the next surface.
+        """
+        if not self.parts.n:
+            return ""
+        scale, reach, travel = NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0), self.constraints.reach, 0.0
+        while travel <= MAX_TRAVEL * self.parts.size:
+            alone = self.parts.untouched(self.current.nodes)
+            left = np.where(alone, self.parts.forces(self.motions), 0.0)
+            if not (np.abs(left) > scale).any():
+                return ""
+            stiffness, step = -self.parts.tangent(self.motions)[np.ix_(alone, alone)], np.zeros(self.parts.n)
+            step[alone] = np.linalg.lstsq(stiffness, left[alone], rcond=None)[0]
+            left[alone] -= stiffness @ step[alone]
+            velocities = self.parts.velocities(self.motions, self.reference)
+            if (np.abs(left) > scale).any():  # no spring holds it: as far as the next surface is found
+                step += left * reach / float(np.linalg.norm(velocities @ left, axis=1).max())
+            length = float(np.linalg.norm(velocities @ step, axis=1).max())
+            travel += min(length, reach)
+            self.move(self.motions + step * min(1.0, reach / length))
+            before = self.current
+            self.current = self.constraints.linearise(self.reference + self.displacements, before)
+            self.forces, self.tangential = (
+                carried_forces(before, each, self.current) for each in (self.forces, self.tangential)
+            )
+            self.slides = self._slides(self.current, self.displacements)
+        return self._loose()
+
     def _loose(self) -> str:
         """Names the parts that move away because nothing answers to their loads."""
         nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
@@ -585,7 +621,7 @@ class _Run:
         held = np.einsum("niq,ni->q", np.abs(velocities), np.abs(nodal))
         beyond = NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)
         pushed = np.where((np.abs(left) > beyond) & (held < beyond), left, 0.0)
-        words = self.parts.describe(self.motions, pushed[:, None]) if pushed.any() else []
+        words = self.parts.describe(self.motions, pushed[:, None] / np.abs(pushed).max()) if pushed.any() else []
         if not words:
             return ""
         return (
@@ -617,6 +653,7 @@ class _Run:
             friction,
             self.motions,
             self.stable,
+            self.response,
         )
 
 

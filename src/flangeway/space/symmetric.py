@@ -72,6 +72,13 @@ class SymmetricMatrix:
         magnitudes = replace(self, values=np.abs(self.values))
         return _relative(float(vector @ self.times(vector)), float(np.abs(vector) @ magnitudes.times(np.abs(vector))))
 
+    def plus(self, added: sp.csc_array) -> "SymmetricMatrix":
+        """Sum with another symmetric matrix, both triangles of which are given."""
+        total = sp.csc_array(self.lower + sp.tril(added, format="csc"))
+        total.sort_indices()
+        indptr, indices = total.indptr.astype(np.int64), total.indices.astype(np.int32)
+        return SymmetricMatrix(self.n, indptr, indices, total.data)
+
     def restricted(self, kept: NDArray[np.bool_]) -> "SymmetricMatrix":
         """Rows and columns where ``kept``, shape (n,), is true, in their order."""
         columns = np.repeat(np.arange(self.n), np.diff(self.indptr))

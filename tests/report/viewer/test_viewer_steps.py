@@ -322,9 +322,10 @@ def test_too_many_steps_are_thinned_out_evenly(open_page, run, tmp_path, monkeyp
 
 
 def test_no_chooser_without_a_choice(open_page, tmp_path):
-    """A force alone has one load step, however many are asked for, and the page shows no chooser and no note."""
-    pushed = case(loads=[], motions=[{"body": "upper", "push_N": (0.0, -3000.0)}], **alone()).run()
-    assert len(pushed.contact.steps) > 2
+    """Of one load step the page shows no chooser and no note."""
+    one = {"steps": {"number": 1}, "motions": [{"body": "upper", "push_N": (0.0, -3000.0)}]}
+    pushed = case(loads=[], **one, **alone()).run()
+    assert len(pushed.contact.steps) == 1
     assert bodies_scene(pushed, steps_of(pushed)).steps == ()
     opened = open_page(write_page(tmp_path / "report.html", pushed))
     for part in (".viewer-steps", ".viewer-steps-note", "#viewer-common"):
@@ -344,17 +345,16 @@ def alone():
     }
 
 
-def test_steps_of_a_body_that_its_loads_press_are_not_shown():
-    """Of a body that slides until contact carries its load the page has the equilibrium alone, and the reason."""
+def test_steps_of_a_body_that_its_loads_press_are_shown():
+    """A body that slides until contact carries its load: in each step the contact carries the load's share."""
     values = alone()
     supports = [{"body": "upper", "edges": "right", "hold": "x"}, values["supports"][1]]
     loads = [{"body": "upper", "edges": "top", "traction_MPa": (0.0, -100.0)}]
     sliding = case(motions=[], loads=loads, bodies=values["bodies"], supports=supports).run()
     assert sliding.status.converged
-    assert len(sliding.contact.steps) == N_STEPS + 1
-    scene = bodies_scene(sliding, steps_of(sliding))
-    assert scene.steps == ()
-    assert "before equilibrium" in scene.steps_note
+    assert len(bodies_scene(sliding, steps_of(sliding)).steps) == N_STEPS
+    forces = [step.state.nodal_forces[:, 1].clip(0.0).sum() / step.share for step in sliding.contact.steps]
+    assert forces == pytest.approx([forces[-1]] * N_STEPS, rel=1e-6)
 
 
 def test_where_a_run_ended_without_success_is_its_last_step(run):

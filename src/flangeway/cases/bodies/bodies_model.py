@@ -12,8 +12,6 @@ from flangeway.cases.bodies.bodies_shape import (
     Where,
     body_shape,
     edges_at,
-    fixed_point,
-    free_axis,
     free_edges,
     keys_of_place,
     point_at,
@@ -25,10 +23,10 @@ from flangeway.cases.bodies.bodies_tables import (
     LoadTable,
     MotionTable,
     PlaceTable,
+    SpringTable,
     SupportTable,
     elastic,
 )
-from flangeway.cases.bodies.pressing import Push
 from flangeway.cases.case import closest
 from flangeway.contact import (
     AugmentedLagrange,
@@ -49,9 +47,24 @@ from flangeway.geometry import Arc, Contour, Placement
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.insertion import match_all
-from flangeway.problems import Body, BodyForce, Elasticity, Part, PointForce, PrescribedDisplacement, Pressure, Traction
+from flangeway.problems import (
+    Body,
+    BodyForce,
+    Elasticity,
+    Gravity,
+    Part,
+    PointForce,
+    PrescribedDisplacement,
+    Pressure,
+    Spring,
+    TemperatureChange,
+    Traction,
+)
 from flangeway.problems.body import Components
 from flangeway.problems.loads import Load
+from flangeway.solve import Handle
+from flangeway.solve.body_loads import BodyLoad
+from flangeway.solve.free_motions import refuse_floating
 from flangeway.space import Space
 from flangeway.types import Floats
 
@@ -66,7 +79,9 @@ USED_BY = (
 )
 """Choice of a contact, the values of it that use further inputs, and these."""
 
-LOAD_KEYS = ("pressure_MPa", "traction_MPa", "force_N", "body_force_N_mm3")
+LOAD_KEYS = ("pressure_MPa", "traction_MPa", "force_N", "body_force_N_mm3", "gravity_m_s2", "temperature_K")
+WHOLE_BODY = ("body_force_N_mm3", "gravity_m_s2", "temperature_K")
+MM_PER_M = 1e3
 
 
 def elements_of(body: BodyTable, *, mixed: bool = False) -> Element | dict[str, Element]:
@@ -87,13 +102,11 @@ class BodyModel:
     part: Part | None  # the body in contact; None without contact
     load_N: Floats  # noqa: N815 (the unit newton)
     """Resultant of the loads, shape (2,)."""
-    slides: Literal["x", "y"] | None = None  # axis along which its supports let it slide
 
     @property
-    def moved_before_contact(self) -> bool:
-        """Whether loads or prescribed displacements move it without contact."""
-        given = any(s.x or s.y for s in self.problem.prescribed)
-        return bool(self.problem.loads) or given
+    def loads(self) -> list[BodyLoad]:
+        """Loads and displacements of supports that are not zero."""
+        return [*self.problem.loads, *(each for each in self.problem.prescribed if each.x or each.y)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +116,7 @@ class BodiesModel:
     bodies: Mapping[str, BodyModel]  # bodies by name
     contacts: tuple[Contact, ...]  # contacts
     legs: tuple[Mapping[Part, Placement], ...]  # rigid motions of the supports of parts, one leg of the path each
-    push: Push | None  # force on the supports of one part
+    push: Handle | None  # force on the supports of one part, which slide along it
     notices: tuple[str, ...]  # what was repaired or assumed
 
     @property
@@ -112,10 +125,9 @@ class BodiesModel:
         return self.legs[0]
 
     @property
-    def follows_path(self) -> bool:
-        """Whether bodies are held by contact alone, friction acts, or there are several legs: `press` solves these."""
-        floats = any(body.part is not None and not body.part.body.supported.any() for body in self.bodies.values())
-        return floats or any(each.friction_coefficient for each in self.contacts) or len(self.legs) > 1
+    def body_loads(self) -> dict[Part, list[BodyLoad]]:
+        """Loads of the bodies in contact."""
+        return {body.part: body.loads for body in self.bodies.values() if body.part is not None and body.loads}
 
 
 def build_bodies(case: BodiesInputs) -> BodiesModel:
@@ -161,7 +173,8 @@ class _Builder:
         self._match_boundaries()
         held = {name: self._held(name) for name in self.tables}
         loads = {name: self._loads(name) for name in self.tables}
-        bodies = {name: self._body(name, held[name], loads[name]) for name in self.tables}
+        springs = {name: self._springs(name) for name in self.tables}
+        bodies = {name: self._body(name, held[name], loads[name], springs[name]) for name in self.tables}
         contacts = tuple(
             self._contact(table, f"contacts[{n}]", bodies) for n, table in enumerate(self.case.contacts, 1)
         )
@@ -169,20 +182,15 @@ class _Builder:
             ContactSystem(contacts)  # refuses contacts that do not go together, before anything is solved
         model = BodiesModel(bodies, contacts, *self._motions(bodies), tuple(self.notices))
         parts = [body.part for body in bodies.values() if body.part is not None]
-        if parts and not any(part.body.supported.any() for part in parts):
+        on_springs = {table.body for table in self.case.springs}
+        if parts and not any(part.body.supported.any() or part.name in on_springs for part in parts):
             raise InputError(
-                "bodies in contact of which none has supports",
+                "bodies in contact of which none has supports or springs",
                 "supports of one of them at least",
                 "add [[supports]]; to press a body by a force, fix it and add [[motions]] with push_N",
             )
-        moved = [body for body in bodies.values() if body.part is not None and body.moved_before_contact]
-        push = model.push
-        if model.follows_path and (moved or (push is not None and (push.force == 0.0 or 0.0 not in push.direction))):
-            raise InputError(
-                f"loads or displacements of supports of body {moved[0].name!r}" if moved else "a push that is oblique",
-                "with friction, bodies without supports, or several legs: motions of bodies, and push_N along x or y",
-                "move or push the supports of a body instead",
-            )
+        for part in parts:
+            refuse_floating(part.body)
         return model
 
     def _match_boundaries(self) -> None:
@@ -219,6 +227,7 @@ class _Builder:
     def _refuse_unknown(self) -> None:
         """Refuse tables for bodies that are not there."""
         rows = [(f"supports[{n}].body", table.body) for n, table in enumerate(self.case.supports, 1)]
+        rows += [(f"springs[{n}].body", spring.body) for n, spring in enumerate(self.case.springs, 1)]
         rows += [(f"loads[{n}].body", load.body) for n, load in enumerate(self.case.loads, 1)]
         rows += [(f"motions[{n}].body", motion.body) for n, motion in enumerate(self.case.motions, 1)]
         for n, pair in enumerate(self.case.contacts, 1):
@@ -252,6 +261,25 @@ class _Builder:
                 found.append(self._load(table, f"loads[{number}]"))
         return found
 
+    def _springs(self, name: str) -> list[Spring]:
+        found: list[Spring] = []
+        for number, table in enumerate(self.case.springs, 1):
+            if table.body == name:
+                found.append(self._spring(table, f"springs[{number}]"))
+        return found
+
+    def _spring(self, table: SpringTable, key: str) -> Spring:
+        where = self._place(table, table.point_mm, key)
+        units = ("MPa_mm", "N_mm") if isinstance(where, str) else ("N_mm", "MPa_mm")
+        own, other = ([getattr(table, f"{axis}_{unit}") for axis in "xy"] for unit in units)
+        if other != [None, None] or own == [None, None]:
+            raise InputError(
+                f"{key} with x = {table.x_MPa_mm or table.x_N_mm} and y = {table.y_MPa_mm or table.y_N_mm}",
+                f"x_{units[0]}, y_{units[0]} or both for {'edges' if isinstance(where, str) else 'a point'}",
+                "give a stiffness in this unit",
+            )
+        return Spring(where, own[0] or 0.0, own[1] or 0.0)
+
     def _load(self, table: LoadTable, key: str) -> Load:
         given = [name for name in LOAD_KEYS if getattr(table, name) is not None]
         if len(given) != 1:
@@ -261,14 +289,16 @@ class _Builder:
                 "make each a [[loads]] of its own" if given else "add one of them",
             )
         kind = given[0]
-        if table.cells is not None and kind != "body_force_N_mm3":
-            raise InputError(f"{key}.cells with {kind}", "cells with body_force_N_mm3", "leave cells out")
-        if kind == "body_force_N_mm3":
+        if table.cells is not None and kind not in ("body_force_N_mm3", "temperature_K"):
+            raise InputError(
+                f"{key}.cells with {kind}", "cells with body_force_N_mm3 or temperature_K", "leave cells out"
+            )
+        if kind in WHOLE_BODY:
             if keys_of_place(table) or table.point_mm is not None:
                 raise InputError(f"{key}.{kind} with a position", "the whole body, or cells", "leave the position out")
             if table.cells is not None:
                 self.meshes[table.body].cell_set(table.cells)
-            return BodyForce(table.body_force_N_mm3 or (0.0, 0.0), table.cells)
+            return _whole(table)
         where = self._place(table, table.point_mm, key)
         if not isinstance(where, str):
             if table.force_N is None:
@@ -280,7 +310,9 @@ class _Builder:
             return Traction(where, table.traction_MPa)
         mesh = self.meshes[table.body]
         pairs = mesh.edge_sets[where]
-        area = float(np.linalg.norm(np.diff(mesh.points[pairs], axis=1), axis=-1).sum()) * self.case.thickness_mm
+        lengths = np.linalg.norm(np.diff(mesh.points[pairs], axis=1), axis=-1)[:, 0]
+        around = 2.0 * np.pi * mesh.points[pairs, 0].mean(axis=1) if self.case.hypothesis == "axisymmetric" else 1.0
+        area = float((lengths * around).sum()) * self.case.thickness_mm
         x, y = table.force_N or (0.0, 0.0)
         return Traction(where, (x / area, y / area))
 
@@ -301,7 +333,9 @@ class _Builder:
         self.meshes[table.body] = mesh.with_edge_set(key, pairs)
         return key
 
-    def _body(self, name: str, held: list[tuple[SupportTable, Where]], loads: list[Load]) -> BodyModel:
+    def _body(
+        self, name: str, held: list[tuple[SupportTable, Where]], loads: list[Load], springs: list[Spring]
+    ) -> BodyModel:
         table, mesh = self.tables[name], self.meshes[name]
         material = self._material(table, mesh)
         supports = [
@@ -313,30 +347,15 @@ class _Builder:
         thickness = self.case.thickness_mm
         if name not in self.in_contact:
             space = Space(mesh, elements_of(table, mixed=name in self.mixed))
-            problem = Elasticity(space, material, thickness, loads, supports, name)
+            problem = Elasticity(space, material, thickness, loads, [*supports, *springs], name)
             return BodyModel(name, problem, None, problem.load_vector().sum(axis=0))
         components: dict[Where, Components] = {}
         for support, where in held:
             components[where] = "xy" if where in components and components[where] != support.hold else support.hold
-        slides = free_axis(name, mesh, components) if held else None  # without any, contact alone holds it
-        if slides is not None:
-            hold = fixed_point(name, mesh, self._touching(name))
-            components[hold] = slides
-            supports.append(PrescribedDisplacement(hold, **{slides: 0.0}))
-        body = Body(name, mesh, elements_of(table, mixed=name in self.mixed), material, components or None, thickness)
-        problem = Elasticity(body.space, material, thickness, loads, supports, name)
-        return BodyModel(name, problem, Part(name, body), problem.load_vector().sum(axis=0), slides)
-
-    def _touching(self, name: str) -> Ints:
-        """Points of a body that are on contact surfaces."""
-        found = []
-        for number, table in enumerate(self.case.contacts, 1):
-            for role in ("secondary", "primary"):
-                if getattr(table, role) == name:
-                    edges, box = getattr(table, f"{role}_edges"), getattr(table, f"{role}_box_mm")
-                    key = f"contacts[{number}]"
-                    found.append(edges_at(self.meshes[name], name, edges, box, (None, None), key, f"{role}_edges"))
-        return np.unique(np.vstack(found))
+        element = elements_of(table, mixed=name in self.mixed)
+        body = Body(name, mesh, element, material, components or None, thickness, springs)
+        problem = Elasticity(body.space, material, thickness, loads, [*supports, *springs], name)
+        return BodyModel(name, problem, Part(name, body), problem.load_vector().sum(axis=0))
 
     def _material(self, table: BodyTable, mesh: PolyMesh) -> Material | Mapping[str, Material]:
         if not table.materials:
@@ -405,7 +424,7 @@ class _Builder:
             return None
         return curve
 
-    def _motions(self, bodies: Mapping[str, BodyModel]) -> tuple[tuple[dict[Part, Placement], ...], Push | None]:
+    def _motions(self, bodies: Mapping[str, BodyModel]) -> tuple[tuple[dict[Part, Placement], ...], Handle | None]:
         n_legs = max((table.leg for table in self.case.motions), default=1)
         legs: tuple[dict[Part, Placement], ...] = tuple({} for _ in range(n_legs))
         push = None
@@ -418,15 +437,14 @@ class _Builder:
                     "bodies in contact",
                     "move its supports by x_mm",
                 )
-            motion = legs[table.leg - 1]
-            if part in motion or (table.leg == 1 and push is not None and push.part is part):
+            if part in legs[table.leg - 1] or (table.leg == 1 and push is not None and part in push.parts):
                 raise InputError(f"{key}.body = {table.body!r} for the second time", "one motion each", "join them")
             if not part.body.supported.any():
                 raise InputError(
                     f"{key}.body = {table.body!r}, which has no supports", "bodies with supports", "contact moves it"
                 )
             if table.push_N is None:
-                motion[part] = _placement(table)
+                legs[table.leg - 1][part] = _placement(table)
                 continue
             moves = table.rotation_deg or table.shift_mm != (0.0, 0.0)
             if push is not None or table.leg > 1 or moves or table.push_N == (0.0, 0.0):
@@ -435,26 +453,26 @@ class _Builder:
                     "one push in a case, in leg 1, of a force that is not zero, without shift and rotation",
                     "press one body by a force and fix or shift the others",
                 )
-            size = float(np.hypot(*table.push_N))
-            push = Push(part, (table.push_N[0] / size, table.push_N[1] / size), size)
-        return legs, self._sliding(bodies, push)
-
-    def _sliding(self, bodies: Mapping[str, BodyModel], push: Push | None) -> Push | None:
-        """Push of the one body that its supports let slide: none but its loads."""
-        for body in bodies.values():
-            if body.slides is None or body.part is None:
-                continue
-            load = float(body.load_N["xy".index(body.slides)])
-            if push is not None or load == 0.0:
+            if part.body.freedom.n_motions:
                 raise InputError(
-                    f"body {body.name!r}, whose supports let it slide in {body.slides}, "
-                    + ("beside another one that is pushed" if push is not None else "without a load along it"),
-                    "one sliding body, whose load is carried by contact",
-                    f"fix it in {body.slides} as well, or give it a load along {body.slides}",
+                    f"{key}.push_N on body {table.body!r}, whose supports leave it free to move",
+                    "a body whose supports hold it: the force acts on them",
+                    "make the force one of [[loads]]",
                 )
-            sign = float(np.sign(load))
-            push = Push(body.part, (sign, 0.0) if body.slides == "x" else (0.0, sign), 0.0)
-        return push
+            force = np.array(table.push_N)
+            direction, load = force / np.linalg.norm(force), np.append(force, 0.0)
+            push = Handle((part,), np.zeros(2), direction[None], turns=False, load=load, soft_motions="kept")
+        return legs, push
+
+
+def _whole(table: LoadTable) -> Load:
+    """Load of a whole body, or of cells of it."""
+    if table.gravity_m_s2 is not None:
+        x, y = table.gravity_m_s2
+        return Gravity((MM_PER_M * x, MM_PER_M * y))
+    if table.temperature_K is not None:
+        return TemperatureChange(table.temperature_K, table.cells)
+    return BodyForce(table.body_force_N_mm3 or (0.0, 0.0), table.cells)
 
 
 def _placement(table: MotionTable) -> Placement:

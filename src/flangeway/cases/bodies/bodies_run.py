@@ -3,8 +3,7 @@
 import dataclasses
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -167,28 +166,16 @@ class BodiesRun(RunResult):
 
     def at_step(self, step: LoadStep) -> dict[str, BodyResult]:
         """Displacements of all bodies at one of the load steps of `contact`; those in no contact carry its share."""
-        contact, state, share = self.contact, step.state, min(step.share, 1.0)
-        assert contact is not None
+        share = min(step.share, 1.0)
+        assert self.contact is not None
         found = {
             name: BodyResult(ElasticField(body.field.problem, share * body.field.displacements), body.placement)
             for name, body in self.bodies.items()
         }
-        rotations = contact.response.rotations(state.placements)
-        fields = contact.response.fields(rotations, state.nodal_forces)
-        for part, all_loads, field, placement in zip(
-            contact.system.parts, self._fields_of_loads, fields, state.placements, strict=True
-        ):
-            # the response is that under all loads, and the bodies are linear
-            displacements = field - (1.0 - share) * all_loads
-            found[part.name] = BodyResult(ElasticField(self.bodies[part.name].field.problem, displacements), placement)
+        there = replace(self.contact, state=step.state)
+        for part in there.system.parts:
+            found[part.name] = BodyResult(there.field(part), there.placement(part))
         return found
-
-    @cached_property
-    def _fields_of_loads(self) -> list[Floats]:
-        """Displacements of the bodies in contact under all loads without contact forces, each (n_dofs, 2)."""
-        assert self.contact is not None
-        response, state = self.contact.response, self.contact.state
-        return response.fields(response.rotations(state.placements), np.zeros_like(state.nodal_forces))
 
 
 class BodiesCase(RunnableCase):
@@ -319,7 +306,7 @@ def _reactions(body: BodyModel, result: BodyResult, contact: ContactSolution | N
     forces = np.zeros((problem.space.n_nodes, 2))
     if body.part is not None and contact is not None:
         forces = result.placement.inverse().vectors(contact.nodal_forces(body.part))
-    residual = nodal_residual(ElasticField(problem, result.field.displacements), forces)[: problem.space.n_nodes]
+    residual = nodal_residual(result.field, forces)[: problem.space.n_nodes]
     fixed = np.array([_fixed_by(body, support) for support in problem.prescribed])
     forces_of = fixed * (residual / np.maximum(fixed.sum(axis=0), 1))
     rows: list[list[float]] = result.placement.vectors(forces_of.sum(axis=1)).tolist()

@@ -1,10 +1,9 @@
 """Meshes of the bodies of a case file, and positions on their boundaries."""
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -297,56 +296,3 @@ def free_edges(body: LinearBody, pairs: Ints) -> Ints:
     nodes = body.edge_nodes(pairs)
     loose: NDArray[np.bool_] = np.logical_not(body.supported.all(axis=1))
     return pairs[loose[nodes].all(axis=1)]
-
-
-def free_axis(name: str, mesh: PolyMesh, fixed: Mapping[Where, str]) -> Literal["x", "y"] | None:
-    """Axis along which a body can slide without strain; None where its supports fix it.
-
-    It is an `InputError` if the supports allow another rigid motion.
-    - `name`: name of the body, for messages.
-    - `mesh`: its mesh.
-    - `fixed`: fixed components along edge sets and at points.
-    """
-    centre = mesh.points.mean(axis=0)
-    size = float(np.hypot(*np.ptp(mesh.points, axis=0)))
-    rows = [np.zeros((3, 3))]
-    for where, components in fixed.items():
-        points = mesh.points[np.unique(mesh.edge_set(where))] if isinstance(where, str) else np.array([where])
-        arms = (points - centre) / size
-        zeros, ones = np.zeros(len(arms)), np.ones(len(arms))
-        if "x" in components:
-            rows.append(np.column_stack((ones, zeros, -arms[:, 1])))
-        if "y" in components:
-            rows.append(np.column_stack((zeros, ones, arms[:, 0])))
-    _, values, vectors = np.linalg.svd(np.vstack(rows), full_matrices=False)
-    free = vectors[values <= FREE * max(float(values.max()), 1.0)]
-    if len(free) == 0:
-        return None
-    if len(free) == 1 and abs(free[0, 2]) <= FREE:
-        for axis, other in ((0, 1), (1, 0)):
-            if abs(free[0, other]) <= FREE:
-                return "x" if axis == 0 else "y"
-    ways = "in several directions" if len(free) > 1 else "with a rotation" if abs(free[0, 2]) > FREE else "at an angle"
-    raise InputError(
-        f"body {name!r} in contact, whose supports allow a rigid motion {ways}",
-        "without contact: supports that fix it, or leave x or y alone free",
-        "add [[supports]]; to press it by a force, fix its far side and add [[motions]] with push_N",
-    )
-
-
-def fixed_point(name: str, mesh: PolyMesh, touching: NDArray[np.integer]) -> tuple[float, float]:
-    """Point at which a sliding body is fixed during the search: at maximum distance from its contact surfaces.
-
-    In equilibrium its reaction is zero, so the choice of the point does not matter.
-    """
-    others = np.setdiff1d(np.arange(mesh.n_points), touching)
-    if len(others) == 0:
-        raise InputError(
-            f"body {name!r}, which can slide and whose points are all on contact surfaces",
-            "a point apart from them",
-            "take a finer mesh, or shorten the surfaces",
-        )
-    steps = mesh.points[others, None] - mesh.points[np.unique(touching)]
-    apart = np.min(np.sum(steps**2, axis=-1), axis=1)
-    x, y = mesh.points[others[apart.argmax()]].tolist()
-    return float(x), float(y)

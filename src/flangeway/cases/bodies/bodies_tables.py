@@ -6,11 +6,21 @@ from pydantic import Field
 
 from flangeway.cases.case import Box, Case, Pair, Table
 from flangeway.contact import NodeToSegment
-from flangeway.materials import Elastic
+from flangeway.materials import Elastic, Hypothesis
 
 # ruff: noqa: N815 (units in names)
 
-HypothesisName = Literal["plane-strain", "plane-stress"]
+HypothesisName = Literal["plane-strain", "plane-stress", "axisymmetric"]
+
+HYPOTHESES: dict[HypothesisName, Hypothesis] = {
+    "plane-strain": "plane_strain",
+    "plane-stress": "plane_stress",
+    "axisymmetric": "axisymmetric",
+}
+
+T_PER_MM3 = 1e-12
+"""Density of 1 kg/m3 in t/mm3, which goes with forces in N and lengths in mm."""
+
 MethodName = Literal["fem", "vem", "vem-triangles"]
 EnforcementName = Literal["multiplier", "augmented-lagrange", "penalty", "barrier"]
 StabilisationName = Literal["default", "trace"]
@@ -56,11 +66,16 @@ class MaterialTable(Table):
 
     young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")
     poisson: float = Field(0.3, gt=-1.0, le=0.5, description="Poisson's ratio; 0.5 in plane stress only")
+    density_kg_m3: float | None = Field(None, gt=0.0, description="density, for gravity_m_s2")
+    expansion_per_K: float | None = Field(None, description="thermal strain per kelvin, for temperature_K")
 
 
 def elastic(table: "MaterialTable | BodyTable", hypothesis: HypothesisName) -> Elastic:
     """Material of a table under a hypothesis on the direction out of the plane."""
-    return Elastic(table.young_MPa, table.poisson, "plane_strain" if hypothesis == "plane-strain" else "plane_stress")
+    density = None if table.density_kg_m3 is None else T_PER_MM3 * table.density_kg_m3
+    return Elastic(
+        table.young_MPa, table.poisson, HYPOTHESES[hypothesis], density=density, expansion=table.expansion_per_K
+    )
 
 
 class BodyTable(Table):
@@ -99,6 +114,8 @@ class BodyTable(Table):
     fine: list[FineTable] = Field([], description="regions with smaller triangles")
     young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")
     poisson: float = Field(0.3, gt=-1.0, le=0.5, description="Poisson's ratio; 0.5 in plane stress only")
+    density_kg_m3: float | None = Field(None, gt=0.0, description="density, for gravity_m_s2")
+    expansion_per_K: float | None = Field(None, description="thermal strain per kelvin, for temperature_K")
     materials: dict[str, MaterialTable] = Field({}, description="materials by the names of cell sets of the mesh")
 
 
@@ -121,15 +138,29 @@ class SupportTable(PlaceTable):
     y_mm: float = Field(0.0, description="prescribed displacement of a fixed y component")
 
 
+class SpringTable(PlaceTable):
+    """An elastic support, whose other end is fixed, or moves with the body's supports."""
+
+    point_mm: Pair | None = Field(None, description="a point of the mesh instead of edges")
+    x_MPa_mm: float | None = Field(None, ge=0.0, description="stiffness of edges in x, pressure per displacement")
+    y_MPa_mm: float | None = Field(None, ge=0.0, description="the same in y")
+    x_N_mm: float | None = Field(None, ge=0.0, description="stiffness of a point in x, force per displacement")
+    y_N_mm: float | None = Field(None, ge=0.0, description="the same in y")
+
+
 class LoadTable(PlaceTable):
-    """A load: one of the last five keys."""
+    """A load: one of the last seven keys."""
 
     point_mm: Pair | None = Field(None, description="a point of the mesh, for force_N")
-    cells: str | None = Field(None, description="cell set for body_force_N_mm3 (default: the whole body)")
+    cells: str | None = Field(
+        None, description="cell set for body_force_N_mm3 and temperature_K (default: the whole body)"
+    )
     pressure_MPa: float | None = Field(None, description="pressure on edges, positive into the body")
     traction_MPa: Pair | None = Field(None, description="force per area of edges, x and y")
     force_N: Pair | None = Field(None, description="force at a point, or spread evenly over edges")
     body_force_N_mm3: Pair | None = Field(None, description="force per volume")
+    gravity_m_s2: Pair | None = Field(None, description="acceleration of the weight of the whole body: [0.0, -9.81]")
+    temperature_K: float | None = Field(None, description="rise of the temperature")
 
 
 class MotionTable(Table):
@@ -181,8 +212,12 @@ class ContactTable(Table):
 class StepsTable(Table):
     """How loads and motions are applied."""
 
-    number: int = Field(
-        1, ge=1, le=1000, description="number of equal steps of each leg; a step that does not converge is halved"
+    number: int | None = Field(
+        None,
+        ge=1,
+        le=1000,
+        description="number of equal steps of each leg; a step that does not converge is halved (default: 1, and with "
+        "friction as many as the error of the steps needs)",
     )
 
 
@@ -190,12 +225,16 @@ class BodiesInputs(Case):
     """Bodies in the plane with supports, loads, motions and contacts; common axes, x to the right and y up."""
 
     thickness_mm: float = Field(1.0, gt=0.0, description="length of all bodies out of the plane")
-    hypothesis: HypothesisName = Field("plane-strain", description="no strain, or no stress, out of the plane")
+    hypothesis: HypothesisName = Field(
+        "plane-strain",
+        description="no strain, or no stress, out of the plane; or bodies of revolution about y, x the radius",
+    )
     bodies: list[BodyTable] = Field(description="the bodies: shape, mesh, elements and material of each")
     supports: list[SupportTable] = Field([], description="supports, with or without a prescribed displacement")
-    loads: list[LoadTable] = Field([], description="pressures, tractions, point forces and forces per volume")
+    springs: list[SpringTable] = Field([], description="elastic supports of edges and points")
+    loads: list[LoadTable] = Field([], description="pressures, tractions, forces, weight and changes of temperature")
     motions: list[MotionTable] = Field([], description="rigid motions of bodies in contact, or forces on supports")
     contacts: list[ContactTable] = Field([], description="pairs of surfaces that may touch")
     steps: StepsTable = Field(
-        default_factory=lambda: StepsTable(number=1), description="how loads and motions are applied"
+        default_factory=lambda: StepsTable(number=None), description="how loads and motions are applied"
     )

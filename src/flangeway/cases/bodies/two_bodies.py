@@ -16,16 +16,19 @@ from flangeway.cases.bodies.bodies_run import (
     support_reactions_of,
 )
 from flangeway.cases.bodies.bodies_tables import BodiesInputs, ContactTable
-from flangeway.cases.bodies.pressing import Pressed, moved_part, press_loaded, press_path
 from flangeway.cases.case import Progress
-from flangeway.contact import ContactSolution
+from flangeway.contact import ContactSolution, press
 from flangeway.errors import InputError
+from flangeway.geometry import Placement
 from flangeway.post import check_contact, cut_zones, deepest_overlap, pressure_patches, relative_nodal_residual
-from flangeway.problems import ElasticField, Part
-from flangeway.solve import ElasticitySolution, Status, solve_elasticity
+from flangeway.problems import Part
+from flangeway.solve import ElasticitySolution, Status, StepSettings, solve_elasticity
 from flangeway.types import Floats
 
 MAX_NODAL_RESIDUAL = 1e-6  # see `relative_nodal_residual`; a correct solution has round-off, below 1e-9
+
+SMALLEST_STEP = 1.0 / 1024.0
+"""Share of all loads and motions below which a step is not halved any more."""
 
 SHARE_OF_BODY = 0.25  # motion between two checks for an overlap, over the smaller side of the smaller body
 MOST_STOPS = 200
@@ -85,51 +88,38 @@ class TwoBodiesCase(BodiesInputs, BodiesCase):
         alone = {name: _alone(body, progress) for name, body in model.bodies.items() if body.part is None}
         results = {name: BodyResult(solution) for name, solution in alone.items()}
         status = _worst([solution.status for solution in alone.values()])
-        pressed: Pressed | None = None
+        contact: ContactSolution | None = None
         checks: tuple[str, ...] = ()
         if model.contacts:
-            pressed = self._pressed(model, progress)
-            in_contact, checks = checked_bodies(pressed, model)
+            contact = self._pressed(model, progress)
+            in_contact, checks = checked_bodies(contact, model)
             status = _worst([in_contact, status])
             for name, body in model.bodies.items():
                 if body.part is not None:
-                    results[name] = BodyResult(pressed.contact.field(body.part), pressed.placement(body.part))
+                    results[name] = BodyResult(contact.field(body.part), contact.placement(body.part))
         in_order = {name: results[name] for name in model.bodies}
-        contact = None if pressed is None else pressed.contact
         summary = summarise_bodies(
             self,
             status,
             in_order,
             contact,
             {"meshing": meshed - start, "total": time.perf_counter() - start},
-            results={} if pressed is None else _push_results(pressed, model),
-            forces=[] if pressed is None else _forces(pressed, model),
+            results={} if contact is None else _moved_by_forces(contact, model),
+            forces=[] if contact is None else _forces(contact, model),
             supports=support_reactions_of(self, model, in_order, contact) if status.converged else [],
             notices=[*model.notices, *_notices(contact, self.contacts), *checks],
         )
         return BodiesRun(self, status, summary, in_order, contact)
 
-    def _pressed(self, model: BodiesModel, progress: Progress) -> Pressed:
-        fields: dict[Part, Floats] = {}
-        loads: dict[Part, Floats] = {}
-        for body in model.bodies.values():
-            if body.part is not None and body.moved_before_contact:
-                progress(f"solving for {body.name} under its loads")
-                # its residual is checked at the end, together with the contact forces
-                fields[body.part] = solve_elasticity(body.problem).displacements
-                loads[body.part] = body.load_N
+    def _pressed(self, model: BodiesModel, progress: Progress) -> ContactSolution:
         progress("condensing the bodies to their surfaces")
-        if model.follows_path:
-            return press_path(model.contacts, model.legs, model.push, self.steps.number, progress)
-        return press_loaded(
-            model.contacts,
-            motion=model.motion,
-            fields=fields,
-            push=model.push,
-            loads=loads,
-            n_steps=self.steps.number,
-            progress=progress,
-        )
+        sizes, given = None, self.steps.number
+        if given is not None or not any(each.friction_coefficient for each in model.contacts):
+            step = 1.0 / (given or 1)
+            sizes = StepSettings(step, step, min(step, SMALLEST_STEP))
+        handles = [] if model.push is None else [model.push]
+        legs, loads = list(model.legs), model.body_loads
+        return press(model.contacts, legs, body_loads=loads, handles=handles, steps=sizes, progress=progress)
 
 
 def _worst(statuses: Sequence[Status]) -> Status:
@@ -161,26 +151,36 @@ def _notices(contact: ContactSolution | None, tables: Sequence[ContactTable]) ->
     ]
 
 
-def _push_results(pressed: Pressed, model: BodiesModel) -> dict[str, Any]:
-    push = model.push
-    if push is None:
+def _moved_by_forces(contact: ContactSolution, model: BodiesModel) -> dict[str, Any]:
+    """How far a push, or loads, moved a body along what its supports leave free."""
+    if model.push is not None:
+        (part,), load = model.push.parts, model.push.load[:2]
+        moved = float(_moved(contact, part, model) @ model.push.directions[0])
+        return {"pushed_body": part.name, "push_N": load.tolist(), "pushed_mm": moved}
+    sliding = [part for part in contact.system.parts if len(part.body.freedom.axes) == 1 and part.body.supported.any()]
+    if len(sliding) != 1:
         return {}
-    if push.force == 0.0:
-        return {"sliding_body": push.part.name, "slid_mm": [pressed.pushed * each for each in push.direction]}
-    force = [push.force * each for each in push.direction]
-    return {"pushed_body": push.part.name, "push_N": force, "pushed_mm": pressed.pushed}
+    return {"sliding_body": sliding[0].name, "slid_mm": _moved(contact, sliding[0], model).tolist()}
 
 
-def _forces(pressed: Pressed, model: BodiesModel) -> list[ForcesSummary]:
+def _moved(contact: ContactSolution, part: Part, model: BodiesModel) -> Floats:
+    """Shift (2,) of a part's supports beyond its given motions."""
+    given = part.placement
+    for leg in model.legs:
+        given = leg.get(part, Placement()).after(given)
+    return np.subtract(contact.placement(part).translation, given.translation)
+
+
+def _forces(contact: ContactSolution, model: BodiesModel) -> list[ForcesSummary]:
     rows = []
     for body in model.bodies.values():
         if body.part is not None:
-            contact, loads = pressed.force_on(body.part), body.load_N
-            rows.append(ForcesSummary(body.name, contact.tolist(), loads.tolist(), (-contact - loads).tolist()))
+            on_body, loads = contact.nodal_forces(body.part).sum(axis=0), body.load_N
+            rows.append(ForcesSummary(body.name, on_body.tolist(), loads.tolist(), (-on_body - loads).tolist()))
     return rows
 
 
-def checked_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[str, ...]]:
+def checked_bodies(contact: ContactSolution, model: BodiesModel) -> tuple[Status, tuple[str, ...]]:
     """Return the final status, and warnings about what makes the result less exact.
 
     Errors, which make the status that of a failure besides an overlap (see `ContactSolution.overlaps`): those of
@@ -189,10 +189,10 @@ def checked_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[
 
     - `model`: the bodies and their loads.
     """
-    status, contact = pressed.status, pressed.contact
+    status = contact.status
     if not (status.converged or contact.overlapped):
         return status, ()
-    if status.converged and not contact.forces.any() and model.push is None:
+    if status.converged and not contact.forces.any():
         overlaps = _carried_through(model)
         message = "; ".join(overlaps) or f"{status.message}; nothing touches"
         return Status(not overlaps, message, status.iterations), ()
@@ -201,7 +201,7 @@ def checked_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[
         f"the contact of {each.secondary.part.name} on {each.primary.part.name}" for each in contact.system.contacts
     ]
     checks = check_contact(contact.system, contact.state, patches, names)
-    errors = [*checks.errors, *_residual_errors(pressed, model)]
+    errors = [*checks.errors, *_residual_errors(contact, model)]
     if errors and status.converged:
         status = Status(False, "; ".join(errors), status.iterations)
     missing = (
@@ -217,14 +217,14 @@ def _carried_through(model: BodiesModel) -> list[str]:
     errors = []
     for one, other in {(each.secondary.part, each.primary.part) for each in model.contacts}:
         pair = (one, other)
-        ends = [moved_part(part, model.motion, 1.0).points(part.body.space.mesh.points) for part in pair]
+        ends = [_moved_part(part, model.motion, 1.0).points(part.body.space.mesh.points) for part in pair]
         starts = [part.placement.points(part.body.space.mesh.points) for part in pair]
         travel = sum(float(np.hypot(*(end - start).T).max()) for start, end in zip(starts, ends, strict=True))
         smallest = min(float(np.ptp(start, axis=0).min()) for start in starts)
         n_stops = min(int(np.ceil(travel / (SHARE_OF_BODY * smallest))), MOST_STOPS)
         for stop in range(1, n_stops):
             share = stop / n_stops
-            meshes = [part.body.space.mesh.placed(moved_part(part, model.motion, share)) for part in pair]
+            meshes = [part.body.space.mesh.placed(_moved_part(part, model.motion, share)) for part in pair]
             if deepest_overlap(*meshes) is not None:
                 errors.append(
                     f"{one.name} and {other.name} overlap after {100.0 * share:.3g} % of the motion and do not "
@@ -235,15 +235,20 @@ def _carried_through(model: BodiesModel) -> list[str]:
     return sorted(errors)
 
 
-def _residual_errors(pressed: Pressed, model: BodiesModel) -> list[str]:
+def _moved_part(part: Part, motion: Mapping[Part, Placement], share: float) -> Placement:
+    """Placement of the frame of a part after a share of its motion."""
+    given = motion.get(part, Placement())
+    x, y = given.translation
+    return Placement(share * given.rotation_rad, (share * x, share * y)).after(part.placement)
+
+
+def _residual_errors(contact: ContactSolution, model: BodiesModel) -> list[str]:
     """Bodies in contact whose nodes are not in equilibrium."""
     errors = []
     for body in model.bodies.values():
         if body.part is not None:
-            back = pressed.placement(body.part).inverse()
-            forces = back.vectors(pressed.contact.nodal_forces(body.part))
-            field = ElasticField(body.problem, pressed.contact.field(body.part).displacements)
-            left = relative_nodal_residual(field, forces, ~body.part.body.free.reshape(-1, 2))
+            forces = contact.placement(body.part).inverse().vectors(contact.nodal_forces(body.part))
+            left = relative_nodal_residual(contact.field(body.part), forces, ~body.part.body.free.reshape(-1, 2))
             if not left <= MAX_NODAL_RESIDUAL:
                 errors.append(
                     f"{body.name}: the nodal residual is {left:.1e} of the maximum nodal force; report this with the "

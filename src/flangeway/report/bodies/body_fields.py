@@ -101,14 +101,6 @@ def body_steps(run: BodiesRun, last: Sequence[BodyFields]) -> BodySteps:
         return BodySteps(("",), (1,), (last,), "")
     names = [name for name, _ in load_steps(run.contact)]
     earlier, note = run.contact.steps[: len(names) - 1], ""
-    if "sliding_body" in run.summary.results:
-        if len(earlier) > 1:
-            note = (
-                "Load steps before equilibrium are not shown: in them a temporary support carries loads of the contact."
-            )
-        earlier = ()
-    elif earlier and _unmoved(run, earlier[0]):
-        earlier = ()  # and so are all the others before the push: loads and motions are proportional
     names = names[len(names) - 1 - len(earlier) :]
     chosen = evenly(len(names), MOST_VALUES // _n_values(run, last))
     if len(chosen) < len(names):
@@ -125,15 +117,6 @@ def _words(names: Sequence[str], number: int) -> str:
     name = names[number]
     share = f"{name} of loads and displacements" if name.endswith("%") else name
     return f"{number + 1} of {len(names)}: {share}"
-
-
-def _unmoved(run: BodiesRun, step: LoadStep) -> bool:
-    """Whether nothing has moved yet."""
-    for body in run.at_step(step).values():
-        space, values = body.field.problem.space, body.field.displacements
-        if body.moved(space.nodes, values[: space.n_nodes]).any():
-            return False
-    return True
 
 
 def _fields_at(run: BodiesRun, step: LoadStep, like: Sequence[BodyFields]) -> list[BodyFields]:

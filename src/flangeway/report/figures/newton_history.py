@@ -18,15 +18,13 @@ MOST_NAMED = 12  # maximum number of steps with names in the figure
 
 
 def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
-    """Name and state of each load step, a force that was sought after them, and where it ended without success."""
+    """Name and state of each load step, and where it ended without success."""
     found: list[tuple[str, ContactState]] = []
-    last = 0.0
     legs = any(step.share > 1.0 for step in contact.steps)
     for step in contact.steps:
         leg = max(math.ceil(step.share), 1)
         name = f"leg {leg}: " * legs + f"{100.0 * (step.share - leg + 1):.4g} %"
-        found.append(("pushed" if step.share == last == 1.0 else name, step.state))
-        last = step.share
+        found.append((name, step.state))
     if not contact.status.converged:
         found.append(("not converged", contact.state))
     return found
