@@ -350,4 +350,4 @@ def test_a_load_along_the_surface_is_held_up_to_the_limit(share: float, holds: b
         assert ";" not in found.status.message
     else:
         assert "no friction holds a load: `sled` can slide in x" in found.status.message
-        assert found.status.iterations <= 15  # of one attempt: it is seen early
+        assert found.status.iterations <= 30  # of one attempt

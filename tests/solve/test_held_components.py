@@ -110,10 +110,10 @@ def test_supports_that_make_no_sense_are_refused(held: Any, message: str) -> Non
         _ = block(held).free
 
 
-def test_fixed_nodes_cannot_be_in_contact() -> None:
-    """A surface with a node whose both components are held is refused with its place."""
-    body = block({"bottom": "y", "left": "xy"})
-    with pytest.raises(InputError, match=r"at \(0, 1\)"):
+def test_a_surface_that_is_held_wholly_cannot_be_in_contact() -> None:
+    """A surface all of whose nodes are held in both components is refused with the name of what holds it."""
+    body = block({"bottom": "y", "top": "xy"})
+    with pytest.raises(InputError, match="'top': 'xy'"):
         CondensedBodies([pressed_top(body)[0]])
 
 

@@ -187,17 +187,17 @@ class LinearBody(ABC):
         Raises
         ------
         InputError
-            If both components of a node are held: nothing could answer to a contact there.
+            If both components of all nodes are held: nothing could answer to a contact there.
 
         """
         free = self.free.reshape(-1, 2)
-        fixed = self.supported[nodes].all(axis=1)
-        if fixed.any():
-            x, y = self.nodes[nodes[fixed.argmax()]]
+        if self.supported[nodes].all():
+            x, y = self.nodes[nodes[0]]
             raise InputError(
-                f"body {self.name!r}: a contact surface that touches the held edges {self.held_by} at ({x:g}, {y:g})",
-                "surfaces apart from them",
-                "shorten the surface or hold the body elsewhere",
+                f"body {self.name!r}: a contact surface all of whose nodes are held by {self.held_by}, from "
+                f"({x:g}, {y:g}) on",
+                "a surface that can move",
+                "take another surface, or hold the body elsewhere",
             )
         numbers = np.where(free, (np.cumsum(free) - 1).reshape(-1, 2), -1)
         return numbers[nodes].ravel().astype(np.int32)

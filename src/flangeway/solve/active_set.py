@@ -43,6 +43,9 @@ NEUTRAL_FORCE = 1e-3
 MIN_COMPONENT = 0.03
 """Component of a neutral motion below which it is none of it: other motions are in equilibrium exactly."""
 
+UNHELD_FORCE = 1e-5
+"""Force that springs against the motions of a step hold, over the forces along them, above which nothing else does."""
+
 
 class Answer(NamedTuple):
     """Forces p, then q, and gaps, then slips, each (m,) or (2 m,), and motions (n,)."""
@@ -130,7 +133,7 @@ class Motions:
         """Direction of what springs hold of an answer beside neutral motions (n, r); zero if that is little: (n,)."""
         left = self.resultants @ answer.forces + self.stiffness @ answer.motions + self.residual
         left -= neutral @ (neutral.T @ left)
-        beyond = np.abs(left) > NEUTRAL_FORCE * self.loads(answer.forces)
+        beyond = np.abs(left) > UNHELD_FORCE * self.loads(answer.forces)
         return left / np.linalg.norm(left) if beyond.any() else np.zeros_like(left)
 
     def without(self, left: Floats, right: Floats) -> "Motions":
@@ -327,7 +330,10 @@ class DenseEquations:
 
         """
         motions, n = self.motions, len(self.motions.residual)
-        _, _, by_unit, resultants = self._responses(self.laws.guess(answer))
+        guess = self.laws.guess(answer)
+        # what friction resists is not free where it slips: it stays in place, or no friction holds it
+        sticking = guess._replace(signs=np.where(self.laws.coefficients > 0.0, 0, guess.signs))
+        _, _, by_unit, resultants = self._responses(sticking)
         loads = motions.loads(answer.forces)
         stiffness = resultants @ by_unit[:, :n] - motions.stiffness
         # forces that would move what holds them by less than the last digit of the sizes are none

@@ -241,6 +241,23 @@ class Handles:
         alone = [touched.isdisjoint(members) for members in self._members]
         return np.repeat(np.array(alone, dtype=np.bool_), np.diff(self.starts))
 
+    @property
+    def springs(self) -> Floats:
+        """Stiffness of the handles' springs, shape (n, n)."""
+        result = np.zeros((self.n, self.n))
+        for handle, own in zip(self._handles, self._slices(), strict=True):
+            if handle.stiffness is not None:
+                result[own, own] = handle.stiffness
+        return result * self._units * self._units[:, None]
+
+    def without_turns(self, motions: Floats) -> Floats:
+        """Motions (n,) without rotations."""
+        result = motions.copy()
+        for handle, own in zip(self._handles, self._slices(), strict=True):
+            if handle.turns:
+                result[own.stop - 1] = 0.0
+        return result
+
     def placements(self, motions: Floats) -> tuple[Placement, ...]:
         """Placements after motions (n,), rotations scaled."""
         result = list(self._placements)

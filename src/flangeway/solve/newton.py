@@ -445,6 +445,7 @@ class _Run:
             exact = None if loose else active_set.solve(laws, held, found.forces)
             if exact is not None:
                 found = exact._replace(motions=basis[1] @ exact.motions)
+                self.unheld = np.zeros(self.parts.n)
             elif self.slides is not None and not self.unheld.any():
                 self.unheld = rigid.unbalanced(found, self.neutral[0])
         if found is None:
@@ -596,11 +597,14 @@ class _Run:
             left = np.where(alone, self.parts.forces(self.motions), 0.0)
             if not (np.abs(left) > scale).any():
                 return ""
-            stiffness, step = -self.parts.tangent(self.motions)[np.ix_(alone, alone)], np.zeros(self.parts.n)
+            stiffness, step = self.parts.springs[np.ix_(alone, alone)], np.zeros(self.parts.n)
             step[alone] = np.linalg.lstsq(stiffness, left[alone], rcond=None)[0]
             left[alone] -= stiffness @ step[alone]
             velocities = self.parts.velocities(self.motions, self.reference)
             if (np.abs(left) > scale).any():  # no spring holds it: as far as the next surface is found
+                left = (
+                    self.parts.without_turns(left) if (self.parts.without_turns(np.abs(left)) > scale).any() else left
+                )
                 step += left * reach / float(np.linalg.norm(velocities @ left, axis=1).max())
             length = float(np.linalg.norm(velocities @ step, axis=1).max())
             travel += min(length, reach)

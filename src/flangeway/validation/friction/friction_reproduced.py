@@ -25,6 +25,7 @@ from flangeway.solve import StepSettings
 from flangeway.types import Floats, Ints
 from flangeway.validation.friction.blocks import block, face, shift
 from flangeway.validation.friction.ironing import Ironing, ironed_slab, ironing_numbers, ironing_of
+from flangeway.validation.friction.loaded_bodies import loaded_bodies
 from flangeway.validation.friction.punch_with_friction import PunchWithFriction, punches_with_friction
 from flangeway.validation.friction.revolved_contact import revolved_contact
 from flangeway.validation.friction.sliding_bodies import sliding_bodies, strip_loop
@@ -92,7 +93,7 @@ def reproduce_friction(
         solutions.append(punch)
         numbers.append(_punch_number(punch, mu))
     loop: ContactSolution | None = None
-    for study in (sliding_bodies, revolved_contact):
+    for study in (sliding_bodies, revolved_contact, loaded_bodies):
         rows, more = study(progress)
         numbers += rows
         solutions += more
