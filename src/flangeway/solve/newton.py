@@ -629,7 +629,7 @@ class _Run:
         if not words:
             return ""
         return (
-            f"no contact holds a load: {'; '.join(words)}; place the part so that its surface is within reach of what "
+            f"no contact holds a load: {'; '.join(words)}; check its direction and its size, place the part before what "
             "is to hold it, hold it in Body(held=...), or leave its load out"
         )
 
