@@ -629,8 +629,8 @@ class _Run:
         if not words:
             return ""
         return (
-            f"no contact holds a load: {'; '.join(words)}; check its direction and its size, place the part before what "
-            "is to hold it, hold it in Body(held=...), or leave its load out"
+            f"no contact holds a load: {'; '.join(words)}; check its direction and its size, place the part "
+            "before what is to hold it, hold it in Body(held=...), or leave its load out"
         )
 
     def result(self, message: str, *, converged: bool) -> ContactState:
