@@ -1,8 +1,31 @@
-"""One's own problem: forms in a few lines on any space, solved by SciPy, with norms of the error and their rates."""
+"""One's own problem: forms in a few lines on any space, their solution, time steps, and rates of the error."""
 
-from flangeway.forms.assembled import load, mass, modes, solve, stiffness
+from flangeway.forms.assembled import load, mass, stiffness
 from flangeway.forms.convergence import convergence
+from flangeway.forms.nonlinear import NewtonSolution, newton
+from flangeway.forms.solution import buckling, modes, solve
+from flangeway.forms.time_steps import newmark_steps, theta_steps
+from flangeway.forms.weak import Field, bilinear, linear
 from flangeway.post import error_norms
+from flangeway.solve.factor import Factor
 from flangeway.space import interpolate
 
-__all__ = ["convergence", "error_norms", "interpolate", "load", "mass", "modes", "solve", "stiffness"]
+__all__ = [
+    "Factor",
+    "Field",
+    "NewtonSolution",
+    "bilinear",
+    "buckling",
+    "convergence",
+    "error_norms",
+    "interpolate",
+    "linear",
+    "load",
+    "mass",
+    "modes",
+    "newmark_steps",
+    "newton",
+    "solve",
+    "stiffness",
+    "theta_steps",
+]

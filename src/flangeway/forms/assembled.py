@@ -1,4 +1,4 @@
-"""Bilinear and linear forms on any space as SciPy arrays, and their solution.
+"""Bilinear and linear forms on any space as SciPy arrays.
 
 Unknowns of a field of m components are numbered ``m * dof + component``: arrays (n_dofs, m), row by row.
 """
@@ -7,21 +7,15 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
-from scipy.sparse.linalg import eigsh, splu
+from numpy.typing import ArrayLike
 
-from flangeway.checks import as_numbers, check_integer
+from flangeway.checks import as_numbers
 from flangeway.elements import Function, Reconstruction, missed_mass, monomials
-from flangeway.errors import InputError, short
+from flangeway.errors import InputError
 from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, Space, load_vector
 from flangeway.space.functions import cell_quadrature, quadrature_degree
-from flangeway.types import Bools, Floats
-
-SINGULAR = 1e-14
-"""Pivot over the largest one that is round-off: a motion without energy."""
-SHIFT = 1e-6
-"""Shift of eigenvalues over the ratio of the traces, so that free bodies are no exception."""
+from flangeway.types import Floats
 
 
 def stiffness(space: Space, coefficient: Coefficient = 1.0, *, degree: int | None = None) -> sp.csr_array:
@@ -201,110 +195,3 @@ def load(space: Space, function: Function | ArrayLike, *, on: str | None = None,
     result = np.zeros((space.n_dofs, *values.shape[2:]))
     np.add.at(result, rule.nodes, np.einsum("eq,qm,eq...->em...", rule.weights, rule.shapes, values))
     return result
-
-
-def _free(fixed: NDArray[np.integer] | Bools | None, shape: tuple[int, ...]) -> Bools:
-    """Which unknowns are free, for all components one after the other."""
-    free = np.ones(shape, dtype=np.bool_)
-    chosen = np.asarray([] if fixed is None else fixed)
-    if chosen.size and not (
-        (chosen.dtype == bool and chosen.shape in (shape, shape[:1]))
-        or (chosen.dtype.kind in "iu" and chosen.ndim == 1 and chosen.min() >= 0 and chosen.max() < shape[0])
-    ):
-        raise InputError(
-            f"fixed unknowns {short(chosen)}",
-            f"numbers below {shape[0]}, or truth values of shape {shape[:1]} or {shape}",
-            "take space.boundary_dofs(...)",
-        )
-    if chosen.size:
-        free[chosen] = False
-    return free.ravel()
-
-
-def solve(
-    matrix: sp.sparray, load: Floats, fixed: NDArray[np.integer] | Bools | None = None, values: ArrayLike = 0.0
-) -> Floats:
-    """Solve a linear system with some unknowns given.
-
-    Parameters
-    ----------
-    matrix
-        Sum of forms, shape (m n_dofs, m n_dofs), symmetric or not.
-    load
-        Right-hand side, shape (n_dofs,) or (n_dofs, m).
-    fixed
-        Unknowns of one field that are given, see `Space.boundary_dofs`: all their components. Or truth values of
-        the load's shape.
-    values
-        Their values: a number, or an array of the load's shape, such as from `interpolate`; others are ignored.
-
-    Returns
-    -------
-    Floats
-        All unknowns, shape of the load.
-
-    Raises
-    ------
-    InputError
-        If the matrix does not fit the load, or is singular: motions without energy are left.
-
-    """
-    if matrix.shape != (load.size, load.size):
-        raise InputError(
-            f"a matrix of shape {matrix.shape} and a load of shape {load.shape}",
-            "as many rows as the load has numbers",
-            "use the same space and the same number of components for both",
-        )
-    free = _free(fixed, load.shape)
-    found = np.broadcast_to(np.asarray(values, dtype=np.float64), load.shape).flatten()
-    found[free] = 0.0
-    remaining = load.ravel() - matrix @ found
-    try:
-        factor = splu(sp.csc_array(matrix)[free][:, free], permc_spec="MMD_AT_PLUS_A")
-        pivots = np.abs(factor.U.diagonal())
-    except RuntimeError:  # an exact zero
-        pivots = np.zeros(1)
-    if not pivots.min(initial=np.inf) > SINGULAR * pivots.max(initial=0.0):
-        raise InputError("a singular matrix", "forms without motions of zero energy", "fix unknowns, or add a mass")
-    solved = factor.solve(remaining[free])
-    found[free] = solved
-    return found.reshape(load.shape)
-
-
-def modes(
-    space: Space,
-    stiffness: sp.sparray,
-    mass: sp.sparray,
-    number: int = 6,
-    fixed: NDArray[np.integer] | Bools | None = None,
-) -> tuple[Floats, Floats]:
-    """Lowest eigenvalues of ``K u = lambda M u``: free vibration with the angular frequencies ``sqrt(lambda)``.
-
-    Parameters
-    ----------
-    space
-        The space.
-    stiffness, mass
-        Symmetric, the mass positive; see `stiffness` and `mass`.
-    number
-        Number of eigenvalues.
-    fixed
-        Unknowns that are zero, see `solve`.
-
-    Returns
-    -------
-    tuple of Floats
-        Eigenvalues (number,) in rising order, and modes (number, n_dofs) or (number, n_dofs, m), ``u . M u = 1``.
-
-    """
-    m = stiffness.shape[0] // space.n_dofs
-    shape = (space.n_dofs,) if m == 1 else (space.n_dofs, m)
-    free = _free(fixed, shape)
-    check_integer("modes", "number", number, 1, int(free.sum()) - 1)
-    parts = [sp.csc_array(each)[free][:, free] for each in (stiffness, mass)]
-    shift = -SHIFT * parts[0].trace() / parts[1].trace()
-    found, vectors = eigsh(parts[0], number, parts[1], sigma=shift, v0=np.ones(int(free.sum())))
-    order = np.argsort(found)
-    result = np.zeros((number, stiffness.shape[0]))
-    result[:, free] = vectors[:, order].T
-    return found[order], result.reshape(number, *shape)

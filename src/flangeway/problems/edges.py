@@ -21,12 +21,14 @@ class EdgeQuadrature:
     normals: Floats  # outward unit normals, (n_edges, n_points, 2)
 
 
-def edge_quadrature(space: Space, pairs: NDArray[np.integer]) -> EdgeQuadrature:
-    """Quadrature on edges given as pairs of points (n, 2), body on the left; exact to degree ``2 order + 3``.
+def edge_quadrature(space: Space, pairs: NDArray[np.integer], n_points: int | None = None) -> EdgeQuadrature:
+    """Quadrature on edges given as pairs of points (n, 2), body on the left.
+
+    Exact to degree ``2 n_points - 1``, by default ``2 order + 3``.
 
     On curved edges that is the degree along the edge of the integrand times its length or normal.
     """
-    abscissae, weights = gauss(space.order + 2)
+    abscissae, weights = gauss(space.order + 2 if n_points is None else n_points)
     start, end = space.mesh.points[pairs[:, 0]], space.mesh.points[pairs[:, 1]]
     along = end - start
     lengths = np.linalg.norm(along, axis=1)

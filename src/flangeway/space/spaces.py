@@ -227,6 +227,13 @@ class Space:
                     for start in range(0, len(cells), step):
                         yield self._batch(element, int(n_vertices), cells[start : start + step])
 
+    def batch_like(self, other: CellBatch) -> CellBatch:
+        """Cells of a batch of another space on the same mesh, with the element and unknowns of this space."""
+        for element, region in self._regions:
+            if len(region) == self.mesh.n_cells or np.isin(other.cells, region).all():
+                return self._batch(element, len(other.vertices), other.cells)
+        raise InputError("two spaces in one form with different regions of elements", "one split", "use one element")
+
     def _batch(self, element: Element, n_vertices: int, cells: NDArray[np.int64]) -> CellBatch:
         mesh = self.mesh
         places = mesh.cell_offsets[cells][:, None] + np.arange(n_vertices)

@@ -26,10 +26,10 @@ from flangeway.railway.wheelset.residual import MAX_STEP
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
-COARSE_MM = 2.0
+COARSE_MM = 1.4
 """Cells while the position is sought on the whole running surfaces."""
 COARSE_STRIP_MM = 3.0
-ROLLING_CELLS = 0.7
+ROLLING_CELLS = 1.0
 """These with creep forces, which jump with the cells, over the same without."""
 CLOSED_MM = 1.0
 """Gap of the rigid wheel within which strips may come into contact."""

@@ -1,0 +1,164 @@
+"""Solution of linear systems and eigenproblems of forms, through one kept factorisation."""
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from flangeway.checks import check_integer
+from flangeway.errors import InputError
+from flangeway.solve.factor import Factor, free_unknowns
+from flangeway.space import Space
+from flangeway.types import Bools, Floats
+
+EIGEN_SHIFT = 1e-6
+"""Shift of eigenvalues relative to the ratio of the traces, so that free bodies are no exception."""
+
+
+def solve(
+    matrix: sp.sparray, load: ArrayLike, fixed: NDArray[np.integer] | Bools | None = None, values: ArrayLike = 0.0
+) -> NDArray[Any]:
+    """Solve a linear system with some unknowns prescribed; `Factor` keeps the factorisation for more solutions.
+
+    Parameters
+    ----------
+    matrix
+        Sum of forms, shape (m n_dofs, m n_dofs), symmetric or not, real or complex.
+    load
+        Right-hand side, shape (n_dofs,) or (n_dofs, m).
+    fixed
+        Unknowns of one field that are prescribed, see `Space.boundary_dofs`: all their components. Or truth values of
+        the load's shape.
+    values
+        Their values: a number, or an array of the load's shape, such as from `interpolate`; others are ignored.
+
+    Returns
+    -------
+    Floats, or complex numbers if the matrix, the load or a value is complex
+        All unknowns, shape of the load.
+
+    Raises
+    ------
+    InputError
+        If the matrix does not fit the load, or is singular: the message names the motion without energy.
+
+    Warns
+    -----
+    scipy.linalg.LinAlgWarning
+        If fewer than four digits of the solution are right.
+
+    """
+    given = np.asarray(load)
+    if matrix.shape != (given.size, given.size):
+        raise InputError(
+            f"a matrix of shape {matrix.shape} and a load of shape {given.shape}",
+            "as many rows as the load has numbers",
+            "use the same space and the same number of components for both",
+        )
+    return Factor(matrix, fixed, 1 if given.ndim == 1 else given.shape[1]).solve(given, values)
+
+
+def modes(
+    space: Space,
+    stiffness: sp.sparray,
+    mass: sp.sparray,
+    number: int = 6,
+    fixed: NDArray[np.integer] | Bools | None = None,
+) -> tuple[Floats, Floats]:
+    """Lowest eigenvalues of ``K u = lambda M u``: free vibration with the angular frequencies ``sqrt(lambda)``.
+
+    Parameters
+    ----------
+    space
+        The space.
+    stiffness, mass
+        Symmetric, the mass positive; see `stiffness` and `mass`.
+    number
+        Number of eigenvalues.
+    fixed
+        Unknowns that are zero, see `solve`.
+
+    Returns
+    -------
+    tuple of Floats
+        Eigenvalues (number,) in rising order, and modes (number, n_dofs) or (number, n_dofs, m), ``u . M u = 1``.
+
+    """
+    m, free = _components(space, stiffness, fixed, number, "modes")
+    shift = -EIGEN_SHIFT * stiffness.trace() / mass.trace()
+    factor = Factor(sp.csr_array(stiffness - shift * mass), fixed, m)
+    parts = [sp.csr_array(matrix)[free][:, free] for matrix in (stiffness, mass)]
+    inverse = LinearOperator(parts[0].shape, matvec=lambda x: factor.solve_free(np.ravel(x)), dtype=np.float64)
+    values, vectors = eigsh(
+        parts[0], number, parts[1], sigma=shift, OPinv=inverse, v0=np.ones(len(parts[0].indptr) - 1)
+    )
+    return _sorted(values, vectors, free, space, m)
+
+
+def buckling(
+    space: Space,
+    stiffness: sp.sparray,
+    geometric: sp.sparray,
+    number: int = 1,
+    fixed: NDArray[np.integer] | Bools | None = None,
+) -> tuple[Floats, Floats]:
+    """Lowest positive load factors of ``(K + lambda G) u = 0``: linear buckling.
+
+    Parameters
+    ----------
+    space
+        The space.
+    stiffness
+        Symmetric and, with the fixed unknowns, positive definite.
+    geometric
+        Geometric stiffness of the reference load, symmetric: of a stress sigma the form
+        ``grad v_i : sigma : grad u_i``, negative under pressure; see `bilinear`.
+    number
+        Number of load factors.
+    fixed
+        Unknowns that are zero, see `solve`.
+
+    Returns
+    -------
+    tuple of Floats
+        Load factors (number,) in rising order, and modes with ``u . K u = 1``, shape as of `modes`.
+
+    Raises
+    ------
+    InputError
+        If the stiffness is singular, or fewer load factors are positive.
+
+    """
+    m, free = _components(space, stiffness, fixed, number, "buckling")
+    factor = Factor(stiffness, fixed, m)
+    elastic, destabilising = (sp.csr_array(matrix)[free][:, free] for matrix in (stiffness, -1.0 * geometric))
+    inverse = LinearOperator(elastic.shape, matvec=lambda x: factor.solve_free(np.ravel(x)), dtype=np.float64)
+    start = np.random.default_rng(0).standard_normal(elastic.shape[0])
+    # -G u = mu K u with mu = 1 / lambda: the largest mu first
+    inverse_factors, vectors = eigsh(destabilising, number, elastic, Minv=inverse, which="LA", v0=start)
+    if not inverse_factors.min() > 0.0:
+        raise InputError(
+            f"a geometric stiffness with {int((inverse_factors > 0.0).sum())} positive load factors of {number}",
+            "stresses with as much pressure as buckling needs",
+            "check the sign of the load, or ask for fewer",
+        )
+    return _sorted(1.0 / inverse_factors, vectors, free, space, m)
+
+
+def _components(
+    space: Space, matrix: sp.sparray, fixed: NDArray[np.integer] | Bools | None, number: int, where: str
+) -> tuple[int, Bools]:
+    """Number of components of the field, and which unknowns are free."""
+    m = matrix.shape[0] // space.n_dofs
+    free = free_unknowns(fixed, (space.n_dofs,) if m == 1 else (space.n_dofs, m))
+    check_integer(where, "number", number, 1, int(free.sum()) - 1)
+    return m, free
+
+
+def _sorted(values: Floats, vectors: Floats, free: Bools, space: Space, m: int) -> tuple[Floats, Floats]:
+    order = np.argsort(values)
+    result = np.zeros((len(values), len(free)))
+    result[:, free] = vectors[:, order].T
+    return values[order], result.reshape(len(values), space.n_dofs, *((m,) if m > 1 else ()))

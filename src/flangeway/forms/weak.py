@@ -1,0 +1,406 @@
+"""Forms written as functions of values and gradients at points: any bilinear, linear and nonlinear form.
+
+A form ``form(u, v, w)`` gets three records of arrays at points: of the unknown u, of the test function v, and w with
+``w.points`` (n, 2), along edges ``w.normals`` (n, 2), and further fields by their names. ``u.value`` has the shape (n,)
+or (n, m), ``u.gradient`` (n, 2) or (n, m, 2), derivatives last. It returns the integrand, (n,).
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+
+from flangeway.elements import Reconstruction, missed_mass, monomials
+from flangeway.errors import InputError
+from flangeway.mesh import PolyMesh
+from flangeway.post.lines import OUTSIDE, locate, polynomials_at
+from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
+from flangeway.space import CellBatch, Space
+from flangeway.space.functions import cell_quadrature, quadrature_degree
+from flangeway.types import Floats
+
+Values = NDArray[np.inexact]
+JETS = 3
+"""Numbers of one component at a point on which a form may depend: the value and two derivatives."""
+
+
+@dataclass(frozen=True, eq=False)
+class PointValues:
+    """A field at points: ``value`` (n,) or (n, m), and ``gradient`` (n, 2) or (n, m, 2), derivatives last."""
+
+    value: Values
+    gradients: Values | None = None
+
+    @property
+    def gradient(self) -> Values:
+        """The gradient; an `InputError` along edges, where virtual functions have none."""
+        if self.gradients is None:
+            raise InputError(
+                "a form along edges that takes a gradient", "forms of values", "integrate gradients over cells"
+            )
+        return self.gradients
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """A discrete function: unknowns of a space, and its values anywhere.
+
+    Parameters
+    ----------
+    space
+        The space.
+    dofs
+        Unknowns, (n_dofs,) or (n_dofs, m), real or complex.
+
+    """
+
+    space: Space
+    dofs: Values
+
+    def __post_init__(self) -> None:
+        if self.dofs.shape[:1] != (self.space.n_dofs,) or self.dofs.ndim > 2:
+            raise InputError(
+                f"unknowns of shape {self.dofs.shape} for a space with {self.space.n_dofs}",
+                "shape (n_dofs,) or (n_dofs, m)",
+                "use the space of the solution",
+            )
+
+    def at(self, points: ArrayLike) -> Values:
+        """Values at points (n, 2), shape (n,) or (n, m): those of the projection of a virtual function.
+
+        An `InputError` if a point lies outside of the mesh.
+        """
+        return self._evaluated(points, 0, ())
+
+    def gradient_at(self, points: ArrayLike) -> Values:
+        """Gradients at points (n, 2), shape (n, 2) or (n, m, 2), derivatives last."""
+        return self._evaluated(points, 1, (2,))
+
+    def at_quadrature(self, degree: int | None = None) -> tuple[Floats, Floats, PointValues]:
+        """Points (n, 2) of quadrature in all cells, weights (n,), and the field there; degree ``2 k + 2`` by default.
+
+        The integral of a function of the field is the sum of weights times its values.
+        """
+        degree = quadrature_degree(self.space) if degree is None else degree
+        parts = []
+        for batch in self.space.batches():
+            points, weights = cell_quadrature(batch, degree)
+            values = self.on(batch, points)
+            parts.append((points.swapaxes(1, 2).reshape(-1, 2), weights.ravel(), values.value, values.gradient))
+        points, weights, value, gradient = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return points, weights, PointValues(value, gradient)
+
+    def on(self, batch: CellBatch, points: Floats) -> PointValues:
+        """Values at points (n_points, 2, n_cells) of cells, points of one number in all cells after each other."""
+        own = self.space.batch_like(batch)
+        shapes = _shapes(own, points)
+        jets = np.einsum("aqme,mec->aqec", shapes, self.dofs.reshape(len(self.dofs), -1)[own.dofs])
+        return _point_values(jets.reshape(JETS, -1, jets.shape[-1]), self.dofs.ndim == 1)
+
+    def along(self, pairs: NDArray[np.integer], n_points: int) -> PointValues:
+        """Values at Gauss points of edges, edge by edge."""
+        rule = edge_quadrature(self.space, pairs, n_points)
+        value = np.einsum("qm,em...->eq...", rule.shapes, self.dofs[rule.nodes])
+        return PointValues(value.reshape(-1, *self.dofs.shape[1:]))
+
+    def _evaluated(self, points: ArrayLike, derivative: int, tail: tuple[int, ...]) -> Values:
+        cells = locate(self.space.mesh, points)
+        given = np.asarray(points, dtype=np.float64)
+        if (cells == OUTSIDE).any():
+            x, y = given[np.argmax(cells == OUTSIDE)]
+            raise InputError(f"the point ({x:g}, {y:g}) outside of the mesh", "points inside", "move the point")
+        if np.iscomplexobj(self.dofs):
+            real, imaginary = (Field(self.space, part) for part in (self.dofs.real, self.dofs.imag))
+            return real._evaluated(points, derivative, tail) + 1j * imaginary._evaluated(points, derivative, tail)
+        dofs = self.dofs.reshape(len(self.dofs), -1)
+        count = dofs.shape[1] * int(np.prod(tail))
+
+        def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
+            reconstruction = batch.element.reconstruct(batch.outline)
+            coefficients = reconstruction.gradient if derivative else reconstruction.projected_value
+            combined = np.einsum("a...me,mec->c...ae", coefficients, dofs[batch.dofs])
+            return reconstruction, combined.reshape(count, combined.shape[-2], -1)
+
+        values = polynomials_at(self.space, given, cells, polynomials, count)
+        return values.reshape(len(given), *self.dofs.shape[1:], *tail)
+
+
+def _shapes(batch: CellBatch, points: Floats) -> Floats:
+    """Value and derivatives of the local functions at points (q, 2, e), shape (3, q, n_local, e)."""
+    reconstruction = batch.element.reconstruct(batch.outline)
+    energetic = reconstruction.for_energy
+    values = monomials.evaluate(max(reconstruction.order, energetic.order - 1), reconstruction.frame.local(points))
+    projected, gradient = reconstruction.projected_value, energetic.gradient
+    shapes = np.empty((JETS, len(points), *projected.shape[1:]))
+    # B_q,m = sum over monomials a of p_a(x_q) c_a,m
+    shapes[0] = np.einsum("aqe,ame->qme", values[: len(projected)], projected)
+    shapes[1:] = np.einsum("aqe,aime->iqme", values[: len(gradient)], gradient)
+    return shapes
+
+
+def _point_values(jets: Values, scalar: bool) -> PointValues:
+    """Record of value and derivatives (3, n, m)."""
+    value, gradient = jets[0], np.moveaxis(jets[1:], 0, -1)
+    return PointValues(value[:, 0], gradient[:, 0]) if scalar else PointValues(value, gradient)
+
+
+def unit_fields(n: int, m: int, n_jets: int, scalar: bool) -> list[PointValues]:
+    """Fields at n points whose value or derivative of one component is one, the others zero; component by component."""
+    result = []
+    for component in range(m):
+        for jet in range(n_jets):
+            jets = np.zeros((JETS, n, m))
+            jets[jet, :, component] = 1.0
+            whole = _point_values(jets, scalar)
+            result.append(whole if n_jets == JETS else PointValues(whole.value))
+    return result
+
+
+def integrand(values: ArrayLike, n: int) -> Values:
+    """Values of a form at n points, checked."""
+    result = np.asarray(values)
+    if result.shape not in ((), (n,)) or not np.isfinite(result).all():
+        raise InputError(
+            f"a form with an integrand of shape {result.shape}, or one that is not finite",
+            f"({n},) finite numbers: one for each of the points",
+            "sum over components with axis=-1",
+        )
+    return np.broadcast_to(result, (n,))
+
+
+Form = Callable[[PointValues, PointValues, SimpleNamespace], ArrayLike]
+LinearForm = Callable[[PointValues, SimpleNamespace], ArrayLike]
+EdgeSet = str | NDArray[np.integer]
+"""Name of an edge set, or pairs of points (n, 2)."""
+
+
+def _same(mesh: PolyMesh, other: PolyMesh) -> bool:
+    return np.array_equal(mesh.points, other.points) and np.array_equal(mesh.cell_points, other.cell_points)
+
+
+class FormRegion:
+    """Cells or edges over which a form is integrated: points, weights, given fields and local functions by batches."""
+
+    def __init__(
+        self, spaces: tuple[Space, Space], fields: Mapping[str, Field], on: EdgeSet | None, degree: int | None
+    ) -> None:
+        mesh = spaces[0].mesh
+        for other in (spaces[1].mesh, *(field.space.mesh for field in fields.values())):
+            if not (other is mesh or _same(mesh, other)):
+                raise InputError("spaces of different meshes in one form", "one mesh", "make the spaces on one mesh")
+        self.spaces, self.fields, self.on = spaces, fields, on
+        self.degree = max(quadrature_degree(space) for space in spaces) if degree is None else degree
+        self.chosen = degree is not None
+        self.n_jets = JETS if on is None else 1
+
+    def parts(self) -> Any:
+        """For each batch: what forms get as w, weights (q, e), and for both spaces local functions and unknowns."""
+        trial, test = self.spaces
+        if self.on is not None:
+            pairs = trial.mesh.edge_set(self.on) if isinstance(self.on, str) else np.asarray(self.on)
+            n_points = self.degree // 2 + 1
+            rules = [edge_quadrature(space, pairs, n_points) for space in self.spaces]
+            given = {name: field.along(pairs, n_points) for name, field in self.fields.items()}
+            points, normals = (array.reshape(-1, 2) for array in (rules[0].points, rules[0].normals))
+            w = SimpleNamespace(points=points, normals=normals, **given)
+            # arrays over edges come before those over points here: (e, q) is turned to (q, e) by `_turned`
+            yield w, rules[0].weights.T, [_edge_functions(rule) for rule in rules], None, True
+            return
+        for batch in trial.batches():
+            degree = self.degree if self.chosen else max(self.degree, _energy_degree(batch))
+            points, weights = cell_quadrature(batch, degree)
+            w = SimpleNamespace(
+                points=points.swapaxes(1, 2).reshape(-1, 2),
+                **{name: field.on(batch, points) for name, field in self.fields.items()},
+            )
+            batches = [batch] if test is trial else [batch, test.batch_like(batch)]
+            functions = [(_shapes(each, points), each.dofs) for each in batches]
+            yield w, weights, (functions * 2)[:2], batch, False
+
+
+def _energy_degree(batch: CellBatch) -> int:
+    """Degree of products of gradients, which elements without stabilisation have of higher degree."""
+    return 2 * (batch.element.reconstruct(batch.outline).for_energy.order - 1)
+
+
+def _edge_functions(rule: EdgeQuadrature) -> tuple[Floats, NDArray[np.int32]]:
+    shapes = np.broadcast_to(rule.shapes[None, :, :, None], (1, *rule.shapes.shape, len(rule.nodes)))
+    return shapes, rule.nodes.T
+
+
+def _turned(values: Values, weights: Floats, by_edges: bool) -> Values:
+    """Integrand (n,) times weights, shape (q, e)."""
+    n_points, n_cells = weights.shape
+    return (values.reshape(n_cells, n_points).T if by_edges else values.reshape(n_points, n_cells)) * weights
+
+
+def bilinear(
+    space: Space,
+    form: Form,
+    *,
+    components: int = 1,
+    test: Space | None = None,
+    test_components: int | None = None,
+    on: EdgeSet | None = None,
+    fields: Mapping[str, Field] | None = None,
+    degree: int | None = None,
+    stabilise: bool = True,
+) -> sp.csr_array:
+    """Assemble ``integral of form(u, v, w)``, linear in u and in v.
+
+    It need not be symmetric, may be complex, and may depend on the place and on other fields: convection is
+    ``(beta * u.gradient).sum(axis=-1) * v.value``, with ``fields={"old": Field(space, dofs)}`` a coefficient is a
+    function of ``w.old.value``. Values and gradients of virtual functions are projections. What these miss is
+    stabilised as in `stiffness` and `mass`, with the parts of the form that multiply gradients with gradients and
+    values with values.
+
+    Parameters
+    ----------
+    space
+        Space of the unknown u.
+    form
+        Integrand, see `flangeway.forms.weak`.
+    components
+        Number of components of u; one makes arrays without this axis.
+    test
+        Space of v on the same mesh, of any order (mixed methods); None takes that of u.
+    test_components
+        Number of components of v; None takes that of u.
+    on
+        Integrals along edges, of values only: the name of an edge set, or directed pairs of points (n, 2), which may
+        lie inside the mesh (interfaces).
+    fields
+        Further fields by the names that the form reads.
+    degree
+        Degree of the quadrature, ``2 k + 2`` by default.
+    stabilise
+        False leaves out what projections miss, as for a geometric stiffness.
+
+    Returns
+    -------
+    scipy.sparse.csr_array
+        Rows of v, columns of u: shape (m' n_dofs', m n_dofs).
+
+    Raises
+    ------
+    InputError
+        If the integrand is not a finite number for each point, or spaces have different meshes.
+
+    """
+    other = space if test is None else test
+    m, m_test = components, components if test_components is None else test_components
+    stabilise = stabilise and on is None and other is space and m == m_test
+    region = FormRegion((space, other), fields or {}, on, degree)
+
+    def tensor(w: SimpleNamespace) -> Values:
+        n = len(w.points)
+        tests = unit_fields(n, m_test, region.n_jets, m_test == 1)
+        return np.array(
+            [[integrand(form(u, v, w), n) for v in tests] for u in unit_fields(n, m, region.n_jets, m == 1)]
+        ).transpose(1, 0, 2)
+
+    return assembled_form(region, tensor, m, m_test, stabilise)
+
+
+def assembled_form(
+    region: FormRegion, tensor: Callable[[SimpleNamespace], Values], m: int, m_test: int, stabilise: bool
+) -> sp.csr_array:
+    """Assemble what multiplies the numbers of v (rows) and u at each point, (3 m', 3 m, n)."""
+    entries, rows, columns = [], [], []
+    for w, weights, ((shapes, dofs), (test_shapes, test_dofs)), batch, by_edges in region.parts():
+        jets = region.n_jets
+        at_points = tensor(w)
+        kind = at_points.dtype
+        weighted = np.array([[_turned(entry, weights, by_edges) for entry in row] for row in at_points])
+        n, n_test = len(dofs), len(test_dofs)
+        local = np.zeros((n_test, m_test, n, m, weights.shape[1]), dtype=kind)
+        for i in range(m_test):
+            for j in range(m):
+                block = weighted[jets * i : jets * (i + 1), jets * j : jets * (j + 1)]
+                if block.any():
+                    # K_mn = sum over points q and numbers x of v, y of u: B'_xqm D_xyq B_yqn
+                    right = np.einsum("xyqe,yqne->xqne", block, shapes)
+                    local[:, i, :, j] += np.einsum("xqme,xqne->mne", test_shapes, right, optimize=True)
+        if stabilise:
+            _add_stabilisation(local, weighted, shapes, batch)
+        numbers = m * dofs[:, None] + np.arange(m)[:, None]
+        test_numbers = m_test * test_dofs[:, None] + np.arange(m_test)[:, None]
+        flat = local.reshape(m_test * n_test, m * n, -1)
+        rows.append(np.broadcast_to(test_numbers.reshape(-1, 1, flat.shape[2]), flat.shape).ravel())
+        columns.append(np.broadcast_to(numbers.reshape(1, -1, flat.shape[2]), flat.shape).ravel())
+        entries.append(flat.ravel())
+    trial, test = region.spaces
+    shape = (m_test * test.n_dofs, m * trial.n_dofs)
+    coordinates = (np.concatenate(rows), np.concatenate(columns))
+    return sp.coo_array((np.concatenate(entries), coordinates), shape=shape).tocsr()
+
+
+def _add_stabilisation(local: Values, weighted: Values, shapes: Floats, batch: CellBatch) -> None:
+    """Add stiffness and mass of what projections miss, with the sign of the form's parts, real and imaginary."""
+    reconstruction = batch.element.reconstruct(batch.outline)
+    if reconstruction.exact:
+        return
+    m = local.shape[1]
+    parts = [(1.0, weighted.real)] + ([(1j, weighted.imag)] if np.iscomplexobj(weighted) else [])
+    for unit, part in parts:
+        blocks = part.reshape(m, JETS, m, JETS, *part.shape[2:])
+        gradients = blocks[:, 1:, :, 1:]
+        trace = np.einsum("iaiaqe->", gradients)
+        if trace != 0.0:
+            sign = np.sign(trace)
+            symmetric = 0.5 * sign * (gradients + gradients.transpose(2, 3, 0, 1, 4, 5))
+            consistency = np.einsum("xqme,ixjyqe,yqne->ijmne", shapes[1:], symmetric, shapes[1:], optimize=True)
+            added = batch.element.stabilise(reconstruction, consistency)
+            for i in range(m if added is not None else 0):
+                local[:, i, :, i] += unit * sign * added
+        if blocks[:, 0, :, 0].any() and reconstruction.for_energy is reconstruction:
+            # mean over the cell of what multiplies values
+            mean = blocks[:, 0, :, 0].sum(axis=2) / reconstruction.areas
+            missed = missed_mass(reconstruction)
+            for i, j in np.ndindex(m, m):
+                local[:, i, :, j] += unit * missed * mean[i, j]
+
+
+def linear(
+    space: Space,
+    form: LinearForm,
+    *,
+    components: int = 1,
+    on: EdgeSet | None = None,
+    fields: Mapping[str, Field] | None = None,
+    degree: int | None = None,
+) -> Values:
+    """Assemble ``integral of form(v, w)``, linear in v; arguments as of `bilinear`.
+
+    Returns
+    -------
+    Floats or complex numbers
+        Shape (n_dofs,), or (n_dofs, m) for more components than one.
+
+    """
+    region = FormRegion((space, space), fields or {}, on, degree)
+
+    def vector(w: SimpleNamespace) -> Values:
+        n = len(w.points)
+        return np.array([integrand(form(v, w), n) for v in unit_fields(n, components, region.n_jets, components == 1)])
+
+    return assembled_vector(region, vector, components)
+
+
+def assembled_vector(region: FormRegion, vector: Callable[[SimpleNamespace], Values], m: int) -> Values:
+    """Assemble what multiplies the numbers of v at each point, (3 m, n)."""
+    result: Values | None = None
+    for w, weights, (_, (shapes, dofs)), _, by_edges in region.parts():
+        at_points = vector(w)
+        weighted = np.array([_turned(entry, weights, by_edges) for entry in at_points])
+        weighted = weighted.reshape(m, region.n_jets, *weights.shape)
+        local = np.einsum("cxqe,xqme->mec", weighted, shapes, optimize=True)
+        if result is None or (np.iscomplexobj(local) and not np.iscomplexobj(result)):
+            result = np.zeros((region.spaces[1].n_dofs, m), dtype=local.dtype) + (0.0 if result is None else result)
+        np.add.at(result, dofs, local)
+    assert result is not None  # a mesh has a cell
+    return result[:, 0] if m == 1 else result

@@ -1,0 +1,280 @@
+"""A factorisation of any sparse matrix of forms, chosen by the matrix and kept, and an estimate of its condition."""
+
+import warnings
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import LinAlgWarning
+from scipy.sparse.linalg import LinearOperator, onenormest, splu
+
+from flangeway._core import NotPositiveDefiniteError, SingularMatrixError
+from flangeway.errors import InputError, short
+from flangeway.solve.linear import EPS, MAX_DIGITS, NO_UNKNOWNS, cholesky, ldlt
+from flangeway.space import SymmetricMatrix
+from flangeway.types import Bools, Floats
+
+ASYMMETRY = 1e-13
+"""Difference of a matrix from its transpose, relative to its maximum entry, that is round-off of the assembly."""
+SINGULAR = 0.05
+"""Relative error of the solution above which a matrix counts as singular: round-off of a zero gives 0.2 or more."""
+FEW_DIGITS = 4.0
+"""Decimal digits of a solution below which a warning says so."""
+REFINED_BELOW = 8.0
+"""Digits below which a solution is corrected once with its residual."""
+SHIFT = 1e-9
+"""Relative increase of the diagonal with which the motions that make a matrix singular are computed."""
+WITHOUT_ENERGY = 1e-7
+"""Product of such a unit motion with the matrix of unit diagonal, above `SHIFT` and below that of other motions."""
+RUIZ_ITERATIONS = 5
+LEADING = 40
+"""One in so many unknowns is surely a value at a point of the mesh, which are numbered first (`Space`)."""
+
+
+class Factor:
+    """Factorisation of the free part of a matrix, to be solved with as often as wanted.
+
+    A symmetric positive definite matrix is factorised by Cholesky's method and another symmetric one as LDLT, both by
+    the compiled core with approximate minimum degree; any other, real or complex, by SuperLU with the minimum degree of
+    ``A + A^T``, which suits matrices of a symmetric pattern (Li, 2005, ACM TOMS 31).
+
+    Parameters
+    ----------
+    matrix
+        Sum of forms, shape (m n_dofs, m n_dofs); real or complex, symmetric or not.
+    fixed
+        Unknowns whose values are prescribed: numbers of unknowns of one field (all their components), or truth values
+        (n_dofs,) or (n_dofs, m).
+    components
+        Number m of components of the field.
+
+    Raises
+    ------
+    InputError
+        If the matrix is not square or not finite, or ``fixed`` does not fit; at the first solution if the matrix is
+        singular: the message names the motion without energy.
+
+    """
+
+    def __init__(
+        self, matrix: sp.sparray, fixed: NDArray[np.integer] | Bools | None = None, components: int = 1
+    ) -> None:
+        n = matrix.shape[0] // components
+        if matrix.shape != (n * components, n * components) or not np.isfinite(matrix.data).all():
+            raise InputError(
+                f"a matrix of shape {matrix.shape} for {components} components, or one that is not finite",
+                "a square matrix of finite numbers, with as many rows as unknowns",
+                "use the same space and the same number of components for all forms",
+            )
+        self._shape = (n,) if components == 1 else (n, components)
+        self.free = free_unknowns(fixed, self._shape)
+        self.matrix = sp.csr_array(matrix)
+        groups = (np.flatnonzero(self.free) // components).astype(np.int32)
+        self._symmetric = _symmetric(self.matrix)
+        self._inner = self.matrix if self.free.all() else sp.csr_array(self.matrix[self.free][:, self.free])
+        try:
+            self.kind = self._factorise(groups)
+        except RuntimeError as error:  # SuperLU: an exact zero
+            raise self._singular() from error
+
+    def _factorise(self, groups: NDArray[np.int32]) -> str:
+        """Factorise, and return the method's name."""
+        self._solve: Callable[[Any], Any]
+        self._solve_adjoint: Callable[[Any], Any]
+        if self._symmetric and not np.iscomplexobj(self._inner.data):
+            lower = _with_diagonal(self._inner)
+            if (self._inner.diagonal() > 0.0).all():
+                try:
+                    factor = cholesky(lower, groups, NO_UNKNOWNS)
+                except NotPositiveDefiniteError:
+                    pass
+                else:
+                    self._solve, self._solve_adjoint = factor.solve, factor.solve
+                    return "Cholesky"
+            indefinite = ldlt(lower, groups)
+            self._solve, self._solve_adjoint = indefinite.solve, indefinite.solve
+            return "LDLT"
+        # symmetric mode: pivots stay on the diagonal unless they are ten times smaller than another one of the column
+        options = {"SymmetricMode": True}
+        lu = splu(sp.csc_array(self._inner), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1, options=options)
+        self._solve, self._solve_adjoint = lu.solve, lambda rhs: lu.solve(rhs, trans="H")
+        return "LU"
+
+    @cached_property
+    def condition(self) -> float:
+        """Estimate of the condition number in the 1-norm, of the matrix with rows and columns scaled to unit diagonal.
+
+        Higham and Tisseur (2000, SIAM J. Matrix Anal. 21, with one column): a lower bound, mostly within a factor of 3.
+        """
+        n = self._inner.shape[0]
+        if n == 0:
+            return 1.0
+        scale = _unit_scale(self._inner)
+        kind = self._inner.dtype
+        operator = LinearOperator(
+            (n, n),
+            matvec=lambda x: self._solve(np.ravel(x).astype(kind) / scale) / scale,
+            rmatvec=lambda x: self._solve_adjoint(np.ravel(x).astype(kind) / scale) / scale,
+            dtype=kind,
+        )
+        norm = abs(sp.diags_array(scale) @ self._inner @ sp.diags_array(scale)).sum(axis=0).max()
+        try:
+            inverse = float(onenormest(operator, t=1))
+        except SingularMatrixError:
+            return np.inf
+        return float(norm) * inverse if np.isfinite(inverse) else np.inf
+
+    @property
+    def digits(self) -> float:
+        """Decimal digits of a solution that round-off leaves, by the condition."""
+        return float(np.clip(-np.log10(EPS * self.condition), 0.0, MAX_DIGITS))
+
+    @cached_property
+    def _checked_digits(self) -> float:
+        if not EPS * self.condition < SINGULAR:
+            raise self._singular()
+        if self.digits < FEW_DIGITS:
+            warnings.warn(
+                f"the matrix is nearly singular (condition {self.condition:.0e}): about {self.digits:.0f} digits of "
+                "the solution are right",
+                LinAlgWarning,
+                stacklevel=4,
+            )
+        return self.digits
+
+    def solve_free(self, rhs: NDArray[Any]) -> NDArray[Any]:
+        """Solve for the free unknowns alone, (n_free,)."""
+        digits = self._checked_digits
+        if np.iscomplexobj(rhs) and not np.iscomplexobj(self._inner.data):
+            return self.solve_free(rhs.real) + 1j * self.solve_free(rhs.imag)
+        rhs = np.ascontiguousarray(rhs, dtype=self._inner.dtype)
+        solution = self._solve(rhs)
+        if digits < REFINED_BELOW:
+            solution = solution + self._solve(rhs - self._inner @ solution)
+        return np.asarray(solution)
+
+    def solve(self, load: ArrayLike, values: ArrayLike = 0.0) -> NDArray[Any]:
+        """Solve with prescribed values of the fixed unknowns.
+
+        Parameters
+        ----------
+        load
+            Right-hand side, shape (n_dofs,) or (n_dofs, m).
+        values
+            Prescribed values: a number, or an array of the load's shape, of which only the fixed unknowns are read.
+
+        Returns
+        -------
+        Floats, or complex numbers if the matrix, the load or a value is complex
+            All unknowns, shape of the load.
+
+        """
+        given = np.asarray(load)
+        if given.size != self.matrix.shape[0] or not np.isfinite(given).all():
+            raise InputError(
+                f"a matrix of shape {self.matrix.shape} and a load of shape {given.shape}, or one that is not finite",
+                "as many rows as the load has numbers, all finite",
+                "use the same space and the same number of components for both",
+            )
+        prescribed = np.broadcast_to(np.asarray(values), given.shape)
+        kind = np.result_type(self.matrix, given, prescribed, np.float64)
+        solution = prescribed.astype(kind).ravel()
+        solution[self.free] = 0.0
+        if not np.isfinite(solution).all():
+            raise InputError("prescribed values that are not finite", "finite numbers", "correct the values")
+        if self.free.any():
+            solution[self.free] = self.solve_free((given.ravel() - self.matrix @ solution)[self.free])
+        return solution.reshape(given.shape)
+
+    def _singular(self) -> InputError:
+        """Error that describes the motions without energy: the null space of the matrix, by inverse iteration."""
+        scale = _unit_scale(self._inner)
+        scaled = sp.csc_array(sp.diags_array(scale) @ self._inner @ sp.diags_array(scale))
+        n = scaled.shape[0]
+        raised = splu(scaled + SHIFT * sp.eye_array(n, format="csc"), permc_spec="MMD_AT_PLUS_A")
+        motions = np.random.default_rng(0).standard_normal((n, min(4, n))).astype(scaled.dtype)
+        for _ in range(4):
+            motions = np.linalg.qr(raised.solve(motions))[0]
+        _, energies, turned = np.linalg.svd(scaled @ motions, full_matrices=False)
+        null = (motions @ turned.conj().T)[:, energies < WITHOUT_ENERGY]
+        whole = np.zeros((self.matrix.shape[0], null.shape[1]), dtype=scaled.dtype)
+        whole[self.free] = scale[:, None] * null
+        return InputError(
+            f"a singular matrix: {self._described(whole)}",
+            "forms and fixed unknowns that leave no motion without energy",
+            "fix unknowns with space.boundary_dofs(...), or add a mass",
+        )
+
+    def _described(self, null: NDArray[np.inexact]) -> str:
+        """Words for the columns (m n_dofs, n_motions) of a null space."""
+        n_motions = null.shape[1]
+        if n_motions == 0:
+            return "it is so close to singular that no digit of the solution is right"
+        m = 1 if len(self._shape) == 1 else self._shape[1]
+        leading = null.reshape(self._shape[0], m, -1)[: max(3, self._shape[0] // LEADING)]
+        units = leading / np.abs(null).max(axis=0)
+        # constants in the null space: combinations of the motions that do not differ between the mesh's first points
+        differences = (units - units[:1]).reshape(-1, n_motions)
+        _, values, turned = np.linalg.svd(differences, full_matrices=True)
+        values = np.concatenate((values, np.zeros(n_motions - len(values))))
+        constants = units[0] @ turned.conj().T[:, values < 1e-5 * np.sqrt(len(differences))]
+        if m == 1 and n_motions == constants.shape[1] == 1 and np.abs(constants).max() > 1e-3:
+            return "a constant can be added to the solution"
+        if m == 2 and n_motions == 3 and constants.shape[1] == 2:
+            return "nothing holds the body: it can slide in x and y and turn (rigid motions)"
+        if m > 1 and n_motions == constants.shape[1] == 1 and np.abs(constants).max() > 1e-3:
+            direction = np.real(constants[:, 0] / constants[np.abs(constants[:, 0]).argmax(), 0])
+            return f"a constant displacement along {short(np.round(direction, 6) + 0.0)} has no energy"
+        at = int(np.abs(null[:, 0]).argmax()) // m
+        number = "one motion has" if n_motions == 1 else f"{n_motions} motions have"
+        shape = "" if constants.shape[1] == n_motions else ", not constant (such as a rotation)"
+        return f"{number} no energy{shape}; the largest value is at unknown {at}"
+
+
+def free_unknowns(fixed: NDArray[np.integer] | Bools | None, shape: tuple[int, ...]) -> Bools:
+    """Which unknowns are free, for all components one after the other."""
+    free = np.ones(shape, dtype=np.bool_)
+    chosen = np.asarray([] if fixed is None else fixed)
+    if chosen.size and not (
+        (chosen.dtype == bool and chosen.shape in (shape, shape[:1]))
+        or (chosen.dtype.kind in "iu" and chosen.ndim == 1 and chosen.min() >= 0 and chosen.max() < shape[0])
+    ):
+        raise InputError(
+            f"fixed unknowns {short(chosen)}",
+            f"numbers below {shape[0]}, or truth values of shape {shape[:1]} or {shape}",
+            "take space.boundary_dofs(...)",
+        )
+    if chosen.size:
+        free[chosen] = False
+    return free.ravel()
+
+
+def _symmetric(matrix: sp.csr_array) -> bool:
+    difference = matrix - matrix.T
+    size = np.abs(matrix.data).max(initial=0.0)
+    return bool(np.abs(difference.data).max(initial=0.0) <= ASYMMETRY * size)
+
+
+def _with_diagonal(matrix: sp.csr_array) -> SymmetricMatrix:
+    """Lower triangle in which every diagonal entry is stored, zeros too."""
+    lower = sp.tril(matrix, format="coo")
+    every = np.arange(matrix.shape[0])
+    rows, columns = np.concatenate((lower.row, every)), np.concatenate((lower.col, every))
+    values = np.concatenate((lower.data, np.zeros(len(every))))
+    whole = sp.csc_array(sp.coo_array((values, (rows, columns)), shape=matrix.shape))
+    whole.sort_indices()
+    return SymmetricMatrix(len(every), whole.indptr.astype(np.int64), whole.indices.astype(np.int32), whole.data)
+
+
+def _unit_scale(matrix: sp.csr_array) -> Floats:
+    """Scale of rows and columns after which the largest entry of every row is about one (Ruiz, 2001)."""
+    size = np.abs(matrix.diagonal())
+    scale = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
+    magnitudes = abs(matrix)
+    for _ in range(RUIZ_ITERATIONS):  # each takes the square root of what a row's maximum differs from one
+        maxima = scale * (magnitudes @ sp.diags_array(scale)).max(axis=1).toarray().ravel()
+        scale = scale / np.sqrt(np.where(maxima > 0.0, maxima, 1.0))
+    return scale
