@@ -7,9 +7,19 @@ from hypothesis import strategies as st
 
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
-from flangeway.geometry import circle, square
+from flangeway.geometry import circle, polygon, square
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, check, doerfler_marking, dual, rectangle_grid, refined, triangulate
+from flangeway.mesh import (
+    PolyMesh,
+    agglomerated,
+    check,
+    doerfler_marking,
+    dual,
+    rectangle_grid,
+    refined,
+    triangulate,
+    voronoi,
+)
 from flangeway.mesh.kernel import kernel_centre, star_parts
 from flangeway.mesh.refine import cell_sides
 from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
@@ -151,17 +161,58 @@ def test_the_limit_bounds_hanging_points_and_its_absence_does_not():
     assert limited.n_cells > free.n_cells
 
 
-def test_a_cell_that_no_point_sees_whole_is_cut_along_diagonals():
-    """A U becomes convex parts of its area, which are then refined like others; its names stay."""
+def test_a_cell_that_no_point_sees_whole_is_cut_into_round_parts():
+    """A U becomes parts of about half its diameter, without notches; its names stay."""
     once = refined(U_SHAPE)
-    assert 2 <= once.n_cells <= 4
-    assert once.n_points == 8
+    assert once.cell_diameters.max() <= 0.55 * U_SHAPE.cell_diameters[0]
+    assert chunkiness(once) > 0.1
     twice = refined(once)
     check(twice, region_area=8.0)
-    assert twice.n_cells > 6
-    assert chunkiness(twice) > 0.02
+    assert chunkiness(twice) > 0.1
     assert len(twice.cell_set("all")) == twice.n_cells
-    assert len(twice.edge_set("bottom")) == 2
+    assert len(twice.edge_set("bottom")) == 4
+
+
+L_SHAPE = polygon([(-1, -1), (0, -1), (0, 0), (1, 0), (1, 1), (-1, 1)])
+ANY_POLYGONS = {
+    "agglomerates": (lambda: agglomerated(triangulate(square(1.0), size=0.06), 60), 0.08),
+    "agglomerates in an L": (lambda: agglomerated(triangulate(L_SHAPE, size=0.12), 40), 0.08),
+    "duals in an L": (lambda: dual(triangulate(L_SHAPE, size=0.5)), 0.08),
+    "duals": (lambda: dual(triangulate(square(1.0), size=0.3)), 0.08),
+    "voronoi": (lambda: voronoi(square(1.0), 60, iterations=0), 0.02),
+}
+
+
+@pytest.mark.parametrize("kind", sorted(ANY_POLYGONS))
+def test_diameters_of_any_polygons_halve_and_roundness_stays(kind):
+    """Each refinement takes the maximum diameter to 0.55; kernels keep 0.08 of diameters (with short edges 0.02)."""
+    make, floor = ANY_POLYGONS[kind]
+    mesh = make()
+    area = mesh.cell_areas.sum()
+    for _ in range(4):
+        fine = refined(mesh)
+        assert fine.cell_diameters.max() <= 0.55 * mesh.cell_diameters.max()
+        check(fine, region_area=area, area_tolerance=1e-10)
+        mesh = fine
+        if mesh.n_cells < 400:
+            assert chunkiness(mesh) > floor
+    # area over squared diameter of a square is a half
+    assert (mesh.cell_areas / mesh.cell_diameters**2).min() > floor
+
+
+@settings.get_profile("costly")
+@given(seed=st.integers(0, 2**31), share=st.floats(0.1, 1.0))
+def test_random_refinements_of_agglomerates_are_sound(seed, share):
+    """Cells cut along chords beside divided and untouched ones fit together, with area and sets."""
+    random = np.random.default_rng(seed)
+    base = mesh = named(agglomerated(triangulate(square(1.0), size=0.15), 12))
+    for _ in range(3):
+        mesh = refined(mesh, random.random(mesh.n_cells) < share, most_hanging=random.choice([None, 1]))
+    check(mesh, region_area=1.0, area_tolerance=1e-12, allow_hanging=False)
+    for name in ("left", "right"):
+        area, before = mesh.cell_areas[mesh.cell_set(name)].sum(), base.cell_areas[base.cell_set(name)].sum()
+        assert area == pytest.approx(before, rel=1e-12)
+    assert rim_length(mesh) == pytest.approx(4.0, rel=1e-12)
 
 
 def test_star_parts_of_a_convex_polygon_are_itself():

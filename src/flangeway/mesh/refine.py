@@ -10,8 +10,9 @@ from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray, point_text
 from flangeway.mesh.connectivity import next_in_row, offsets_of, row_numbers
 from flangeway.mesh.curved import Curves, snapped_points
+from flangeway.mesh.cutting import HALVED, cut_polygon, has_notch
 from flangeway.mesh.edge_curves import EdgeCurves
-from flangeway.mesh.kernel import cell_centres, star_parts
+from flangeway.mesh.kernel import GOOD_DISTANCE, visible_distances
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
 from flangeway.types import Bools, Floats, Ints
@@ -20,6 +21,7 @@ BYTES_A_TRIANGLE = 740
 BYTES_A_POLYGON = 2400  # of the construction, for each cell that is refined; measured
 STRAIGHT = np.deg2rad(15.0)  # turn at a point below which both edges belong to one side
 HANGING = 1e-6  # turn in radians below which a point of a cell counts as one that hangs on its side
+MAX_DIVIDED_SIDES = 8  # above, the corners at the centre become sharp
 MIDDLE = 0.25  # distance from the middle of a side, over its length, within which a point of it divides the side
 
 
@@ -28,9 +30,10 @@ def refined(
 ) -> PolyMesh:
     """Return the mesh with all cells, or some, cut into smaller ones.
 
-    A triangle is cut into four at the middles of its sides, any other polygon into quadrilaterals from its centre to
-    the middles of its sides. The centre is the centroid, or, where it does not see the whole polygon well, the point
-    that does best; a polygon that no point sees whole is cut along diagonals into parts for which there is one.
+    A triangle is cut into four at the middles of its sides, other polygons into quadrilaterals from the centroid to the
+    middles of their sides. A polygon that this does not halve, since its centroid is not in the middle or it has many
+    sides, and one with a notch is cut along chords between corners and middles of edges, from notches first, into round
+    parts of about half its diameter. So diameters of all cells fall by 0.55 or less at each refinement or soon after.
 
     Neighbours of refined cells only get the new points, which hang on their sides: they become polygons with a point
     more, and neither shape nor solution need anything else. A cell that is refined later is divided at the points that
@@ -68,29 +71,95 @@ def refined(
         check_integer("refined", "most_hanging", most_hanging, 1, advice="leave it out for no limit")
     if alike:
         return _finished(_refined_triangles(mesh), outline)
+    mesh, marked = _cut(mesh, marked)
     sides = cell_sides(mesh)
-    centres = np.full((mesh.n_cells, 2), np.nan)
-    seen = np.zeros(mesh.n_cells, dtype=bool)
     n_sides = np.bincount(sides.cell, minlength=mesh.n_cells)
-    seen[n_sides == 3] = True
-    new = marked
-    while True:
-        many = np.flatnonzero(new & (n_sides > 3)).astype(np.int32)
-        if len(many):
-            centres[many], seen[many] = cell_centres(mesh, many)
-        split = _split_edges(mesh, sides, marked & seen)
-        if most_hanging is None:
-            break
-        new = _crowded(mesh, sides, split, most_hanging) & ~marked
-        if not new.any():
-            break
-        marked = marked | new
-    fine = _finished(_Division(mesh, sides, marked, seen, split, n_sides, centres).mesh(), outline)
+    split = _split_edges(mesh, sides, marked)
+    fine = _finished(_Division(mesh, sides, marked, split, n_sides).mesh(), outline)
     if most_hanging is None:
         return fine
-    # one division may not be enough where several points hang already
-    still = _crowded(fine, cell_sides(fine), np.zeros(fine.n_edges, dtype=bool), most_hanging)
-    return refined(fine, still, most_hanging=most_hanging, outline=outline) if still.any() else fine
+    crowded = _crowded(fine, most_hanging)
+    return refined(fine, crowded, most_hanging=most_hanging, outline=outline) if crowded.any() else fine
+
+
+def _cut(mesh: PolyMesh, marked: Bools) -> tuple[PolyMesh, Bools]:
+    """Mesh in which the marked cells are cut that no division from a centre halves, and which are still to divide."""
+    chosen = np.flatnonzero(marked & ~_divisible(mesh, marked))
+    if not len(chosen):
+        return mesh, marked
+    split = np.zeros(mesh.n_edges, dtype=bool)
+    middles = mesh.n_points + np.arange(mesh.n_edges)  # numbers before the edges that stay whole are left out
+    inner, parts = [np.empty((0, 2))], {}
+    n_points = mesh.n_points + mesh.n_edges
+    for cell in chosen.tolist():
+        start, end = mesh.cell_offsets[cell : cell + 2]
+        ring, edges = mesh.cell_points[start:end], mesh.cell_edges[start:end]
+        pieces, points = cut_polygon(mesh.points[ring], np.ones(len(ring), dtype=bool))
+        n_new = len(points) - 2 * len(ring)
+        numbers = np.concatenate((ring, middles[edges], n_points + np.arange(n_new)))
+        parts[cell] = [numbers[piece] for piece in pieces]
+        used = np.unique(np.concatenate(pieces))
+        split[edges[used[(used >= len(ring)) & (used < 2 * len(ring))] - len(ring)]] = True
+        inner.append(points[2 * len(ring) :])
+        n_points += n_new
+    halves = {tuple(sorted(mesh.edges[edge].tolist())): int(middles[edge]) for edge in np.flatnonzero(split)}
+    rows, parents = [], []
+    for cell, ring in enumerate(np.split(mesh.cell_points, mesh.cell_offsets[1:-1])):
+        for piece in parts.get(cell, [ring]):
+            whole = []
+            for a, b in zip(piece.tolist(), np.roll(piece, -1).tolist(), strict=True):
+                middle = halves.get((min(a, b), max(a, b)))
+                whole += [a] if middle is None else [a, middle]
+            rows.append(whole)
+            parents.append(cell)
+    taken = np.unique(np.concatenate([*rows, np.arange(mesh.n_points)]))
+    number = np.full(n_points, -1)
+    number[taken] = np.arange(len(taken))
+    points = np.vstack([mesh.points, mesh.edge_middles(np.arange(mesh.n_edges)), *inner])[taken]
+    owner = np.array(parents)
+    cell_sets = {name: np.flatnonzero(np.isin(owner, cells)).astype(np.int32) for name, cells in mesh.cell_sets.items()}
+    fine = PolyMesh(
+        points,
+        offsets_of(np.array([len(row) for row in rows])),
+        number[np.concatenate(rows)].astype(np.int32),
+        cell_sets,
+        _halved_sets(mesh, split),
+        _halved_curves(mesh, split),
+    )
+    still = marked.copy()
+    still[chosen] = False
+    return fine, still[owner]
+
+
+def _divisible(mesh: PolyMesh, marked: Bools) -> Bools:
+    """Which cells a division from the centroid to the middles of sides makes cells of half the diameter of, (n_cells,).
+
+    The centroid sees the whole cell well and lies near its middle, and the cell has few sides and no notch.
+    """
+    cells = np.flatnonzero(marked).astype(np.int32)
+    widths = mesh.cell_areas[cells] / mesh.cell_diameters[cells]
+    centres = mesh.cell_centroids[cells]
+    good = visible_distances(mesh, cells, centres) >= GOOD_DISTANCE * widths
+    sides = cell_sides(mesh)
+    n_sides = np.bincount(sides.cell, minlength=mesh.n_cells)[cells]
+    away = np.hypot(*(mesh.points[mesh.cell_points] - mesh.cell_centroids[row_numbers(mesh.cell_offsets)]).T)
+    radius = np.maximum.reduceat(away, mesh.cell_offsets[:-1])[cells]
+    good &= (n_sides <= MAX_DIVIDED_SIDES) & ((n_sides == 3) | (radius <= HALVED * mesh.cell_diameters[cells]))
+    # sides are divided at points that they have, which may be far from the middle
+    starts = mesh.points[mesh.cell_points[sides.entries[np.flatnonzero(np.diff(sides.side, prepend=-1))]]]
+    middles = mesh.points[mesh.cell_points[sides.entries[sides.at_point]]]
+    without = sides.at_point < 0
+    middles[without] = mesh.edge_middles(mesh.cell_edges[sides.entries[sides.in_edge[without]]])
+    before, longest = _previous(sides.cell), np.zeros(mesh.n_cells)
+    for one, other in ((starts, middles), (starts, middles[before]), (middles, middles[before])):
+        np.maximum.at(longest, sides.cell, np.hypot(*(one - other).T))
+    good &= longest[cells] <= HALVED * mesh.cell_diameters[cells]
+    for row in np.flatnonzero(good & (mesh.cell_sizes[cells] > 3)):
+        start, end = mesh.cell_offsets[cells[row] : cells[row] + 2]
+        good[row] = not has_notch(mesh.points[mesh.cell_points[start:end]])
+    result = np.zeros(mesh.n_cells, dtype=bool)
+    result[cells[good]] = True
+    return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,11 +254,11 @@ def _split_edges(mesh: PolyMesh, sides: Sides, divided: Bools) -> Bools:
     return split
 
 
-def _crowded(mesh: PolyMesh, sides: Sides, split: Bools, most_hanging: int) -> Bools:
+def _crowded(mesh: PolyMesh, most_hanging: int) -> Bools:
     """Which cells have a side with more hanging points than allowed, (n_cells,)."""
-    counts = np.bincount(sides.side, sides.hanging + 1.0 * split[mesh.cell_edges[sides.entries]])
+    sides = cell_sides(mesh)
     crowded = np.zeros(mesh.n_cells, dtype=bool)
-    crowded[sides.cell[counts > most_hanging]] = True
+    crowded[sides.cell[np.bincount(sides.side, sides.hanging) > most_hanging]] = True
     return crowded
 
 
@@ -232,22 +301,20 @@ def _halved_curves(mesh: PolyMesh, split: Bools) -> EdgeCurves | None:
 
 @dataclass(frozen=True, eq=False)
 class _Division:
-    """What is cut how: the cells of `seen` among the marked ones about centres, the other marked ones by diagonals."""
+    """How the marked cells are divided about their centroids, triangles without one."""
 
     old: PolyMesh
     sides: Sides
     marked: Bools
-    seen: Bools
     split: Bools
     n_sides: Ints
-    centres: Floats
 
     def mesh(self) -> PolyMesh:
         old = self.old
-        with_centre = np.flatnonzero(self.marked & self.seen & (self.n_sides > 3))
+        with_centre = np.flatnonzero(self.marked & (self.n_sides > 3))
         middles = old.edge_middles(np.flatnonzero(self.split))
-        points = np.vstack([old.points, middles, self.centres[with_centre]])
-        parents, counts, corners = self._rows(points, with_centre)
+        points = np.vstack([old.points, middles, old.cell_centroids[with_centre]])
+        parents, counts, corners = self._rows(with_centre)
         order = np.argsort(parents, kind="stable")
         starts = (np.cumsum(counts) - counts)[order]
         offsets = offsets_of(counts[order])
@@ -261,13 +328,12 @@ class _Division:
         halves = _halved_sets(old, self.split), _halved_curves(old, self.split)
         return PolyMesh(points, offsets, corners[places], cell_sets, *halves)
 
-    def _rows(self, points: Floats, with_centre: Ints) -> tuple[Ints, Ints, IntArray]:
+    def _rows(self, with_centre: Ints) -> tuple[Ints, Ints, IntArray]:
         """New cells: old cell and number of points of each, and their points one after the other."""
         ring, offsets, place = self._rings()
         sizes = np.diff(offsets)
         groups = [_picked(ring, offsets, np.flatnonzero(~self.marked))]
-        cut = self.marked & self.seen
-        mine = np.flatnonzero(cut[self.sides.cell])
+        mine = np.flatnonzero(self.marked[self.sides.cell])
         cell = self.sides.cell[mine]
         before = _previous(cell)
         start, end = place[mine][before], place[mine]
@@ -282,10 +348,6 @@ class _Division:
         groups.append((cell, counts, corners))
         inner = cell[centre[cell] < 0]
         groups.append((inner[::3], np.full(len(inner) // 3, 3), ring[end[centre[cell] < 0]]))
-        for number in np.flatnonzero(self.marked & ~self.seen).tolist():
-            parts = star_parts(ring[offsets[number] : offsets[number + 1]].astype(np.int32), points)
-            sizes_of = np.array([len(part) for part in parts])
-            groups.append((np.full(len(parts), number), sizes_of, np.concatenate(parts)))
         parents, counts, corners = (np.concatenate(parts) for parts in zip(*groups, strict=True))
         return parents, counts, corners.astype(np.int32)
 
