@@ -5,9 +5,9 @@ import pytest
 
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
-from flangeway.forms import interpolate, load, solve, stiffness
+from flangeway.forms import interpolate, load, mass, solve, stiffness
 from flangeway.geometry import circle, polygon, square
-from flangeway.mesh import agglomerated, check, quadtree, rectangle_grid, triangulate, voronoi
+from flangeway.mesh import agglomerated, check, curved, quadtree, rectangle_grid, triangulate, voronoi
 from flangeway.space import Space
 
 PENTAGON = polygon([(0.0, 0.0), (2.0, 0.0), (4.0, 0.0), (5.0, 2.0), (2.0, 4.0)], ["a", "b", "c", "d", "e"])
@@ -63,6 +63,53 @@ def test_voronoi_cells_are_nearest_to_their_points():
     assert np.linalg.norm(voronoi(PENTAGON, 9).points - [2.0, 0.0], axis=1).min() == 0.0
 
 
+SLOTTED = polygon([(0, 0), (3, 0), (3, 4), (2, 4), (2, 1), (1, 1), (1, 4), (0, 4)])
+
+
+@pytest.mark.parametrize("iterations", [0, 8])
+def test_voronoi_cells_fill_an_outline_with_reentrant_corners(iterations):
+    """The area is the outline's, sides have its names, and each cell's vertices are nearest to its point."""
+    mesh = voronoi(SLOTTED, 40, iterations=iterations)
+    check(mesh, region_area=SLOTTED.area, area_tolerance=1e-12)
+    assert len(mesh.edge_sets) == 8
+    assert mesh.n_points - mesh.n_edges + mesh.n_cells == 1
+
+
+def test_a_piece_of_a_cell_behind_a_slot_gets_a_cell_of_its_own():
+    """Points in one arm of a U: what is nearest to the upper one in the other arm is no part of its cell."""
+    points = np.array([[0.5, 3.5], [0.5, 0.5]])
+    mesh = voronoi(SLOTTED, points, iterations=0)
+    assert mesh.n_cells == 3
+    check(mesh, region_area=SLOTTED.area, area_tolerance=1e-12)
+    assert mesh.cell_centroids[2, 0] > 2.0
+    assert (mesh.cell_centroids[:2, 0] < 2.0).all()
+
+
+def test_voronoi_cells_in_a_circle_have_their_vertices_on_it():
+    """The boundary is made of chords; with curved edges the area is the circle's to the order of the edges."""
+    outline = circle(1.0)
+    mesh = voronoi(outline, 60)
+    rim = mesh.points[np.unique(mesh.boundary_edges)]
+    np.testing.assert_allclose(np.hypot(*rim.T), 1.0, rtol=1e-12)
+    assert len(mesh.edge_set("circle")) == len(mesh.boundary_edges) < 60
+    bent = curved(mesh, outline)
+    space = Space(bent, Virtual(4))
+    ones = interpolate(space, lambda p: np.ones(len(p)))
+    assert ones @ (mass(space) @ ones) == pytest.approx(np.pi, rel=1e-5)
+
+
+def test_cells_are_graded_like_a_size_field():
+    """The root of the area over the size is the same everywhere within 30 %, where sizes differ 20 times."""
+
+    def size(p):
+        return 0.02 + 0.3 * np.hypot(*p.T)
+
+    mesh = voronoi(polygon([(0, 0), (1, 0), (1, 1), (0, 1)]), 400, size=size, iterations=30)
+    ratio = np.sqrt(mesh.cell_areas) / size(mesh.cell_centroids)
+    assert np.percentile(ratio, 95) < 1.3 * np.percentile(ratio, 5)
+    assert ratio.max() < 1.6 * ratio.min()
+
+
 def test_iterations_of_lloyd_make_cells_even():
     """The ratio of extreme areas falls."""
     before, after = (voronoi(square(1.0), 60, iterations=n).cell_areas for n in (0, 15))
@@ -106,8 +153,8 @@ def test_agglomerated_polygons_keep_area_sets_and_the_boundary():
 
 
 WRONG = {
-    "arcs or reentrant": lambda: voronoi(circle(1.0), 5),
-    "arcs or reentrant corners": lambda: voronoi(polygon([(0, 0), (2, 0), (2, 2), (1, 0.5), (0, 2)]), 5),
+    "sizes of shape": lambda: voronoi(square(1.0), 5, size=lambda p: 1.0),
+    "not positive": lambda: voronoi(square(1.0), 5, size=lambda p: -(p[:, 0] ** 2)),
     "inside the outline": lambda: voronoi(square(1.0), [(5.0, 0.0), (0.1, 0.1)]),
     "at one place": lambda: voronoi(square(1.0), [(0.1, 0.1), (0.1, 0.1)]),
     "number of cells": lambda: voronoi(square(1.0), 0),

@@ -1,30 +1,46 @@
-"""Voronoi polygons in a convex outline, made even by Lloyd's iterations."""
+"""Voronoi polygons in any outline, made even or graded by Lloyd's iterations."""
+
+from collections.abc import Callable
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 from scipy.spatial import QhullError, Voronoi, cKDTree
 
 from flangeway.checks import as_numbers, check_integer
 from flangeway.errors import InputError, short
 from flangeway.geometry import Line, Outline
+from flangeway.geometry.arrays import cross_product
+from flangeway.mesh.connectivity import offsets_of
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
-BYTES_A_CELL = 10_000  # of the cells and their images
+BYTES_A_CELL = 10_000  # measured at the peak, with the clipped cells
 ONE_POINT = 1e-9  # distance over the outline's size below which two vertices are one
+CHORD_ANGLE = 0.02
+"""Angle in radians of an arc's chords that clip the cells: their sagitta is 5e-5 of the radius."""
+ENCLOSING = 20.0
+"""Distance of four points around everything, over the outline's size, that make all Voronoi cells bounded."""
+MAX_PIECES = 20
+"""Rounds in which pieces of cells that the outline cuts in two get points of their own."""
+
+Size = Callable[[Floats], ArrayLike]
 
 
-def voronoi(outline: Outline, cells: int | ArrayLike, *, iterations: int = 10, seed: int = 0) -> PolyMesh:
-    """Return the Voronoi polygons of points in a convex outline.
+def voronoi(
+    outline: Outline, cells: int | ArrayLike, *, iterations: int = 10, seed: int = 0, size: Size | None = None
+) -> PolyMesh:
+    """Return the Voronoi polygons of points in an outline.
 
-    Each cell holds what is nearer to its point than to the others. Images of the points in the straight sides cut the
-    cells exactly along the outline.
+    Each cell holds what is nearer to its point than to the others, clipped along the outline, which may have reentrant
+    corners and arcs. On an arc vertices lie on it and edges are chords; `flangeway.mesh.curved` bends them. Where the
+    outline cuts a cell in two, each further piece gets a point of its own.
 
     Parameters
     ----------
     outline
-        Convex, of straight lines; its names become edge sets.
+        Any outline; its names become edge sets.
     cells
         Number of cells, whose points are random at first, or the points (n, 2) inside the outline.
     iterations
@@ -32,98 +48,189 @@ def voronoi(outline: Outline, cells: int | ArrayLike, *, iterations: int = 10, s
         1982, "Least squares quantization in PCM"). With 0 some edges are very short.
     seed
         Of the random points.
+    size
+        Function of points (n, 2) that gives positive sizes (n,), of which the ratios count: cells are graded like them.
+        Centroids are taken with the density ``size^-4``, with which Lloyd's cells get this size (Du, Faber and
+        Gunzburger, 1999, "Centroidal Voronoi tessellations", section 6).
 
     Returns
     -------
     PolyMesh
-        Cell i belongs to point i.
+        Cell i belongs to point i; cells of pieces follow.
 
     Raises
     ------
     InputError
-        If the outline is not convex or has arcs, or points lie outside or on each other.
+        If points lie outside or on each other, or a size is not positive.
     """
-    lines = _lines(outline)
+    domain = _domain(outline)
     check_integer("voronoi", "iterations", iterations, 0)
     if np.ndim(cells) == 0:
         number = check_integer("voronoi", "cells", cells, 1, advice="give the number of cells, or points (n, 2)")
         refuse_large_mesh(f"{number:,} Voronoi cells", BYTES_A_CELL * number)
-        points = _random_points(outline, number, seed)
+        points = _random_points(outline, domain, number, seed, size)
     else:
         points = as_numbers("the points of Voronoi cells", cells)
-        if points.ndim != 2 or points.shape[1] != 2 or not (points @ lines[:, :2].T < lines[:, 2]).all():
+        if points.ndim != 2 or points.shape[1] != 2 or not shapely.contains_xy(domain, points).all():
             raise InputError(f"points {short(points)}", "rows of x and y inside the outline", "leave out the others")
     for _ in range(iterations):
-        points = _cells(points, lines, outline).cell_centroids
-    mesh = _cells(points, lines, outline)
+        points = _Cells(points, domain, outline).centroids(size)
+    for _ in range(MAX_PIECES):
+        clipped = _Cells(points, domain, outline)
+        if not len(clipped.further):
+            break
+        points = np.vstack((points, clipped.further))
+    mesh = clipped.mesh(outline)
     middles = mesh.points[mesh.boundary_edges].mean(axis=1)
     nearest = outline.closest(middles)[0]
     for name in dict.fromkeys(outline.names):
-        own = [number for number, other in enumerate(outline.names) if other == name]
-        mesh = mesh.with_edge_set(name, mesh.boundary_edges[np.isin(nearest, own)])
+        segments = [number for number, other in enumerate(outline.names) if other == name]
+        mesh = mesh.with_edge_set(name, mesh.boundary_edges[np.isin(nearest, segments)])
     return mesh
 
 
-def _lines(outline: Outline) -> Floats:
-    """Lines of the sides, each once: outward unit normal and its product with the points on the line, (n, 3)."""
-    corners = np.array([segment.start for segment in outline.segments])
-    along = np.roll(corners, -1, axis=0) - corners
-    after = np.roll(along, -1, axis=0)
-    turns = along[:, 0] * after[:, 1] - along[:, 1] * after[:, 0]
-    if not all(isinstance(segment, Line) for segment in outline.segments) or turns.min() < -ONE_POINT * outline.size**2:
+def _domain(outline: Outline) -> shapely.Polygon:
+    """The region as a polygon, with chords in the place of arcs."""
+    corners = []
+    for segment in outline.segments:
+        n = 1 if isinstance(segment, Line) else int(np.ceil(abs(segment.length * segment.curvature) / CHORD_ANGLE))
+        corners.append(segment.point(np.arange(n) / n))
+    polygon = shapely.Polygon(np.concatenate(corners))
+    shapely.prepare(polygon)
+    return polygon
+
+
+def _sizes(size: Size | None, points: Floats) -> Floats:
+    if size is None:
+        return np.ones(len(points))
+    values = np.asarray(size(points), dtype=np.float64)
+    if values.shape != (len(points),) or not (np.isfinite(values) & (values > 0.0)).all():
         raise InputError(
-            "voronoi in an outline with arcs or reentrant corners",
-            "a convex outline of straight lines",
-            "take dual(triangulate(outline, ...)), or agglomerated cells",
+            f"sizes of shape {values.shape} for {len(points)} points, or one that is not positive",
+            "a positive number for each point",
+            "write the function for points of shape (n, 2)",
         )
-    normals = np.column_stack((along[:, 1], -along[:, 0])) / np.linalg.norm(along, axis=1)[:, None]
-    lines = np.column_stack((normals, (normals * corners).sum(axis=1)))
-    new = np.abs(np.roll(normals, 1, axis=0) - normals).max(axis=1) > ONE_POINT
-    return lines[new]
+    return values
 
 
-def _random_points(outline: Outline, number: int, seed: int) -> Floats:
+def _random_points(outline: Outline, domain: shapely.Polygon, number: int, seed: int, size: Size | None) -> Floats:
+    """Random points inside, with the density ``size^-2``, by rejection."""
     random = np.random.default_rng(seed)
     low, high = outline.bounds()
-    points = np.empty((0, 2))
+    points, smallest = np.empty((0, 2)), np.inf
     while len(points) < number:
         more = low + random.random((2 * number, 2)) * (high - low)
-        points = np.vstack((points, more[outline.contains(more)]))
+        more = more[shapely.contains_xy(domain, more)]
+        if size is not None:
+            sizes = _sizes(size, more)
+            smallest = min(smallest, float(sizes.min(initial=np.inf)))
+            more = more[random.random(len(more)) < (smallest / sizes) ** 2]
+        points = np.vstack((points, more))
     return points[:number]
 
 
-def _cells(points: Floats, lines: Floats, outline: Outline) -> PolyMesh:
-    n, tolerance = len(points), ONE_POINT * outline.size
-    if len(cKDTree(points).query_pairs(tolerance)):
-        raise InputError("two points of Voronoi cells at one place", "points that differ", "remove one")
-    images = [points - 2.0 * (points @ line[:2] - line[2])[:, None] * line[:2] for line in lines]
-    try:
-        found = Voronoi(np.vstack((points, *images)))
-    except QhullError as reason:
-        raise InputError(f"points without Voronoi cells: {short(reason)}", "points apart", "move them") from reason
-    rows = [found.regions[region] for region in found.point_region[:n]]
-    used = np.unique(np.concatenate(rows))
-    vertices = found.vertices[used]
-    # on a side four points lie on one circle: vertices that round-off has parted become one
-    first = np.arange(len(used))
-    for low, high in sorted(cKDTree(vertices).query_pairs(tolerance), reverse=True):
-        first[high] = low
-    kept, numbers = np.unique(first, return_inverse=True)
-    vertices = vertices[kept]
-    for normal_x, normal_y, offset in lines:
-        normal = np.array([normal_x, normal_y])
-        above = vertices @ normal - offset
-        near = np.abs(above) < tolerance
-        vertices[near] -= above[near, None] * normal
-    corners = np.array([segment.start for segment in outline.segments])
-    distances, nearest = cKDTree(vertices).query(corners)
-    vertices[nearest[distances < tolerance]] = corners[distances < tolerance]
-    joints = corners[distances >= tolerance]  # between sides in one line
-    joint_of = cKDTree(points).query(joints)[1] if len(joints) else np.empty(0)
-    n_found, vertices = len(vertices), np.vstack((vertices, joints))
-    cells = []
-    for cell, (row, point) in enumerate(zip(rows, points, strict=True)):
-        own = np.append(np.unique(numbers[np.searchsorted(used, row)]), n_found + np.flatnonzero(joint_of == cell))
-        rays = vertices[own] - point
-        cells.append(own[np.argsort(np.arctan2(rays[:, 1], rays[:, 0]))].tolist())
-    return PolyMesh.from_cells(vertices, cells)
+class _Cells:
+    """Voronoi cells of points: those inside as Qhull gives them, the others clipped along the outline."""
+
+    def __init__(self, points: Floats, domain: shapely.Polygon, outline: Outline) -> None:
+        self.points, n = points, len(points)
+        self.tolerance = ONE_POINT * outline.size
+        if len(cKDTree(points).query_pairs(self.tolerance)):
+            raise InputError("two points of Voronoi cells at one place", "points that differ", "remove one")
+        corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+        around = outline.bounds().mean(axis=0) + ENCLOSING * outline.size * corners
+        try:
+            found = Voronoi(np.vstack((points, around)))
+        except QhullError as reason:
+            raise InputError(f"points without Voronoi cells: {short(reason)}", "points apart", "move them") from reason
+        # vertices of each cell in counter-clockwise order, one cell after the other
+        rows = [found.regions[region] for region in found.point_region[:n]]
+        sizes = np.array([len(row) for row in rows])
+        vertices = np.concatenate(rows).astype(np.int64)
+        owner = np.repeat(np.arange(n), sizes)
+        rays = found.vertices[vertices] - points[owner]
+        order = np.lexsort((np.arctan2(rays[:, 1], rays[:, 0]), owner))
+        self.vertices, self.owner, coordinates = vertices[order], owner, found.vertices
+        radius = np.maximum.reduceat(np.hypot(*rays.T), offsets_of(sizes)[:-1])
+        boundary = shapely.STRtree([shapely.LineString(pair) for pair in _edges_of(domain)])
+        self.cut = np.zeros(n, dtype=bool)
+        circles = shapely.box(*(points - radius[:, None]).T, *(points + radius[:, None]).T)
+        self.cut[boundary.query(circles, predicate="intersects")[0]] = True
+        self.coordinates = coordinates
+        self._clip(domain)
+
+    def _clip(self, domain: shapely.Polygon) -> None:
+        """Clip the cells at the boundary; the piece that holds a cell's point stays, others want one of their own."""
+        taken = self.cut[self.owner]
+        number = np.cumsum(self.cut) - 1
+        rings = shapely.linearrings(self.coordinates[self.vertices[taken]], indices=number[self.owner[taken]])
+        pieces, index = shapely.get_parts(shapely.intersection(shapely.polygons(rings), domain), return_index=True)
+        large = shapely.area(pieces) > self.tolerance**2
+        pieces, index = pieces[large], index[large]
+        away = shapely.distance(pieces, shapely.points(self.points[self.cut][index]))
+        order = np.lexsort((-shapely.area(pieces), away, index))
+        first = np.ones(len(order), dtype=bool)
+        first[1:] = index[order][1:] != index[order][:-1]
+        self.kept = shapely.reverse(shapely.normalize(pieces[order[first]]))  # counter-clockwise
+        self.further = shapely.get_coordinates(shapely.point_on_surface(pieces[order[~first]]))
+
+    def _rings(self) -> tuple[Floats, Ints]:
+        """Vertices of all cells, counter-clockwise one cell after the other, and the cell of each."""
+        inner = ~self.cut[self.owner]
+        outer, index = shapely.get_coordinates(shapely.get_exterior_ring(self.kept), return_index=True)
+        last = np.ones(len(index), dtype=bool)
+        last[:-1] = index[1:] != index[:-1]  # a ring ends with its first point
+        outer, index = outer[~last], index[~last]
+        places = np.vstack((self.coordinates[self.vertices[inner]], outer))
+        owner = np.concatenate((self.owner[inner], np.flatnonzero(self.cut)[index]))
+        order = np.argsort(owner, kind="stable")
+        return places[order], owner[order]
+
+    def centroids(self, size: Size | None) -> Floats:
+        """Centroids (n, 2) of the cells, with the density ``size^-4``; points inside where a centroid is outside."""
+        places, owner = self._rings()
+        starts = offsets_of(np.bincount(owner))[:-1]
+        following = np.arange(1, len(owner) + 1)
+        following[np.append(starts[1:], len(owner)) - 1] = starts
+        base = self.points[owner]
+        # signed triangles from the cell's point to its edges: exact for constants, also where it does not see them
+        a, b = places - base, places[following] - base
+        weights = 0.5 * cross_product(a, b)
+        middles = base + (a + b) / 3.0
+        weights = weights * (1.0 if size is None else _sizes(size, middles) ** -4.0)
+        total = np.add.reduceat(weights, starts)
+        result = np.column_stack([np.add.reduceat(weights * middles[:, axis], starts) / total for axis in (0, 1)])
+        outside = np.flatnonzero(self.cut)
+        lost = ~shapely.contains_xy(self.kept, result[outside, 0], result[outside, 1])
+        result[outside[lost]] = shapely.get_coordinates(shapely.point_on_surface(self.kept[lost]))
+        return result
+
+    def mesh(self, outline: Outline) -> PolyMesh:
+        """The cells with common vertices; chords of an arc inside a cell become one."""
+        places, owner = self._rings()
+        joints = np.array([segment.start for segment in outline.segments])
+        near, joint = cKDTree(joints).query(places)
+        places = np.where((near < self.tolerance)[:, None], joints[joint], places)
+        number, _, distance = outline.closest(places)
+        straight = np.array([isinstance(segment, Line) for segment in outline.segments])
+        chords = _domain(outline).exterior
+        on_arc = (distance < CHORD_ANGLE * outline.size) & ~straight[number]
+        on_arc[on_arc] = shapely.distance(shapely.points(places[on_arc]), chords) < self.tolerance
+        of_chords = cKDTree(shapely.get_coordinates(chords)).query(places)[0] < self.tolerance
+        kept = ~(on_arc & of_chords) | (near < self.tolerance)
+        places, owner, on_arc, number = (array[kept] for array in (places, owner, on_arc, number))
+        for which in np.flatnonzero(~straight):
+            rows = np.flatnonzero(on_arc & (number == which))
+            if len(rows):
+                places[rows] = outline.segments[which].point(outline.segments[which].closest(places[rows])[0])
+        first = np.arange(len(places))
+        for low, high in sorted(cKDTree(places).query_pairs(self.tolerance), reverse=True):
+            first[high] = low
+        kept, vertices = np.unique(first, return_inverse=True)
+        cells = np.split(vertices, np.cumsum(np.bincount(owner))[:-1])
+        return PolyMesh.from_cells(places[kept], [list(dict.fromkeys(cell.tolist())) for cell in cells])
+
+
+def _edges_of(domain: shapely.Polygon) -> Floats:
+    corners = shapely.get_coordinates(domain)
+    return np.stack((corners[:-1], corners[1:]), axis=1)
