@@ -21,6 +21,7 @@ PURPOSE = {
     "pillow": "pictures in the report",
     "pydantic": "checks of inputs and case files",
     "rich": "the terminal",
+    "shapely": "clipping of Voronoi cells",
     "scipy": "sparse matrices, optimisation",
     "typer": "the command line",
 }

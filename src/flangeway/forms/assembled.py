@@ -4,6 +4,7 @@ Unknowns of a field of m components are numbered ``m * dof + component``: arrays
 """
 
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import numpy as np
 import scipy.sparse as sp
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike
 from flangeway.checks import as_numbers
 from flangeway.elements import Function, Reconstruction, missed_mass, monomials
 from flangeway.errors import InputError
-from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
+from flangeway.forms.weak import PointValues, bilinear, linear
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, Space, load_vector
 from flangeway.space.functions import cell_quadrature, quadrature_degree
 from flangeway.types import Floats
@@ -100,7 +101,7 @@ def mass(
     """
     given = CellCoefficient.on(space, coefficient, "values")
     if on is not None:
-        return _edge_mass(space, given, edge_quadrature(space, space.mesh.edge_set(on)))
+        return _edge_mass(space, given, on)
 
     def matrices(batch: CellBatch, reconstruction: Reconstruction, blocks: Floats) -> None:
         tensor, weighted = _weighted_mass(given, batch, reconstruction, space.order, degree)
@@ -149,19 +150,16 @@ def _assembled(
     return space.assemble(of_cells, m).full()
 
 
-def _edge_mass(space: Space, given: CellCoefficient, rule: EdgeQuadrature) -> sp.csr_array:
-    n_edges, n_points = rule.weights.shape
+def _edge_mass(space: Space, given: CellCoefficient, on: str) -> sp.csr_array:
     if given.function is None and given.values is not None and len(given.values) > 1:
         raise InputError("a coefficient of cells along edges", "a number, a matrix or a function", "give one of these")
-    at_points = given.along(rule.points)
-    local = np.einsum("ijeq,eq,qm,qn->eminj", np.broadcast_to(at_points, (*at_points.shape[:2], n_edges, n_points)),
-                      rule.weights, rule.shapes, rule.shapes)  # fmt: skip
     m = given.n_components
-    numbers = (m * rule.nodes[:, :, None] + np.arange(m)).reshape(n_edges, -1)
-    rows = np.repeat(numbers, numbers.shape[1], axis=1).ravel()
-    columns = np.tile(numbers, numbers.shape[1]).ravel()
-    size = m * space.n_dofs
-    return sp.coo_array((local.ravel(), (rows, columns)), shape=(size, size)).tocsr()
+
+    def springs(u: PointValues, v: PointValues, w: SimpleNamespace) -> Floats:
+        weighted = np.einsum("ijn,nj->ni", given.along(w.points[None])[:, :, 0], u.value.reshape(-1, m))
+        return (weighted * v.value.reshape(-1, m)).sum(axis=1)
+
+    return bilinear(space, springs, components=m, on=on)
 
 
 def load(space: Space, function: Function | ArrayLike, *, on: str | None = None, degree: int | None = None) -> Floats:
@@ -189,9 +187,10 @@ def load(space: Space, function: Function | ArrayLike, *, on: str | None = None,
         return load(space, lambda points: np.broadcast_to(constant, (len(points), *constant.shape)), on=on)
     if on is None:
         return load_vector(space, function, degree)
-    rule = edge_quadrature(space, space.mesh.edge_set(on))
-    values = np.asarray(function(rule.points.reshape(-1, 2)), dtype=np.float64)
-    values = values.reshape(*rule.weights.shape, *values.shape[1:])
-    result = np.zeros((space.n_dofs, *values.shape[2:]))
-    np.add.at(result, rule.nodes, np.einsum("eq,qm,eq...->em...", rule.weights, rule.shapes, values))
-    return result
+    m = int(np.prod(np.shape(function(space.nodes[:1]))[1:], dtype=np.int64))
+
+    def traction(v: PointValues, w: SimpleNamespace) -> Floats:
+        return (np.reshape(function(w.points), (-1, m)) * v.value.reshape(-1, m)).sum(axis=1)
+
+    result = linear(space, traction, components=m, on=on)
+    return result if m > 1 or np.ndim(function(space.nodes[:1])) == 1 else result[:, None]

@@ -57,7 +57,7 @@ def cut_polygon(corners: Floats, divisible: Bools) -> tuple[list[list[int]], Flo
             middle = middles.get((min(a, b), max(a, b)))
             candidates += [a] if middle is None else [a, middle]
         at_notch = np.isin(candidates, np.array(ring)[notches])
-        chord = _best_chord(points[candidates], at_notch)
+        chord = best_chord(points[candidates], at_notch)
         if chord is None:
             parts.append(ring)
             continue
@@ -116,7 +116,7 @@ def _angle(forward: Floats, back: Floats) -> Floats:
     return np.asarray(np.mod(turn, 2.0 * np.pi))
 
 
-def _best_chord(x: Floats, at_notch: Bools) -> tuple[int, int] | None:
+def best_chord(x: Floats, at_notch: Bools) -> tuple[int, int] | None:
     """The chord (i, j), i < j, inside a polygon with the highest score; None if there is none."""
     n = len(x)
     i, j = np.triu_indices(n, 2)

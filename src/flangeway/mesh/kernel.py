@@ -5,6 +5,7 @@ from scipy.optimize import linprog
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, cross_product, point_text
+from flangeway.mesh.cutting import best_chord
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Floats
 
@@ -76,54 +77,14 @@ def star_parts(polygon: IntArray, points: Floats) -> list[IntArray]:
     diameter = float(np.hypot(*(corners[:, None] - corners).T).max())
     if kernel_centre(corners)[1] > SMALLEST_KERNEL * area / diameter:
         return [polygon]
-    first, second = _best_diagonal(corners)
-    inner, outer = polygon[first : second + 1], np.concatenate([polygon[second:], polygon[: first + 1]])
-    return [*star_parts(inner, points), *star_parts(outer, points)]
-
-
-def _best_diagonal(corners: Floats) -> tuple[int, int]:
-    """Inner diagonal from a reflex corner with the largest minimum angle at its ends."""
-    n = len(corners)
-    before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
-    turns = cross_product(corners - before, after - corners)
-    best, widest = None, 0.0
-    for i in np.flatnonzero(turns < 0.0).tolist():
-        for j in range(n):
-            if (j - i) % n in (0, 1, n - 1):
-                continue
-            angle = min(_opening(corners, i, j), _opening(corners, j, i))
-            if angle > widest and _clear(corners, i, j):
-                best, widest = (min(i, j), max(i, j)), angle
-    if best is None:
+    steps_before = np.roll(steps, 1, axis=0)
+    chord = best_chord(corners, cross_product(steps_before, steps) < 0.0)
+    if chord is None:
         raise InputError(
             f"a cell near {point_text(corners.mean(axis=0))} that no diagonal divides",
             "polygons that do not cross themselves",
             "check the mesh with flangeway.mesh.check",
         )
-    return best
-
-
-def _opening(corners: Floats, i: int, j: int) -> float:
-    """Least angle between the diagonal from i to j and the sides at i; zero if it leaves the polygon there."""
-    n = len(corners)
-    ray = corners[j] - corners[i]
-    forward, back = corners[(i + 1) % n] - corners[i], corners[i - 1] - corners[i]
-
-    def angle(side: Floats) -> float:
-        return float(np.mod(np.arctan2(*side[::-1]) - np.arctan2(*forward[::-1]), 2.0 * np.pi))
-
-    whole, mine = angle(back), angle(ray)
-    return max(min(mine, whole - mine), 0.0)
-
-
-def _clear(corners: Floats, i: int, j: int) -> bool:
-    """Whether the diagonal from i to j meets no side but those at its ends."""
-    n = len(corners)
-    starts = np.array([k for k in range(n) if k not in (i, j, (i - 1) % n, (j - 1) % n)])
-    if not len(starts):
-        return True
-    a, b, p, q = corners[i], corners[j], corners[starts], corners[(starts + 1) % n]
-    ray = b - a
-    of_p, of_q = cross_product(ray, p - a), cross_product(ray, q - a)
-    of_a, of_b = cross_product(q - p, a - p), cross_product(q - p, b - p)
-    return not bool(((of_p * of_q <= 0.0) & (of_a * of_b <= 0.0)).any())
+    first, second = chord
+    inner, outer = polygon[first : second + 1], np.concatenate([polygon[second:], polygon[: first + 1]])
+    return [*star_parts(inner, points), *star_parts(outer, points)]
