@@ -1,0 +1,125 @@
+"""Own forms beside scikit-fem on the same triangles: values at the points to 1e-10, of nonlinear problems to 1e-8."""
+
+import numpy as np
+import pytest
+
+from flangeway.elements import Lagrange
+from flangeway.forms import Factor, bilinear, linear, mass, newton, solve, stiffness, theta_steps
+from flangeway.geometry import square
+from flangeway.mesh import triangulate
+from flangeway.space import Space
+
+skfem = pytest.importorskip("skfem")
+
+MESH = triangulate(square(1.0, (0.5, 0.5)), size=0.15)
+THEIRS = skfem.MeshTri(MESH.points.T, MESH.cell_points.reshape(-1, 3).T)
+SPACE = Space(MESH, Lagrange(2))
+BASIS = skfem.Basis(THEIRS, skfem.ElementTriP2(), intorder=6)
+FACETS = skfem.FacetBasis(THEIRS, skfem.ElementTriP2(), intorder=6)
+FIXED, DIRICHLET = SPACE.boundary_dofs(), BASIS.get_dofs().all()
+BETA = (5.0, -3.0)
+
+
+def dot(a, b):
+    return (a * b).sum(axis=-1)
+
+
+def at_points(theirs):
+    """Values of scikit-fem's solution at the points of the mesh."""
+    return theirs[BASIS.nodal_dofs[0]]
+
+
+@skfem.BilinearForm
+def laplace(u, v, _):
+    return u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]
+
+
+@skfem.BilinearForm
+def value(u, v, _):
+    return u * v
+
+
+@skfem.LinearForm
+def source(v, w):
+    return np.sin(3.0 * w.x[0]) * v
+
+
+def our_source(v, w):
+    return np.sin(3.0 * w.points[:, 0]) * v.value
+
+
+def test_advection_and_diffusion():
+    """A non-symmetric form with a coefficient that varies."""
+
+    @skfem.BilinearForm
+    def advection(u, v, w):
+        return (BETA[0] * u.grad[0] + BETA[1] * w.x[0] * u.grad[1]) * v
+
+    def ours(u, v, w):
+        beta = np.stack((np.full(len(w.points), BETA[0]), BETA[1] * w.points[:, 0]), axis=1)
+        return dot(u.gradient, v.gradient) + dot(beta, u.gradient) * v.value
+
+    matrix = laplace.assemble(BASIS) + advection.assemble(BASIS)
+    theirs = skfem.solve(*skfem.condense(matrix, source.assemble(BASIS), D=DIRICHLET))
+    found = solve(bilinear(SPACE, ours, degree=6), linear(SPACE, our_source, degree=6), FIXED)
+    np.testing.assert_allclose(found[: MESH.n_points], at_points(theirs), atol=1e-10 * np.abs(theirs).max())
+
+
+def test_helmholtz_with_absorbing_boundary():
+    """A complex matrix with a form along the boundary."""
+    matrix = laplace.assemble(BASIS) - 25.0 * value.assemble(BASIS) - 5.0j * value.assemble(FACETS)
+    theirs = skfem.solve(matrix, source.assemble(BASIS).astype(complex))
+    boundary = sum(mass(SPACE, on=name) for name in MESH.edge_sets)
+    found = Factor(stiffness(SPACE) - 25.0 * mass(SPACE) - 5.0j * boundary).solve(linear(SPACE, our_source, degree=6))
+    np.testing.assert_allclose(found[: MESH.n_points], at_points(theirs), atol=1e-10 * np.abs(theirs).max())
+
+
+def test_transient_heat():
+    """Twenty steps of Crank and Nicolson from the same start."""
+    K, M, b = laplace.assemble(BASIS), value.assemble(BASIS), source.assemble(BASIS)
+    theirs = np.zeros(BASIS.N)
+    for _ in range(20):
+        rhs = (M - 0.005 * K) @ theirs + 0.01 * b
+        theirs = skfem.solve(*skfem.condense(M + 0.005 * K, rhs, D=DIRICHLET))
+    rhs = linear(SPACE, our_source, degree=6)
+    *_, (_, ours) = theta_steps(mass(SPACE), stiffness(SPACE), np.zeros(SPACE.n_dofs), 0.01, 20, load=rhs, fixed=FIXED)
+    np.testing.assert_allclose(ours[: MESH.n_points], at_points(theirs), atol=1e-10 * np.abs(theirs).max())
+
+
+def test_a_minimal_surface():
+    """Newton's method for ``div(grad u / sqrt(1 + |grad u|^2)) = 0`` with a curved rim, to 1e-8."""
+
+    @skfem.BilinearForm
+    def tangent(u, v, w):
+        p = w["w"].grad
+        size = 1.0 + p[0] ** 2 + p[1] ** 2
+        along = p[0] * u.grad[0] + p[1] * u.grad[1]
+        across = p[0] * v.grad[0] + p[1] * v.grad[1]
+        return (u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]) / size**0.5 - along * across / size**1.5
+
+    @skfem.LinearForm
+    def residual(v, w):
+        p = w["w"].grad
+        return (p[0] * v.grad[0] + p[1] * v.grad[1]) / (1.0 + p[0] ** 2 + p[1] ** 2) ** 0.5
+
+    def rim(x):
+        return 0.3 * np.sin(np.pi * (x[0] + 2.0 * x[1]))
+
+    theirs = np.zeros(BASIS.N)
+    theirs[DIRICHLET] = rim(BASIS.doflocs[:, DIRICHLET])
+    for _ in range(30):
+        K, f = tangent.assemble(BASIS, w=theirs), residual.assemble(BASIS, w=theirs)
+        step = skfem.solve(*skfem.condense(K, -f, D=DIRICHLET))
+        theirs = theirs + 0.7 * step
+    for _ in range(4):
+        K, f = tangent.assemble(BASIS, w=theirs), residual.assemble(BASIS, w=theirs)
+        theirs = theirs + skfem.solve(*skfem.condense(K, -f, D=DIRICHLET))
+
+    def form(u, v, w):
+        return dot(u.gradient, v.gradient) / np.sqrt(1.0 + dot(u.gradient, u.gradient))
+
+    start = np.zeros(SPACE.n_dofs)
+    start[FIXED] = rim(SPACE.nodes[FIXED].T)
+    solution = newton(SPACE, form, start, fixed=FIXED, degree=6)
+    assert solution.status.converged
+    np.testing.assert_allclose(solution.dofs[: MESH.n_points], at_points(theirs), atol=1e-8)
