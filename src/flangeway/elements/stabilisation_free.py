@@ -12,12 +12,12 @@ from flangeway.elements.quadrature import edge_shapes, gauss
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.elements.virtual import Virtual
 from flangeway.errors import InputError
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
 HIGHEST_ORDER = 3
 HIGHEST_DEGREE = 14
 WITHOUT_ENERGY = 1e-11
-"""Eigenvalue of a cell's stiffness over the highest one, below which it is round-off."""
+"""Eigenvalue of a cell's energy in its own frame relative to the maximum, below which it is round-off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,10 @@ class StabilisationFree(Element):
     ``3 (l + 1) (l + 2) / 2 >= 2 n - 3``. This is necessary; whether it suffices depends on the cell's shape (regular
     polygons need more), so that every cell's stiffness is checked: only rigid motions may be without energy. For k >= 2
     the energy of motions of a very short side vanishes with its length; with loads this does no harm, and masses leave
-    such motions out.
+    such motions out. The check is made in the cell's own frame, and so does not depend on a stretch or the material.
+
+    It locks towards nu = 1/2: on 200 dual cells in a square, divergence-free displacement, orders 1, 2 and 3, the error
+    of the gradient grows 1.7, 1.3 and 1.2 times from nu = 0.3 to 0.49, and 5.9, 3.2 and 2.0 times to 0.4999 (measured).
 
     Parameters
     ----------
@@ -105,8 +108,7 @@ class StabilisationFree(Element):
             )
             if self.degree is not None or degree == HIGHEST_DEGREE:
                 break
-            values = np.linalg.eigvalsh(energetic.gradient_energy(energetic.gradient, np.ones(1)).transpose(2, 0, 1))
-            if values.shape[1] < 2 or (values[:, 1] > WITHOUT_ENERGY * values[:, -1]).all():
+            if not _free_motions(energetic, 1).any():
                 break
             degree += 1
         return _Enlarged(
@@ -127,20 +129,40 @@ class StabilisationFree(Element):
 
     def stabilise(self, reconstruction: Reconstruction, consistency: Floats) -> None:
         """Nothing; an `InputError` if more than rigid motions are without energy."""
-        m, n = len(consistency), reconstruction.n_local
-        matrices = consistency.transpose(4, 0, 2, 1, 3).reshape(-1, m * n, m * n)
-        values = np.linalg.eigvalsh(matrices)
+        m = len(consistency)
         rigid = m * (m + 1) // 2
-        free = (values[:, rigid:] <= WITHOUT_ENERGY * values[:, -1:]).sum(axis=1) if m * n > rigid else np.zeros(1)
+        free = _free_motions(reconstruction.for_energy, m) if m <= 2 else np.ones(1)  # three: waves along a prism
         if free.any():
             degree = reconstruction.for_energy.order - 1
             x, y = reconstruction.frame.origin[:, int(free.argmax())]
             raise InputError(
-                f"StabilisationFree({self.order}) in the cell at ({x:g}, {y:g}): {free.max()} motions without energy "
+                f"StabilisationFree({self.order}) in the cell at ({x:g}, {y:g}): {free.max():g} motions without energy "
                 f"besides the {rigid} rigid ones, with gradients of degree {degree}",
                 "plane problems, and a degree that leaves rigid motions only",
                 f"{f'choose degree={degree + 1} or more, or ' * (self.degree is not None)}take Virtual({self.order})",
             )
+
+
+def _free_motions(energetic: Reconstruction, m: int) -> Ints:
+    """Number of motions without energy besides the rigid ones, (n_cells,), of a field or of displacements.
+
+    The energy is that of gradients and strains in the frame of the cell, with unit moduli. A linear map ``x = A xi``
+    turns displacements u into ``A^T u`` and strains e into ``A^T e A``, so that neither a stretch of the cell nor the
+    material changes which motions are without energy.
+    """
+    n = energetic.n_local
+    # grad_x = map^T grad_xi
+    (a, b), (c, d) = energetic.frame.map
+    inverse = np.array([[d, -c], [-b, a]]) / (a * d - b * c)
+    local = np.einsum("ije,ajne->aine", inverse, energetic.gradient)
+    products = np.einsum("aime,abe,bjne->ijmne", local, energetic.mass / energetic.areas, local, optimize=True)
+    both = products[0, 0] + products[1, 1]
+    blocks = both[None, None]
+    if m == 2:  # 2 e(u) : e(v) of components i of v and j of u: d_j v d_i u, and grad v . grad u if i is j
+        blocks = products.swapaxes(0, 1) + np.eye(2)[:, :, None, None, None] * both
+    matrices = blocks.transpose(4, 0, 2, 1, 3).reshape(-1, m * n, m * n)
+    values = np.linalg.eigvalsh(matrices)
+    return np.asarray((values[:, m * (m + 1) // 2 :] <= WITHOUT_ENERGY * values[:, -1:]).sum(axis=1))
 
 
 def _moments(cells: Polygons, plain: Reconstruction, degree: int) -> Floats:
