@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from benchmarks import (
     cache,
     elasticity,
+    forms,
     friction,
     growth,
     hertz,
@@ -33,6 +34,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "hertz-block": hertz_block_times.measurements,
     "friction": friction.measurements,
     "elasticity": elasticity.measurements,
+    "forms": forms.measurements,
     "growth": growth.measurements,
     "wheelset-chain": wheelset_chain.measurements,
     "cache": cache.measurements,
@@ -52,6 +54,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "hertz-block": hertz_block_times.quick,
     "friction": friction.quick,
     "elasticity": elasticity.quick,
+    "forms": forms.quick,
     "growth": growth.quick,
     "stabilisation": stabilisation.quick,
     "wheelset-chain": wheelset_chain.quick,

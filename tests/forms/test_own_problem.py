@@ -159,6 +159,7 @@ WRONG = {
     "a matrix of shape": lambda s: solve(stiffness(s), load(s, [1.0, 0.0])),
     "fixed unknowns": lambda s: solve(stiffness(s), load(s, 1.0), [99]),
     "two or more": lambda s: convergence(lambda _: {"e": 1.0}, [s.mesh]),
+    "other arguments": lambda s: stiffness(s, lambda x, y: x + y),
     "gives shape": lambda s: load(s, lambda p: 1.0),
 }
 

@@ -1,0 +1,81 @@
+"""Forms beside scikit-fem: assembly and solution of Poisson's equation on triangles of order 2.
+
+Both run in this process, one after the other in turns, the fastest counts. scikit-fem solves as it does by default, with
+SciPy's SuperLU; its boundary conditions, a lowered quadrature of degree 2 and all of its assembly are included. On the
+dual polygons of the same triangles there is no peer: what is measured is a second solution with the kept factor.
+"""
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from benchmarks.measurement import ITSELF, Measurement
+from flangeway.elements import Lagrange, Virtual
+from flangeway.forms import Factor, load, stiffness
+from flangeway.geometry import square
+from flangeway.mesh import PolyMesh, dual, triangulate
+from flangeway.space import Space
+from flangeway.types import Floats
+
+SIZES = (0.0126, 0.0063, 0.0034)  # of edges in the unit square: 30,000, 120,000 and 400,000 unknowns of order 2
+ROUNDS = 3
+
+
+def measurements(*, sizes: tuple[float, ...] = SIZES, rounds: int = ROUNDS) -> Iterator[Measurement]:
+    """All sizes."""
+    import skfem  # noqa: PLC0415 (of the development group only)
+
+    for size in sizes:
+        mesh = triangulate(square(1.0), size=size)
+        ours, u = _fastest(lambda mesh=mesh: _ours(mesh), rounds)
+        theirs, v = _fastest(lambda mesh=mesh: _scikit_fem(skfem, mesh), 1 if size < SIZES[1] else rounds)
+        apart = float(np.abs(u[: mesh.n_points] - v).max() / np.abs(v).max())
+        yield Measurement(
+            f"assembly and solution of {len(u)} unknowns of Poisson's equation", "scikit-fem", ours, theirs, apart, apart,
+            "triangles of order 2; maximum difference at the points", skfem.__version__,
+        )  # fmt: skip
+        space = Space(dual(mesh), Virtual(2))
+        matrix, rhs = stiffness(space), load(space, 1.0)
+        first, factor = _fastest(lambda k=matrix, s=space, b=rhs: _factored(k, s, b), rounds)
+        again, _ = _fastest(lambda f=factor, b=rhs: f.solve(b), rounds)
+        yield Measurement(
+            f"a solution with the kept factor of {space.n_dofs} unknowns", ITSELF, again, first, None, None,
+            "polygons of order 2; beside the first solution: factor, condition and solution",
+        )  # fmt: skip
+
+
+def quick() -> Iterator[Measurement]:
+    """A coarse mesh, once."""
+    yield from measurements(sizes=(0.1,), rounds=1)
+
+
+def _fastest(work: Callable[[], Any], rounds: int) -> tuple[float, Any]:
+    best, result = np.inf, None
+    for _ in range(rounds):
+        start = time.perf_counter()
+        result = work()
+        best = min(best, time.perf_counter() - start)
+    return best, result
+
+
+def _ours(mesh: PolyMesh) -> Floats:
+    space = Space(mesh, Lagrange(2))
+    return Factor(stiffness(space), space.boundary_dofs()).solve(load(space, 1.0, degree=2))
+
+
+def _factored(matrix: Any, space: Space, rhs: Floats) -> Factor:
+    factor = Factor(matrix, space.boundary_dofs())
+    factor.solve(rhs)
+    return factor
+
+
+def _scikit_fem(skfem: Any, mesh: PolyMesh) -> Floats:
+    basis = skfem.Basis(
+        skfem.MeshTri(mesh.points.T, mesh.cell_points.reshape(-1, 3).T), skfem.ElementTriP2(), intorder=2
+    )
+    K = skfem.BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]).assemble(basis)
+    b = skfem.LinearForm(lambda v, _: 1.0 * v).assemble(basis)
+    solution: Floats = skfem.solve(*skfem.condense(K, b, D=basis.get_dofs().all()))
+    return solution[basis.nodal_dofs[0]]
