@@ -1,8 +1,8 @@
 """Forms beside scikit-fem: assembly and solution of Poisson's equation on triangles of order 2.
 
-Both run in this process, one after the other in turns, the fastest counts. scikit-fem solves as it does by default, with
-SciPy's SuperLU; its boundary conditions, a lowered quadrature of degree 2 and all of its assembly are included. On the
-dual polygons of the same triangles there is no peer: what is measured is a second solution with the kept factor.
+Both run in this process, one after the other, and the fastest run counts. scikit-fem solves as it does by default, with
+SciPy's SuperLU, and assembles with quadrature of degree 2; numbering and boundary conditions are included. On the dual
+polygons of the same triangles there is no peer: what is measured is a second solution with the kept factor.
 """
 
 import time
@@ -33,8 +33,8 @@ def measurements(*, sizes: tuple[float, ...] = SIZES, rounds: int = ROUNDS) -> I
         theirs, v = _fastest(lambda mesh=mesh: _scikit_fem(skfem, mesh), 1 if size < SIZES[1] else rounds)
         apart = float(np.abs(u[: mesh.n_points] - v).max() / np.abs(v).max())
         yield Measurement(
-            f"assembly and solution of {len(u)} unknowns of Poisson's equation", "scikit-fem", ours, theirs, apart, apart,
-            "triangles of order 2; maximum difference at the points", skfem.__version__,
+            f"assembly and solution of {len(u)} unknowns of Poisson's equation", "scikit-fem", ours, theirs,
+            apart, apart, "triangles of order 2; maximum difference at the points", skfem.__version__,
         )  # fmt: skip
         space = Space(dual(mesh), Virtual(2))
         matrix, rhs = stiffness(space), load(space, 1.0)
