@@ -7,6 +7,8 @@ polygons of the same triangles there is no peer: what is measured is a second so
 
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -25,12 +27,12 @@ ROUNDS = 3
 
 def measurements(*, sizes: tuple[float, ...] = SIZES, rounds: int = ROUNDS) -> Iterator[Measurement]:
     """All sizes."""
-    import skfem  # noqa: PLC0415 (of the development group only)
+    skfem = import_module("skfem")  # of the development group, without types
 
     for size in sizes:
         mesh = triangulate(square(1.0), size=size)
-        ours, u = _fastest(lambda mesh=mesh: _ours(mesh), rounds)
-        theirs, v = _fastest(lambda mesh=mesh: _scikit_fem(skfem, mesh), 1 if size < SIZES[1] else rounds)
+        ours, u = _fastest(partial(_ours, mesh), rounds)
+        theirs, v = _fastest(partial(_scikit_fem, skfem, mesh), 1 if size < SIZES[1] else rounds)
         apart = float(np.abs(u[: mesh.n_points] - v).max() / np.abs(v).max())
         yield Measurement(
             f"assembly and solution of {len(u)} unknowns of Poisson's equation", "scikit-fem", ours, theirs,
@@ -38,8 +40,8 @@ def measurements(*, sizes: tuple[float, ...] = SIZES, rounds: int = ROUNDS) -> I
         )  # fmt: skip
         space = Space(dual(mesh), Virtual(2))
         matrix, rhs = stiffness(space), load(space, 1.0)
-        first, factor = _fastest(lambda k=matrix, s=space, b=rhs: _factored(k, s, b), rounds)
-        again, _ = _fastest(lambda f=factor, b=rhs: f.solve(b), rounds)
+        first, factor = _fastest(partial(_factored, matrix, space, rhs), rounds)
+        again, _ = _fastest(partial(factor.solve, rhs), rounds)
         yield Measurement(
             f"a solution with the kept factor of {space.n_dofs} unknowns", ITSELF, again, first, None, None,
             "polygons of order 2; beside the first solution: factor, condition and solution",

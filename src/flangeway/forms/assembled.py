@@ -192,5 +192,5 @@ def load(space: Space, function: Function | ArrayLike, *, on: str | None = None,
     def traction(v: PointValues, w: SimpleNamespace) -> Floats:
         return (np.reshape(function(w.points), (-1, m)) * v.value.reshape(-1, m)).sum(axis=1)
 
-    result = linear(space, traction, components=m, on=on)
+    result = np.asarray(linear(space, traction, components=m, on=on), dtype=np.float64)
     return result if m > 1 or np.ndim(function(space.nodes[:1])) == 1 else result[:, None]
