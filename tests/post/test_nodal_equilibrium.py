@@ -11,7 +11,7 @@ from flangeway.mesh import dual, triangulate
 from flangeway.post import relative_nodal_residual
 from flangeway.problems import BodyForce, ElasticField, Elasticity, TemperatureChange, Traction, fixed
 from flangeway.solve import solve_elasticity
-from flangeway.solve.body_response import LoadedBodies
+from flangeway.solve.condensed import CondensedBodies
 from flangeway.space import Space
 
 
@@ -51,9 +51,9 @@ def test_a_moved_node_and_a_missing_force_are_seen():
 
 def test_a_case_whose_nodes_are_not_in_equilibrium_has_not_converged(monkeypatch):
     """A condensation that loses a thousandth of the displacements ends as a failure that names the bodies."""
-    right = LoadedBodies.fields
+    right = CondensedBodies.fields
     # the contact iteration does not notice
-    monkeypatch.setattr(LoadedBodies, "fields", lambda *given: [0.999 * each for each in right(*given)])
+    monkeypatch.setattr(CondensedBodies, "fields", lambda *given: [0.999 * each for each in right(*given)])
     case = CASES["two-bodies"]
     run = case.from_values(case.example).run()
     assert not run.status.converged
