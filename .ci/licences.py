@@ -22,6 +22,7 @@ PURPOSE = {
     "pydantic": "checks of inputs and case files",
     "rich": "the terminal",
     "scipy": "sparse matrices, optimisation",
+    "shapely": "overlap of polygons",
     "typer": "the command line",
 }
 INTRODUCTION = """# Licences
