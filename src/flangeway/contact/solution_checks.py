@@ -65,12 +65,12 @@ def check_solution(
     # forces that displace no digit of the positions are none
     least = TINY + float(np.finfo(np.float64).eps) * size / max(part.body.softness for part in system.parts)
     loads = (float(np.abs(handle.load[:2]).max()) for _, handle in given if handle is not None)
-    largest = max(float(np.linalg.norm(state.nodal_forces, axis=1).max(initial=0.0)), least, *loads)
+    reference = max(float(np.linalg.norm(state.nodal_forces, axis=1).max(initial=0.0)), least, *loads)
     # Friction acts across the gap of a law, and that between nodes; forces of paired nodes across their slides.
     apart = np.abs(state.linearisation.gaps) + LARGE_OVERLAP * moved
     by_gap = 0.0 if state.friction is None else float(np.abs(state.friction.forces) @ apart)
     force, moment = _unbalanced(system, response, state, given)
-    force, moment = force / largest, max(0.0, moment - by_slides - by_gap) / (largest * size)
+    force, moment = force / reference, max(0.0, moment - by_slides - by_gap) / (reference * size)
     if not (force <= MAX_RESIDUAL and moment <= MAX_RESIDUAL):
         errors.append(
             f"forces of the contacts and loads are unbalanced by {force:.1e} of the maximum force, moments by "
