@@ -23,6 +23,7 @@ PURPOSE = {
     "rich": "the terminal",
     "shapely": "clipping of Voronoi cells",
     "scipy": "sparse matrices, optimisation",
+    "shapely": "overlap of polygons",
     "typer": "the command line",
 }
 INTRODUCTION = """# Licences

@@ -198,7 +198,7 @@ def test_a_roller_on_a_roller_is_stable_from_a_spring_on(spring) -> None:
     assert found.status.converged, found.status.message
     assert found.forces[0] == pytest.approx([0.0, force], abs=1e-3 * force)  # meshes are not quite symmetric
     _, _, words = found.status.message.partition("; ")
-    assert words.startswith("`upper` can slide") == words.endswith("out of an unstable equilibrium") == (spring < 1.0)
+    assert words.startswith("`upper` can slide") == ("out of an unstable equilibrium" in words) == (spring < 1.0)
 
 
 def test_wrong_handles_are_refused() -> None:

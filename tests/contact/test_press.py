@@ -141,12 +141,11 @@ def in_plane_stress(surface: Surface) -> Surface:
 
 
 def test_a_motion_without_contact_says_so(press) -> None:
-    """A part that is moved away, or through the other one, converges with the words that nothing touches."""
+    """A part that is moved away converges with the words that nothing touches."""
     contact = contact_of(press, SegmentToSegment(), Multiplier())
-    for way in (1.0, -1000.0):
-        solution = press_contacts(contact, {contact.secondary.part: Placement(0.0, (0.0, way))})
-        assert solution.status.converged
-        assert solution.status.message.endswith("; nothing touches")
+    solution = press_contacts(contact, {contact.secondary.part: Placement(0.0, (0.0, 1.0))})
+    assert solution.status.converged
+    assert solution.status.message.endswith("; nothing touches")
     assert "nothing" not in press_contacts(contact, None).status.message
 
 

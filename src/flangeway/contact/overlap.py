@@ -1,30 +1,41 @@
-"""Overlap of deformed bodies, measured on their whole boundaries."""
+"""Overlap of deformed bodies, measured by Shapely on their whole boundaries."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Self
+from functools import cached_property, reduce
 
 import numpy as np
+import shapely
 
 from flangeway.contact.kinematics import shape_functions
-from flangeway.contact.search import candidate_pairs
 from flangeway.contact.surface import sagittas_of
 from flangeway.contact.system import ROUND_OFF, ContactLinearisation, ContactSystem
-from flangeway.geometry import crossing_shares
+from flangeway.geometry import Placement
 from flangeway.problems import Part
 from flangeway.solve import BodyResponse, ContactState
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Floats, Ints
 
-SAMPLES = np.linspace(0.0, 1.0, 6)
-"""Points of parts of edges inside another body at which the depth is measured."""
+SAMPLES = np.linspace(0.0, 1.0, 6)[:, None]
+"""Points of a side of an overlap at which its depth is measured, as parts of the side."""
 
-ENTRIES_PER_CHUNK = 1_000_000
+MAX_OVERLAP = 0.2
+"""Overlap over the maximum displacement of the surfaces, between nodes where bodies bend and meshes do not: elements at
+the end of a contact on a sharp corner leave up to 0.18 on the coarsest meshes that are held to be of use."""
+
+LARGE_OVERLAP = 0.05
+"""The same, above which it is said."""
+
+PASSAGE = 1e-6
+"""Depth over the size of the smaller body up to which bodies that slide along each other are apart."""
+
+TURNED = 0.05
+"""Rotation in rad between two positions of a path that is checked."""
 
 
 @dataclass(frozen=True)
 class Intrusion:
-    """Where one boundary lies within the other one, beyond what is allowed.
+    """Where two boundaries overlap most, beyond what is allowed.
 
     Parameters
     ----------
@@ -33,7 +44,7 @@ class Intrusion:
     position
         That point, x and y.
     allowed
-        Depth that the chords of curves explain there.
+        Sagitta of the drawn curves there, whose chords are the edges.
 
     """
 
@@ -41,24 +52,17 @@ class Intrusion:
     position: tuple[float, float]
     allowed: float
 
-    @classmethod
-    def deepest(cls, points: Floats, depths: Floats, allowed: Floats) -> Self:
-        """Of points (n, 2) at depths with what is allowed there, both (n,): the one with the largest excess."""
-        deepest = int(np.argmax(depths - allowed))
-        x, y = points[deepest].tolist()
-        return cls(float(depths[deepest]), (x, y), float(allowed[deepest]))
-
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """Edges of a body's boundary as straight segments, and how far a smooth curve may lie from them.
+    """Edges of a body's boundary as straight segments, and how far the drawn curve lies from them.
 
     Parameters
     ----------
     segments
         Ends of the segments, the body on their left, shape (n, 2, 2).
     sagittas
-        Distance to which a curve through the edges' ends may leave the segments, shape (n,).
+        Distance of a drawn curve through the edges' ends from the segments, shape (n,).
 
     """
 
@@ -66,132 +70,97 @@ class Boundary:
     sagittas: Floats
 
     @classmethod
-    def of(cls, drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints]) -> Self:
-        """Edges of any order; curved ones become several segments; see `sagittas_of`.
-
-        Parameters
-        ----------
-        drawn
-            Ends of the edges before the deformation, shape (n, 2, 2).
-        deformed
-            Nodes of the deformed edges, shape (n, order + 1, 2).
-        joints
-            Points at which the edges start and end, each (n,).
-
-        """
-        order = deformed.shape[1] - 1
-        sagittas = sagittas_of(drawn, deformed, joints)
+    def of_part(cls, part: Part, positions: Floats) -> "Boundary":
+        """Boundary of a part whose nodes are at positions in space (n_nodes, 2); curved edges become 8 segments."""
+        edges = part.body.boundary_edges
+        nodes = part.body.edge_nodes(edges)
+        if part.placement.mirrored:
+            edges, nodes = edges[:, ::-1], nodes[:, ::-1]
+        drawn, deformed = part.placement.points(part.body.nodes)[edges], positions[nodes]
+        order, joints = nodes.shape[1] - 1, (edges[:, 0].astype(np.int64), edges[:, 1].astype(np.int64))
+        sagittas = sagittas_of(drawn, drawn, joints)  # what bodies bend is no curve: straight edges have 0
+        at_ends = np.zeros(len(part.body.nodes))
+        np.maximum.at(at_ends, edges, sagittas[:, None])
+        # half a chord beside a corner, as on dual polygons, has no turn that shows the curve: its neighbour has
+        sagittas = at_ends[edges].max(axis=1)
         if order == 1:
             return cls(deformed, sagittas)
         parts = 4 * (order // 2 + 1)
-        points = np.einsum("ta,nai->nti", shape_functions(order, np.linspace(0.0, 1.0, parts + 1), 0)[0], deformed)
+        # points_eti = sum_a N_a(t) x_eai
+        points = np.einsum("ta,eai->eti", shape_functions(order, np.linspace(0.0, 1.0, parts + 1), 0)[0], deformed)
         segments = np.stack((points[:, :-1], points[:, 1:]), axis=2).reshape(-1, 2, 2)
         return cls(segments, np.repeat(sagittas, parts))
 
-    def contains(self, points: Floats) -> Bools:
-        """Whether points (m, 2) lie within the closed boundary, by the number of segments to their right."""
-        (ax, ay), (bx, by) = self.segments.transpose(1, 2, 0)
-        inside = np.zeros(len(points), dtype=np.bool_)
-        for here in _chunks(len(points), len(ax)):
-            x, y = points[here, :1], points[here, 1:]
-            which, side = np.nonzero((ay <= y) != (by <= y))
-            share = (y[which, 0] - ay[side]) / (by[side] - ay[side])
-            right = ax[side] + share * (bx[side] - ax[side]) > x[which, 0]
-            inside[here] = np.bincount(which[right], minlength=len(x)) % 2 == 1
-        return inside
+    @cached_property
+    def area(self) -> shapely.Geometry:
+        """Points round which the boundary winds once."""
+        rings = [shapely.make_valid(shapely.Polygon(ring)) for ring in self._rings()]
+        return reduce(shapely.symmetric_difference, sorted(rings, key=lambda ring: -ring.area))
 
-    def nearest(self, points: Floats, facing: Floats | None = None) -> tuple[Floats, Ints]:
-        """Distances of points (m, 2) from the boundary, and the segments that are nearest, each (m,).
+    @cached_property
+    def _tree(self) -> shapely.STRtree:
+        return shapely.STRtree(shapely.linestrings(self.segments))
 
-        With ``facing`` (m, 2) only segments that run against these directions count.
-        """
-        starts = self.segments[:, 0]
-        chords = self.segments[:, 1] - starts
-        squares = (chords**2).sum(axis=1)
-        distances, numbers = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
-        for here in _chunks(len(points), len(starts)):
-            x, y = (points[here, axis, None] - starts[:, axis] for axis in range(2))
-            share = np.clip((x * chords[:, 0] + y * chords[:, 1]) / squares, 0.0, 1.0)
-            apart = (x - share * chords[:, 0]) ** 2 + (y - share * chords[:, 1]) ** 2
-            if facing is not None:
-                apart[facing[here] @ chords.T >= 0.0] = np.inf
-            numbers[here] = apart.argmin(axis=1)
-            distances[here] = np.sqrt(apart.min(axis=1))
-        return distances, numbers
+    def _rings(self) -> Iterator[Floats]:
+        """Closed chains of the segments, each (m, 2)."""
+        left = {tuple(start): end for start, end in self.segments.tolist()}
+        while left:
+            ring = [next(iter(left))]
+            while (end := left.pop(ring[-1], None)) is not None:
+                ring.append(tuple(end))
+            if len(ring) > 3:
+                yield np.array(ring)
 
-    def within(self, other: "Boundary") -> Intrusion | None:
-        """Return the point of this boundary that lies in the other's body deepest beyond what curves explain."""
-        near = np.flatnonzero(_boxes_meet(self.segments, other.segments))
-        starts = self.segments[near, 0]
-        ends = self.segments[near, 1]
-        chosen = other.contains(starts) | other.contains(ends)
-        of, crossings = _crossings(self.segments[near], other.segments)
-        chosen[of] = True
-        every = np.flatnonzero(chosen)
-        if len(every) == 0:
+    def nearest(self, points: Floats) -> tuple[Floats, Ints]:
+        """Distances of points (m, 2) from the boundary, and the segments that are nearest, each (m,)."""
+        geometries = shapely.points(points)
+        numbers = self._tree.nearest(geometries)
+        return shapely.distance(geometries, self._tree.geometries[numbers]), numbers
+
+    def overlap(self, other: "Boundary") -> Intrusion | None:
+        """Point of one boundary in the other's body with the maximum depth beyond the curves; None if apart."""
+        common = shapely.intersection(self.area, other.area)
+        points = [_samples(ring) for polygon in shapely.get_parts(common) for ring in _rings_of(polygon)]
+        if not points:
             return None
-        owners = np.concatenate((every, every, of))
-        shares = np.concatenate((np.zeros(len(every)), np.ones(len(every)), crossings))
-        order = np.lexsort((shares, owners))
-        owners, shares = owners[order], shares[order]
-        same = np.flatnonzero(owners[1:] == owners[:-1])
-        along = shares[same, None] + (shares[same + 1] - shares[same])[:, None] * SAMPLES
-        owner = np.repeat(owners[same], len(SAMPLES))
-        along = along.ravel()
-        points = starts[owner] + along[:, None] * (ends - starts)[owner]
-        inside = other.contains(points)
-        points, owner = points[inside], near[owner[inside]]
-        if len(points) == 0:
-            return None
-        depths, nearest = other.nearest(points)
-        allowed = self.sagittas[owner] + other.sagittas[nearest]
-        return Intrusion.deepest(points, depths, allowed)
+        at = np.concatenate(points)
+        (mine, own), (theirs, its) = self.nearest(at), other.nearest(at)
+        return _deepest(at, np.maximum(mine, theirs), self.sagittas[own] + other.sagittas[its])
 
-    def within_itself(self, apart: float) -> Intrusion | None:
-        """Return the point of this boundary that lies in the body's own other side, seen from ``apart`` outside of it.
+    def overlap_with_itself(self, apart: float) -> Intrusion | None:
+        """Point of this boundary in the body's other side with the maximum depth, seen from ``apart`` outside of it.
 
-        The body is where the boundary winds round once: a point outside of it that is inside lies in an overlap.
+        Round a point of an overlap the boundary winds twice, and just outside of an edge in it once.
         """
         starts, chords = self.segments[:, 0], self.segments[:, 1] - self.segments[:, 0]
-        outward = np.stack((chords[:, 1], -chords[:, 0]), axis=1) / np.hypot(*chords.T)[:, None]
-        along = starts[:, None] + SAMPLES[1:-1, None] * chords[:, None] + apart * outward[:, None]
-        points, owner = along.reshape(-1, 2), np.repeat(np.arange(len(starts)), len(SAMPLES) - 2)
-        inside = self.contains(points)
-        if not inside.any():
+        outward = np.column_stack((chords[:, 1], -chords[:, 0])) / np.hypot(*chords.T)[:, None]
+        at = (starts[:, None] + SAMPLES[1:-1] * chords[:, None] + apart * outward[:, None]).reshape(-1, 2)
+        owner = np.repeat(np.arange(len(starts)), len(SAMPLES) - 2)
+        inside = shapely.contains_xy(self.area, at)
+        at, owner = at[inside], owner[inside]
+        if len(at) == 0:
             return None
-        points, owner = points[inside], owner[inside]
-        depths, nearest = self.nearest(points, chords[owner])
-        allowed = self.sagittas[owner] + self.sagittas[nearest]
-        return Intrusion.deepest(points, depths, allowed)
+        away = shapely.distance(shapely.points(at)[:, None], self._tree.geometries)
+        away[chords[owner] @ chords.T >= 0.0] = np.inf  # edges that run the other way face this one
+        facing = away.argmin(axis=1)
+        return _deepest(at, away.min(axis=1), self.sagittas[owner] + self.sagittas[facing])
 
 
-def deepest_intrusion(one: Boundary, other: Boundary) -> Intrusion | None:
-    """Where two bodies overlap most, beyond what the chords of curves explain; None where nothing lies in the other."""
-    found = [each for each in (one.within(other), other.within(one)) if each is not None]
-    return max(found, key=lambda each: each.depth - each.allowed, default=None)
+def _rings_of(polygon: shapely.Geometry) -> Sequence[shapely.Geometry]:
+    whole = polygon.geom_type == "Polygon" and not polygon.is_empty
+    return (polygon.exterior, *polygon.interiors) if whole else ()
 
 
-def _boxes_meet(segments: Floats, others: Floats) -> Bools:
-    """Whether the bounding boxes of segments meet the box round all the others."""
-    low, high = others.min(axis=(0, 1)), others.max(axis=(0, 1))
-    meets: Bools = ((segments.max(axis=1) >= low) & (segments.min(axis=1) <= high)).all(axis=1)
-    return meets
+def _samples(ring: shapely.Geometry) -> Floats:
+    at = shapely.get_coordinates(ring)
+    points: Floats = (at[:-1, None] + SAMPLES[:-1] * np.diff(at, axis=0)[:, None]).reshape(-1, 2)
+    return points
 
 
-def _crossings(segments: Floats, others: Floats) -> tuple[Ints, Floats]:
-    """Segments that cross others, and the shares of their lengths at which they do, each (c,)."""
-    if len(segments) == 0:
-        return np.empty(0, dtype=np.int64), np.empty(0)
-    i, j = candidate_pairs(segments, others, 0.0)
-    along, other = segments[i, 1] - segments[i, 0], others[j, 1] - others[j, 0]
-    s, t = crossing_shares(segments[i, 0], along, others[j, 0], other)
-    cross = (s > 0.0) & (s < 1.0) & (t >= 0.0) & (t <= 1.0)
-    return i[cross], s[cross]
-
-
-def _chunks(n: int, width: int) -> list[slice]:
-    size = max(1, ENTRIES_PER_CHUNK // max(width, 1))
-    return [slice(first, first + size) for first in range(0, n, size)]
+def _deepest(points: Floats, depths: Floats, allowed: Floats) -> Intrusion:
+    deepest = int(np.argmax(depths - allowed))
+    x, y = points[deepest].tolist()
+    return Intrusion(float(depths[deepest]), (x, y), float(allowed[deepest]))
 
 
 @dataclass(frozen=True)
@@ -207,8 +176,8 @@ class BodyOverlap:
     position
         That point, x and y.
     allowed
-        Depth that is explained there: by the penetration of the contact law, by the chords of curves (h^2 / 8 R on each
-        side, see `Boundary`), by a thousandth of the surfaces' maximum displacement, and by round-off.
+        Depth that is explained there: by the penetration of the contact law, by the sagitta h^2 / 8 R of drawn curves
+        on each side, by `MAX_OVERLAP` of the surfaces' maximum displacement, and by round-off.
 
     """
 
@@ -232,6 +201,20 @@ class BodyOverlap:
             f"the chords of curves explain {self.allowed:.1e}; give all edges that may touch, move in smaller steps, "
             "or take a finer mesh there"
         )
+
+
+def deformed_boundaries(
+    system: ContactSystem, response: BodyResponse, state: ContactState, fields: Sequence[Floats]
+) -> list[Boundary]:
+    """Boundary of each part in space, with the displacements of all nodes of each body in its own frame."""
+    boundaries = []
+    for number, (part, field) in enumerate(zip(system.parts, fields, strict=True)):
+        first, last = response.offsets[number : number + 2]
+        points = part.body.nodes
+        at = state.placements[number].points(points + field[: len(points)])
+        at[system.surface_nodes[number].nodes] = state.positions[first:last]
+        boundaries.append(Boundary.of_part(part, at))
+    return boundaries
 
 
 def body_overlaps(
@@ -260,47 +243,101 @@ def body_overlaps(
         raise TypeError("a state of another system of constraints")
     if fields is None:
         fields = response.fields(response.rotations(state.placements), state.nodal_forces)
-    boundaries = []
-    for number, (part, field) in enumerate(zip(system.parts, fields, strict=True)):
-        first, last = response.offsets[number : number + 2]
-        nodes = system.surface_nodes[number].nodes
-        points = part.body.nodes
-        at = state.placements[number].points(points + field[: len(points)])
-        at[nodes] = state.positions[first:last]
-        boundaries.append(part_boundary(part, at))
-    moved = float(np.abs(state.displacements).max(initial=0.0))
-    explained = [system.explained(lin, state.forces, number, moved) for number in range(len(system.contacts))]
+    boundaries = deformed_boundaries(system, response, state, fields)
+    moved = float(np.linalg.norm(state.displacements, axis=1).max(initial=0.0))
     found = []
     sides = [each for each in zip(system.parts, boundaries, strict=True) if each[0].body.boundary_is_closed]
     touched = {id(each.primary.part) for each in system.contacts if each.primary.part is each.secondary.part}
     alone = [(side, side) for side in sides if id(side[0]) in touched]
     for (one, first_side), (other, other_side) in itertools.chain(itertools.combinations(sides, 2), alone):
-        law = _between(system, one, other, explained)
         if one is other:
-            deepest = first_side.within_itself(ROUND_OFF * one.body.size)
+            deepest = first_side.overlap_with_itself(ROUND_OFF * one.body.size)
         else:
-            deepest = deepest_intrusion(first_side, other_side)
+            deepest = first_side.overlap(other_side)
         if deepest is not None:
-            allowed = deepest.allowed + law + ROUND_OFF * min(one.body.size, other.body.size)
+            size = min(one.body.size, other.body.size)
+            allowed = deepest.allowed + _between(system, lin, state.forces, one, other)
+            allowed += MAX_OVERLAP * moved + ROUND_OFF * size
             found.append(BodyOverlap((one.name, other.name), deepest.depth, deepest.position, allowed))
     return tuple(found)
 
 
-def part_boundary(part: Part, positions: Floats) -> Boundary:
-    """Boundary of a part whose nodes are at positions in space, shape (n_nodes, 2)."""
-    edges = part.body.boundary_edges
-    nodes = part.body.edge_nodes(edges)
-    if part.placement.mirrored:
-        edges, nodes = edges[:, ::-1], nodes[:, ::-1]
-    drawn = part.placement.points(part.body.nodes)[edges]
-    return Boundary.of(drawn, positions[nodes], (edges[:, 0].astype(np.int64), edges[:, 1].astype(np.int64)))
+def _between(system: ContactSystem, lin: ContactLinearisation, forces: Floats, one: Part, other: Part) -> float:
+    """Maximum penetration that the laws of contacts between two parts explain."""
+    return max(
+        (
+            system.explained(lin, forces, number, 0.0)
+            for number, contact in enumerate(system.contacts)
+            if {id(contact.secondary.part), id(contact.primary.part)} == {id(one), id(other)}
+        ),
+        default=0.0,
+    )
 
 
-def _between(system: ContactSystem, one: Part, other: Part, explained: Sequence[float]) -> float:
-    """Penetration that the laws of contacts between two parts explain."""
-    mine = [
-        each
-        for contact, each in zip(system.contacts, explained, strict=True)
-        if {id(contact.secondary.part), id(contact.primary.part)} == {id(one), id(other)}
-    ]
-    return max(mine, default=0.0)
+def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]:
+    """Sentences about parts of a contact of which one moved through the other from one load step to the next.
+
+    Parts that press on each other before or after a step have met. The way is that of the parts' final motions, those
+    by handles included, so that a part that was pushed aside is no obstacle.
+
+    Parameters
+    ----------
+    system
+        The contacts.
+    states
+        Solution of each load step.
+
+    """
+    errors = []
+    for one, other in dict.fromkeys((each.secondary.part, each.primary.part) for each in system.contacts):
+        numbers = system.parts.index(one), system.parts.index(other)
+        apart = [(one.placement, other.placement)]
+        ways = []
+        for state in states:
+            stop = state.placements[numbers[0]], state.placements[numbers[1]]
+            if _press(system, state, one, other):
+                apart = []
+                continue
+            ways += [[*apart[-1:], stop]]
+            apart = [stop]
+        smallest = PASSAGE * min(one.body.size, other.body.size)
+        if one is not other and any(passes_through(one, other, way, smallest) for way in ways if len(way) == 2):
+            errors.append(
+                f"{one.name} moved through {other.name}: they overlap on the way, and do not touch after it; move it "
+                "less, or in smaller steps"
+            )
+    return errors
+
+
+def _press(system: ContactSystem, state: ContactState, one: Part, other: Part) -> bool:
+    lin = state.linearisation
+    assert isinstance(lin, ContactLinearisation)
+    return any(
+        state.forces[lin.starts[number] : lin.starts[number + 1]].any()
+        for number, each in enumerate(system.contacts)
+        if {each.secondary.part, each.primary.part} == {one, other}
+    )
+
+
+def passes_through(one: Part, other: Part, way: Sequence[tuple[Placement, Placement]], apart: float) -> bool:
+    """Whether undeformed parts overlap by more than a distance between two placements of both.
+
+    Parts that meet do so with a vertex of one boundary, or the middle of an edge, in the other part.
+    """
+    bodies = (one, other)
+    for mover, target in ((0, 1), (1, 0)):
+        if not bodies[target].body.boundary_is_closed:
+            continue
+        first, last = (placements[target].inverse().after(placements[mover]) for placements in way)
+        motion = last.after(first.inverse())
+        shares = np.linspace(0.0, 1.0, 2 + int(abs(motion.rotation_rad) / TURNED)).tolist()
+        (x, y), angle = motion.translation, motion.rotation_rad
+        frames = [Placement(share * angle, (share * x, share * y)).after(first) for share in shares]
+        moved, still = (Boundary.of_part(part, part.body.nodes) for part in (bodies[mover], bodies[target]))
+        points = np.concatenate((moved.segments[:, 0], moved.segments.mean(axis=1)))
+        ways = shapely.linestrings(np.stack([frame.points(points) for frame in frames], axis=1))
+        core = shapely.buffer(still.area, -apart - moved.sagittas.max() - still.sagittas.max())
+        shapely.prepare(core)
+        if shapely.intersects(core, ways).any():
+            return True
+    return False

@@ -10,10 +10,9 @@ import numpy as np
 
 from flangeway.checks import are_finite, refused
 from flangeway.contact.contact_pair import Contact
-from flangeway.contact.guards import GuardedPairs
 from flangeway.contact.kinematics import as_complex, as_vectors
-from flangeway.contact.node_to_node import MatchedPairs
-from flangeway.contact.overlap import BodyOverlap, body_overlaps
+from flangeway.contact.overlap import BodyOverlap, body_overlaps, passages
+from flangeway.contact.solution_checks import check_solution
 from flangeway.contact.system import ContactLinearisation, ContactSystem
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
@@ -41,9 +40,6 @@ MOST_DENSE_BYTES = 4e9
 
 ITERATION_COPIES = 8
 """Dense matrices of all surface unknowns that exist at a time in an iteration with friction where all nodes touch."""
-
-MAX_SHIFT = 0.5
-"""Distance of nodes that NodeToNode pairs, over an edge, above which each faces the partner of another one."""
 
 FRICTION_ERROR = 1e-4
 """Error of a step with friction, see `StepSettings`, where nothing else is said."""
@@ -91,9 +87,6 @@ class ContactSolution(Result):
         Converged load steps.
     initial_penetration
         Maximum penetration of each contact before any motion and deformation, shape (n_contacts,); 0 if it was open.
-    overlapped
-        Whether it is a failure because bodies overlap although the iteration converged.
-
     """
 
     system: ContactSystem
@@ -101,7 +94,6 @@ class ContactSolution(Result):
     state: ContactState
     steps: tuple[LoadStep, ...]
     initial_penetration: Floats
-    overlapped: bool = False
 
     @property
     def status(self) -> Status:
@@ -111,40 +103,25 @@ class ContactSolution(Result):
     @cached_property
     def overlaps(self) -> tuple[BodyOverlap, ...]:
         """How deep each pair of parts overlaps, measured on the whole deformed boundaries; without those apart."""
-        return body_overlaps(self.system, self._loaded, self.state)
+        return body_overlaps(self.system, self._loaded, self.state, self._fields)
 
-    def checked(self) -> "ContactSolution":
-        """Itself, or with the status of a failure if bodies overlap or paired nodes have slid from each other."""
-        if not self.status.converged:
-            return self
-        errors = [*self._slides(), *(str(each) for each in self.overlaps if not each.is_explained)]
-        if not errors:
-            return self
-        failed = replace(self.status, converged=False, message="not converged: " + "; ".join(errors))
-        return replace(self, state=replace(self.state, status=failed), overlapped=True)
+    def checked(self, given: Sequence[tuple[Placement, Handle | None]]) -> "ContactSolution":
+        """Itself with what `check_solution` measures in the status, which is that of a failure if there are errors.
 
-    def _slides(self) -> list[str]:
-        """Sentences about nodes under force that have left those opposite them, of node-to-node contacts."""
-        lin, errors = self.state.linearisation, []
-        assert isinstance(lin, ContactLinearisation)
-        for number, (contact, pairs) in enumerate(zip(self.system.contacts, lin.pairs, strict=True)):
-            base = pairs.parts[0] if isinstance(pairs, GuardedPairs) else pairs
-            if not isinstance(base, MatchedPairs):
-                continue
-            loaded = self.state.forces[lin.starts[number] :][: len(base.keys)] > 0.0
-            if not loaded.any():
-                continue
-            # In mean edges under force: inserted nodes make edges of any shortness, beside which all slides are long.
-            shifts = np.where(loaded, base.shifts, 0.0) / base.longest[loaded].mean()
-            if (most := float(shifts.max())) > MAX_SHIFT:
-                node = self.system.nodes_of(contact.secondary)[base.nodes[shifts.argmax()]]
-                x, y = self.state.positions[node]
-                errors.append(
-                    f"{contact.secondary.part.name} has slid by {most:.2g} edges from the node opposite it at "
-                    f"({x:.4g}, {y:.4g}), and NodeToNode is for sliding far below an edge; match the boundaries where "
-                    "the bodies meet, or take SegmentToSegment"
-                )
-        return errors
+        Parameters
+        ----------
+        given
+            Placement of each part before its handle moved it, and the handle with its loads.
+
+        """
+        checks = check_solution(self.system, self._loaded, self.state, self._fields, self.overlaps, given)
+        errors = [*checks.errors, *passages(self.system, [step.state for step in self.steps])]
+        message = (
+            "not converged: " + "; ".join(errors) if errors else "; ".join((self.status.message, *checks.warnings))
+        )
+        checks = replace(checks, errors=tuple(errors))
+        status = replace(self.state.status, converged=not errors, message=message, checks=checks)
+        return replace(self, state=replace(self.state, status=status))
 
     @property
     def table(self) -> ResultTable:
@@ -285,7 +262,8 @@ def press(
 ) -> ContactSolution:
     """Move parts against each other and find the contact forces.
 
-    The status reports whether the equations are solved and no bodies overlap anywhere on their boundaries.
+    The status reports whether the equations are solved and `flangeway.contact.solution_checks` finds no fault; what it
+    measured is in ``status.checks``.
     `flangeway.post.contact_checks` finds further reasons to doubt an answer, such as too few elements in the contact.
 
     Parameters
@@ -390,7 +368,11 @@ def press(
         for x, y in np.concatenate([system.corners_on_corners(undeformed, i) for i in range(len(contacts))])[:1]:
             more = f"; a corner meets a corner at ({x:.4g}, {y:.4g}): the side on which the force acts is arbitrary"
             state = replace(state, status=replace(state.status, message=state.status.message + more))
-    return ContactSolution(system, bodies, state, tuple(done), depths).checked()
+    solution = ContactSolution(system, bodies, state, tuple(done), depths)
+    if not state.status.converged:
+        return solution
+    handles_of = _handles_at(system.parts, placed, 1.0, loads or {}, handles)
+    return solution.checked(list(zip(placed, handles_of, strict=True)))
 
 
 def _step_settings(

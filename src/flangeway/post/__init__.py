@@ -9,7 +9,7 @@ from flangeway.post.adaptive import (
     refine_uniformly,
     stress_errors,
 )
-from flangeway.post.contact_checks import ContactChecks, Overlap, check_contact, cut_zones, deepest_overlap
+from flangeway.post.contact_checks import ContactChecks, check_contact, cut_zones
 from flangeway.post.lines import (
     CutForce,
     StressLine,
@@ -40,7 +40,6 @@ __all__ = [
     "ContactLine",
     "CutForce",
     "ErrorNorms",
-    "Overlap",
     "PressurePatch",
     "Reaction",
     "RecoveredStresses",
@@ -55,7 +54,6 @@ __all__ = [
     "corner_shear_stresses",
     "corner_stresses",
     "cut_zones",
-    "deepest_overlap",
     "displacements_at",
     "error_norms",
     "force_through_cut",

@@ -7,10 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Surface
-from flangeway.contact.overlap import Boundary, deepest_intrusion
 from flangeway.contact.pairs import Pairs
-from flangeway.contact.system import ROUND_OFF
-from flangeway.mesh import PolyMesh
 from flangeway.post.pressure import FEWEST_SEGMENTS, PressurePatch, pressure_remark
 from flangeway.solve import ContactState
 
@@ -173,33 +170,3 @@ def _goes_on(surface: Surface, *, forwards: bool) -> bool:
         return False
     (ax, ay), (bx, by) = (body.nodes[edge[1]] - body.nodes[edge[0]] for edge in (own, beyond[0]))
     return bool(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)) < MAX_TURN)
-
-
-@dataclass(frozen=True)
-class Overlap:
-    """Where two bodies overlap most.
-
-    - `depth`: distance of a point of one body from the boundary of the other, in which it lies.
-    - `place`: that point, x and y.
-    """
-
-    depth: float
-    place: tuple[float, float]
-
-
-def deepest_overlap(one: PolyMesh, other: PolyMesh) -> Overlap | None:
-    """Return where the boundary of one body lies deepest in the other one; None if nowhere beyond what chords explain.
-
-    Chords of arcs may overlap by h^2 / 8 R on either side; straight sides by round-off.
-    """
-    found = deepest_intrusion(*(_boundary(mesh) for mesh in (one, other)))
-    size = min(float(np.ptp(mesh.points, axis=0).max()) for mesh in (one, other))
-    if found is None or found.depth <= found.allowed + ROUND_OFF * size:
-        return None
-    return Overlap(found.depth, found.position)
-
-
-def _boundary(mesh: PolyMesh) -> Boundary:
-    edges = mesh.boundary_edges.astype(np.int64)
-    points = mesh.points[edges]
-    return Boundary.of(points, points, (edges[:, 0], edges[:, 1]))

@@ -8,7 +8,7 @@ from flangeway.solve.harmonic_solution import HarmonicSolution, solve_harmonic
 from flangeway.solve.linearisation import Constraints, Linearisation
 from flangeway.solve.newton import ContactState, solve_contact
 from flangeway.solve.sparse import SparseBodies
-from flangeway.solve.status import Iteration, NewtonSettings, Status
+from flangeway.solve.status import Checks, Iteration, NewtonSettings, Status
 from flangeway.solve.steps import StepSettings, follow
 from flangeway.solve.surface_cells import SurfaceCells
 from flangeway.solve.surface_compliance import ComplianceTable, compliance_table
@@ -16,6 +16,7 @@ from flangeway.solve.torsion_solution import TorsionSolution, solve_torsion
 
 __all__ = [
     "BodyResponse",
+    "Checks",
     "ComplianceTable",
     "CondensedBodies",
     "Constraints",

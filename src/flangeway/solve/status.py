@@ -18,6 +18,47 @@ MIN_DIGITS, FEW_DIGITS = 2.0, 6.0
 
 
 @dataclass(frozen=True)
+class Checks:
+    """What was measured on a solution, apart from the iteration that found it; see `contact.solution_checks`.
+
+    Parameters
+    ----------
+    force_residual
+        Sum of the contact forces of all bodies, or of a handle's forces and loads, over the maximum nodal force.
+    moment_residual
+        The same of moments, over the maximum nodal force and the bodies' size.
+    gap_under_pressure
+        Mean distance of surfaces under force, weighted by the force, over the surfaces' maximum displacement.
+    slide
+        Maximum tangential distance of paired nodes under force, over the edge's length; of node-to-node only.
+    overlap
+        Maximum overlap of deformed bodies beyond the sagittas of drawn curves and the law of contact.
+    inverted_cells
+        Number of cells that the displacements turn inside out.
+    max_strain
+        Maximum mean strain of a cell.
+    max_turn
+        Maximum mean rotation of a cell in its body's frame, rad.
+    errors
+        Sentences about what makes the solution wrong.
+    warnings
+        Sentences about what makes it less exact.
+
+    """
+
+    force_residual: float
+    moment_residual: float
+    gap_under_pressure: float
+    slide: float
+    overlap: float
+    inverted_cells: int
+    max_strain: float
+    max_turn: float
+    errors: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Status:
     """Outcome of an iteration: not converging is a result, not an exception.
 
@@ -31,6 +72,8 @@ class Status:
         Number of Newton iterations.
     digits
         Decimal digits of the displacements that round-off leaves; None where they are not estimated.
+    checks
+        What was measured on a contact solution whose iteration converged; None where nothing was.
 
     """
 
@@ -38,6 +81,7 @@ class Status:
     message: str
     iterations: int
     digits: float | None = None
+    checks: Checks | None = None
 
     def with_digits(self, digits: float | None) -> "Status":
         """Take the digits over, not converged below `MIN_DIGITS`; the message names fewer than `FEW_DIGITS`."""
@@ -46,7 +90,7 @@ class Status:
         count = "less than two digits are" if digits < MIN_DIGITS else f"about {digits:.0f} digits are"
         cause = "the body is slender, or its cells or moduli are of very different sizes"
         message = f"{self.message}; {count} left by round-off: {cause}"
-        return Status(self.converged and digits >= MIN_DIGITS, message, self.iterations, digits)
+        return replace(self, converged=self.converged and digits >= MIN_DIGITS, message=message, digits=digits)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -20,7 +21,7 @@ from flangeway.cases.case import Progress
 from flangeway.contact import ContactSolution, press
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
-from flangeway.post import check_contact, cut_zones, deepest_overlap, pressure_patches, relative_nodal_residual
+from flangeway.post import check_contact, cut_zones, pressure_patches, relative_nodal_residual
 from flangeway.problems import Part
 from flangeway.solve import ElasticitySolution, Status, StepSettings, solve_elasticity
 from flangeway.types import Floats
@@ -29,9 +30,6 @@ MAX_NODAL_RESIDUAL = 1e-6  # see `relative_nodal_residual`; a correct solution h
 
 SMALLEST_STEP = 1.0 / 1024.0
 """Share of all loads and motions below which a step is not halved any more."""
-
-SHARE_OF_BODY = 0.25  # motion between two checks for an overlap, over the smaller side of the smaller body
-MOST_STOPS = 200
 
 
 class TwoBodiesCase(BodiesInputs, BodiesCase):
@@ -190,12 +188,8 @@ def checked_bodies(contact: ContactSolution, model: BodiesModel) -> tuple[Status
     - `model`: the bodies and their loads.
     """
     status = contact.status
-    if not (status.converged or contact.overlapped):
+    if status.checks is None or not contact.forces.any():
         return status, ()
-    if status.converged and not contact.forces.any():
-        overlaps = _carried_through(model)
-        message = "; ".join(overlaps) or f"{status.message}; nothing touches"
-        return Status(not overlaps, message, status.iterations), ()
     patches = pressure_patches(contact.system, contact.state)
     names = [
         f"the contact of {each.secondary.part.name} on {each.primary.part.name}" for each in contact.system.contacts
@@ -203,43 +197,13 @@ def checked_bodies(contact: ContactSolution, model: BodiesModel) -> tuple[Status
     checks = check_contact(contact.system, contact.state, patches, names)
     errors = [*checks.errors, *_residual_errors(contact, model)]
     if errors and status.converged:
-        status = Status(False, "; ".join(errors), status.iterations)
+        status = replace(status, converged=False, message="; ".join(errors))
     missing = (
         f"{surface.part.name}: there is contact at the end of the given edges, and the boundary continues: contact "
         "beyond is missing; give more edges, unless they were left out on purpose"
         for surface in cut_zones(contact.system, contact.state)
     )
     return status, (*checks.warnings, *missing)
-
-
-def _carried_through(model: BodiesModel) -> list[str]:
-    """Pairs that do not touch at the end, and overlap during the motion."""
-    errors = []
-    for one, other in {(each.secondary.part, each.primary.part) for each in model.contacts}:
-        pair = (one, other)
-        ends = [_moved_part(part, model.motion, 1.0).points(part.body.space.mesh.points) for part in pair]
-        starts = [part.placement.points(part.body.space.mesh.points) for part in pair]
-        travel = sum(float(np.hypot(*(end - start).T).max()) for start, end in zip(starts, ends, strict=True))
-        smallest = min(float(np.ptp(start, axis=0).min()) for start in starts)
-        n_stops = min(int(np.ceil(travel / (SHARE_OF_BODY * smallest))), MOST_STOPS)
-        for stop in range(1, n_stops):
-            share = stop / n_stops
-            meshes = [part.body.space.mesh.placed(_moved_part(part, model.motion, share)) for part in pair]
-            if deepest_overlap(*meshes) is not None:
-                errors.append(
-                    f"{one.name} and {other.name} overlap after {100.0 * share:.3g} % of the motion and do not "
-                    "touch at its end: one moved through the other; move it less, or in smaller steps "
-                    "(steps.number)"
-                )
-                break
-    return sorted(errors)
-
-
-def _moved_part(part: Part, motion: Mapping[Part, Placement], share: float) -> Placement:
-    """Placement of the frame of a part after a share of its motion."""
-    given = motion.get(part, Placement())
-    x, y = given.translation
-    return Placement(share * given.rotation_rad, (share * x, share * y)).after(part.placement)
 
 
 def _residual_errors(contact: ContactSolution, model: BodiesModel) -> list[str]:
