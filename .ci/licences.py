@@ -21,9 +21,8 @@ PURPOSE = {
     "pillow": "pictures in the report",
     "pydantic": "checks of inputs and case files",
     "rich": "the terminal",
-    "shapely": "clipping of Voronoi cells",
     "scipy": "sparse matrices, optimisation",
-    "shapely": "overlap of polygons",
+    "shapely": "clipping of Voronoi cells, overlap of polygons",
     "typer": "the command line",
 }
 INTRODUCTION = """# Licences
