@@ -130,6 +130,16 @@ class SideGrid:
         return self.planes.astype(np.float64) * self.strip
 
     @property
+    def strip_ends(self) -> Floats:
+        """Ends of the strips, shape (n_z, 2)."""
+        return self.z[:, None] + self.strip / 2.0 * np.array([-1.0, 1.0])
+
+    def covers(self, other: "SideGrid") -> bool:
+        """Whether another grid of the same cells and strips reaches nowhere farther."""
+        first, last = self.planes[0] <= other.planes[0], self.planes[-1] >= other.planes[-1]
+        return bool(first and last and self.cells.min() <= other.cells.min() and self.cells.max() >= other.cells.max())
+
+    @property
     def at_edge(self) -> Bools:
         """Cells beside a gap or an end, and strips at an end, shape (n, n_z)."""
         apart = np.diff(self.cells.ravel())[1::2] > 1e-6 * self.strip
