@@ -266,9 +266,11 @@ class GriddedSide:
         total = half_spaces_on(materials, grid.cells[rows], self.frames[rows], grid.strip, n_distances, axes)
         size = total.shape[1] * len(axes)
         total = total.reshape(n_distances, size, size)
-        for elastic, loads in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
+        for elastic, unit_forces in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
             used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, len(grid.planes)))) + 3
-            table = elastic.remainder[:used].reshape(-1, len(loads), len(loads))
+            table = elastic.table(along=2 in axes)[:used]
+            # without forces along z two thirds of the rows
+            loads = unit_forces.reshape(-1, 3, size)[:, : 3 if 2 in axes else 2].reshape(table.shape[1], size)
             found = np.matmul(loads.T, np.matmul(table, loads))
             weights = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, : len(table)]
             total += (weights @ found.reshape(len(table), -1)).reshape(total.shape)

@@ -13,7 +13,7 @@ from flangeway.railway.spatial.rolling.wheelset_creep import WheelsetCreep, rate
 from flangeway.railway.spatial.running_surfaces import SpatialModel
 from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces
 from flangeway.railway.spatial.side_newton import SideNewton, solve_side, transferred, transferred_creep
-from flangeway.railway.spatial.spatial_contact import SpatialState, pose_of, signs_of
+from flangeway.railway.spatial.spatial_contact import SpatialState, pose_of
 from flangeway.railway.spatial.wheel_gap import wheel_gap
 from flangeway.railway.spatial.wheelset_newton import FINE_RESIDUAL, WheelsetNewton
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
@@ -115,11 +115,13 @@ class SpatialWheelset:
         kept = self.problem.prescribed.components
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
         found, motion = self._coarse_equilibrium(position, None, progress), self.model.rolling
+        whole = {side: state.grid for side, state in found.state.sides.items()}
         if motion is None:
-            return self._fine(found, progress) if found.status.converged else found
+            return self._fine(whole, found, progress) if found.status.converged else found
         theory = "fastsim" if motion.theory == "exact" else motion.theory
         creep = WheelsetCreep(motion, rate_of(motion, found.state.sides), theory, MAX_BENT_MM)
         found = self._coarse_equilibrium(found.position, found.state, progress, creep)
+        whole = {side: state.grid for side, state in found.state.sides.items()}
         stages = [(creep, FEWER_ACROSS, ROLLING_RESIDUAL)]
         if motion.theory == "exact":
             exact = replace(creep, theory="exact")
@@ -130,7 +132,7 @@ class SpatialWheelset:
             if not found.status.converged:
                 break
             forces.rate_rad_s, creep = creep.rate_rad_s, forces
-            found = self._fine(found, progress, creep, tolerance, across)
+            found = self._fine(whole, found, progress, creep, tolerance, across)
         return found
 
     def _coarse_equilibrium(
@@ -143,6 +145,8 @@ class SpatialWheelset:
         """Equilibrium on coarse cells, which are made anew where the wheelset leaves the position that they are for."""
         tolerance = COARSE_RESIDUAL if creep is None else ROLLING_RESIDUAL
         grids, left = {side: self._coarse(side, position, near) for side in SIDES}, MAX_ITERATIONS
+        if near is not None and all(near.sides[side].grid.grid.covers(grids[side].grid) for side in SIDES):
+            grids = {side: state.grid for side, state in near.sides.items()}
         while True:
             found = self._refined(grids, position, near, progress, tolerance, creep=creep, reach=NEARBY, most=left)
             left -= found.status.iterations + 1
@@ -155,6 +159,7 @@ class SpatialWheelset:
 
     def _fine(
         self,
+        whole: Mapping[Side, GriddedSide],
         found: Equilibrium[SpatialState],
         progress: Callable[[str], None],
         creep: WheelsetCreep | None = None,
@@ -163,10 +168,10 @@ class SpatialWheelset:
     ) -> Equilibrium[SpatialState]:
         """Equilibrium on cells that are fine enough for the patches, and that hold all of them.
 
+        - `whole`: coarse cells of the whole running surfaces.
         - `creep`, `tolerance`: creep forces, and the equilibrium residual with them.
         - `across`: cells across a patch.
         """
-        whole = {side: self._coarse(side, found.position, found.state) for side in SIDES}
         for turn in range(MOST_GRIDS):
             state = found.state
             grids = {side: finer(each, across, state.insides(side)) for side, each in state.sides.items()}
@@ -279,7 +284,7 @@ class SpatialWheelset:
             newton.linearise()
             error = newton.relative.equilibrium_residual
             progress(f"equilibrium residual {error:.1e} after {iteration} steps")
-            if not ends and tolerance < error < ROLLING_RESIDUAL and newton.reaches_an_end:
+            if not ends and iteration > 1 and error > tolerance and newton.reaches_an_end:
                 return newton.found(Status(False, AT_THE_ENDS, iteration))
             if newton.step(tolerance):
                 message = f"contact forces and load are in equilibrium to {error:.1e}"

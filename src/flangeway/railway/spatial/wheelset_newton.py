@@ -28,6 +28,8 @@ FINE_FORCES = 1e-7
 """Change of the forces of a step over their sum."""
 MAX_GROWTH, BACK = 4.0, 0.3
 """Largest step across the track over its limit, and the next one over the last where the push has changed sides."""
+SADDLE = 1e-6
+"""Push across the track over the stiffness of the rest, in mm, that is round-off."""
 LEAST_STIFFNESS = 1e-6
 """Of a wheel that does not touch, weight per mm, so that it goes where it is pushed."""
 LEARNS = 0.01
@@ -224,6 +226,8 @@ class WheelsetNewton:
             return step / max(excess, 1.0)
         push = sense * float(self.missed[row] + self.jacobian[row] @ step)
         slope = sense * float(self.jacobian[row, 0] + self.jacobian[row] @ by_x)
+        if slope >= 0.0 and abs(push) < SADDLE * abs(sense * self.jacobian[row, 0]):
+            push = -abs(push)  # on top of the energy both ways lead down: to the left, whatever round-off says
         way = -push / slope if slope < 0.0 else float(np.copysign(np.inf, push))
         limit = self.reach
         if way * self._across < 0.0 and abs(way) > 0.5 * abs(self._across):
