@@ -46,8 +46,8 @@ MAX_BENT_MM = 0.4
 """Displacement of a cell by creep forces in one step, at most."""
 NEARBY = 5.0
 """Way over the step limits within which the coarse cells still fit."""
-FAR, AT_THE_ENDS = "far from the first position", "patches at the ends of their cells"
-"""Messages of a search that goes on with other cells."""
+AT_THE_ENDS = "patches at the ends of their cells"
+"""Message of a search that goes on with other cells."""
 ACROSS = 26
 """Cells across a patch, and along it."""
 LEAST_ACROSS = 20
@@ -144,18 +144,10 @@ class SpatialWheelset:
     ) -> Equilibrium[SpatialState]:
         """Equilibrium on coarse cells, which are made anew where the wheelset leaves the position that they are for."""
         tolerance = COARSE_RESIDUAL if creep is None else ROLLING_RESIDUAL
-        grids, left = {side: self._coarse(side, position, near) for side in SIDES}, MAX_ITERATIONS
-        if near is not None and all(near.sides[side].grid.grid.covers(grids[side].grid) for side in SIDES):
+        grids = {side: self._coarse(side, position, near) for side in SIDES}
+        if near is not None and covered(grids, near):
             grids = {side: state.grid for side, state in near.sides.items()}
-        while True:
-            found = self._refined(grids, position, near, progress, tolerance, creep=creep, reach=NEARBY, most=left)
-            left -= found.status.iterations + 1
-            position, near = found.position, found.state
-            here = {side: self._coarse(side, position, near) for side in SIDES}
-            same = all(grids[side].grid.covers(here[side].grid) for side in SIDES)
-            if left <= 0 or (same if found.status.converged else found.status.message != FAR):
-                return found
-            grids = grids if same else here
+        return self._refined(grids, position, near, progress, tolerance, creep=creep, whole=True)
 
     def _fine(
         self,
@@ -182,9 +174,7 @@ class SpatialWheelset:
                 found = replace(found, state=beyond)
                 continue
             ends = turn == MOST_GRIDS - 1
-            found = self._refined(
-                grids, found.position, state, progress, tolerance, creep=creep, reach=np.inf, ends=ends
-            )
+            found = self._refined(grids, found.position, state, progress, tolerance, creep=creep, ends=ends)
             if not found.status.converged and found.status.message != AT_THE_ENDS:
                 break
         return found
@@ -267,35 +257,39 @@ class SpatialWheelset:
         tolerance: float,
         *,
         creep: WheelsetCreep | None = None,
-        reach: float = np.inf,
+        whole: bool = False,
         ends: bool = True,
-        most: int = MAX_ITERATIONS,
     ) -> Equilibrium[SpatialState]:
         """Equilibrium on given cells from a position with its contact, if that is known, by `WheelsetNewton`.
 
         - `tolerance`: equilibrium residual; forces and tilts are found to the same share of theirs.
         - `creep`: creep forces, if it rolls with friction.
-        - `reach`: way over the step limits beyond which the search ends, to go on with other cells.
-        - `ends`: whether patches may come to the ends of their cells; else the search ends there too.
-        - `most`: number of steps.
+        - `whole`: whether the cells are those of the whole running surfaces, which follow the wheelset.
+        - `ends`: whether patches may come to the ends of their cells; else the search ends there.
         """
         newton = WheelsetNewton(self.problem, grids, position, self.model.yaw_rad, self._tilts_by_forces, near, creep)
-        for iteration in range(most):
+        for iteration in range(MAX_ITERATIONS):
             newton.linearise()
             error = newton.relative.equilibrium_residual
             progress(f"equilibrium residual {error:.1e} after {iteration} steps")
             if not ends and iteration > 1 and error > tolerance and newton.reaches_an_end:
                 return newton.found(Status(False, AT_THE_ENDS, iteration))
-            if newton.step(tolerance):
-                message = f"contact forces and load are in equilibrium to {error:.1e}"
-                return newton.found(Status(True, message, iteration))
+            settled = newton.step(tolerance)
+            found = newton.found(
+                Status(settled, f"contact forces and load are in equilibrium to {error:.1e}", iteration)
+            )
             here = newton.position.components
+            if whole and (settled or (np.abs(np.subtract(here, position.components)) / MAX_STEP).max() > NEARBY):
+                position = newton.position
+                grids = {side: self._coarse(side, position, found.state) for side in SIDES}
+                if not covered(grids, found.state):
+                    newton.place(grids, found.state)
+                    continue
+            if settled:
+                return found
             if (np.abs(np.subtract(here, self.start.motion.components)) > MAX_WAY).any():
                 break
-            if (np.abs(np.subtract(here, position.components)) / MAX_STEP).max() > reach:
-                return newton.found(Status(False, FAR, iteration))
-        last = newton.found(Status(False, "", most))
-        return replace(last, status=self._none(last, None if creep is None else creep.motion))
+        return replace(found, status=self._none(found, None if creep is None else creep.motion))
 
     def _coarse(self, side: Side, position: WheelsetPosition, near: SpatialState | None) -> GriddedSide:
         """Cells of a whole running surface at a position; `near`: contact there, if it is known."""
@@ -326,6 +320,11 @@ class SpatialWheelset:
             planes = int(lead / strip) + np.arange(-5, 6)
         grid = SideGrid(cells, strip, np.arange(planes[0] - EVERY + 1, planes[-1] + EVERY))
         return GriddedSide(surfaces, grid, pose)
+
+
+def covered(grids: Mapping[Side, GriddedSide], state: SpatialState) -> bool:
+    """Whether the cells of a state reach as far as those of grids."""
+    return all(state.sides[side].grid.grid.covers(each.grid) for side, each in grids.items())
 
 
 def _way(lateral: float) -> str:

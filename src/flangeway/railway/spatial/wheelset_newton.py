@@ -26,8 +26,9 @@ FINE_RESIDUAL = 1e-8
 FINE_TILT_RAD = 1e-9
 FINE_FORCES = 1e-7
 """Change of the forces of a step over their sum."""
-MAX_GROWTH, BACK = 4.0, 0.3
-"""Largest step across the track over its limit, and the next one over the last where the push has changed sides."""
+MAX_GROWTH, BACK, LESS = 4.0, 0.3, 0.7
+"""Largest step across the track over its limit; the next one over the last where the push has changed sides, and the
+largest one over that before."""
 SADDLE = 1e-6
 """Push across the track over the stiffness of the rest, in mm, that is round-off."""
 LEAST_STIFFNESS = 1e-6
@@ -66,27 +67,31 @@ class WheelsetNewton:
             self.yaw = poses[0][0] * poses[0][1].yaw_rad
             self.tilts = np.array([sign * pose.tilt_rad for sign, pose in poses])
         self.sides: dict[Side, SideNewton] = {}
+        self.place(grids, near)
+        held = [*(value is None for value in self.problem.prescribed.components), True, True]
+        if creep is not None:
+            held += [True, creep.motion.yaw_is_free]
+        self.free = np.array(held)
+        self.history: list[RelativeResiduals] = []
+        self.reach, self._longest = float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0])
+        arm = problem.wheelset.back_to_back_mm / 2.0
+        self._least = LEAST_STIFFNESS * float(loads_of(problem).weight) * np.array([1.0, 1.0, arm**2])
+        self.bending, self._across = 1.0, 0.0
+        self._missing = self._slopes = np.zeros((5, len(self.free)))
+        self._before: tuple[Floats, Floats] | None = None
+
+    def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
+        """Go on with other cells, from a contact if it is known."""
         for number, (side, grid) in enumerate(grids.items()):
-            pose = pose_of(self.problem, position, side, self.yaw, self.tilts[number])
+            pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
             before = None if near is None else near.sides[side]
             self.sides[side] = SideNewton(grid, pose, None if before is None else transferred(before, grid))
             if before is not None:
                 self.sides[side].creep = transferred_creep(before, grid)
             if before is not None and near is not None and near.rolled is not None:
                 self.sides[side].raised = nearest(near.rolled.creep[side].raised, before.grid.grid, grid.grid)
-        held = [*(value is None for value in self.problem.prescribed.components), True, True]
-        if creep is not None:
-            held += [True, creep.motion.yaw_is_free]
-        self.free = np.array(held)
-        if creep is not None and near is not None and near.rolled is not None:
-            creep.before = near.rolled.creep
-        self.history: list[RelativeResiduals] = []
-        self.reach = float(MAX_STEP[0])
-        arm = problem.wheelset.back_to_back_mm / 2.0
-        self._least = LEAST_STIFFNESS * float(loads_of(problem).weight) * np.array([1.0, 1.0, arm**2])
-        self.bending, self._across = 1.0, 0.0
-        self._missing = self._slopes = np.zeros((5, len(self.free)))
-        self._before: tuple[Floats, Floats] | None = None
+        if self.creep is not None and near is not None and near.rolled is not None:
+            self.creep.before = near.rolled.creep
 
     @property
     def bends(self) -> bool:
@@ -231,9 +236,9 @@ class WheelsetNewton:
         way = -push / slope if slope < 0.0 else float(np.copysign(np.inf, push))
         limit = self.reach
         if way * self._across < 0.0 and abs(way) > 0.5 * abs(self._across):
-            limit = BACK * abs(self._across)
+            limit, self._longest = BACK * abs(self._across), LESS * self._longest
         elif abs(self._across) == self.reach:
-            limit = min(2.0 * self.reach, MAX_GROWTH * limits[0])
+            limit = min(2.0 * self.reach, self._longest)
         self.reach = limit
         self._across = way = float(np.clip(way, -limit, limit))
         by_x[0], limits[0] = 1.0, np.inf
