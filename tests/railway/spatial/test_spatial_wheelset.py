@@ -80,6 +80,20 @@ def test_the_jacobian_is_the_derivative_of_the_residual(wheelset, inputs):
         assert difference[2] == pytest.approx(jacobian[2, axis], rel=0.03)
 
 
+def test_more_cells_across_a_patch_change_it_by_their_error(wheelset):
+    """Patches have as many cells as the input says; twice as many move the maximum pressure by less than 1 %."""
+    found = {}
+    for cells in (13, 26):
+        case = coarse_case(lateral_mm=1.0, patch_cells=cells)
+        one = wheelset.at(case.load(), Prescribed(1.0), 0.0)
+        found[cells] = solve_position(replace(one, model=replace(one.model, patch_cells=case.patch_cells)), {})
+    for few, many in zip(found[13].patches, found[26].patches, strict=True):
+        counts = [patch.ellipse.cells for patch in (few, many)]
+        assert 10 <= min(counts[0])
+        assert max(counts[0]) < 20 <= max(counts[1])
+        assert few.ellipse.max_pressure == pytest.approx(many.ellipse.max_pressure, rel=0.01)
+
+
 def test_a_patch_outside_of_the_fine_cells_is_found(wheelset, monkeypatch):
     """The smaller of two patches is left out of the first fine grid: the end of the search finds and adds it."""
     whole = solved(wheelset, lateral_mm=6.8)

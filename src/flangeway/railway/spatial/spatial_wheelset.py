@@ -10,7 +10,7 @@ from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
 from flangeway.railway.spatial.rolling.wheelset_creep import WheelsetCreep, rate_of
-from flangeway.railway.spatial.running_surfaces import SpatialModel
+from flangeway.railway.spatial.running_surfaces import PATCH_CELLS, SpatialModel
 from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces
 from flangeway.railway.spatial.side_newton import SideNewton, solve_side, transferred, transferred_creep
 from flangeway.railway.spatial.spatial_contact import SpatialState, pose_of
@@ -48,11 +48,10 @@ NEARBY = 5.0
 """Way over the step limits within which the coarse cells still fit."""
 AT_THE_ENDS = "patches at the ends of their cells"
 """Message of a search that goes on with other cells."""
-ACROSS = 26
-"""Cells across a patch, and along it."""
 LEAST_ACROSS = 20
-FEWER_ACROSS, NESTED_RESIDUAL = 13, 2e-3
-"""The same while creep forces are sought, and their equilibrium residual by the exact theory: as much as cells do."""
+"""Cells across a patch that are enough where 26 are wanted."""
+FEWER_ACROSS, NESTED_RESIDUAL = 0.5, 2e-3
+"""Cells across a patch over the final ones while creep forces are sought, and the exact theory's residual on them."""
 MARGIN = 0.2
 """Width of the window beyond a patch on each side over the patch."""
 BROAD_MARGIN = 0.6
@@ -67,8 +66,8 @@ FLANGE_SLOPE = 3.0
 """Slope of the flange, by which yaw moves its contact along the track."""
 LONGEST = 48
 """Strips along the longest patch, at most."""
-MOST_ON_A_SIDE = 5000
-"""Cells in the windows of a side, at most."""
+MOST_ON_A_SIDE, MORE_ON_A_SIDE = 5000, 2.0
+"""Cells in the windows of a side, at most, and the factor on them where more cells across a patch are wanted."""
 MAIN = 0.05
 """Share of a side's force above which a patch has its cells counted."""
 
@@ -122,12 +121,14 @@ class SpatialWheelset:
         creep = WheelsetCreep(motion, rate_of(motion, found.state.sides), theory, MAX_BENT_MM)
         found = self._coarse_equilibrium(found.position, found.state, progress, creep)
         whole = {side: state.grid for side, state in found.state.sides.items()}
-        stages = [(creep, FEWER_ACROSS, ROLLING_RESIDUAL)]
+        cells = self.model.patch_cells
+        fewer = round(FEWER_ACROSS * cells)
+        stages = [(creep, fewer, ROLLING_RESIDUAL)]
         if motion.theory == "exact":
             exact = replace(creep, theory="exact")
-            stages += [(exact, FEWER_ACROSS, NESTED_RESIDUAL), (exact, ACROSS, EXACT_RESIDUAL)]
+            stages += [(exact, fewer, NESTED_RESIDUAL), (exact, cells, EXACT_RESIDUAL)]
         else:
-            stages.append((creep, ACROSS, FAST_RESIDUAL))
+            stages.append((creep, cells, FAST_RESIDUAL))
         for forces, across, tolerance in stages:
             if not found.status.converged:
                 break
@@ -156,14 +157,15 @@ class SpatialWheelset:
         progress: Callable[[str], None],
         creep: WheelsetCreep | None = None,
         tolerance: float = FINE_RESIDUAL,
-        across: int = ACROSS,
+        across: int | None = None,
     ) -> Equilibrium[SpatialState]:
         """Equilibrium on cells that are fine enough for the patches, and that hold all of them.
 
         - `whole`: coarse cells of the whole running surfaces.
         - `creep`, `tolerance`: creep forces, and the equilibrium residual with them.
-        - `across`: cells across a patch.
+        - `across`: cells across a patch; left out: those of the model.
         """
+        across = across or self.model.patch_cells
         for turn in range(MOST_GRIDS):
             state = found.state
             grids = {side: finer(each, across, state.insides(side)) for side, each in state.sides.items()}
@@ -360,7 +362,7 @@ def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]
     return found
 
 
-def finer(state: SideState, n_across: int = ACROSS, insides: Sequence[Bools] | None = None) -> GriddedSide:
+def finer(state: SideState, n_across: int = PATCH_CELLS, insides: Sequence[Bools] | None = None) -> GriddedSide:
     """Grid with enough cells across each patch and room around it; the same grid if it is one already.
 
     - `n_across`: cells across a patch, and along it.
@@ -373,7 +375,7 @@ def finer(state: SideState, n_across: int = ACROSS, insides: Sequence[Bools] | N
     windows = _windows(state, insides)
     main = [each for each in windows if each.share > MAIN]
     longest = max(each.along for each in main)
-    part = n_across / ACROSS
+    part = n_across / PATCH_CELLS
     most_along, least_across = part * LONGEST, part * LEAST_ACROSS
     strip = grid.strip * min(1.0, max(min(each.along for each in main) / n_across, longest / most_along))
     enough = all(
@@ -401,7 +403,8 @@ def finer(state: SideState, n_across: int = ACROSS, insides: Sequence[Bools] | N
         reached = max(last, reached)
     # as many cells as a factorisation takes
     strips = sum(each.planes[1] - each.planes[0] for each in windows) / max(len(windows), 1) / strip
-    many = np.sqrt(max(sum((high - low) / cell for low, high, cell in spans) * strips / MOST_ON_A_SIDE, 1.0))
+    most = min(max(part, 1.0) ** 2, MORE_ON_A_SIDE) * MOST_ON_A_SIDE
+    many = np.sqrt(max(sum((high - low) / cell for low, high, cell in spans) * strips / most, 1.0))
     strip *= many
     spans = [[low, high, cell * many] for low, high, cell in spans]
     limits = np.sort(old.surfaces.rail_stations[[0, -1], 1])
