@@ -20,6 +20,7 @@ from benchmarks import (
     rolling,
     spatial,
     stabilisation,
+    standing,
     torsion_assembly,
     torsion_sections,
     wheelset3d,
@@ -45,6 +46,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "spatial": spatial.measurements,
     "rolling": rolling.measurements,
     "wheelset3d": wheelset3d.measurements,
+    "standing": standing.measurements,
 }
 
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
@@ -65,6 +67,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "spatial": spatial.quick,
     "rolling": rolling.quick,
     "wheelset3d": wheelset3d.quick,
+    "standing": standing.quick,
 }
 
 

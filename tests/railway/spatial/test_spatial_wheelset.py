@@ -7,11 +7,12 @@ import pytest
 
 from flangeway.railway.spatial import spatial_wheelset
 from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_contact import SpatialContact
+from flangeway.railway.spatial.side_newton import solve_side
+from flangeway.railway.spatial.spatial_contact import pose_of, signs_of
 from flangeway.railway.spatial.spatial_patch import spatial_patch
 from flangeway.railway.spatial.spatial_result import solve_position
 from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
-from flangeway.railway.track.placements import SIDES, WheelsetPosition
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset.residual import loads_of
 from flangeway.railway.wheelset.wheelset_model import build_model
@@ -51,27 +52,46 @@ def test_contact_forces_are_in_equilibrium_with_the_load_and_a_curve_is_mirrored
 
 @pytest.mark.parametrize("inputs", [{"lateral_mm": 2.0}, {"lateral_mm": 6.0, "yaw_mrad": 5.0}])
 def test_the_jacobian_is_the_derivative_of_the_residual(wheelset, inputs):
-    """Derivatives by lateral and vertical displacement and roll agree with differences on the same cells.
+    """Derivatives of the contact forces by lateral and vertical displacement and roll agree with differences.
 
     Those of the forces to 0.1 %; those of the moment to 3 %: that normals turn and arms change is left out of them.
     """
     found = solved(wheelset, **inputs)
-    one = found.wheelset
-    grids = {side: state.grid for side, state in found.equilibrium.state.sides.items()}
-    tilts = one._tilts({side: state.resultant for side, state in found.equilibrium.state.sides.items()})
-    contact = SpatialContact(one.problem, one.start, grids, one.model.yaw_rad, tilts, 1e-12)
-    position = found.equilibrium.position
-    state = contact.contact_at(position)
-    jacobian = contact.jacobian_of(position, state)
+    problem, position, sides = found.problem, found.equilibrium.position, found.equilibrium.state.sides
+
+    def on_axle(at):
+        """Forces of both sides on the axle, (3,), and their derivatives, (3, 3)."""
+        force, slopes = np.zeros(3), np.zeros((3, 3))
+        for side, before in sides.items():
+            pose, signs = before.pose, signs_of(side)
+            sign = SIDE_SIGN[side]
+            pose = pose_of(problem, at, side, sign * pose.yaw_rad, sign * pose.tilt_rad)
+            state = solve_side(before.grid, pose, before.forces, 1e-12)
+            force += signs * state.resultant
+            slopes += signs[:, None] * state.stiffness[:, :3] * signs
+        return force, slopes
+
+    jacobian = on_axle(position)[1]
     for axis, step in enumerate((1e-5, 1e-5, 1e-8)):
         change = step * np.eye(3)[axis]
-        ends = []
-        for sign in (1.0, -1.0):
-            moved = position.moved(WheelsetPosition(*(sign * change)))
-            ends.append(contact.residuals_of(moved, contact.contact_at(moved, (position, state)))[0])
+        ends = [on_axle(position.moved(WheelsetPosition(*(sign * change))))[0] for sign in (1.0, -1.0)]
         difference = (ends[0] - ends[1]) / (2.0 * step)
         assert difference[:2] == pytest.approx(jacobian[:2, axis], rel=1e-3, abs=1e-4 * np.abs(jacobian[:, axis]).max())
         assert difference[2] == pytest.approx(jacobian[2, axis], rel=0.03)
+
+
+def test_more_cells_across_a_patch_change_it_by_their_error(wheelset):
+    """Patches have as many cells as the input says; twice as many move the maximum pressure by less than 1 %."""
+    found = {}
+    for cells in (13, 26):
+        case = coarse_case(lateral_mm=1.0, patch_cells=cells)
+        one = wheelset.at(case.load(), Prescribed(1.0), 0.0)
+        found[cells] = solve_position(replace(one, model=replace(one.model, patch_cells=case.patch_cells)), {})
+    for few, many in zip(found[13].patches, found[26].patches, strict=True):
+        counts = [patch.ellipse.cells for patch in (few, many)]
+        assert min(counts[0]) >= 10
+        assert max(counts[0]) < 20 <= max(counts[1])
+        assert few.ellipse.max_pressure == pytest.approx(many.ellipse.max_pressure, rel=0.01)
 
 
 def test_a_patch_outside_of_the_fine_cells_is_found(wheelset, monkeypatch):

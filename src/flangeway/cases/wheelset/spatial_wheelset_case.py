@@ -20,7 +20,7 @@ from flangeway.materials import Elastic
 from flangeway.railway.spatial.axle import Axle
 from flangeway.railway.spatial.rail_supports import RailSupport
 from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.running_surfaces import SpatialModel
+from flangeway.railway.spatial.running_surfaces import PATCH_CELLS, SpatialModel
 from flangeway.railway.spatial.spatial_result import SpatialResult, solve_spatial
 from flangeway.railway.spatial.whole_wheel import WheelDisc
 from flangeway.railway.track.discretisation import Discretisation, Method
@@ -182,6 +182,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     method: Method = Field("fem", description="fem is triangles, vem is polygons with virtual elements")
     order: int = Field(2, ge=1, le=2, description="order of the elements")
     size_scale: float = Field(1.0, ge=0.05, le=10.0, description="factor on all element sizes")
+    patch_cells: int = Field(PATCH_CELLS, ge=10, le=60, description="cells across each contact patch, and along it")
 
     def check(self) -> None:
         """See `RunnableCase.check`."""
@@ -259,7 +260,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             )
         disc = WheelDisc() if self.wheel_section == "whole" else None
         axle = Axle(young=self.young_MPa) if self.axle == "elastic" else None
-        return SpatialModel(support, disc, axle, 1e-3 * self.yaw_mrad, self._rolling())
+        return SpatialModel(support, disc, axle, 1e-3 * self.yaw_mrad, self._rolling(), self.patch_cells)
 
     @property
     def _rolls(self) -> bool:

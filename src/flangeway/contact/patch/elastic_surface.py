@@ -65,6 +65,16 @@ class ElasticSurface:
         turned_back = np.einsum("iax,iajb,jby->ixjy", self.frames, added, self.frames, optimize=True)
         return replace(self, remainder=self.remainder + turned_back)
 
+    def table(self, *, along: bool) -> Floats:
+        """`remainder` as matrices (n_z, m n, m n): for forces and displacements `along` z too, m = 3, or without, 2."""
+        return self.remainder.reshape(len(self.distances), 3 * len(self.stations), -1) if along else self._in_plane
+
+    @cached_property
+    def _in_plane(self) -> Floats:
+        return np.ascontiguousarray(self.remainder[:, :, :2, :, :2]).reshape(
+            len(self.distances), 2 * len(self.stations), -1
+        )
+
     def interpolation(self, at: Floats, derivative: int = 0) -> Floats:
         """Weights of the tabulated stations at other ones, or of their derivatives, shape (m, n)."""
         inside = np.clip(at, self.stations[0], self.stations[-1])

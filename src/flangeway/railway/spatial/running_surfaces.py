@@ -29,6 +29,8 @@ from flangeway.types import Floats
 
 CELL_MM = 2.0
 """Width of the cells on which the compliance is tabulated; half of it changes no pressure by more than 0.1 %."""
+PATCH_CELLS = 26
+"""Cells across a patch, and along it."""
 EDGE_MM = 0.5
 """Length of the mesh's edges there for order 1, twice that for order 2."""
 BODY_MM = 6.0
@@ -46,6 +48,7 @@ class SpatialModel:
     - `axle`: how it bends; None: it is rigid.
     - `yaw_rad`: yaw of the axle, counter-clockwise seen from above: the right wheel is ahead.
     - `rolling`: how it rolls; None: without friction.
+    - `patch_cells`: cells across a patch, and along it.
     """
 
     support: RailSupport | None = field(default_factory=RailSupport)
@@ -53,6 +56,7 @@ class SpatialModel:
     axle: Axle | None = field(default_factory=Axle)
     yaw_rad: float = 0.0
     rolling: RollingMotion | None = None
+    patch_cells: int = PATCH_CELLS
 
 
 def running_surfaces(

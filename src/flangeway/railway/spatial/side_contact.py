@@ -130,6 +130,16 @@ class SideGrid:
         return self.planes.astype(np.float64) * self.strip
 
     @property
+    def strip_ends(self) -> Floats:
+        """Ends of the strips, shape (n_z, 2)."""
+        return self.z[:, None] + self.strip / 2.0 * np.array([-1.0, 1.0])
+
+    def covers(self, other: "SideGrid") -> bool:
+        """Whether another grid of the same cells and strips reaches nowhere farther."""
+        first, last = self.planes[0] <= other.planes[0], self.planes[-1] >= other.planes[-1]
+        return bool(first and last and self.cells.min() <= other.cells.min() and self.cells.max() >= other.cells.max())
+
+    @property
     def at_edge(self) -> Bools:
         """Cells beside a gap or an end, and strips at an end, shape (n, n_z)."""
         apart = np.diff(self.cells.ravel())[1::2] > 1e-6 * self.strip
@@ -256,9 +266,11 @@ class GriddedSide:
         total = half_spaces_on(materials, grid.cells[rows], self.frames[rows], grid.strip, n_distances, axes)
         size = total.shape[1] * len(axes)
         total = total.reshape(n_distances, size, size)
-        for elastic, loads in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
+        for elastic, unit_forces in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
             used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, len(grid.planes)))) + 3
-            table = elastic.remainder[:used].reshape(-1, len(loads), len(loads))
+            table = elastic.table(along=2 in axes)[:used]
+            # without forces along z two thirds of the rows
+            loads = unit_forces.reshape(-1, 3, size)[:, : 3 if 2 in axes else 2].reshape(table.shape[1], size)
             found = np.matmul(loads.T, np.matmul(table, loads))
             weights = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, : len(table)]
             total += (weights @ found.reshape(len(table), -1)).reshape(total.shape)

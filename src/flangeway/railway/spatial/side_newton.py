@@ -51,7 +51,7 @@ class SideNewton:
         if forces is None or not forces.any():
             values = grid.deformed(pose, None)[3]
             forces = solve_normal(grid.influence, values, approach=0.0, tolerance=FIRST).forces
-        self.forces = forces
+        self.forces = self.raw = forces
         self.touching: Bools = forces > 0.0
         self._factor: tuple[Floats, bool] | None = None
         self._last: Floats | None = None
@@ -78,7 +78,7 @@ class SideNewton:
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
         least = SAME * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
         width = least * float(grid.coefficients[0].diagonal().max())
-        touching = np.where(self.touching, self.forces > -least, self.total < -width) & (self.gap.gaps < FAR_MM)
+        touching = np.where(self.touching, self.raw > -least, self.total < -width) & (self.gap.gaps < FAR_MM)
         self.changed = bool((touching != self.touching).any())
         if self.changed or self._factor is None:
             self.touching = touching
@@ -211,7 +211,9 @@ class SideNewton:
         - `step`: by what the axle moves, as the derivatives of `solve`; creep forces change with it.
         """
         new = np.zeros(self.forces.shape)
-        new[self.touching] = forces
+        self.raw = new.copy()
+        self.raw[self.touching] = forces
+        new[self.touching] = np.maximum(forces, 0.0)
         change = new - self.forces
         moved = np.abs(
             np.einsum("ixk,k->ix", self.grid.bending_modes[0], self.grid.bending_modes[1] @ change.sum(axis=1))
@@ -243,12 +245,18 @@ def nearest(values: Floats, old: SideGrid, new: SideGrid) -> Floats:
 
 
 def transferred(state: SideState, grid: GriddedSide) -> Floats:
-    """Forces of a contact on the cells of another grid, by their pressures; the sum stays."""
+    """Forces of a contact on the cells of another grid, each spread evenly over its cell; the sum stays."""
     old, new = state.grid.grid, grid.grid
-    pressures = state.forces / (old.widths[:, None] * old.strip)
-    found: Floats = nearest(pressures, old, new) * new.widths[:, None] * new.strip
+    # f_kl = sum_ij R_ki f_ij S_lj with the fractions R and S of the old cells and strips that lie in the new ones
+    found: Floats = _fractions(old.cells, new.cells) @ state.forces @ _fractions(old.strip_ends, new.strip_ends).T
     total = float(found.sum())
     return found * (float(state.forces.sum()) / total) if total > 0.0 else found
+
+
+def _fractions(old: Floats, new: Floats) -> Floats:
+    """Fractions of old intervals, (m, 2), that lie in new ones, (n, 2): shape (n, m)."""
+    common = np.minimum(new[:, 1:], old[:, 1]) - np.maximum(new[:, :1], old[:, 0])
+    return np.maximum(common, 0.0) / (old[:, 1] - old[:, 0])
 
 
 def transferred_creep(state: SideState, grid: GriddedSide) -> Floats | None:

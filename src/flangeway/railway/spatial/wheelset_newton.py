@@ -5,47 +5,43 @@ not prescribed, the yaw. With the derivatives of `SideNewton` by the position, t
 a fast theory; what they miss of the exact theory is learned from step to step (Broyden, 1965).
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from flangeway.railway.spatial.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep
-from flangeway.railway.spatial.side_contact import SideState
+from flangeway.railway.spatial.side_contact import GriddedSide, SideState
 from flangeway.railway.spatial.side_newton import SideNewton, nearest, transferred, transferred_creep
-from flangeway.railway.spatial.spatial_contact import RolledWheelset, SpatialContact, SpatialState, pose_of, signs_of
+from flangeway.railway.spatial.spatial_contact import RolledWheelset, SpatialState, pose_of, signs_of
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
-from flangeway.railway.wheelset.equilibrium import LOWERED, Equilibrium
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.residual import MAX_STEP, RelativeResiduals, is_stable, loads_of, with_loads
 from flangeway.solve import Status
-from flangeway.types import Bools, Floats
+from flangeway.types import Floats
 
 COARSE_FORCES = 1e-4
 FINE_RESIDUAL = 1e-8
 FINE_TILT_RAD = 1e-9
 FINE_FORCES = 1e-7
 """Change of the forces of a step over their sum."""
-MAX_STEPS = 10.0
-"""Step over the step limits above which the position is not close by."""
-LOWERING = np.array([False, True, False, True, True])
-ACROSS = np.array([True, False, False, False, False, False, True])
-SETTLED = 0.02
-"""Residual, but for lateral force and yaw moment, above which pressures on new cells are not yet found: until then
-creep forces move the wheelset neither across the track nor by yaw."""
-MAX_GROWTH = 4.0
-"""Factor on the step limits."""
-FALLS, LEAST_PART = 0.4, 0.15
-"""Share of a step by which the residual must fall, otherwise smaller parts of steps are taken, and the smallest one."""
+MAX_GROWTH, BACK, LESS = 4.0, 0.3, 0.7
+"""Largest step across the track over its limit; the next one over the last where the push has changed sides, and the
+largest one over that before."""
+SADDLE = 1e-6
+"""Push across the track over the stiffness of the rest, in mm, that is round-off."""
+LEAST_STIFFNESS = 1e-6
+"""Of a wheel that does not touch, weight per mm, so that it goes where it is pushed."""
 LEARNS = 0.01
 """Residual of the forces below which what the derivatives miss is learned."""
 ERROR_OF_LAW, LOOSE = 0.1, 1e-2
 """Error of the law of friction over the residual of the position before, and its largest one."""
 MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
 """Step limits of the rate of rotation over itself, and of the yaw."""
-MAX_BENDING = 8.0
-"""Factor on the displacement by creep forces in one step, which doubles where the rest is nearly in equilibrium: rails
-that bend far would creep there, and elsewhere large steps of bending lead astray."""
-LEAST_TRUST = 0.25
-"""Least factor on the first. Where friction is exhausted torque hardly changes with the rate: whole steps go round."""
+MAX_BENDING, SETTLED = 8.0, 0.02
+"""Factor on the displacement by creep forces in one step, which doubles where the rest is in equilibrium to the second
+number: rails that bend far would creep there, and elsewhere large steps of bending lead astray."""
 RATE, YAW = 5, 6
 """Numbers of the unknowns that friction adds behind position and tilts: the rate of rotation, and the yaw."""
 
@@ -55,47 +51,47 @@ class WheelsetNewton:
 
     def __init__(
         self,
-        contact: SpatialContact,
-        by_forces: Floats,
+        problem: WheelsetProblem,
+        grids: Mapping[Side, GriddedSide],
         position: WheelsetPosition,
+        yaw_rad: float,
+        by_forces: Floats,
         near: SpatialState | None,
         creep: WheelsetCreep | None,
-        *,
-        lower: bool,
     ) -> None:
-        self.contact, self.problem, self.by_forces = contact, contact.problem, by_forces
-        self.position, self.tilts, self.yaw = position, contact.tilts, contact.yaw_rad
-        self.creep, self.lower = creep, lower
-        if near is not None and creep is not None:
+        self.problem, self.by_forces = problem, by_forces
+        self.position, self.tilts, self.yaw, self.guided_yaw = position, np.zeros(2), yaw_rad, yaw_rad
+        self.creep = creep
+        if near is not None:
             poses = [(SIDE_SIGN[side], near.sides[side].pose) for side in SIDES]
             self.yaw = poses[0][0] * poses[0][1].yaw_rad
             self.tilts = np.array([sign * pose.tilt_rad for sign, pose in poses])
         self.sides: dict[Side, SideNewton] = {}
-        for number, (side, grid) in enumerate(contact.grids.items()):
-            pose = pose_of(self.problem, position, side, self.yaw, self.tilts[number])
+        self.place(grids, near)
+        held = [*(value is None for value in self.problem.prescribed.components), True, True]
+        if creep is not None:
+            held += [True, creep.motion.yaw_is_free]
+        self.free = np.array(held)
+        self.history: list[RelativeResiduals] = []
+        self.reach, self._longest = float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0])
+        arm = problem.wheelset.back_to_back_mm / 2.0
+        self._least = LEAST_STIFFNESS * float(loads_of(problem).weight) * np.array([1.0, 1.0, arm**2])
+        self.bending, self._across = 1.0, 0.0
+        self._missing = self._slopes = np.zeros((5, len(self.free)))
+        self._before: tuple[Floats, Floats] | None = None
+
+    def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
+        """Go on with other cells, from a contact if it is known."""
+        for number, (side, grid) in enumerate(grids.items()):
+            pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
             before = None if near is None else near.sides[side]
             self.sides[side] = SideNewton(grid, pose, None if before is None else transferred(before, grid))
             if before is not None:
                 self.sides[side].creep = transferred_creep(before, grid)
             if before is not None and near is not None and near.rolled is not None:
                 self.sides[side].raised = nearest(near.rolled.creep[side].raised, before.grid.grid, grid.grid)
-        held = [*(value is None for value in self.problem.prescribed.components), True, True]
-        if creep is not None:
-            held += [True, creep.motion.yaw_is_free]
-        self.free = np.array(held)
-        if creep is not None and near is not None and near.rolled is not None:
-            creep.before = near.rolled.creep
-        self.history: list[RelativeResiduals] = []
-        self.growth, self.trust, self.bending, self._across = 1.0, 1.0, 1.0, 0.0
-        self.part, self._error = 1.0, np.inf
-        self.settles = creep is not None and near is not None and near.rolled is not None
-        self._missing = self._slopes = np.zeros((5, len(self.free)))
-        self._before: tuple[Floats, Floats] | None = None
-
-    @property
-    def touches(self) -> bool:
-        """Whether both wheels touch."""
-        return all(each.touching.any() for each in self.sides.values())
+        if self.creep is not None and near is not None and near.rolled is not None:
+            self.creep.before = near.rolled.creep
 
     @property
     def bends(self) -> bool:
@@ -193,7 +189,7 @@ class WheelsetNewton:
         driven, guided = self.torque + 1e3 * motion.torque_Nm, 0.0
         if motion.yaw_stiffness_Nm_per_rad is not None:
             stiffness = 1e3 * motion.yaw_stiffness_Nm_per_rad
-            guided = self.yaw_moment - stiffness * (self.yaw - self.contact.yaw_rad)
+            guided = self.yaw_moment - stiffness * (self.yaw - self.guided_yaw)
             self.jacobian[YAW, YAW] -= stiffness
         self.missed = np.append(self.missed, [driven, guided])
         self.relative = replace(
@@ -204,60 +200,56 @@ class WheelsetNewton:
 
     @property
     def _limits(self) -> Floats:
-        """Step limits with friction."""
-        assert self.creep is not None
-        return np.array([*MAX_STEP, MAX_STEP[2], MAX_STEP[2], MAX_CREEPAGE * self.creep.rate_rad_s, MAX_YAW_RAD])
+        """Step limits."""
+        limits = [*MAX_STEP, MAX_STEP[2], MAX_STEP[2]]
+        return np.array(limits if self.creep is None else [*limits, MAX_CREEPAGE * self.creep.rate_rad_s, MAX_YAW_RAD])
 
-    def _newton_step(self, free: Bools, given: Floats | None = None) -> Floats:
-        """Step of what is free, after a given one of the others."""
-        step: Floats = np.zeros(len(self.free)) if given is None else given.copy()
-        missed = self.missed if given is None else self.missed + self.jacobian @ given
-        step[free] = np.linalg.solve(self.jacobian[np.ix_(free, free)], -missed[free])
-        return step
+    def _step(self) -> Floats:
+        """Newton's step, limited so that the wheelset goes where it is pushed.
 
-    def _limited(self, step: Floats, free: Bools) -> Floats:
-        """Newton's step within the limits: the wheelset goes where it is pushed, as far as to a flange."""
+        The rest of the unknowns is eliminated: what is left of the equation across the track at a fixed lateral
+        position is the slope of the energy along it, and its sign is the direction in which the wheelset moves.
+        With friction and a free yaw that is the yaw moment instead: yaw then balances the lateral force by creepage,
+        and the moment turns the wheelset to the rolling line, from wherever it is.
+        """
+        n, across = len(self.free), bool(self.free[0])
         limits = self._limits
-        if free[0] and abs(step[0]) > self.growth * limits[0]:
-            given = np.zeros(len(step))
-            given[0] = np.sign(self.missed[0]) * self.growth * limits[0]
-            step = self._newton_step(free & (np.arange(len(step)) > 0), given)
-            self.growth = min(2.0 * self.growth, MAX_GROWTH) if given[0] * self._across > 0.0 else 1.0
-        else:
-            self.growth = 1.0
-        self._across = float(step[0])
-        limits[:2] *= self.growth
-        if self._error < np.inf:
-            falls = self.relative.equilibrium_residual < self._error
-            self.trust = min(1.5 * self.trust, 1.0) if falls else max(self.trust / 2.0, LEAST_TRUST)
-        limits[RATE] *= self.trust
+        columns, rows = self.free.copy(), self.free.copy()
+        columns[0] = False
+        guided = across and n > YAW and bool(self.free[YAW])
+        row, sense = (YAW, -1.0) if guided else (0, 1.0)
+        if across:
+            rows[row] = False
+        step, by_x = np.zeros(n), np.zeros(n)
+        jacobian = self.jacobian.copy()
+        jacobian[[0, 1, 2], [0, 1, 2]] -= self._least
+        matrix = jacobian[np.ix_(rows, columns)]
+        right = -np.stack((self.missed, self.jacobian[:, 0]), axis=1)[rows]
+        step[columns], by_x[columns] = np.linalg.solve(matrix, right).T
         excess = float((np.abs(step) / limits).max())
-        # close by, forces that jump from one patch to another end in circles without
-        falls = self.relative.equilibrium_residual < (1.0 - FALLS * self.part) * self._error
-        falls |= self.bends  # creep forces still grow
-        self.part = min(1.0, 1.5 * self.part) if falls or excess > 1.0 else max(self.part / 1.5, LEAST_PART)
-        self._error = self.relative.equilibrium_residual
-        return step * min(self.part, 1.0 / excess if excess > 1.0 else 1.0)
+        if excess > 1.0 or not across:
+            return step / max(excess, 1.0)
+        push = sense * float(self.missed[row] + self.jacobian[row] @ step)
+        slope = sense * float(self.jacobian[row, 0] + self.jacobian[row] @ by_x)
+        if slope >= 0.0 and abs(push) < SADDLE * abs(sense * self.jacobian[row, 0]):
+            push = -abs(push)  # on top of the energy both ways lead down: to the left, whatever round-off says
+        way = -push / slope if slope < 0.0 else float(np.copysign(np.inf, push))
+        limit = self.reach
+        if way * self._across < 0.0 and abs(way) > 0.5 * abs(self._across):
+            limit, self._longest = BACK * abs(self._across), LESS * self._longest
+        elif abs(self._across) == self.reach:
+            limit = min(2.0 * self.reach, self._longest)
+        self.reach = limit
+        self._across = way = float(np.clip(way, -limit, limit))
+        by_x[0], limits[0] = 1.0, np.inf
+        step += way * by_x
+        return step / max(float((np.abs(step) / limits).max()), 1.0)
 
-    def step(self, tolerance: float) -> bool | None:
-        """Move by Newton's step within its limits; whether it was in equilibrium, or None where that is far away."""
+    def step(self, tolerance: float) -> bool:
+        """Move by Newton's step within its limits, if it was not in equilibrium yet; whether it was."""
         share = tolerance / FINE_RESIDUAL
         error = self.relative.equilibrium_residual
-        self.lower = self.lower and abs(self.relative.vertical_residual) > LOWERED
-        now = self.free & LOWERING if self.lower else self.free
-        if self.settles:
-            relative = replace(self.relative, lateral_residual=0.0, yaw_residual=0.0)
-            self.settles = self.bends or relative.equilibrium_residual > SETTLED
-        if self.settles:
-            now = now & ~ACROSS[: len(now)]
-        step = self._newton_step(now)
-        if self.creep is None:
-            excess = float((np.abs(step[:3]) / MAX_STEP).max())
-            if excess > MAX_STEPS:
-                return None
-            step /= max(1.0, excess)
-        else:
-            step = self._limited(step, now)
+        step = self._step()
         change = 0.0
         for side, (forces, by, by_signs, columns) in self.changes.items():
             own = by_signs * step[columns]
