@@ -52,6 +52,9 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
 """What each measures: the first words of its module."""
 
+CAMPAIGNS = {"polygons", "standing"}
+"""Drawn cases that count what converges: they take an hour or more, and are printed, not recorded."""
+
 QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "torsion-assembly": torsion_assembly.quick,
     "torsion-sections": torsion_sections.quick,

@@ -21,11 +21,3 @@ def test_the_judge_sees_a_wrong_solution() -> None:
     assert solution.status.converged
     assert list(faults(solution, case)) == []
     assert any("load" in each for each in faults(solution, replace(case, depth=1.01 * case.depth)))
-
-
-@pytest.mark.hypothesis
-def test_of_a_hundred_one_may_fail() -> None:
-    """Of a hundred none is wrong, and one at most has not converged."""
-    found = [outcome(number) for number in range(100)]
-    assert not [each for each in found if each.wrong]
-    assert sum(not each.converged for each in found) <= 1

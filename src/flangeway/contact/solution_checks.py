@@ -132,7 +132,7 @@ def _unbalanced(
     `MAX_KEPT` of the contact forces counts.
     """
     forces, at = state.nodal_forces, state.positions
-    farthest = [float(np.linalg.norm(field, axis=1).max(initial=0.0)) for field in fields]
+    max_moves = [float(np.linalg.norm(field, axis=1).max(initial=0.0)) for field in fields]
     total = forces.sum(axis=0)
     if system.parts[0].body.axisymmetric:
         force, moment = abs(float(total[1])), 0.0
@@ -152,7 +152,7 @@ def _unbalanced(
             on_body = response.resultant(number, state.placements[number], pivot)[:3]
             on_handle += on_body
             # loads on a body act where it is not deformed, contact where it is: small strains leave the difference
-            by_strain += float(np.linalg.norm(on_body[:2])) * farthest[number]
+            by_strain += float(np.linalg.norm(on_body[:2])) * max_moves[number]
             on_handle[:2] += forces[nodes].sum(axis=0)
             on_handle[2] += cross_product(at[nodes] - pivot, forces[nodes]).sum()
             scale += float(np.abs(forces[nodes]).sum())
@@ -177,8 +177,7 @@ def _cells(part: Part, body: Body, field: Floats, errors: list[str], warnings: l
     following = np.arange(1, len(corners) + 1)
     following[mesh.cell_offsets[1:] - 1] = starts
     before, moved = mesh.points[corners], field[: len(mesh.points)][corners]
-    after = before + moved
-    areas, now = (np.add.reduceat(cross_product(each, each[following]), starts) / 2.0 for each in (before, after))
+    areas = np.add.reduceat(cross_product(before, before[following]), starts) / 2.0
     chords = before[following] - before
     normals = np.column_stack((chords[:, 1], -chords[:, 0]))
     # H_cij = 1/A_c sum over the cell's sides of (u_i + u_i')/2 n_j
@@ -187,13 +186,8 @@ def _cells(part: Part, body: Body, field: Floats, errors: list[str], warnings: l
     turns = np.abs(gradients[:, 1, 0] - gradients[:, 0, 1]) / 2.0
     mean, half = np.trace(gradients, axis1=1, axis2=2) / 2.0, (gradients[:, 0, 0] - gradients[:, 1, 1]) / 2.0
     strains = np.abs(mean) + np.hypot(half, (gradients[:, 0, 1] + gradients[:, 1, 0]) / 2.0)
-    previous = np.empty_like(following)
-    previous[following] = np.arange(len(following))
-    # the Jacobian at a corner of a triangle or quadrilateral is the cross product of its sides
-    corner = cross_product(after - after[previous], after[following] - after)
-    folded = np.minimum.reduceat(corner, starts) <= 0.0
-    folded &= (counts <= 4) & (np.minimum.reduceat(cross_product(before - before[previous], chords), starts) > 0.0)
-    inverted = folded | (now <= 0.0)
+    # by the mean deformation gradient: the corner between nearly straight sides turns inside out under any strain
+    inverted = np.linalg.det(np.eye(2) + gradients) <= 0.0
     centres = np.add.reduceat(before, starts) / counts[:, None]
     if inverted.any():
         errors.append(
