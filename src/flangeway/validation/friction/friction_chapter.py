@@ -138,11 +138,11 @@ FRICTION = Reproduction(
         pressed and pushed along a rigid plane (Code_Aster's test SSNV128) has its published displacements within
         {percent(PLATE_LIMIT)}, and within {percent(CHOICES_LIMIT)} of each other with any element, pairing and
         enforcement. The last of the five, 1.50e-5 m, is rounded or of a coarse mesh: orders and meshes converge to
-        1.541e-5 m, and so does scikit-fem with its own friction (in the tests). A block on an incline holds and slides
+        1.541e-5 m. A block on an incline holds and slides
         at the tangent of its slope; a ring that cools on a shaft has Lame's pressure; a wall on soil, pushed by water,
         is in equilibrium as displaced to {WALL_LIMIT:g}; a bolt that is pulled by a given displacement clamps a flange
-        with the force of one piece, as head and flange stick. No load step may take more than {MOST_ITERATIONS}
-        iterations.""",
+        with the force of one piece, as head and flange stick. No load step, nor any of its
+        corrections of the forces by augmented Lagrange, may take more than {MOST_ITERATIONS} iterations.""",
         (
             PagePicture(
                 "friction-tractions",
