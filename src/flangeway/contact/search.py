@@ -10,7 +10,7 @@ from flangeway.geometry import crossing_shares
 from flangeway.types import Floats, Ints
 
 PAIRS_PER_CHUNK = 2_000_000
-FEW_PAIRS = 50_000  # to measure as many is faster than an index
+FEW_PAIRS = 500_000  # to measure as many is faster than an index
 FIRST_NEIGHBOURS = 8  # edges measured for each point at first; four times as many in each further round
 LAST_NEIGHBOURS = 512  # beyond, all edges are measured
 ZERO_DEPTH = 1e-6

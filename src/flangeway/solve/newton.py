@@ -52,7 +52,7 @@ from flangeway.solve.linearisation import (
     residual_of,
 )
 from flangeway.solve.status import Iteration, NewtonSettings, Status, is_at_round_off
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
 
 MEMORY, MAX_GROWTH, MIN_FRACTION = 12, 2.0, 1.0 / 32.0
 """A step is halved while its residual is above the maximum of so many iterations before it, times the growth, until the
@@ -219,6 +219,7 @@ class _Run:
     ) -> None:
         self.response, self.constraints, self.parts, self.settings = response, constraints, parts, settings
         self.neutral, self.unheld = np.zeros((2, parts.n, 0)), np.zeros(parts.n)
+        self.tangent: tuple[Floats, active_set.Motions, Bools]
         self.move(np.zeros(parts.n) if start is None else start.motions)
         self.applied = np.zeros_like(self.reference) if start is None else start.nodal_forces
         self.begun = self.reference
@@ -450,6 +451,7 @@ class _Run:
                 self.unheld = rigid.unbalanced(found, self.neutral[0])
         if found is None:
             return None
+        self.tangent = matrix, rigid, found.forces[:m] > 0.0
         motion = self.parts.shortened(found.motions, self.parts.velocities(self.motions, self.reference))
         moved = by_loads @ np.concatenate((found.forces, (1.0,), motion))
         nodal = constrained.directions.T @ found.forces - geometric @ (moved - constrained.displacements)
@@ -544,8 +546,8 @@ class _Run:
         if not self.forces.any():
             kept = free = np.eye(self.parts.n)
         elif free.shape[1] < self.parts.n and self.slides is None:
-            _, matrix, _, rigid = self._problem(*self._laws())
-            unstable = rigid.unstable(matrix, self.forces > 0.0, kept)
+            matrix, rigid, active = self.tangent  # of the last step, which changes nothing any more
+            unstable = rigid.unstable(matrix, active, kept)
             self.stable = False if unstable.size else None if free.size else True
         nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
