@@ -151,6 +151,17 @@ def guarded(
     return GuardedPairs(**joined, rows=np.concatenate((base.rows, *rows)), parts=tuple(parts))
 
 
+def corners_under_force(pairs: Pairs, surfaces: Sides, forces: Floats) -> Guards:
+    """Which nodes of either side are sharp corners whose guards carry a force, each (n_nodes,)."""
+    found = [np.zeros(len(each.nodes), dtype=np.bool_) for each in surfaces]
+    if isinstance(pairs, GuardedPairs):
+        ends, firsts = np.cumsum([len(part.keys) for part in pairs.parts]), key_starts(*surfaces)
+        for side, (part, mine) in enumerate(zip(pairs.parts[1:], np.split(forces, ends[:-1])[1:], strict=True)):
+            found[side][(part.keys[mine > 0.0] - firsts[side]) // len(surfaces[1 - side].edges)] = True
+            found[side] &= _sharp(surfaces[side])
+    return found[0], found[1]
+
+
 def key_starts(secondary: Surface, primary: Surface) -> tuple[int, int, int]:
     """First key of guarded nodes of the secondary and of the primary side, and the number of all keys.
 

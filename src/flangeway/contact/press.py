@@ -348,6 +348,10 @@ def press(
                 loaded, system, placements, handles=own, start=start, keep_guards=False, settings=settings,
                 origin=origin,
             )  # fmt: skip
+            # where contacts decide the place of a part, a solution in which it overlaps is on a branch of its own
+            if state.status.converged and any(own) and (errors := _errors_of_step(system, loaded, start, state)):
+                status = replace(state.status, converged=False, message=f"not converged: {'; '.join(errors)}")
+                state = replace(state, status=status)
             which = f"motion {number + 1}" if len(motions) > 1 else "the motion"
             progress(f"{100.0 * share:.4g} % of {which}: {state.status.message}")
             return state
@@ -373,6 +377,15 @@ def press(
         return solution
     handles_of = _handles_at(system.parts, placed, 1.0, loads or {}, handles)
     return solution.checked(list(zip(placed, handles_of, strict=True)))
+
+
+def _errors_of_step(
+    system: ContactSystem, response: BodyResponse, start: ContactState | None, state: ContactState
+) -> list[str]:
+    """Why a solution is none that the path leads to: bodies overlap, or one has moved through another one."""
+    states = [state] if start is None else [start, state]
+    overlaps = body_overlaps(system, response, state)
+    return [*(str(each) for each in overlaps if not each.is_explained), *passages(system, states)]
 
 
 def _step_settings(

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from flangeway.contact.contact_pair import Contact
-from flangeway.contact.guards import corners_on_corners, guarded, key_starts, penetrating
+from flangeway.contact.guards import corners_on_corners, corners_under_force, guarded, key_starts, penetrating
 from flangeway.contact.pairs import Pairs
 from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface
@@ -172,13 +172,16 @@ class ContactSystem:
         guarded_nodes = [self._guarded_nodes(number, previous) for number in range(len(self.contacts))]
         return self._with(guarded_nodes, positions, previous, settle=settle)
 
-    def unguarded(self, positions: Floats, lin: Linearisation) -> ContactLinearisation:
+    def unguarded(self, positions: Floats, lin: Linearisation, forces: Floats) -> ContactLinearisation:
         """Linearise without guarded nodes; see `flangeway.solve.Constraints.unguarded`."""
         assert isinstance(lin, ContactLinearisation)
         if not any(each.any() for sides in lin.guarded_nodes for each in sides):
             return lin
-        none = [self._guarded_nodes(number, None) for number in range(len(self.contacts))]
-        return self._with(none, positions, lin, settle=False)
+        kept = []
+        for contact, pairs, first in zip(self.contacts, lin.pairs, lin.starts, strict=False):
+            sides = contact.secondary, contact.primary
+            kept.append(corners_under_force(pairs, sides, forces[first : first + len(pairs.keys)]))
+        return self._with(kept, positions, lin, settle=False)
 
     def guarded(
         self, positions: Floats, lin: Linearisation, forces: Floats, moved: float

@@ -87,8 +87,11 @@ class Constraints(Protocol):
         To ``settle`` is to keep them by a wider margin, for an iteration that goes round in circles.
         """
 
-    def unguarded(self, positions: Floats, lin: Linearisation) -> Linearisation:
-        """Linearise about the positions of ``lin`` without its further constraints; itself if it has none."""
+    def unguarded(self, positions: Floats, lin: Linearisation, forces: Floats) -> Linearisation:
+        """Linearise about the positions of ``lin`` without its further constraints; itself if it has none.
+
+        Those of sharp corners under force stay: no other constraint has what such a corner presses on.
+        """
 
     def guarded(self, positions: Floats, lin: Linearisation, forces: Floats, moved: float) -> Linearisation | None:
         """Linearise with further constraints where bodies overlap although those of ``lin`` hold; None if nowhere.

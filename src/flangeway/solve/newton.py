@@ -233,7 +233,7 @@ class _Run:
         else:
             self.before, friction = start.positions, start.friction
             previous, forces = start.linearisation, start.forces
-            self.current = previous if keep_guards else constraints.unguarded(start.positions, previous)
+            self.current = previous if keep_guards else constraints.unguarded(start.positions, previous, forces)
             if _is_near(start, self.reference):  # the first iteration uses the gaps of the start
                 self.displacements = start.positions - self.reference
             else:
