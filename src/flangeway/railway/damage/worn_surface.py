@@ -141,9 +141,9 @@ class WornSurface:
                 "contact inside of the running surface",
                 "give a profile that reaches farther",
             )
-        # cumulative area over the worn length: exact for uniform depths between the ends
-        total = np.clip((worn[None] - first[:, None]) / width[:, None], 0.0, 1.0).T @ areas
-        return np.asarray(np.diff(total) / self.worn_lengths)
+        # fraction of each area before each bound, exact for uniform depths between the ends; then on each piece
+        before = np.clip((worn[None] - first[:, None]) / width[:, None], 0.0, 1.0)
+        return np.asarray(areas @ np.diff(before, axis=1) / self.worn_lengths)
 
     def arc_lengths(self, points: Floats) -> Floats:
         """Arc lengths (m,) of the new surface at points (m, 2) of the worn one."""
