@@ -83,7 +83,7 @@ def test_residual_stress_changes_the_hydrostatic_part_alone() -> None:
 
 
 def test_balls_hold_all_points_and_are_the_smallest() -> None:
-    """Centres of simplices are those of their circumspheres where these are the smallest balls; all points are inside."""
+    """The ball around a square is its circle; no centre nearby has a smaller ball around random points."""
     square = np.array([[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.0, 0.5]]])
     assert ball_centres(square) == pytest.approx(np.array([[1.0, 1.0]]), abs=1e-4)
     points = np.random.default_rng(1).normal(size=(50, 40, 5))
@@ -122,7 +122,7 @@ def test_line_contact_rolling_below_has_its_shear_range() -> None:
         (lambda: DangVan(200.0, -0.3), "slope"),
     ],
 )
-def test_wrong_inputs_are_refused(make, word: str) -> None:  # noqa: ANN001
+def test_wrong_inputs_are_refused(make, word: str) -> None:
     """A strength of zero is refused, and the message names the argument."""
     with pytest.raises(InputError, match=word):
         make()

@@ -77,7 +77,7 @@ def test_residual_stress_is_in_equilibrium_and_within_yield() -> None:
 def test_strain_of_all_columns_leaves_the_stress_of_a_layered_half_plane() -> None:
     """Influence coefficients summed over a period give ``-E / (1 - nu^2) (xx + nu yy)``, and shear strain no stress."""
     rolling = line(3.0, 0.0, cells=6)
-    total = rolling._influence[:-1].sum(axis=0) / 2.0  # noqa: SLF001  (lags of two periods)
+    total = rolling._influence[:-1].sum(axis=0) / 2.0
     strain = np.random.default_rng(0).normal(size=(len(rolling.depths), 3))
     xx, _, yy, _ = (strain @ BASE).T
     nu = STEEL.poisson
@@ -89,7 +89,7 @@ def test_strain_of_all_columns_leaves_the_stress_of_a_layered_half_plane() -> No
 def test_elastic_stress_with_traction_fulfils_equilibrium_at_the_surface() -> None:
     """Just below the surface the shear stress is minus the traction, and the stress along it rises behind."""
     rolling = RollingLine(4.0, 0.3, STEEL, 20, depth=0.05)
-    x = rolling._x  # noqa: SLF001
+    x = rolling._x
     deviator = rolling.elastic[0]
     shear = deviator[:, 2] / np.sqrt(2.0)
     inside = np.abs(x) < 0.8
@@ -110,7 +110,7 @@ def test_elastic_stress_with_traction_fulfils_equilibrium_at_the_surface() -> No
         (lambda: RollingLine(4.0, 0.1, STEEL, cells=2), "cells"),
     ],
 )
-def test_wrong_inputs_are_refused(make, word: str) -> None:  # noqa: ANN001
+def test_wrong_inputs_are_refused(make, word: str) -> None:
     """A yield strength of zero and the like are refused, and the message names the argument."""
     with pytest.raises(InputError, match=word):
         make()

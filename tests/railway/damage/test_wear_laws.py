@@ -125,6 +125,7 @@ def test_own_law_is_that_of_its_function() -> None:
 
 def test_per_patch_differs_from_local_only_where_the_constant_varies() -> None:
     """Volumes per patch and local agree for a constant k in full slip, and differ by the map and by USFD's branches."""
+
     def volumes(law: ArchardLaw | UsfdLaw, cells: CellLoads) -> float:
         local, mean = (float((each.rates(cells) * cells.areas).sum()) for each in (law, PerPatch(law)))
         return mean / local
@@ -151,7 +152,7 @@ def test_per_patch_differs_from_local_only_where_the_constant_varies() -> None:
         (lambda: OwnLaw(lambda p, s, q: -p, "mm/m").rates(patch(0.01, 4)), "own law"),
     ],
 )
-def test_wrong_laws_are_refused(make, word: str) -> None:  # noqa: ANN001
+def test_wrong_laws_are_refused(make, word: str) -> None:
     """A law without a unit or with k of zero is refused, and the message names the argument."""
     with pytest.raises(InputError, match=word):
         make()

@@ -7,6 +7,7 @@ from flangeway.errors import InputError
 from flangeway.railway.damage.worn_surface import WornSurface, roughness_per_mm
 from flangeway.railway.profiles.bundled import WheelProfile, rail, wheel
 from flangeway.railway.profiles.profile_file import read_profile
+from flangeway.railway.track.placements import Track
 
 PROFILES = {name: make(name) for make, name in ((wheel, "S1002"), (wheel, "AAR-1B"), (rail, "60E1"), (rail, "136RE"))}
 
@@ -15,7 +16,9 @@ def hollow(name: str, most: float, width: float = 8.0) -> WornSurface:
     """A surface with a Gaussian hollow of a depth, in the middle of its arc length on rails, on the tread of wheels."""
     fresh = WornSurface(PROFILES[name])
     middle = fresh.surface.length * (0.5 if "E" in name else 0.62)
-    return WornSurface(fresh.new, most * np.exp(-(((fresh.middles - middle) / width) ** 2)) * (np.abs(fresh.middles - middle) < 40.0))
+    return WornSurface(
+        fresh.new, most * np.exp(-(((fresh.middles - middle) / width) ** 2)) * (np.abs(fresh.middles - middle) < 40.0)
+    )
 
 
 @pytest.mark.parametrize("name", PROFILES)
@@ -57,7 +60,7 @@ def test_area_between_the_surfaces_is_that_of_a_polygon() -> None:
 
 
 @pytest.mark.parametrize("name", ["S1002", "60E1"])
-def test_files_hold_worn_profiles_without_loss(name: str, tmp_path) -> None:  # noqa: ANN001
+def test_files_hold_worn_profiles_without_loss(name: str, tmp_path) -> None:
     """A worn profile that is written and read again has the same lines and arcs, from the tread on to 1e-6 mm."""
     surface = hollow(name, 0.5)
     file = tmp_path / "worn.csv"
@@ -81,10 +84,10 @@ def test_body_made_anew_has_lost_the_worn_area(name: str) -> None:
 
 def test_worn_gauge_face_does_not_move_the_rail() -> None:
     """The rail keeps its position where its gauge face wears: the gauge is that of the new head."""
-    from flangeway.railway.track.placements import Track
-
     fresh = WornSurface(PROFILES["60E1"])
-    worn = WornSurface(fresh.new, np.exp(-(((fresh.middles - 105.0) / 5.0) ** 2)) * (np.abs(fresh.middles - 105.0) < 20.0))
+    worn = WornSurface(
+        fresh.new, np.exp(-(((fresh.middles - 105.0) / 5.0) ** 2)) * (np.abs(fresh.middles - 105.0) < 20.0)
+    )
     assert isinstance(worn.new, type(PROFILES["60E1"]))
     places = [Track(each).placement("right") for each in (fresh.worn, worn.worn)]
     assert places[0] == places[1]

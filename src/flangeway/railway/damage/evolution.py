@@ -67,7 +67,7 @@ class EvolutionSettings:
 
     end: float
     axles_per_km: float | None = None
-    max_depth_mm: float = 0.1
+    max_depth_mm: float = 0.04
     max_change: float = 0.5
     filter_mm: float = FILTER_MM
     spacing_mm: float = SPACING_MM
@@ -124,7 +124,9 @@ class EvolutionStep:
         found = {"position": self.position, "t_gamma_N": self.t_gamma_N}
         pressures = [patch.max_pressure_MPa for each in self.states for patch in each.patches]
         found["max_pressure_MPa"] = max(pressures, default=float("nan"))
-        indices = [patch.fatigue_index for each in self.states for patch in each.patches if patch.fatigue_index is not None]
+        indices = [
+            patch.fatigue_index for each in self.states for patch in each.patches if patch.fatigue_index is not None
+        ]
         found["max_fatigue_index"] = max(indices, default=float("nan"))
         for (role, side), surface in self.surfaces.items():
             numbers = {"depth_mm": float(surface.depth.max()), "area_mm2": surface.worn_area_mm2}
@@ -280,7 +282,14 @@ class Evolution:
             for name in reached(surface, self.settings.limits)
         )
         return EvolutionStep(
-            position, surfaces, rates, damage, damage_rates, tuple(states), t_gamma / solved, tuple(dict.fromkeys(limits))
+            position,
+            surfaces,
+            rates,
+            damage,
+            damage_rates,
+            tuple(states),
+            t_gamma / solved,
+            tuple(dict.fromkeys(limits)),
         )
 
     @property
@@ -327,9 +336,7 @@ class Evolution:
         return EvolutionStep(row["position"], surfaces, *others, states, row["t_gamma_N"], limits)
 
 
-def _solved(
-    wheelset: SpatialWheelset, bodies: list[tuple[tuple[Any, ...], dict[Side, SideSurfaces]]]
-) -> SpatialResult:
+def _solved(wheelset: SpatialWheelset, bodies: list[tuple[tuple[Any, ...], dict[Side, SideSurfaces]]]) -> SpatialResult:
     """Solve a state; running surfaces of equal bodies are made once."""
     problem, model = wheelset.problem, wheelset.model
     key = (problem.track, problem.wheelset, problem.material, problem.discretisation, model.support, model.disc)
@@ -355,10 +362,14 @@ class StepStore:
                 if stored is None:
                     database.execute("INSERT INTO evolution VALUES (?)", (identity,))
         except sqlite3.Error as reason:
-            raise InputError(f"{file}: {reason}", "the file of an evolution, or none", "choose another folder") from reason
+            raise InputError(
+                f"{file}: {reason}", "the file of an evolution, or none", "choose another folder"
+            ) from reason
         if stored is not None and stored[0] != identity:
             raise InputError(
-                f"{file} with steps of other inputs", "the inputs that it was begun with", "take --fresh or another folder"
+                f"{file} with steps of other inputs",
+                "the inputs that it was begun with",
+                "take --fresh or another folder",
             )
 
     def rows(self) -> list[dict[str, Any]]:

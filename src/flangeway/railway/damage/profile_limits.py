@@ -33,7 +33,7 @@ def worn_measures(surface: WornSurface) -> dict[str, float]:
     """
     worn = surface.worn.running_surface.sampled(spacing=0.1, max_deviation=1e-4)
     if isinstance(surface.new, WheelProfile):
-        found = {key: value for key, value in measures(surface.worn.running_surface, "wheel").items()}
+        found = measures(surface.from_tread, "wheel")
         tread = worn[worn[:, 0] > HOLLOW_FROM_MM]
         rim = np.minimum.accumulate(tread[::-1, 1])[::-1]
         return found | {"tread_wear_mm": surface.radius_loss_mm, "hollow_mm": float((tread[:, 1] - rim).max())}

@@ -1,8 +1,9 @@
-"""Rolling contact fatigue of a patch: surface fatigue index, T-gamma damage, shakedown index, Dang Van below the surface.
+"""Rolling contact fatigue of a patch: surface fatigue index, T-gamma damage, shakedown index, Dang Van below it.
 
-Sources: Ekberg, Kabo and Andersson (2002, Fatigue Fract. Eng. Mater. Struct. 25, 899-909) for the surface fatigue index;
-Burstow (2004, RSSB report T115, Whole Life Rail Model) for T-gamma damage, its three points quoted from memory; Dang Van
-(1993, ASTM STP 1191) for fatigue below the surface. The shakedown limits are those of `flangeway.exact.shakedown`.
+Sources: Ekberg, Kabo and Andersson (2002, Fatigue Fract. Eng. Mater. Struct. 25, 899-909) for the surface fatigue
+index; Burstow (2004, RSSB report T115, Whole Life Rail Model) for T-gamma damage, its three points quoted from
+memory; Dang Van (1993, ASTM STP 1191) for fatigue below the surface. The shakedown limits are those of
+`flangeway.exact.shakedown`.
 """
 
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from flangeway.errors import InputError
 from flangeway.exact.shakedown import shakedown_limits
 from flangeway.types import Floats
 
-WLRM_T_GAMMA_N = (15.0, 65.0, 175.0)  # noqa: N816 (unit)
+WLRM_T_GAMMA_N = (15.0, 65.0, 175.0)
 """T-gamma at which damage begins, is greatest, and is worn off as fast as it grows."""
 WLRM_MAX_DAMAGE = 10e-6
 """Greatest damage of one axle: cracks are visible at a sum of 1, after 100,000 axles (R220, R260)."""
@@ -23,11 +24,13 @@ BALL_TOLERANCE = 1e-6
 MAX_BALL_STEPS = 20_000
 
 
-def surface_fatigue_index(utilised_friction: float, semi_axes: tuple[float, float], force: float, k_MPa: float) -> float:  # noqa: N803
+def surface_fatigue_index(
+    utilised_friction: float, semi_axes: tuple[float, float], force: float, k_MPa: float
+) -> float:
     """FI_surf: surface fatigue is expected above 0 (Ekberg, Kabo and Andersson, 2002, equation 2).
 
-    On Hertz's ellipse ``FI = mu - 2 pi a b k / (3 N)`` is ``mu - k / p0``: the distance from the line ``p0 / k = 1 / mu``
-    of the shakedown map.
+    On Hertz's ellipse ``FI = mu - 2 pi a b k / (3 N)`` is ``mu - k / p0``: the distance from the line
+    ``p0 / k = 1 / mu`` of the shakedown map.
 
     Parameters
     ----------
@@ -68,7 +71,7 @@ class TGammaDamage:
         return np.asarray(self.cracks - self.wear)
 
 
-def t_gamma_damage(t_gamma_N: Floats) -> TGammaDamage:  # noqa: N803
+def t_gamma_damage(t_gamma_N: Floats) -> TGammaDamage:
     """Damage of one axle by T-gamma of a patch, see `TGammaDamage`; the last branch is prolonged."""
     begins, most, balanced = WLRM_T_GAMMA_N
     t_gamma = np.asarray(t_gamma_N, dtype=np.float64)
@@ -77,7 +80,7 @@ def t_gamma_damage(t_gamma_N: Floats) -> TGammaDamage:  # noqa: N803
     return TGammaDamage(np.asarray(cracks), np.asarray(wear))
 
 
-def shakedown_index(max_pressure: float, k_MPa: float, utilised_friction: float) -> float:  # noqa: N803
+def shakedown_index(max_pressure: float, k_MPa: float, utilised_friction: float) -> float:
     """p0 / k over the limit of shakedown of a circular patch at a traction coefficient: above 1 steel ratchets."""
     check_positive("shakedown_index", "k_MPa", k_MPa, advice="give the yield strength in shear")
     limits = shakedown_limits("point", min(utilised_friction, 1.0))
@@ -104,7 +107,9 @@ class DangVan:
     slope: float
 
     def __post_init__(self) -> None:
-        check_positive("DangVan", "limit_MPa", self.limit_MPa, "a fatigue limit > 0", "give that of alternating torsion")
+        check_positive(
+            "DangVan", "limit_MPa", self.limit_MPa, "a fatigue limit > 0", "give that of alternating torsion"
+        )
         if not check_finite("DangVan", "slope", self.slope) >= 0.0:
             raise InputError(f"DangVan(slope={self.slope})", "a slope >= 0", "give 3 limit / bending limit - 1.5")
 
@@ -148,7 +153,7 @@ class DangVanStress:
     - `normals`: normals of the two planes of maximum shear stress at this moment, along which cracks start, (n, 2, 3).
     """
 
-    equivalent_MPa: Floats
+    equivalent_MPa: Floats  # noqa: N815
     index: Floats
     time: Floats
     normals: Floats

@@ -5,9 +5,10 @@ stress of a cell i at one layer is
 
     s_i = s_elastic_i + sum over j of G_(i-j) pi_j + s_residual(z),
 
-with the plastic strain pi_j of all cells, 0 ahead of the contact, and the residual stress that the passages before left,
-which depends on the depth alone. G is the stress of eigenstrains in a half-plane: waves along x, quadratic elements over
-the depth. Deviators have three components, in the base ``(xx - zz) / sqrt 2, (xx + zz - 2 yy) / sqrt 6, sqrt 2 xz``.
+with the plastic strain pi_j of all cells, 0 ahead of the contact, and the residual stress that the passages before
+left, which depends on the depth alone. G is the stress of eigenstrains in a half-plane: waves along x, quadratic
+elements over the depth. Deviators have three components, in the base
+``(xx - zz) / sqrt 2, (xx + zz - 2 yy) / sqrt 6, sqrt 2 xz``.
 
 J2 flow with kinematic hardening (Prager), implicit along the path: with ``eta = s - C pi`` and the strain increment
 ``d_i = pi_i - pi_(i-1)`` from the cell ahead, ``eta_i = P(eta_i + r d_i)``, where P projects on von Mises' circle of
@@ -63,7 +64,9 @@ class RollingSteel:
     hardening_MPa: float = 0.0  # noqa: N815
 
     def __post_init__(self) -> None:
-        check_positive("RollingSteel", "shear_yield_MPa", self.shear_yield_MPa, "k > 0", "give the yield strength / 1.732")
+        check_positive(
+            "RollingSteel", "shear_yield_MPa", self.shear_yield_MPa, "k > 0", "give the yield strength / 1.732"
+        )
         check_positive("RollingSteel", "young_MPa", self.young_MPa)
         if not check_finite("RollingSteel", "hardening_MPa", self.hardening_MPa) >= 0.0:
             raise InputError(f"RollingSteel(hardening_MPa={self.hardening_MPa})", "C >= 0", "0: perfectly plastic")
@@ -210,7 +213,9 @@ class RollingLine:
         """
         residual = self.residual_of(strain)
         none = np.zeros(len(residual))
-        known = self.elastic.transpose(1, 0, 2) + np.stack((residual[:, 0], none, residual[:, 1], none), axis=1) @ BASE.T
+        known = (
+            self.elastic.transpose(1, 0, 2) + np.stack((residual[:, 0], none, residual[:, 1], none), axis=1) @ BASE.T
+        )
         hardening = self.steel.hardening_MPa / self.steel.shear_modulus
         known = (known - hardening * strain).reshape(-1, 3)
         n_x, n_z = len(self._x), len(self.depths)
@@ -227,7 +232,9 @@ class RollingLine:
             trial = eta + scale * increments
             size = np.linalg.norm(trial, axis=1)
             active = np.flatnonzero(size > radius)
-            error = np.where((size > radius)[:, None], eta - radius * trial / np.maximum(size, radius)[:, None], scale * increments)
+            error = np.where(
+                (size > radius)[:, None], eta - radius * trial / np.maximum(size, radius)[:, None], scale * increments
+            )
             if np.abs(error).max() <= NEWTON_TOLERANCE * radius:
                 return increments.reshape(n_x, n_z, 3), number
             n, ratio = trial[active] / size[active, None], radius / size[active]
@@ -292,8 +299,8 @@ def _along_by_traction(x: Floats, z: Floats) -> Floats:
 def _layer_response(q: float, edges: Floats, n_z: int, poisson: float) -> NDArray[np.complex128]:
     """Mean deviators of layers by plastic strains exp(i q x) of layers, shear modulus 1, shape (n_z, 3, n_z, 3).
 
-    With ``u = -i U(z), w = W(z)`` times exp(i q x) strains are ``q U, W', -i (U' - q W)``: a real stiffness on quadratic
-    elements between the edges, clamped at the last one.
+    With ``u = -i U(z), w = W(z)`` times exp(i q x) strains are ``q U, W', -i (U' - q W)``: a real stiffness on
+    quadratic elements between the edges, clamped at the last one.
     """
     lame = 2.0 * poisson / (1.0 - 2.0 * poisson)
     stiffness = np.array([[lame + 2.0, lame, 0.0], [lame, lame + 2.0, 0.0], [0.0, 0.0, 1.0]])

@@ -9,8 +9,8 @@ distance x along rolling. A rate is a depth in mm over the distance rolled in mm
   UIC 60 900A; constants quoted from memory. As first published the rate jumps from 55 to 4779 ug/m/mm2 at 77.2 N/mm2;
   later authors let the third branch begin where the second one ends.
 - BRR: T-gamma of a patch, Pearce and Sherratt (1991, Wear 144, 343-351): area worn off a wheel's profile over the
-  distance, 0.25 T-gamma / D mm2/km up to 100 N, 25 / D up to 200 N, ``(1.19 T-gamma - 154) / D`` beyond, with the wheel's
-  diameter D in mm. Times the circumference it is a volume over the distance that does not depend on D.
+  distance, 0.25 T-gamma / D mm2/km up to 100 N, 25 / D up to 200 N, ``(1.19 T-gamma - 154) / D`` beyond, with the
+  wheel's diameter D in mm. Times the circumference it is a volume over the distance that does not depend on D.
 - Energy: volume over dissipated energy, a constant (Fouvry et al., 2003, Wear 255).
 
 Whether a law is evaluated in each cell (local) or once for a patch (`PerPatch`) changes its result where its constant
@@ -27,11 +27,11 @@ from flangeway.checks import check_positive
 from flangeway.errors import InputError
 from flangeway.types import Floats
 
-DENSITY_ug_per_mm3 = 7800.0  # noqa: N816 (unit)
+DENSITY_ug_per_mm3 = 7800.0
 """Density of steel, 7800 kg/m3."""
 JENDEL: tuple[tuple[float, float], ...] = ((1e-4, 10e-4), (30e-4, 40e-4), (1e-4, 10e-4), (300e-4, 400e-4))
 """Ranges of Archard's k: slip below 0.2 m/s, 0.2 to 0.7 m/s, above; and at pressures above 0.8 of the hardness."""
-JENDEL_VELOCITIES_m_s = (0.2, 0.7)  # noqa: N816
+JENDEL_VELOCITIES_m_s = (0.2, 0.7)
 JENDEL_PRESSURE = 0.8
 ENERGY_UNITS = {
     "mm3/J": 1e-3,
@@ -156,7 +156,9 @@ class ArchardLaw:
     level: float = 0.5
 
     def __post_init__(self) -> None:
-        check_positive("ArchardLaw", "hardness_MPa", self.hardness_MPa, "a hardness > 0", "give it in MPa: HB 275 is 2700")
+        check_positive(
+            "ArchardLaw", "hardness_MPa", self.hardness_MPa, "a hardness > 0", "give it in MPa: HB 275 is 2700"
+        )
         if self.k is not None:
             check_positive("ArchardLaw", "k", self.k, "a wear coefficient > 0", "leave it out for Jendel's map")
         if not 0.0 <= self.level <= 1.0:
@@ -167,7 +169,7 @@ class ArchardLaw:
         """See `WearLaw`."""
         return f"Archard, {'map of Jendel' if self.k is None else f'k = {self.k:g}'}"
 
-    def coefficients(self, velocity_m_s: Floats, pressures: Floats) -> Floats:  # noqa: N803
+    def coefficients(self, velocity_m_s: Floats, pressures: Floats) -> Floats:
         """Wear coefficient k at slip velocities and pressures in MPa, one shape."""
         if self.k is not None:
             return np.full(np.shape(pressures), self.k)
@@ -234,9 +236,11 @@ class BrrLaw:
     @property
     def name(self) -> str:
         """See `WearLaw`."""
-        return f"T-gamma of a patch, BRR, third branch {'continuous' if self.branch == 'continuous' else 'as published'}"
+        return (
+            f"T-gamma of a patch, BRR, third branch {'continuous' if self.branch == 'continuous' else 'as published'}"
+        )
 
-    def area_times_diameter(self, t_gamma_N: float) -> float:  # noqa: N803
+    def area_times_diameter(self, t_gamma_N: float) -> float:
         """Area worn off a wheel's profile per km times the wheel's diameter, mm3/km."""
         if t_gamma_N < 200.0:
             return min(0.25 * t_gamma_N, 25.0)

@@ -1,6 +1,6 @@
 """A running surface that wears: depth over its arc length, from cells of patches, and the worn profile.
 
-The depth is measured along the normals of the new surface into the steel, on even pieces (bins) of the new surface's arc
+The depth is measured along the normals of the new surface into the steel, on even pieces of the new surface's arc
 length. Contact is on the worn surface: what cells wear off lies between points of it, and is added to the pieces as an
 area over their worn lengths, so that the areas of pieces and cells have one sum. Between the middles of the pieces the
 depth is a cubic spline; the area between new and worn surface then differs from the sum by second powers of depth
@@ -26,9 +26,10 @@ from flangeway.types import Floats
 SPACING_MM = 0.25
 """Length of the pieces: contact cells are 0.2 to 0.6 mm wide."""
 FILTER_MM = 2.0
-"""Wavelength scale by which increments of the depth are filtered: standard deviation of a Gaussian is half of it.
+"""Standard deviation of the Gaussian by which increments of the depth are filtered.
 
-Raw increments of steps of 0.1 mm grow ridges; filtering the profile instead does not stop them."""
+Raw increments grow ridges, since a wheel that has worn a groove runs beside it in the next step; a line has more states
+than a collective. Filtering the profile instead does not stop ridges."""
 ARCS_TOLERANCE_MM = 2e-6
 """Maximum distance of the arcs from the worn curve."""
 MIN_STRETCH = 0.2
@@ -166,12 +167,12 @@ class WornSurface:
     def filtered(self, increment: Floats, filter_mm: float = FILTER_MM) -> Floats:
         """Increment of the depth (n,) without short waves, of the same area.
 
-        A Gaussian with a standard deviation of half of `filter_mm`; 0: as it is.
+        - `filter_mm`: standard deviation of a Gaussian; 0: as it is.
         """
         if not filter_mm:
             return increment
         areas = increment * self.worn_lengths
-        return np.asarray(gaussian_filter1d(areas, 0.5 * filter_mm / self.spacing_mm, mode="reflect") / self.worn_lengths)
+        return np.asarray(gaussian_filter1d(areas, filter_mm / self.spacing_mm, mode="reflect") / self.worn_lengths)
 
     def worn_by(self, increment: Floats) -> "WornSurface":
         """Return the surface with a further depth (n,) along the normals of the worn surface."""
@@ -265,7 +266,9 @@ class WornSurface:
                 along = tangents * (1.0 - segment.curvature * h) - slope(at)[:, None] * normals
                 return points, segment.length * along + (ends[1] - ends[0])
 
-            inside = self.bounds[(self.bounds > low) & (self.bounds < low + length)][:: max(int(4.0 / self.spacing_mm), 1)]
+            inside = self.bounds[(self.bounds > low) & (self.bounds < low + length)][
+                :: max(int(4.0 / self.spacing_mm), 1)
+            ]
             pieces = biarcs(curve, np.concatenate(([0.0], (inside - low) / length, [1.0])), ARCS_TOLERANCE_MM)
             segments += pieces
             names += [surface.names[number]] * len(pieces)
@@ -306,12 +309,15 @@ class WornSurface:
         """
         profile = self.worn
         if isinstance(profile, WheelProfile):
-            shifted = profile.running_surface.transformed(Placement(0.0, (0.0, -self.radius_loss_mm)))
-            return write_segment_csv(shifted, "wheel", profile.title, "tape", profile.flange_back_mm)
+            return write_segment_csv(self.from_tread, "wheel", profile.title, "tape", profile.flange_back_mm)
         return write_segment_csv(profile.running_surface, "rail", profile.title, "base")
+
+    @property
+    def from_tread(self) -> Contour:
+        """The worn surface with the origin of wheels on the worn tread at the tape line."""
+        return self.worn.running_surface.transformed(Placement(0.0, (0.0, -self.radius_loss_mm)))
 
 
 def roughness_per_mm(depth: Floats, spacing_mm: float) -> float:
     """Root mean square of the second derivative of a depth (n,), 1/mm: ridges of an unstable evolution raise it."""
     return float(np.sqrt(np.mean((np.diff(depth, 2) / spacing_mm**2) ** 2)))
-
