@@ -136,9 +136,9 @@ class StateInputs:
 def _tangent(share: float, speed: float, friction: float = 0.3) -> tuple[StateInputs, ...]:
     """Straight track: gauges and yaws of axles in their bogies spread the contact, three states."""
     return (
-        StateInputs(0.4 * share, speed, gauge_mm=1435.0, yaw_mrad=0.5, friction=friction),
-        StateInputs(0.3 * share, speed, gauge_mm=1432.0, yaw_mrad=-0.5, friction=friction),
-        StateInputs(0.3 * share, speed, gauge_mm=1438.0, yaw_mrad=1.0, friction=friction),
+        StateInputs(0.4 * share, speed, gauge_mm=1435.0, yaw_mrad=0.3, friction=friction),
+        StateInputs(0.3 * share, speed, gauge_mm=1432.0, yaw_mrad=-0.3, friction=friction),
+        StateInputs(0.3 * share, speed, gauge_mm=1438.0, yaw_mrad=0.5, friction=friction),
     )
 
 

@@ -104,14 +104,15 @@ def row_wear(result: SpatialResult, laws: dict[Role, WearLaw]) -> list[RowWear]:
     found: list[RowWear] = []
     for rolling in result.rolling:
         loads, damage = patch_loads(rolling), float(t_gamma_damage(np.array(rolling.t_gamma_N)).net)
-        loaded = np.flatnonzero((loads.pressures > 0.0).any(axis=1))
-        rows = rolling.rows.start + loaded
         for role in ROLES:
             if role not in laws:
                 continue
             # area of a row: sum over its cells of rate times the area of the cell, each passed along its strip
-            areas = (laws[role].rates(loads) * loads.areas).sum(axis=1)[loaded]
-            ends, radii = _ends(rolling, rows, role)
+            areas = (laws[role].rates(loads) * loads.areas).sum(axis=1)
+            worn = np.flatnonzero(areas)
+            if not worn.size:
+                continue
+            areas, (ends, radii) = areas[worn], _ends(rolling, rolling.rows.start + worn, role)
             found.append(RowWear(rolling.patch.side, role, ends, areas, radii, damage))
     return found
 
