@@ -51,7 +51,7 @@ def surface_fatigue_index(
     """
     for name, value in (("semi_axes", semi_axes[0]), ("semi_axes", semi_axes[1]), ("force", force), ("k_MPa", k_MPa)):
         check_positive("surface_fatigue_index", name, value)
-    return utilised_friction - 2.0 * np.pi * semi_axes[0] * semi_axes[1] * k_MPa / (3.0 * force)
+    return float(utilised_friction - 2.0 * np.pi * semi_axes[0] * semi_axes[1] * k_MPa / (3.0 * force))
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,7 @@ def shakedown_index(max_pressure: float, k_MPa: float, utilised_friction: float)
     """p0 / k over the limit of shakedown of a circular patch at a traction coefficient: above 1 steel ratchets."""
     check_positive("shakedown_index", "k_MPa", k_MPa, advice="give the yield strength in shear")
     limits = shakedown_limits("point", min(utilised_friction, 1.0))
-    return max_pressure / k_MPa / float(limits.shakedown)
+    return float(max_pressure / k_MPa / limits.shakedown)
 
 
 @dataclass(frozen=True)

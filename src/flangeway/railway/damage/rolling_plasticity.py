@@ -223,7 +223,7 @@ class RollingLine:
         matrix = self._behind.reshape(shape)
         column = np.repeat(np.arange(n_x), n_z)
         layer = np.tile(np.arange(n_z), n_x)
-        radius, scale = np.sqrt(2.0), 2.0
+        radius, scale, three = np.sqrt(2.0), 2.0, np.arange(3)
         increments = np.zeros_like(known) if start is None else start.reshape(-1, 3).copy()
         for number in range(1, MAX_NEWTON + 1):
             used = np.flatnonzero(increments.any(axis=1))
@@ -239,7 +239,7 @@ class RollingLine:
                 return increments.reshape(n_x, n_z, 3), number
             n, ratio = trial[active] / size[active, None], radius / size[active]
             projected = ratio[:, None, None] * (np.eye(3) - n[:, :, None] * n[:, None, :])
-            block = matrix[np.ix_(active, range(3), active, range(3))].copy()
+            block = matrix[np.ix_(active, three, active, three)].copy()
             same = (layer[active, None] == layer[active]) & (column[active, None] >= column[active])
             block -= hardening * same[:, None, :, None] * np.eye(3)[None, :, None, :]
             tangent = block - np.einsum("icd,idje->icje", projected, block)
@@ -249,7 +249,7 @@ class RollingLine:
             # cells that leave the active set lose their increments, which moves the others
             gone = np.setdiff1d(used, active)
             moved[gone] = -increments[gone]
-            by_gone = np.einsum("icjd,jd->ic", matrix[np.ix_(active, range(3), gone, range(3))], moved[gone])
+            by_gone = np.einsum("icjd,jd->ic", matrix[np.ix_(active, three, gone, three)], moved[gone])
             by_gone -= np.einsum("icd,id->ic", projected, by_gone)
             right = -(error[active] + by_gone)
             size_a = 3 * len(active)
@@ -265,7 +265,8 @@ class RollingLine:
         strain = np.zeros((len(self.depths), 3))
         sizes: list[float] = []
         steps: list[int] = []
-        added, state = np.zeros_like(strain), "not settled"
+        added = np.zeros_like(strain)
+        state: State = "not settled"
         increments: Floats | None = None
         for _ in range(passages):
             increments, number = self.passage(strain, increments)

@@ -224,7 +224,7 @@ class WornSurface:
         ]
         first = next(i for i, (each, _) in enumerate(rest) if np.allclose(each.start, part.segments[-1].end))
         chain = [*zip(part.segments, part.names, strict=True), *rest[first:], *rest[:first]]
-        outline = Outline.from_segments(*([each[i] for each in chain] for i in (0, 1)))
+        outline = Outline.from_segments([each for each, _ in chain], [name for _, name in chain])
         return replace(self.worn, outline=outline)
 
     def _worn_contour(self, surface: Contour, starts: Floats) -> Contour:

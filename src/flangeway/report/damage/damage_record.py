@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from flangeway.cases.damage.damage_file import DamageInputs
 from flangeway.railway.damage.evolution import Evolution, EvolutionStep
-from flangeway.report.figures.drawing import SERIES, new_figure
+from flangeway.report.figures.drawing import SERIES, axis_name, new_figure
 from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable
 from flangeway.system.output_folder import Writer, text_writer
@@ -50,7 +50,7 @@ def damage_record(inputs: DamageInputs, steps: Sequence[EvolutionStep], command:
         results=SummaryTable(
             "Profiles, first and last",
             ("", "new", "worn"),
-            tuple((key.replace("_", " "), f"{steps[0].row[key]:.5g}", f"{value:.5g}") for key, value in row.items()),
+            tuple((_label(key, unit), f"{steps[0].row[key]:.5g}", f"{value:.5g}") for key, value in row.items()),
         ),
         summary={
             "name": inputs.name,
@@ -84,6 +84,11 @@ def damage_record(inputs: DamageInputs, steps: Sequence[EvolutionStep], command:
         timings_s={"total": seconds},
         files=lambda: _files(steps),
     )
+
+
+def _label(key: str, unit: str) -> str:
+    own = {"position": f"distance in {unit}", "t_gamma_N": "mean T-gamma in N"}
+    return own.get(key) or axis_name(key)
 
 
 def _whose(evolution: Evolution, role: str, side: str) -> str:
@@ -127,7 +132,7 @@ def _files(steps: Sequence[EvolutionStep]) -> dict[str, Writer]:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(steps[0].row)
-    writer.writerows([list(map(repr, step.row.values())) for step in steps])
+    writer.writerows([list(map(float, step.row.values())) for step in steps])
     worn = {f"worn-{side}-{role}.csv": text_writer(each.csv()) for (role, side), each in steps[-1].surfaces.items()}
     return {STEPS_CSV: text_writer(text.getvalue()), **worn}
 
@@ -143,7 +148,7 @@ def profiles_figure(steps: Sequence[EvolutionStep], unit: str) -> Figure:
         for number, index in enumerate(shown[shown > 0]):
             surface = steps[index].surfaces[role, side]
             x = surface.worn_points[:-1, 0] + np.diff(surface.worn_points[:, 0]) / 2.0
-            label = f"{steps[index].position:.4g} {unit}"
+            label = f"{steps[index].position:.0f} {unit}"
             above.plot(x, surface.depth, color=SERIES[number % len(SERIES)], label=label, lw=1.2)
         x = steps[-1].surfaces[role, side].worn_points[:-1, 0]
         below.plot(x, steps[-1].damage[role, side], color=SERIES[1], lw=1.2)
