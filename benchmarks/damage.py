@@ -1,10 +1,11 @@
 """Wear and fatigue: a step of eleven free states with friction on new profiles, and repeated rolling with plasticity.
 
-Times are those of the processor, on one core, with the tables of the bodies in the cache. The step is one of the
-bundled mixed line: S1002 on 60E1, 160 kN, exact theory, 26 cells across a patch; its accuracy is the largest difference between
-the area on a profile and that of its cells over the latter. Asked: 8 s. Repeated rolling is that of a line contact
-until it has settled at p0 / k = 3.95 and 4.05 without friction, on both sides of Melan's limit of 4, with 12 cells over
-the half width; its accuracy is the share of wrong verdicts.
+Times are those of the processor, on one core, with the tables of the bodies in the cache.
+
+- The step is one of the bundled mixed line: S1002 on 60E1, 160 kN, exact theory, 26 cells across a patch. Its accuracy
+  is the largest difference between the area on a profile and that of its cells over the latter. Asked: 8 s.
+- Repeated rolling is that of a line contact until it has settled at p0 / k = 3.95 and 4.05 without friction, on both
+  sides of Melan's limit of 4, with 12 cells over the half width. Its accuracy is the share of wrong verdicts.
 """
 
 import time

@@ -332,8 +332,8 @@ class Evolution:
                 f"{key[0]}: {name}" for key in profiles for name in reached(surfaces[key], self.settings.limits)
             )
         )
-        others = ({key: stored[key][number] for key in profiles} for number in (1, 2, 3))
-        return EvolutionStep(row["position"], surfaces, *others, states, row["t_gamma_N"], limits)
+        rates, damage, damage_rates = ({key: stored[key][number] for key in profiles} for number in (1, 2, 3))
+        return EvolutionStep(row["position"], surfaces, rates, damage, damage_rates, states, row["t_gamma_N"], limits)
 
 
 def _solved(wheelset: SpatialWheelset, bodies: list[tuple[tuple[Any, ...], dict[Side, SideSurfaces]]]) -> SpatialResult:
