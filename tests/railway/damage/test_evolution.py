@@ -121,6 +121,25 @@ def test_a_symmetric_case_stays_symmetric() -> None:
     assert rate == pytest.approx(energy / (2.0 * np.pi * 460.0), rel=2e-3)
 
 
+@pytest.mark.ci
+def test_compliance_of_new_bodies_serves_up_to_a_millimetre() -> None:
+    """Hollows of 1 mm: pressures on the compliance of the new bodies and on that of the worn ones agree to 2 %."""
+    case = SpatialWheelsetCase.from_values({})
+    problem, model, found = case.problem(), case.spatial_model(), []
+    surfaces = []
+    for new, share in ((problem.wheelset.wheel, 0.47), (problem.track.rail, 0.5)):
+        fresh = WornSurface(new)
+        away = fresh.middles - share * fresh.surface.length
+        surfaces.append(WornSurface(new, np.exp(-((away / 14.0) ** 2)) * (np.abs(away) < 40.0)))
+    for which in ("worn", "worn_body"):
+        on_wheel, on_rail = (getattr(each, which) for each in surfaces)
+        wheelset, track = replace(problem.wheelset, wheel=on_wheel), replace(problem.track, rail=on_rail)
+        result = solve_spatial(replace(problem, wheelset=wheelset, track=track), model)
+        found.append([patch.ellipse.max_pressure for patch in result.patches])
+    assert found[0] == pytest.approx(found[1], rel=0.02)
+    assert max(found[0]) > 500.0
+
+
 def test_limits_end_the_evolution() -> None:
     """The evolution ends at the first step in which a limit is reached, and names it."""
     limits = {"max_tread_wear_mm": 1e-3, "min_flange_thickness_mm": 20.0}

@@ -31,7 +31,9 @@ FILTER_MM = 2.0
 Raw increments grow ridges, since a wheel that has worn a groove runs beside it in the next step; a line has more states
 than a collective. Filtering the profile instead does not stop ridges."""
 ARCS_TOLERANCE_MM = 2e-6
-"""Maximum distance of the arcs from the worn curve."""
+"""Maximum distance of the arcs of contact from the worn curve."""
+BODY_TOLERANCE_MM = 2e-3
+"""The same of the body's outline, whose arcs the mesh must resolve."""
 MIN_STRETCH = 0.2
 """Least worn length over new length of a piece; below it the worn surface folds."""
 
@@ -218,7 +220,7 @@ class WornSurface:
         drawn = self.new.outline.part(names)
         # the drawn surface and the one of contact have lengths that differ by round-off and tolerances of drawing
         starts = np.append(0.0, np.cumsum([each.length for each in drawn.segments]))
-        part = self._worn_contour(drawn, starts * self.surface.length / starts[-1])
+        part = self._worn_contour(drawn, starts * self.surface.length / starts[-1], BODY_TOLERANCE_MM)
         rest = [
             pair for pair in zip(self.new.outline.segments, self.new.outline.names, strict=True) if pair[1] not in names
         ]
@@ -227,7 +229,7 @@ class WornSurface:
         outline = Outline.from_segments([each for each, _ in chain], [name for _, name in chain])
         return replace(self.worn, outline=outline)
 
-    def _worn_contour(self, surface: Contour, starts: Floats) -> Contour:
+    def _worn_contour(self, surface: Contour, starts: Floats, tolerance: float = ARCS_TOLERANCE_MM) -> Contour:
         """Worn surface as lines and arcs; segments without wear stay."""
         self._refuse_too_deep()
         limits = np.flatnonzero(self.depth)[[0, -1]] + np.array([0, 1])
@@ -266,10 +268,10 @@ class WornSurface:
                 along = tangents * (1.0 - segment.curvature * h) - slope(at)[:, None] * normals
                 return points, segment.length * along + (ends[1] - ends[0])
 
-            inside = self.bounds[(self.bounds > low) & (self.bounds < low + length)][
-                :: max(int(4.0 / self.spacing_mm), 1)
-            ]
-            pieces = biarcs(curve, np.concatenate(([0.0], (inside - low) / length, [1.0])), ARCS_TOLERANCE_MM)
+            # joints every 4 mm, none close to the ends: arcs must not be tiny
+            inside = self.bounds[:: max(int(4.0 / self.spacing_mm), 1)]
+            inside = inside[(inside > low + self.spacing_mm) & (inside < low + length - self.spacing_mm)]
+            pieces = biarcs(curve, np.concatenate(([0.0], (inside - low) / length, [1.0])), tolerance)
             segments += pieces
             names += [surface.names[number]] * len(pieces)
         try:
