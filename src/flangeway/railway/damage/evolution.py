@@ -25,6 +25,7 @@ from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import Side
 from flangeway.system.disk_cache import Cache
+from flangeway.system.versions import versions
 from flangeway.types import Floats
 
 MM_PER_KM = 1e6
@@ -309,9 +310,10 @@ class Evolution:
 
     @property
     def identity(self) -> str:
-        """What the file of a run must agree in: states, laws and settings, but not the end and the limits."""
+        """What the file of a run must agree in: version, states, laws and settings, but not the end and the limits."""
         settings = {key: value for key, value in asdict(self.settings).items() if key not in ("end", "limits")}
         parts = [
+            versions()["flangeway"],
             repr(sorted(settings.items())),
             repr([(role, law.name) for role, law in self.laws.items()]),
             repr(self.collective.separate),
