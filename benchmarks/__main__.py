@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 
 from benchmarks import (
     cache,
+    damage,
     elasticity,
     forms,
     friction,
@@ -47,6 +48,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "rolling": rolling.measurements,
     "wheelset3d": wheelset3d.measurements,
     "standing": standing.measurements,
+    "damage": damage.measurements,
 }
 
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
@@ -71,6 +73,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "rolling": rolling.quick,
     "wheelset3d": wheelset3d.quick,
     "standing": standing.quick,
+    "damage": damage.quick,
 }
 
 

@@ -30,6 +30,7 @@ ORDER = (
     "railway.rigid",
     "railway.wheelset",
     "railway.spatial",
+    "railway.damage",
     "cases",
     "campaign",
     "tables",

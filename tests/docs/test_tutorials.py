@@ -59,6 +59,14 @@ def test_creep_forces_are_as_the_page_says(follow):
     assert follow("tutorials/creep-forces-in-a-curve.md", tolerance=0.02) == {"python": 1, "sh": 4, "text": 5}
 
 
+def test_the_life_of_a_profile_is_as_the_page_says(follow, tmp_path):
+    """The file of the page is that of the examples; the command and the script print what the page shows, to 2 %."""
+    page, file = "tutorials/profile-life.md", DOCS.parent / "examples" / "wheel-life.toml"
+    assert f"```toml\n{file.read_text(encoding='utf-8')}```" in (DOCS / page).read_text(encoding="utf-8")
+    shutil.copytree(file.parent, tmp_path / "examples")
+    assert follow(page, tolerance=0.02) == {"python": 1, "sh": 1, "text": 2, "toml": 1}
+
+
 def test_numbers_in_the_text_are_the_curves():
     """Load, radius, speed, force and superelevation that the text names are the cases' own."""
     text = (DOCS / "tutorials" / "wheelset-in-a-curve.md").read_text(encoding="utf-8")

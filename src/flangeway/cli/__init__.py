@@ -19,6 +19,7 @@ try:
     from flangeway.cli import (
         run_cases as cases,
         campaign_command as campaign,
+        damage_command as damage,
         creep_table_command as creep_table,
         shape_commands as shapes,
         reproduce_command as reproduce,
@@ -28,4 +29,4 @@ except KeyboardInterrupt:
     print("flangeway: interrupted; nothing was written", file=sys.stderr)
     sys.exit(130)
 
-__all__ = ["app", "campaign", "cases", "creep_table", "main", "reproduce", "shapes"]
+__all__ = ["app", "campaign", "cases", "creep_table", "damage", "main", "reproduce", "shapes"]

@@ -76,7 +76,8 @@ class RailProfile:
     - `certainty`: accuracy of the contour.
     - `notices`: sentences on what was left out, bridged, smoothed or assumed when its file was read.
     - `placing_head`: head that is placed at the gauge, with its top at zero; None: the rail's own. Sections of a rail
-      that varies along the track have that of the first one.
+      that varies along the track, and worn heads, have that of the first section, or of the new rail.
+    - `fine`: the head for contact where it differs from the outline, as when it is worn a little; None: as drawn.
     """
 
     title: str
@@ -87,11 +88,12 @@ class RailProfile:
     source: str
     notices: tuple[str, ...] = ()
     placing_head: Contour | None = None
+    fine: Contour | None = None
 
     @property
     def running_surface(self) -> Contour:
-        """The head as one chain, from the field side to the gauge side."""
-        return self.outline.part(self.head_names)
+        """The head as one chain, from the field side to the gauge side: `fine` if there is one."""
+        return self.fine or self.outline.part(self.head_names)
 
 
 @dataclass(frozen=True)

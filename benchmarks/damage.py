@@ -1,0 +1,81 @@
+"""Wear and fatigue: a step of eleven free states with friction on new profiles, and repeated rolling with plasticity.
+
+Times are those of the processor, on one core, with the tables of the bodies in the cache.
+
+- The step is one of the bundled mixed line: S1002 on 60E1, 160 kN, exact theory, 26 cells across a patch. Its accuracy
+  is the largest difference between the area on a profile and that of its cells over the latter. Asked: 8 s.
+- Repeated rolling is that of a line contact until it has settled at p0 / k = 3.95 and 4.05 without friction, on both
+  sides of Melan's limit of 4, with 12 cells over the half width. Its accuracy is the share of wrong verdicts.
+"""
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+
+from benchmarks.measurement import NO_PEER, Measurement
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState
+from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
+from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
+from flangeway.railway.damage.surface_wear import row_wear
+from flangeway.railway.damage.wear_laws import UsfdLaw
+from flangeway.railway.damage.worn_surface import WornSurface
+from flangeway.railway.spatial.spatial_result import solve_spatial
+
+ASKED_STEP_S = 8.0
+VERDICTS = {3.95: "shakedown", 4.05: "ratchetting"}
+SHARED = {"axle_load_kN": 160.0, "yaw_stiffness_kNm_per_mrad": 10.0}
+
+
+def measurements() -> Iterator[Measurement]:
+    """The step, and both loads."""
+    yield _step()
+    yield _plasticity(12)
+
+
+def quick() -> Iterator[Measurement]:
+    """Repeated rolling on a coarse mesh."""
+    yield _plasticity(6)
+
+
+def collective() -> Collective:
+    """The bundled mixed line."""
+    states = []
+    for each in COLLECTIVES["mixed-line"]:
+        case = SpatialWheelsetCase.from_values(SHARED | each.values)
+        states.append(RunningState(each.name, each.share, case.problem(), case.spatial_model()))
+    return Collective(states)
+
+
+def _step() -> Measurement:
+    states = collective()
+    # the end lies before the first step: the run is one evaluation of all states
+    evolution = Evolution(
+        states, {"wheel": UsfdLaw()}, EvolutionSettings(1.0, limits={"min_flange_thickness_mm": 50.0})
+    )
+    first = states.states[-1]
+    result = solve_spatial(first.problem, first.model)
+    errors = []
+    for row in row_wear(result, {"wheel": UsfdLaw()}):
+        surface = WornSurface(first.problem.wheelset.wheel)
+        depth = surface.deposited(row.ends, row.areas)
+        errors.append(abs(float((depth * surface.worn_lengths).sum() / row.areas.sum()) - 1.0))
+    begun = time.process_time()
+    (step,) = evolution.run()
+    seconds = time.process_time() - begun
+    more = {"states": len(step.states), "unconverged": len(step.unconverged), "asked_s": ASKED_STEP_S}
+    return Measurement("step of a mixed line", NO_PEER, seconds, None, max(errors), None, more=more)
+
+
+def _plasticity(cells: int) -> Measurement:
+    begun = time.process_time()
+    steel = RollingSteel(300.0)
+    found = {factor: RollingLine(factor, 0.0, steel, cells, depth=1.0).repeated() for factor in VERDICTS}
+    wrong = np.mean([found[factor].state != state for factor, state in VERDICTS.items()])
+    more = {
+        "passages": [len(each.newton) for each in found.values()],
+        "newton": max(map(max, (e.newton for e in found.values()))),
+    }
+    seconds = time.process_time() - begun
+    return Measurement(f"repeated rolling, {cells} cells", NO_PEER, seconds, None, float(wrong), None, more=more)

@@ -1,0 +1,47 @@
+"""``flangeway damage``."""
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from flangeway.cli.app import app
+from flangeway.cli.campaign_command import Fresh
+from flangeway.cli.common import INTERRUPTED, Out, Show, command_typed, complain, completion, shows_results
+
+STEPS_FILE = "damage.sqlite"
+InputsFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="FILE",
+        help="A file with states, wear laws and an end (.toml).",
+        autocompletion=completion(list, ".toml"),
+    ),
+]
+
+
+@app.command()
+@shows_results
+def damage(file: InputsFile, out: Out = None, fresh: Fresh = False, *, show: Show) -> bool:
+    """Let the profiles of wheels and rails wear over a collective of states: depths, limits, fatigue (out/FILE)."""
+    from flangeway.cases.damage.damage_file import DamageFile  # noqa: PLC0415
+    from flangeway.report.damage.damage_record import damage_record  # noqa: PLC0415
+    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+
+    inputs = DamageFile.read(file).damage()
+    folder = out or Path("out", file.stem)
+    refuse_unwritable(folder, (STEPS_FILE,))
+    store = folder / STEPS_FILE
+    if fresh:
+        store.unlink(missing_ok=True)
+    begun = time.perf_counter()
+    try:
+        with show.progress() as progress:
+            steps = inputs.evolution.run(store, progress)
+    except KeyboardInterrupt:
+        complain(f"interrupted; what is done is kept in {store}, and the same command goes on from there")
+        raise typer.Exit(INTERRUPTED) from None
+    return show.record(
+        damage_record(inputs, steps, command_typed(), time.perf_counter() - begun), folder, lambda: [store]
+    )

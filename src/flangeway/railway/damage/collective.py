@@ -1,0 +1,172 @@
+"""Collectives: states of running with their shares of the distance, and how profiles of all of them are exchanged."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from flangeway.errors import InputError
+from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
+from flangeway.railway.spatial.running_surfaces import SpatialModel
+from flangeway.railway.track.discretisation import Role
+from flangeway.railway.track.placements import Side
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
+
+SHARES_TOLERANCE = 1e-6
+"""Difference of the sum of the shares from 1 that is rounding."""
+SurfaceKey = tuple[Role, Side]
+"""Whose profile: with the mean of both sides, ``right`` stands for both."""
+
+
+@dataclass(frozen=True, eq=False)
+class RunningState:
+    """A wheelset in one state of running.
+
+    - `name`: for reports.
+    - `share`: of the distance (wheels) or of the axles (rails), > 0.
+    - `problem`, `model`: the wheelset with friction, as for `flangeway.railway.spatial.spatial_result.solve_spatial`.
+    """
+
+    name: str
+    share: float
+    problem: WheelsetProblem
+    model: SpatialModel
+
+
+@dataclass(frozen=True, eq=False)
+class Collective:
+    """States whose shares sum to 1.
+
+    Parameters
+    ----------
+    states
+        One or more, all with the same profiles and bodies.
+    separate
+        False: the wheels of both sides wear alike, and so do the rails, by the mean of both sides: lines have as many
+        curves to the left as to the right, and wheelsets are turned. True: each side wears by itself.
+
+    Raises
+    ------
+    InputError
+        If there is no state, shares are not positive or do not add up, a wheelset does not roll with friction, or sides
+        with different profiles wear by their mean.
+
+    """
+
+    states: Sequence[RunningState]
+    separate: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.states:
+            raise InputError("a collective without states", "one state or more", "add states with their shares")
+        for state in self.states:
+            if not (math.isfinite(state.share) and state.share > 0.0):
+                raise InputError(f"{state.name}: share = {state.share}", "a share above 0", "leave the state out")
+            if state.model.rolling is None:
+                raise InputError(
+                    f"{state.name} without friction", "states that roll with friction", "give friction and speed_km_h"
+                )
+            symmetric = state.problem.track.is_symmetric and state.problem.wheelset.is_symmetric
+            if not (symmetric or self.separate):
+                raise InputError(
+                    f"{state.name}: a left profile or radius of its own, with the mean of both sides",
+                    "equal sides, or sides that wear by themselves",
+                    'give sides = "separate"',
+                )
+        total = math.fsum(state.share for state in self.states)
+        if abs(total - 1.0) > SHARES_TOLERANCE:
+            raise InputError(
+                f"shares of {len(self.states)} states that sum to {total:.7g}",
+                "a sum of 1",
+                "correct them; one passage of a wheelset counts for both of its wheels once",
+            )
+
+    def key(self, role: Role, side: Side) -> SurfaceKey:
+        """Whose profile wears at a side."""
+        return role, side if self.separate else "right"
+
+    def profiles(self, roles: Sequence[Role]) -> dict[SurfaceKey, WheelProfile | RailProfile]:
+        """New profiles of bodies that wear."""
+        problem = self.states[0].problem
+        found: dict[SurfaceKey, WheelProfile | RailProfile] = {}
+        for role in roles:
+            for side in ("left", "right"):
+                of_side = problem.wheelset.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)
+                found[self.key(role, side)] = of_side
+        return found
+
+    def problem_with(
+        self, state: RunningState, profiles: Mapping[SurfaceKey, WheelProfile | RailProfile]
+    ) -> WheelsetProblem:
+        """The problem of a state with other profiles."""
+        track, wheelset = state.problem.track, state.problem.wheelset
+        right, left = profiles.get(("rail", "right")), profiles.get(("rail", "left"))
+        if isinstance(right, RailProfile):
+            track = replace(track, rail=right, left_rail=left if isinstance(left, RailProfile) else None)
+        right, left = profiles.get(("wheel", "right")), profiles.get(("wheel", "left"))
+        if isinstance(right, WheelProfile):
+            wheelset = replace(wheelset, wheel=right, left_wheel=left if isinstance(left, WheelProfile) else None)
+        return replace(state.problem, track=track, wheelset=wheelset)
+
+
+@dataclass(frozen=True)
+class StateInputs:
+    """Inputs of a bundled state, with the keys of the case ``wheelset``."""
+
+    share: float
+    speed_km_h: float
+    curve_radius_m: float | None = None
+    superelevation_mm: float = 0.0
+    gauge_mm: float = 1435.0
+    yaw_mrad: float = 0.0
+    friction: float = 0.3
+    flange_friction: float | None = None
+
+    @property
+    def name(self) -> str:
+        """For reports."""
+        where = "tangent" if self.curve_radius_m is None else f"R = {self.curve_radius_m:g} m"
+        return f"{where}, gauge {self.gauge_mm:g} mm, yaw {self.yaw_mrad:g} mrad, {self.speed_km_h:g} km/h"
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Inputs of the case, without the share."""
+        return {key: value for key, value in vars(self).items() if value is not None and key != "share"}
+
+
+def _tangent(share: float, speed: float, friction: float = 0.3) -> tuple[StateInputs, ...]:
+    """Straight track: gauges and yaws of axles in their bogies spread the contact, three states."""
+    return (
+        StateInputs(0.4 * share, speed, gauge_mm=1435.0, yaw_mrad=0.3, friction=friction),
+        StateInputs(0.3 * share, speed, gauge_mm=1432.0, yaw_mrad=-0.3, friction=friction),
+        StateInputs(0.3 * share, speed, gauge_mm=1438.0, yaw_mrad=0.5, friction=friction),
+    )
+
+
+COLLECTIVES: dict[str, tuple[StateInputs, ...]] = {
+    "tangent": _tangent(1.0, 160.0),
+    "mixed-line": (
+        *_tangent(0.55, 140.0),
+        StateInputs(0.08, 140.0, 3000.0, 40.0),
+        StateInputs(0.08, 140.0, 2000.0, 60.0),
+        StateInputs(0.07, 130.0, 1500.0, 80.0),
+        StateInputs(0.06, 120.0, 1000.0, 100.0),
+        StateInputs(0.05, 100.0, 800.0, 100.0),
+        StateInputs(0.05, 90.0, 600.0, 110.0),
+        StateInputs(0.04, 80.0, 500.0, 120.0, flange_friction=0.2),
+        StateInputs(0.02, 70.0, 400.0, 120.0, flange_friction=0.2),
+    ),
+    "metro": (
+        *_tangent(0.5, 70.0),
+        StateInputs(0.15, 70.0, 800.0, 50.0),
+        StateInputs(0.15, 60.0, 500.0, 80.0),
+        StateInputs(0.12, 50.0, 350.0, 90.0, flange_friction=0.15),
+        StateInputs(0.08, 40.0, 250.0, 90.0, flange_friction=0.15),
+    ),
+    "heavy-haul": (
+        *_tangent(0.6, 70.0, 0.35),
+        StateInputs(0.15, 70.0, 1500.0, 20.0, friction=0.35),
+        StateInputs(0.15, 65.0, 900.0, 40.0, friction=0.35),
+        StateInputs(0.10, 60.0, 500.0, 60.0, friction=0.35, flange_friction=0.2),
+    ),
+}
+"""Bundled collectives. Their shares, speeds and radii are assumed, not measured: name them as such."""

@@ -1,0 +1,397 @@
+"""Evolution of profiles over distance: wear of all states, adaptive steps, limits, and a file to go on from."""
+
+import hashlib
+import json
+import sqlite3
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flangeway.checks import check_positive
+from flangeway.errors import InputError
+from flangeway.railway.damage.collective import Collective, SurfaceKey
+from flangeway.railway.damage.profile_limits import check_limits, reached, worn_measures
+from flangeway.railway.damage.surface_wear import PatchDamage, patch_damage, row_wear
+from flangeway.railway.damage.wear_laws import WearLaw
+from flangeway.railway.damage.worn_surface import FILTER_MM, SPACING_MM, WornSurface
+from flangeway.railway.spatial.running_surfaces import running_surfaces
+from flangeway.railway.spatial.side_contact import SideSurfaces
+from flangeway.railway.spatial.spatial_result import SpatialResult, solve_position
+from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
+from flangeway.railway.track.discretisation import Role
+from flangeway.railway.track.placements import Side
+from flangeway.system.disk_cache import Cache
+from flangeway.system.versions import versions
+from flangeway.types import Floats
+
+MM_PER_KM = 1e6
+MAX_COMPLIANCE_WEAR_MM = 1.0
+"""Depth up to which the compliance of the new bodies is kept; beyond it is made anew from the worn body.
+
+Hollows of 1 mm in S1002 and 60E1: p0 of the greatest patch changes by 0.16 %, that of a lesser one by 0.9 %."""
+SHORTEST = 0.125
+"""Least step over the one that the depth allows, to which changes of T-gamma shorten it."""
+GROWTH = 2.0
+"""Most of a step over the one before."""
+
+
+@dataclass(frozen=True)
+class EvolutionSettings:
+    """How far and how finely profiles evolve.
+
+    Parameters
+    ----------
+    end
+        Distance in km that the wheels run, or number of axles where rails wear alone.
+    axles_per_km
+        Axles that pass a point of the rails while a wheel runs 1 km; needed where both wear.
+    max_depth_mm
+        Depth of one step, at most.
+    max_change
+        Change of the mean T-gamma in one step over its value, above which the step is taken again, half as long.
+    filter_mm
+        See `flangeway.railway.damage.worn_surface.WornSurface.filtered`.
+    spacing_mm
+        Length of the pieces of the surfaces.
+    limits
+        Of `flangeway.railway.damage.profile_limits.LIMITS`: the evolution ends where one is reached.
+
+    Raises
+    ------
+    InputError
+        If a number is not positive or a limit unknown.
+
+    """
+
+    end: float
+    axles_per_km: float | None = None
+    max_depth_mm: float = 0.04
+    max_change: float = 0.5
+    filter_mm: float = FILTER_MM
+    spacing_mm: float = SPACING_MM
+    limits: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("end", "max_depth_mm", "max_change", "spacing_mm"):
+            check_positive("EvolutionSettings", name, getattr(self, name))
+        if self.axles_per_km is not None:
+            check_positive("EvolutionSettings", "axles_per_km", self.axles_per_km)
+        if not self.filter_mm >= 0.0:
+            raise InputError(f"EvolutionSettings(filter_mm={self.filter_mm})", "a length >= 0", "0 filters nothing")
+        check_limits(self.limits)
+
+
+@dataclass(frozen=True, eq=False)
+class StateDamage:
+    """One state on the profiles of a step: its patches, and why it has none."""
+
+    name: str
+    patches: tuple[PatchDamage, ...]
+    message: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class EvolutionStep:
+    """Profiles after a distance, and what all states do on them.
+
+    - `position`: distance in km, or axles.
+    - `surfaces`: by role and side.
+    - `rates`: filtered depth over the position, mm per km or axle, shape of the depth.
+    - `damage`: net T-gamma damage summed over the distance before, by piece; below 0 wear has taken it off.
+    - `states`: in the order of the collective.
+    - `reached`: limits.
+    """
+
+    position: float
+    surfaces: Mapping[SurfaceKey, WornSurface]
+    rates: Mapping[SurfaceKey, Floats]
+    damage: Mapping[SurfaceKey, Floats]
+    damage_rates: Mapping[SurfaceKey, Floats]
+    states: tuple[StateDamage, ...]
+    t_gamma_N: float  # noqa: N815
+    reached: tuple[str, ...] = ()
+
+    @property
+    def unconverged(self) -> tuple[str, ...]:
+        """Names of the states without equilibrium."""
+        return tuple(f"{each.name}: {each.message}" for each in self.states if each.message)
+
+    @property
+    def row(self) -> dict[str, float]:
+        """Numbers for a table: depths, areas, measures, mean T-gamma and maximum pressure."""
+        found = {"position": self.position, "t_gamma_N": self.t_gamma_N}
+        pressures = [patch.max_pressure_MPa for each in self.states for patch in each.patches]
+        found["max_pressure_MPa"] = max(pressures, default=float("nan"))
+        indices = [
+            patch.fatigue_index for each in self.states for patch in each.patches if patch.fatigue_index is not None
+        ]
+        found["max_fatigue_index"] = max(indices, default=float("nan"))
+        for (role, side), surface in self.surfaces.items():
+            numbers = {"depth_mm": float(surface.depth.max()), "area_mm2": surface.worn_area_mm2}
+            numbers |= worn_measures(surface) | {"max_damage": float(self.damage[role, side].max())}
+            found |= {f"{side}_{role}_{name}": value for name, value in numbers.items()}
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Evolution:
+    """How profiles of a collective wear.
+
+    Parameters
+    ----------
+    collective
+        The states.
+    laws
+        Wear law of the wheels, the rails, or both; what has none keeps its profile.
+    settings
+        How far and how finely.
+
+    Raises
+    ------
+    InputError
+        If no body wears, or both do without `EvolutionSettings.axles_per_km`.
+
+    """
+
+    collective: Collective
+    laws: Mapping[Role, WearLaw]
+    settings: EvolutionSettings
+
+    def __post_init__(self) -> None:
+        if not self.laws:
+            raise InputError("an evolution without wear laws", "a law for wheel, rail or both", "add one")
+        if len(self.laws) == 2 and self.settings.axles_per_km is None:
+            raise InputError(
+                "wear of wheels and rails without axles_per_km",
+                "axles that pass a point of the rails while a wheel runs 1 km",
+                "give axles_per_km, or let one of them wear",
+            )
+
+    @property
+    def unit(self) -> str:
+        """Unit of the position."""
+        return "km" if "wheel" in self.laws else "axles"
+
+    def _per_unit(self, role: Role) -> float:
+        """Distance in mm of a wheel, or axles on a rail, in one unit of the position."""
+        if role == "wheel":
+            return MM_PER_KM
+        return 1.0 if self.unit == "axles" else float(self.settings.axles_per_km or 0.0)
+
+    def run(
+        self, file: Path | None = None, progress: Callable[[str], None] = lambda _: None
+    ) -> tuple[EvolutionStep, ...]:
+        """Evolve to the end or the first limit.
+
+        - `file`: SQLite file in which each step is stored when it is done; a run that was interrupted goes on from
+          there with the same numbers. An `InputError` if it is that of other inputs.
+        - `progress`: called with a sentence at each state.
+        """
+        store = None if file is None else StepStore(file, self.identity)
+        steps = [self._restored(row) for row in store.rows()] if store else []
+        if not steps:
+            profiles = self.collective.profiles(tuple(self.laws))
+            surfaces = {
+                key: WornSurface(profile, spacing_mm=self.settings.spacing_mm) for key, profile in profiles.items()
+            }
+            none = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
+            steps.append(self._evaluated(0.0, surfaces, none, progress))
+            if store:
+                store.add(self._row_of(steps[-1]))
+        while steps[-1].position < self.settings.end and not steps[-1].reached:
+            steps.append(self._next(steps, progress))
+            if store:
+                store.add(self._row_of(steps[-1]))
+        return tuple(steps)
+
+    def _next(self, steps: list[EvolutionStep], progress: Callable[[str], None]) -> EvolutionStep:
+        last, settings = steps[-1], self.settings
+        fastest = max(float(rate.max()) for rate in last.rates.values())
+        if fastest <= 0.0:
+            raise InputError(
+                "a collective in which nothing wears", "slip in some state", "check friction, curves and the laws"
+            )
+        most = settings.max_depth_mm / fastest
+        way = min(most, settings.end - last.position)
+        if len(steps) > 1:
+            way = min(way, GROWTH * (last.position - steps[-2].position))
+        while True:
+            surfaces = {key: each.worn_by(way * last.rates[key]) for key, each in last.surfaces.items()}
+            damage = {key: last.damage[key] + way * last.damage_rates[key] for key in last.surfaces}
+            # the end exactly, so that a run to it ends there
+            end = settings.end if last.position + way >= settings.end * (1.0 - 1e-12) else last.position + way
+            found = self._evaluated(end, surfaces, damage, progress)
+            change = abs(found.t_gamma_N - last.t_gamma_N) / max(last.t_gamma_N, np.finfo(float).tiny)
+            if change <= settings.max_change or 0.5 * way < SHORTEST * most:
+                return self._corrected(last, found)
+            progress(f"mean T-gamma changes by {100.0 * change:.0f} %: half the step")
+            way *= 0.5
+
+    def _corrected(self, last: EvolutionStep, found: EvolutionStep) -> EvolutionStep:
+        """Take the step by the mean of the rates at its ends, those at the end being of the predicted profiles.
+
+        Of second order with one evaluation for each step; and what wears beside a groove in turn is averaged.
+        """
+        half = 0.5 * (found.position - last.position)
+        surfaces = {
+            key: each.worn_by(half * (last.rates[key] + found.rates[key])) for key, each in last.surfaces.items()
+        }
+        damage = {
+            key: each + half * (last.damage_rates[key] + found.damage_rates[key]) for key, each in last.damage.items()
+        }
+        return replace(found, surfaces=surfaces, damage=damage, reached=self._limits_of(surfaces))
+
+    def _limits_of(self, surfaces: Mapping[SurfaceKey, WornSurface]) -> tuple[str, ...]:
+        """Limits that are reached, with the role of the profile."""
+        found = (f"{key[0]}: {name}" for key, each in surfaces.items() for name in reached(each, self.settings.limits))
+        return tuple(dict.fromkeys(found))
+
+    def _evaluated(
+        self,
+        position: float,
+        surfaces: Mapping[SurfaceKey, WornSurface],
+        damage: Mapping[SurfaceKey, Floats],
+        progress: Callable[[str], None],
+    ) -> EvolutionStep:
+        """Solve all states on worn profiles."""
+        deep = any(surface.depth.max() > MAX_COMPLIANCE_WEAR_MM for surface in surfaces.values())
+        profiles = {key: surface.worn_body if deep else surface.worn for key, surface in surfaces.items()}
+        rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
+        damage_rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
+        bodies: list[tuple[tuple[Any, ...], dict[Side, SideSurfaces]]] = []
+        states, t_gamma, solved = [], 0.0, 0.0
+        weight = 1.0 if self.collective.separate else 0.5
+        for number, state in enumerate(self.collective.states, 1):
+            share = state.share
+            end = self.settings.end
+            progress(f"{position:.4g} of {end:.4g} {self.unit}, state {number} of {len(self.collective.states)}")
+            problem = self.collective.problem_with(state, profiles)
+            try:
+                result = _solved(SpatialWheelset(problem, {}, state.model), bodies)
+            except InputError as reason:
+                states.append(StateDamage(state.name, (), reason.given))
+                continue
+            if not result.status.converged:
+                states.append(StateDamage(state.name, (), result.status.message))
+                continue
+            states.append(StateDamage(state.name, tuple(patch_damage(result))))
+            t_gamma += share * sum(each.t_gamma_N for each in states[-1].patches)
+            solved += share
+            for wear in row_wear(result, dict(self.laws)):
+                key = self.collective.key(wear.role, wear.side)
+                surface, unit = surfaces[key], self._per_unit(wear.role) * share * weight
+                rates[key] += unit * surface.deposited(wear.ends, wear.rates)
+                widths = np.linalg.norm(np.diff(wear.ends, axis=1)[:, 0], axis=1)
+                passes = wear.rates / np.where(wear.areas > 0.0, wear.areas, 1.0) if wear.role == "wheel" else 1.0
+                damage_rates[key] += unit * wear.damage * surface.deposited(wear.ends, widths * passes)
+        if not solved:
+            raise InputError(
+                f"no state in equilibrium at {position:.4g} {self.unit}, {states[0].name}: {states[0].message}",
+                "states that converge",
+                "run the states as cases of their own",
+            )
+        # states without equilibrium wear as the mean of the others
+        rates = {key: surfaces[key].filtered(each / solved, self.settings.filter_mm) for key, each in rates.items()}
+        damage_rates = {key: each / solved for key, each in damage_rates.items()}
+        return EvolutionStep(
+            position,
+            surfaces,
+            rates,
+            damage,
+            damage_rates,
+            tuple(states),
+            t_gamma / solved,
+            self._limits_of(surfaces),
+        )
+
+    @property
+    def identity(self) -> str:
+        """What the file of a run must agree in: version, states, laws and settings, but not the end and the limits."""
+        settings = {key: value for key, value in asdict(self.settings).items() if key not in ("end", "limits")}
+        parts = [
+            versions()["flangeway"],
+            repr(sorted(settings.items())),
+            repr([(role, law.name) for role, law in self.laws.items()]),
+            repr(self.collective.separate),
+            *(f"{state.share!r} {state.problem!r} {state.model!r}" for state in self.collective.states),
+        ]
+        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+    def _row_of(self, step: EvolutionStep) -> dict[str, Any]:
+        """A step as JSON: numbers in it are kept to the last digit."""
+        return {
+            "position": step.position,
+            "t_gamma_N": step.t_gamma_N,
+            "states": [asdict(each) for each in step.states],
+            "surfaces": {
+                f"{role} {side}": [
+                    surface.depth.tolist(),
+                    *(each[role, side].tolist() for each in (step.rates, step.damage, step.damage_rates)),
+                ]
+                for (role, side), surface in step.surfaces.items()
+            },
+        }
+
+    def _restored(self, row: Mapping[str, Any]) -> EvolutionStep:
+        profiles = self.collective.profiles(tuple(self.laws))
+        stored = {key: [np.array(each) for each in row["surfaces"][" ".join(key)]] for key in profiles}
+        surfaces = {key: WornSurface(profiles[key], stored[key][0], self.settings.spacing_mm) for key in profiles}
+        states = tuple(
+            StateDamage(each["name"], tuple(PatchDamage(**patch) for patch in each["patches"]), each["message"])
+            for each in row["states"]
+        )
+        rates, damage, damage_rates = ({key: stored[key][number] for key in profiles} for number in (1, 2, 3))
+        return EvolutionStep(
+            row["position"], surfaces, rates, damage, damage_rates, states, row["t_gamma_N"], self._limits_of(surfaces)
+        )
+
+
+def _solved(wheelset: SpatialWheelset, bodies: list[tuple[tuple[Any, ...], dict[Side, SideSurfaces]]]) -> SpatialResult:
+    """Solve a state; running surfaces of equal bodies are made once."""
+    problem, model = wheelset.problem, wheelset.model
+    key = (problem.track, problem.wheelset, problem.material, problem.discretisation, model.support, model.disc)
+    _ = wheelset.start  # what rigid wheels cannot do is refused first
+    surfaces = next((made for other, made in bodies if other == key), None)
+    if surfaces is None:
+        surfaces = running_surfaces(problem, model, cache=Cache.of_user())
+        bodies.append((key, surfaces))
+    return solve_position(replace(wheelset, surfaces=surfaces), {})
+
+
+class StepStore:
+    """Steps of one evolution in an SQLite file; each is on the disk before the next one begins."""
+
+    def __init__(self, file: Path, identity: str) -> None:
+        self._file = file
+        file.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with closing(sqlite3.connect(file)) as database, database:
+                database.execute("CREATE TABLE IF NOT EXISTS evolution (identity TEXT NOT NULL)")
+                database.execute("CREATE TABLE IF NOT EXISTS steps (number INTEGER PRIMARY KEY, content TEXT NOT NULL)")
+                stored = database.execute("SELECT identity FROM evolution").fetchone()
+                if stored is None:
+                    database.execute("INSERT INTO evolution VALUES (?)", (identity,))
+        except sqlite3.Error as reason:
+            raise InputError(
+                f"{file}: {reason}", "the file of an evolution, or none", "choose another folder"
+            ) from reason
+        if stored is not None and stored[0] != identity:
+            raise InputError(
+                f"{file} with steps of other inputs",
+                "the inputs that it was begun with",
+                "take --fresh or another folder",
+            )
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Stored steps in order."""
+        with closing(sqlite3.connect(self._file)) as database:
+            return [json.loads(text) for (text,) in database.execute("SELECT content FROM steps ORDER BY number")]
+
+    def add(self, row: Mapping[str, Any]) -> None:
+        """Store a step."""
+        with closing(sqlite3.connect(self._file)) as database, database:
+            database.execute("INSERT INTO steps (content) VALUES (?)", (json.dumps(row, default=float),))

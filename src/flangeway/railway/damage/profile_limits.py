@@ -1,0 +1,68 @@
+"""Measures of worn profiles and the limits at which they are done."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.railway.damage.worn_surface import WornSurface
+from flangeway.railway.profiles.bundled import WheelProfile
+from flangeway.railway.profiles.measures import HEAD_MM, measures
+from flangeway.types import Floats
+
+LIMITS: dict[str, tuple[str, bool]] = {
+    "min_flange_thickness_mm": ("flange_thickness_mm", False),
+    "max_flange_height_mm": ("flange_height_mm", True),
+    "min_flange_slope_mm": ("flange_slope_mm", False),
+    "max_hollow_mm": ("hollow_mm", True),
+    "max_tread_wear_mm": ("tread_wear_mm", True),
+    "max_top_wear_mm": ("top_wear_mm", True),
+    "max_side_wear_mm": ("side_wear_mm", True),
+}
+"""Measure of each limit, and whether it is an upper one. EN 15313: flange thickness, height and slope qR of wheels."""
+HOLLOW_FROM_MM = -20.0
+"""Position across the tread from which hollow wear is measured: beyond the flange root."""
+
+
+def worn_measures(surface: WornSurface) -> dict[str, float]:
+    """Measures of a worn profile in mm.
+
+    Wheels: those of `flangeway.railway.profiles.measures.measures`; ``tread_wear_mm``, the loss of the radius at the
+    tape line; ``hollow_mm``, how far the tread lies above its field side, towards the axle. Rails: ``top_wear_mm`` in
+    the middle of the head and ``side_wear_mm`` of the gauge face at 14 mm below the new top.
+    """
+    worn = surface.worn.running_surface.sampled(spacing=0.1, max_deviation=1e-4)
+    if isinstance(surface.new, WheelProfile):
+        found = measures(surface.from_tread, "wheel")
+        tread = worn[worn[:, 0] > HOLLOW_FROM_MM]
+        rim = np.minimum.accumulate(tread[::-1, 1])[::-1]
+        return found | {"tread_wear_mm": surface.radius_loss_mm, "hollow_mm": float((tread[:, 1] - rim).max())}
+    new = surface.surface.sampled(spacing=0.1, max_deviation=1e-4)
+    level = float(new[:, 1].max()) - HEAD_MM
+    heights, faces = ([_at(each, axis, at) for each in (new, worn)] for axis, at in ((0, 0.0), (1, level)))
+    return {"top_wear_mm": heights[0] - heights[1], "side_wear_mm": faces[1] - faces[0]}
+
+
+def _at(points: Floats, axis: int, value: float) -> float:
+    """Height in the middle of a head (axis 0), or x of its gauge face at a height (axis 1)."""
+    if axis == 1:
+        points = points[points[:, 0] < 0.0]
+    order = np.argsort(points[:, axis])
+    return float(np.interp(value, points[order, axis], points[order, 1 - axis]))
+
+
+def check_limits(limits: Mapping[str, float]) -> None:
+    """Refuse limits that do not exist, as an `InputError`."""
+    for name, value in limits.items():
+        if name not in LIMITS or not value > 0.0:
+            raise InputError(f"limit {name} = {value}", f"{', '.join(LIMITS)}, in mm, > 0", "correct the name or value")
+
+
+def reached(surface: WornSurface, limits: Mapping[str, float]) -> tuple[str, ...]:
+    """Names of the limits that a profile has reached; those of the other kind of profile do not count."""
+    found = worn_measures(surface)
+    return tuple(
+        name
+        for name, limit in limits.items()
+        if LIMITS[name][0] in found and (found[LIMITS[name][0]] - limit) * (1.0 if LIMITS[name][1] else -1.0) >= 0.0
+    )

@@ -1,0 +1,333 @@
+"""Wear laws: depth worn per distance rolled from pressure, tractions and slip of the cells of a patch.
+
+A point of the surface that passes through the patch loses ``integral of rate dx`` of its depth in one passage, with the
+distance x along rolling. A rate is a depth in mm over the distance rolled in mm, of one of the two bodies. Sources:
+
+- Archard (1953, J. Appl. Phys. 24): ``rate = k p |slip| / H``. The map of k over slip velocity and pressure is that of
+  Jendel (2002, Wear 253, 83-89), quoted from memory: its ranges are in `JENDEL`.
+- USFD: T-gamma over area, Braghin, Lewis, Dwyer-Joyce and Bruni (2006, Wear 261, 1253-1264), wheels of R8T on rails of
+  UIC 60 900A; constants quoted from memory. As first published the rate jumps from 55 to 4779 ug/m/mm2 at 77.2 N/mm2;
+  later authors let the third branch begin where the second one ends.
+- BRR: T-gamma of a patch, Pearce and Sherratt (1991, Wear 144, 343-351): area worn off a wheel's profile over the
+  distance, 0.25 T-gamma / D mm2/km up to 100 N, 25 / D up to 200 N, ``(1.19 T-gamma - 154) / D`` beyond, with the
+  wheel's diameter D in mm. Times the circumference it is a volume over the distance that does not depend on D.
+- Energy: volume over dissipated energy, a constant (Fouvry et al., 2003, Wear 255).
+
+Whether a law is evaluated in each cell (local) or once for a patch (`PerPatch`) changes its result where its constant
+depends on the load: say which.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from flangeway.checks import check_positive
+from flangeway.errors import InputError
+from flangeway.types import Floats
+
+DENSITY_ug_per_mm3 = 7800.0
+"""Density of steel, 7800 kg/m3."""
+JENDEL: tuple[tuple[float, float], ...] = ((1e-4, 10e-4), (30e-4, 40e-4), (1e-4, 10e-4), (300e-4, 400e-4))
+"""Ranges of Archard's k: slip below 0.2 m/s, 0.2 to 0.7 m/s, above; and at pressures above 0.8 of the hardness."""
+JENDEL_VELOCITIES_m_s = (0.2, 0.7)
+JENDEL_PRESSURE = 0.8
+ENERGY_UNITS = {
+    "mm3/J": 1e-3,
+    "mm3/kJ": 1e-6,
+    "mm3/MJ": 1e-9,
+    "ug/J": 1e-3 / DENSITY_ug_per_mm3,
+    "mg/kJ": 1e-3 / DENSITY_ug_per_mm3,
+}
+"""Units of worn volume or mass over energy, in mm3 per N mm."""
+RATE_UNITS = {
+    "mm/mm": 1.0,
+    "mm/m": 1e-3,
+    "um/m": 1e-6,
+    "mm3/m/mm2": 1e-3,
+    "ug/m/mm2": 1e-3 / DENSITY_ug_per_mm3,
+}
+"""Units of a rate, in mm of depth per mm rolled."""
+
+
+@dataclass(frozen=True, eq=False)
+class CellLoads:
+    """What a law needs of the cells of one patch; arrays of one shape (...), or (..., 2).
+
+    Parameters
+    ----------
+    pressures
+        MPa, 0 outside of the patch, shape (...).
+    tractions
+        Tangential tractions in MPa, shape (..., 2).
+    slips
+        Slip velocity over the rolling velocity, of one body on the other, shape (..., 2).
+    areas
+        Of the cells in mm2; (...), or a shape that broadcasts to it.
+    speed_m_s
+        Rolling velocity.
+    dissipation
+        Dissipated energy over area and distance in N/mm2, T-gamma / A of each cell; left out: tractions times slip.
+
+    """
+
+    pressures: Floats
+    tractions: Floats
+    slips: Floats
+    areas: Floats
+    speed_m_s: float
+    dissipation: Floats | None = None
+
+    @property
+    def energy(self) -> Floats:
+        """T-gamma over area, N/mm2, not below 0, shape (...)."""
+        if self.dissipation is not None:
+            return np.maximum(self.dissipation, 0.0)
+        return np.abs((self.tractions * self.slips).sum(axis=-1))
+
+    @property
+    def slip_sizes(self) -> Floats:
+        """Slip over the distance rolled, shape (...)."""
+        return np.asarray(np.linalg.norm(self.slips, axis=-1))
+
+    @property
+    def t_gamma_N(self) -> float:  # noqa: N802
+        """Energy dissipated over the distance rolled, N."""
+        return float((self.energy * self.areas).sum())
+
+    @property
+    def contact_area_mm2(self) -> float:
+        """Area of the cells under pressure."""
+        return float(((self.pressures > 0.0) * self.areas).sum())
+
+    def mean(self) -> "CellLoads":
+        """One cell with the means over the contact area; traction times slip is the mean T-gamma over area."""
+        area = self.contact_area_mm2
+        weights = np.broadcast_to(self.areas, self.pressures.shape) / area
+        energy = float((self.energy * weights).sum())
+        slip = float((self.slip_sizes * weights)[self.pressures > 0.0].sum())
+        traction = energy / slip if slip > 0.0 else 0.0
+        return CellLoads(
+            np.array([float((self.pressures * weights).sum())]),
+            np.array([[traction, 0.0]]),
+            np.array([[slip, 0.0]]),
+            np.array([area]),
+            self.speed_m_s,
+            np.array([energy]),
+        )
+
+
+class WearLaw(Protocol):
+    """A law of wear: its name with the way it is evaluated, and its rate."""
+
+    @property
+    def name(self) -> str:
+        """What reports call it."""
+        ...
+
+    def rates(self, cells: CellLoads) -> Floats:
+        """Depth worn off one body over the distance rolled, mm/mm, shape (...)."""
+        ...
+
+
+@dataclass(frozen=True)
+class ArchardLaw:
+    """Archard's law with a constant k, or with Jendel's map of k.
+
+    Parameters
+    ----------
+    hardness_MPa
+        Of the softer body, > 0.
+    k
+        Wear coefficient without unit, > 0; None: Jendel's map.
+    level
+        Where in the ranges of the map k lies, 0 at their lower and 1 at their upper ends.
+
+    Raises
+    ------
+    InputError
+        If the hardness or k is not positive, or the level outside of 0 to 1.
+
+    """
+
+    hardness_MPa: float  # noqa: N815
+    k: float | None = None
+    level: float = 0.5
+
+    def __post_init__(self) -> None:
+        check_positive(
+            "ArchardLaw", "hardness_MPa", self.hardness_MPa, "a hardness > 0", "give it in MPa: HB 275 is 2700"
+        )
+        if self.k is not None:
+            check_positive("ArchardLaw", "k", self.k, "a wear coefficient > 0", "leave it out for Jendel's map")
+        if not 0.0 <= self.level <= 1.0:
+            raise InputError(f"ArchardLaw(level={self.level})", "0 to 1", "give 0.5 for the middle of the ranges of k")
+
+    @property
+    def name(self) -> str:
+        """See `WearLaw`."""
+        return f"Archard, {'map of Jendel' if self.k is None else f'k = {self.k:g}'}"
+
+    def coefficients(self, velocity_m_s: Floats, pressures: Floats) -> Floats:
+        """Wear coefficient k at slip velocities and pressures in MPa, one shape."""
+        if self.k is not None:
+            return np.full(np.shape(pressures), self.k)
+        k = np.array([low + self.level * (high - low) for low, high in JENDEL])
+        by_velocity = k[np.searchsorted(JENDEL_VELOCITIES_m_s, velocity_m_s, side="right")]
+        return np.where(pressures > JENDEL_PRESSURE * self.hardness_MPa, k[3], by_velocity)
+
+    def rates(self, cells: CellLoads) -> Floats:
+        """See `WearLaw`."""
+        slips = cells.slip_sizes
+        k = self.coefficients(cells.speed_m_s * slips, cells.pressures)
+        return np.asarray(k * cells.pressures * slips / self.hardness_MPa)
+
+
+@dataclass(frozen=True)
+class UsfdLaw:
+    """T-gamma over area by the University of Sheffield, in ug of steel per m rolled and mm2 of contact.
+
+    - `branch`: ``"continuous"``: the third branch begins where the second one ends; ``"published"``: as of 2006.
+    """
+
+    branch: str = "continuous"
+    limits: ClassVar[tuple[float, float]] = (10.4, 77.2)
+    """T-gamma over area in N/mm2 at which severe and catastrophic wear begin."""
+    slopes: ClassVar[tuple[float, float]] = (5.3, 61.9)
+    """Rates over T-gamma / A of mild and catastrophic wear, (ug/m/mm2) / (N/mm2)."""
+    severe: ClassVar[float] = 55.0
+    """Rate of severe wear, ug/m/mm2."""
+
+    def __post_init__(self) -> None:
+        if self.branch not in ("continuous", "published"):
+            raise InputError(f"UsfdLaw(branch={self.branch!r})", "continuous, published", "choose one of them")
+
+    @property
+    def name(self) -> str:
+        """See `WearLaw`."""
+        return f"T-gamma/A, USFD, third branch {'continuous' if self.branch == 'continuous' else 'as published'}"
+
+    def micrograms(self, t_gamma_over_area: Floats) -> Floats:
+        """Rate in ug/m/mm2 by T-gamma over area in N/mm2."""
+        x, start = t_gamma_over_area, self.limits[1] if self.branch == "continuous" else 0.0
+        third = self.slopes[1] * (x - start) + (self.severe if self.branch == "continuous" else 0.0)
+        return np.where(x < self.limits[0], self.slopes[0] * x, np.where(x < self.limits[1], self.severe, third))
+
+    def rates(self, cells: CellLoads) -> Floats:
+        """See `WearLaw`."""
+        return RATE_UNITS["ug/m/mm2"] * self.micrograms(cells.energy)
+
+
+@dataclass(frozen=True)
+class BrrLaw:
+    """T-gamma of a patch by British Rail Research; the depth is spread over the patch as the dissipated energy is.
+
+    - `branch`: ``"published"``: with the jump at 200 N; ``"continuous"``: the third branch begins where the second one
+      ends.
+    """
+
+    branch: str = "published"
+
+    def __post_init__(self) -> None:
+        if self.branch not in ("continuous", "published"):
+            raise InputError(f"BrrLaw(branch={self.branch!r})", "continuous, published", "choose one of them")
+
+    @property
+    def name(self) -> str:
+        """See `WearLaw`."""
+        return (
+            f"T-gamma of a patch, BRR, third branch {'continuous' if self.branch == 'continuous' else 'as published'}"
+        )
+
+    def area_times_diameter(self, t_gamma_N: float) -> float:
+        """Area worn off a wheel's profile per km times the wheel's diameter, mm3/km."""
+        if t_gamma_N < 200.0:
+            return min(0.25 * t_gamma_N, 25.0)
+        return 1.19 * t_gamma_N - (154.0 if self.branch == "published" else 213.0)
+
+    def rates(self, cells: CellLoads) -> Floats:
+        """See `WearLaw`."""
+        t_gamma = cells.t_gamma_N
+        volume = np.pi * self.area_times_diameter(t_gamma) * 1e-6  # mm3/km to mm3/mm
+        return np.asarray(cells.energy * (volume / t_gamma if t_gamma > 0.0 else 0.0))
+
+
+@dataclass(frozen=True)
+class EnergyLaw:
+    """Worn volume or mass in proportion to the dissipated energy.
+
+    - `constant`: > 0, in `unit`, one of `ENERGY_UNITS`.
+    """
+
+    constant: float
+    unit: str
+
+    def __post_init__(self) -> None:
+        check_positive("EnergyLaw", "constant", self.constant, "a constant > 0", "give what tests showed")
+        _check_unit("EnergyLaw", self.unit, ENERGY_UNITS)
+
+    @property
+    def name(self) -> str:
+        """See `WearLaw`."""
+        return f"energy, {self.constant:g} {self.unit}"
+
+    def rates(self, cells: CellLoads) -> Floats:
+        """See `WearLaw`."""
+        return self.constant * ENERGY_UNITS[self.unit] * cells.energy
+
+
+@dataclass(frozen=True)
+class OwnLaw:
+    """A law by a function.
+
+    - `function`: of pressures (...), slips (..., 2) and tractions (..., 2) as in `CellLoads`; returns the rate (...).
+    - `unit`: of the rate, one of `RATE_UNITS`.
+    - `title`: what reports call it.
+    """
+
+    function: Callable[[Floats, Floats, Floats], Floats]
+    unit: str
+    title: str = "own law"
+
+    def __post_init__(self) -> None:
+        _check_unit("OwnLaw", self.unit, RATE_UNITS)
+
+    @property
+    def name(self) -> str:
+        """See `WearLaw`."""
+        return self.title
+
+    def rates(self, cells: CellLoads) -> Floats:
+        """See `WearLaw`; an `InputError` if the function returns another shape, or what is negative or not finite."""
+        rates = np.asarray(self.function(cells.pressures, cells.slips, cells.tractions), dtype=np.float64)
+        if rates.shape != cells.pressures.shape or not (np.isfinite(rates) & (rates >= 0.0)).all():
+            raise InputError(
+                f"{self.title}: rates of shape {rates.shape} for {cells.pressures.shape}, or some not >= 0",
+                "a finite rate >= 0 for each cell",
+                "correct the function",
+            )
+        return RATE_UNITS[self.unit] * rates
+
+
+@dataclass(frozen=True)
+class PerPatch:
+    """A law evaluated once for a patch, at means over its area; the depth is spread as the dissipated energy is."""
+
+    law: WearLaw
+
+    @property
+    def name(self) -> str:
+        """See `WearLaw`."""
+        return f"{self.law.name}, per patch"
+
+    def rates(self, cells: CellLoads) -> Floats:
+        """See `WearLaw`."""
+        t_gamma = cells.t_gamma_N
+        volume = float(self.law.rates(cells.mean())[0]) * cells.contact_area_mm2
+        return np.asarray(cells.energy * (volume / t_gamma if t_gamma > 0.0 else 0.0))
+
+
+def _check_unit(owner: str, unit: str, allowed: dict[str, float]) -> None:
+    if unit not in allowed:
+        raise InputError(f"{owner}(unit={unit!r})", ", ".join(allowed), "give the unit of the constant")

@@ -1,0 +1,325 @@
+"""A running surface that wears: depth over its arc length, from cells of patches, and the worn profile.
+
+The depth is measured along the normals of the new surface into the steel, on even pieces of the new surface's arc
+length. Contact is on the worn surface: what cells wear off lies between points of it, and is added to the pieces as an
+area over their worn lengths, so that the areas of pieces and cells have one sum. Between the middles of the pieces the
+depth is a cubic spline; the area between new and worn surface then differs from the sum by second powers of depth
+times curvature and by the interpolation (below 1 % up to 0.5 mm on treads).
+"""
+
+import itertools
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import gaussian_filter1d
+
+from flangeway.checks import check_positive
+from flangeway.errors import InputError
+from flangeway.geometry import Contour, Outline, Placement, Segment
+from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
+from flangeway.railway.profiles.formats.segment_files import write_segment_csv
+from flangeway.railway.profiles.smoothing import biarcs
+from flangeway.types import Floats
+
+SPACING_MM = 0.25
+"""Length of the pieces: contact cells are 0.2 to 0.6 mm wide."""
+FILTER_MM = 2.0
+"""Standard deviation of the Gaussian by which increments of the depth are filtered.
+
+Raw increments grow ridges, since a wheel that has worn a groove runs beside it in the next step; a line has more states
+than a collective. Filtering the profile instead does not stop ridges."""
+ARCS_TOLERANCE_MM = 2e-6
+"""Maximum distance of the arcs of contact from the worn curve."""
+BODY_TOLERANCE_MM = 2e-3
+"""The same of the body's outline, whose arcs the mesh must resolve."""
+MIN_STRETCH = 0.2
+"""Least worn length over new length of a piece; below it the worn surface folds."""
+
+DEPTH_SEEN_MM = 1e-3
+"""Depth beyond which a worn point must lie inside the new body."""
+
+Profile = WheelProfile | RailProfile
+
+
+@dataclass(frozen=True, eq=False)
+class WornSurface:
+    """A wheel or rail and how deep it is worn.
+
+    Parameters
+    ----------
+    new
+        The profile without wear.
+    depth
+        Depth of the pieces in mm, >= 0, shape (n,); empty: no wear.
+    spacing_mm
+        Length of the pieces; the last one may be shorter.
+
+    Raises
+    ------
+    InputError
+        If a depth is negative or not finite, or their number is not that of the pieces.
+
+    """
+
+    new: Profile
+    depth: Floats = field(default_factory=lambda: np.zeros(0))
+    spacing_mm: float = SPACING_MM
+
+    def __post_init__(self) -> None:
+        check_positive("WornSurface", "spacing_mm", self.spacing_mm, "a length > 0", "leave it out")
+        depth = np.array(self.depth, dtype=np.float64)
+        if not depth.size:
+            depth = np.zeros(len(self.bounds) - 1)
+        if depth.shape != (len(self.bounds) - 1,) or not (np.isfinite(depth) & (depth >= 0.0)).all():
+            raise InputError(
+                f"{depth.size} depths of {self.new.title}, or some not >= 0",
+                f"{len(self.bounds) - 1} finite depths >= 0 in mm, one for each {self.spacing_mm:g} mm of the surface",
+                "give the depth on all pieces",
+            )
+        depth.setflags(write=False)
+        object.__setattr__(self, "depth", depth)
+
+    @cached_property
+    def surface(self) -> Contour:
+        """The new running surface."""
+        return self.new.running_surface
+
+    @cached_property
+    def bounds(self) -> Floats:
+        """Arc lengths of the ends of the pieces on the new surface, shape (n + 1,)."""
+        length = self.surface.length
+        return np.append(np.arange(0.0, length - 0.5 * self.spacing_mm, self.spacing_mm), length)
+
+    @property
+    def middles(self) -> Floats:
+        """Arc lengths of the middles of the pieces, shape (n,)."""
+        return np.asarray((self.bounds[1:] + self.bounds[:-1]) / 2.0)
+
+    @cached_property
+    def _starts(self) -> Floats:
+        """Arc lengths of the starts of the segments and of the end, shape (n_segments + 1,)."""
+        return np.append(0.0, np.cumsum([each.length for each in self.surface.segments]))
+
+    @cached_property
+    def _depth_at(self) -> CubicSpline:
+        # a second derivative without jumps: contact feels curvatures of 1e-3 per mm
+        s = np.concatenate((self.bounds[:1], self.middles, self.bounds[-1:]))
+        return CubicSpline(s, np.concatenate(([0.0], self.depth, [0.0])), bc_type="clamped")
+
+    @cached_property
+    def worn_points(self) -> Floats:
+        """Points of the worn surface at the ends of the pieces, shape (n + 1, 2)."""
+        return self._at(self.bounds)
+
+    @cached_property
+    def worn_lengths(self) -> Floats:
+        """Lengths of the pieces along the worn surface, shape (n,)."""
+        return np.linalg.norm(np.diff(self.worn_points, axis=0), axis=1)
+
+    def _at(self, lengths: Floats) -> Floats:
+        """Worn points at arc lengths (n,) of the new surface, shape (n, 2)."""
+        piece = np.clip(np.searchsorted(self._starts, lengths, side="right") - 1, 0, len(self.surface.segments) - 1)
+        points = np.empty((len(lengths), 2))
+        for number in np.unique(piece):
+            rows, segment = piece == number, self.surface.segments[number]
+            s = (lengths[rows] - self._starts[number]) / segment.length
+            points[rows] = segment.point(s) - self._depth_at(lengths[rows])[:, None] * segment.normal(s)
+        return points
+
+    def deposited(self, ends: Floats, areas: Floats) -> Floats:
+        """Mean depths of the pieces (n,) by areas (m,) in mm2 spread between points of the worn surface (m, 2, 2).
+
+        ``(depths * worn_lengths).sum() == areas.sum()`` to round-off. An `InputError` where points reach the end of the
+        surface.
+        """
+        worn = np.append(0.0, np.cumsum(self.worn_lengths))
+        at = np.sort(self.arc_lengths(ends.reshape(-1, 2)).reshape(-1, 2), axis=1)
+        first, last = np.interp(at, self.bounds, worn).T
+        width = np.maximum(last - first, np.finfo(float).tiny)
+        if (last - first < 1e-9).any() or first.min(initial=1.0) <= 0.0 or last.max(initial=0.0) >= worn[-1]:
+            raise InputError(
+                f"wear at the end of the running surface of {self.new.title}",
+                "contact inside of the running surface",
+                "give a profile that reaches farther",
+            )
+        # fraction of each area before each bound, exact for uniform depths between the ends; then on each piece
+        before = np.clip((worn[None] - first[:, None]) / width[:, None], 0.0, 1.0)
+        return np.asarray(areas @ np.diff(before, axis=1) / self.worn_lengths)
+
+    def arc_lengths(self, points: Floats) -> Floats:
+        """Arc lengths (m,) of the new surface at points (m, 2) of the worn one."""
+        contour = self.worn.running_surface
+        if contour is self.surface or not self.depth.any():
+            number, s, _ = self.surface.closest(points)
+            return self._starts[number] + s * np.diff(self._starts)[number]
+        # the worn chain has segments of its own: its arc length goes with that of the pieces
+        number, s, _ = contour.closest(points)
+        lengths = np.array([each.length for each in contour.segments])
+        starts = np.append(0.0, np.cumsum(lengths))
+        at_bounds = self._chain_lengths(contour, starts)
+        return np.interp(starts[number] + s * lengths[number], at_bounds, self.bounds)
+
+    def _chain_lengths(self, contour: Contour, starts: Floats) -> Floats:
+        """Arc lengths of the worn chain at the ends of the pieces."""
+        number, s, _ = contour.closest(self.worn_points)
+        return np.maximum.accumulate(starts[number] + s * np.diff(starts)[number])
+
+    def filtered(self, increment: Floats, filter_mm: float = FILTER_MM) -> Floats:
+        """Increment of the depth (n,) without short waves, of the same area.
+
+        - `filter_mm`: standard deviation of a Gaussian; 0: as it is.
+        """
+        if not filter_mm:
+            return increment
+        areas = increment * self.worn_lengths
+        return np.asarray(gaussian_filter1d(areas, filter_mm / self.spacing_mm, mode="reflect") / self.worn_lengths)
+
+    def worn_by(self, increment: Floats) -> "WornSurface":
+        """Return the surface with a further depth (n,) along the normals of the worn surface."""
+        return replace(self, depth=self.depth + increment * self._inclination)
+
+    @cached_property
+    def _inclination(self) -> Floats:
+        """Depth along the new normal over that along the worn one, shape (n,)."""
+        stretch = np.diff(self.bounds) * (1.0 - self._curvatures(self.middles) * self.depth)
+        return np.asarray(np.sqrt(1.0 + (np.diff(self._depth_at(self.bounds)) / stretch) ** 2))
+
+    def _curvatures(self, lengths: Floats) -> Floats:
+        curvatures = np.array([each.curvature for each in self.surface.segments])
+        return curvatures[np.clip(np.searchsorted(self._starts, lengths, side="right") - 1, 0, len(curvatures) - 1)]
+
+    @property
+    def worn_area_mm2(self) -> float:
+        """Area between the new and the worn surface, ``integral of h - curvature h^2 / 2`` over the arc length."""
+        s = np.linspace(0.0, self.surface.length, 20 * len(self.depth))
+        h = self._depth_at(s)
+        return float(np.trapezoid(h - 0.5 * self._curvatures(s) * h**2, s))
+
+    @cached_property
+    def worn(self) -> Profile:
+        """The profile with the worn surface for contact, and the body of the new one.
+
+        An `InputError` if the wear folds the surface, reaches its ends or leaves the body.
+        """
+        if not self.depth.any():
+            return self.new
+        contour = self._worn_contour(self.surface, self._starts)
+        if isinstance(self.new, RailProfile):  # the gauge is that of the new head
+            head = self.new.placing_head or self.surface
+            return replace(self.new, fine=contour, placing_head=head)
+        return replace(self.new, fine=contour)
+
+    @cached_property
+    def worn_body(self) -> Profile:
+        """The profile with the worn surface for contact and in its body: its compliance is made anew."""
+        if not self.depth.any():
+            return self.new
+        names = self.new.head_names if isinstance(self.new, RailProfile) else self.new.running_names
+        drawn = self.new.outline.part(names)
+        # the drawn surface and the one of contact have lengths that differ by round-off and tolerances of drawing
+        starts = np.append(0.0, np.cumsum([each.length for each in drawn.segments]))
+        part = self._worn_contour(drawn, starts * self.surface.length / starts[-1], BODY_TOLERANCE_MM)
+        rest = [
+            pair for pair in zip(self.new.outline.segments, self.new.outline.names, strict=True) if pair[1] not in names
+        ]
+        first = next(i for i, (each, _) in enumerate(rest) if np.allclose(each.start, part.segments[-1].end))
+        chain = [*zip(part.segments, part.names, strict=True), *rest[first:], *rest[:first]]
+        outline = Outline.from_segments([each for each, _ in chain], [name for _, name in chain])
+        return replace(self.worn, outline=outline)
+
+    def _worn_contour(self, surface: Contour, starts: Floats, tolerance: float = ARCS_TOLERANCE_MM) -> Contour:
+        """Worn surface as lines and arcs; segments without wear stay."""
+        self._refuse_too_deep()
+        limits = np.flatnonzero(self.depth)[[0, -1]] + np.array([0, 1])
+        first, last = self.bounds[np.clip(limits + np.array([-1, 1]), 0, len(self.bounds) - 1)]
+        depth, slope = self._depth_at, self._depth_at.derivative()
+        touched = [high > first and low < last for low, high in itertools.pairwise(starts.tolist())]
+        ends = np.array([[each.point([0.0, 1.0]), each.normal([0.0, 1.0])] for each in surface.segments])
+        points = ends[:, 0] - np.stack((depth(starts[:-1]), depth(starts[1:])), axis=1)[..., None] * ends[:, 1]
+        points[~np.array(touched)] = ends[~np.array(touched), 0]
+        # neighbours meet at the mean of their worn ends, which are apart at corners, or at the end that stays
+        joints = 0.5 * (points[:-1, 1] + points[1:, 0])
+        for number, pair in enumerate(itertools.pairwise(touched)):
+            if not all(pair):
+                joints[number] = ends[number, 0, 1]
+        moves = np.zeros_like(points)
+        moves[:-1, 1], moves[1:, 0] = joints - points[:-1, 1], joints - points[1:, 0]
+        segments: list[Segment] = []
+        names: list[str] = []
+        for number, segment in enumerate(surface.segments):
+            if not touched[number]:
+                segments.append(segment)
+                names.append(surface.names[number])
+                continue
+            low, length = float(starts[number]), float(starts[number + 1] - starts[number])
+
+            def curve(
+                t: Floats,
+                segment: Segment = segment,
+                low: float = low,
+                length: float = length,
+                ends: Floats = moves[number],
+            ) -> tuple[Floats, Floats]:
+                at, tangents, normals = low + t * length, segment.tangent(t), segment.normal(t)
+                h = depth(at)[:, None]
+                points = segment.point(t) - h * normals + (1.0 - t)[:, None] * ends[0] + t[:, None] * ends[1]
+                along = tangents * (1.0 - segment.curvature * h) - slope(at)[:, None] * normals
+                return points, segment.length * along + (ends[1] - ends[0])
+
+            # joints every 4 mm, none close to the ends: arcs must not be tiny
+            inside = self.bounds[:: max(int(4.0 / self.spacing_mm), 1)]
+            inside = inside[(inside > low + self.spacing_mm) & (inside < low + length - self.spacing_mm)]
+            pieces = biarcs(curve, np.concatenate(([0.0], (inside - low) / length, [1.0])), tolerance)
+            segments += pieces
+            names += [surface.names[number]] * len(pieces)
+        try:
+            return Contour.from_segments(segments, names)
+        except InputError as reason:
+            raise self._too_deep(f"its surface then meets itself: {reason.given}") from reason
+
+    def _refuse_too_deep(self) -> None:
+        if self.depth[[0, -1]].any():
+            raise self._too_deep("it reaches the end of the running surface")
+        if (1.0 - self._curvatures(self.middles) * self.depth < MIN_STRETCH).any():
+            raise self._too_deep("its surface folds where it is curved more")
+        deep = self._at(self.middles)[self.depth > DEPTH_SEEN_MM]
+        if len(deep) and not self.new.outline.contains(deep).all():
+            raise self._too_deep("it is deeper than the body")
+
+    def _too_deep(self, why: str) -> InputError:
+        return InputError(
+            f"wear of {self.depth.max():.3g} mm on {self.new.title}: {why}",
+            "wear inside of the profile and its body",
+            "give a profile whose measured surface reaches farther, or end at a smaller depth",
+        )
+
+    @property
+    def radius_loss_mm(self) -> float:
+        """How much lower the worn tread of a wheel is at the tape line: what its radius there has lost; 0 on rails."""
+        if isinstance(self.new, RailProfile):
+            return 0.0
+        points = self.worn_points[:-1][np.diff(self.worn_points[:, 0]) > 0.0]
+        low = int(np.argmin(points[:, 1]))  # the tread follows the flange's tip
+        return float(np.interp(0.0, *points[low:].T))
+
+    def csv(self) -> str:
+        """The worn surface as lines and arcs, without rounding, as ``flangeway profile`` reads it.
+
+        A wheel's file has its origin on the worn tread at the tape line, where `radius_loss_mm` is off its radius.
+        """
+        profile = self.worn
+        if isinstance(profile, WheelProfile):
+            return write_segment_csv(self.from_tread, "wheel", profile.title, "tape", profile.flange_back_mm)
+        return write_segment_csv(profile.running_surface, "rail", profile.title, "base")
+
+    @property
+    def from_tread(self) -> Contour:
+        """The worn surface with the origin of wheels on the worn tread at the tape line."""
+        return self.worn.running_surface.transformed(Placement(0.0, (0.0, -self.radius_loss_mm)))
+
+
+def roughness_per_mm(depth: Floats, spacing_mm: float) -> float:
+    """Root mean square of the second derivative of a depth (n,), 1/mm: ridges of an unstable evolution raise it."""
+    return float(np.sqrt(np.mean((np.diff(depth, 2) / spacing_mm**2) ** 2)))

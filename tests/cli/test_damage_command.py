@@ -1,0 +1,113 @@
+"""``flangeway damage``: its files, and what it says about wrong ones."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from flangeway.cases.damage.damage_file import DamageFile
+from flangeway.errors import InputError
+from flangeway.railway.profiles.profile_file import read_profile
+
+FILE = """
+[inputs]
+size_scale = 6
+order = 1
+rail_support = "continuous"
+axle = "rigid"
+patch_cells = 10
+friction = 0.3
+speed_km_h = 80
+yaw_stiffness_kNm_per_mrad = 10
+rolling_theory = "fastsim"
+
+[[states]]
+share = 1
+curve_radius_m = 600
+
+[wear.wheel]
+law = "energy"
+constant = 0.5
+unit = "mm3/kJ"
+
+[evolution]
+end = 100
+"""
+
+
+@pytest.fixture
+def written(tmp_path):
+    """A function that writes a file with parts exchanged."""
+
+    def write(*parts: tuple[str, str]):
+        text = FILE
+        for old, new in parts:
+            assert old in text
+            text = text.replace(old, new)
+        file = tmp_path / "line.toml"
+        file.write_text(text)
+        return file
+
+    return write
+
+
+def test_files_hold_what_was_computed(written, tmp_path, call) -> None:
+    """The summary, the table of steps and the worn profile have the same numbers, and a second run computes nothing."""
+    out = tmp_path / "out"
+    run = ("damage", str(written()), "--out", str(out), "--no-pictures", "--quiet")
+    assert call(*run)[0] == 0
+    summary = json.loads((out / "summary.json").read_text())
+    with (out / "steps.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["position"]) for row in rows] == [step["position"] for step in summary["steps"]]
+    assert float(rows[-1]["right_wheel_depth_mm"]) == summary["steps"][-1]["right_wheel_depth_mm"] > 0.0
+    worn = read_profile(out / "worn-right-wheel.csv").surface.sampled(spacing=0.1)
+    assert np.abs(worn[:, 1]).max() > 20.0
+    assert "energy, 0.5 mm3/kJ" in (out / "report.html").read_text()
+    stamp = (out / "damage.sqlite").stat().st_mtime_ns
+    assert call(*run)[0] == 0
+    assert (out / "damage.sqlite").stat().st_mtime_ns == stamp
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ([('unit = "mm3/kJ"', "")], ("unit", "line 17")),
+        ([('"mm3/kJ"', '"mm3"')], ("unit", "mm3/kJ")),
+        ([("share = 1", "share = 0.9")], ("0.9", "sum of 1")),
+        ([("share = 1", "")], ("share", "line 13")),
+        (
+            [
+                ('law = "energy"', 'law = "archard"'),
+                ("constant = 0.5", "k = 0"),
+                ('unit = "mm3/kJ"', "hardness_MPa = 2700"),
+            ],
+            ("k=0",),
+        ),
+        ([('law = "energy"', 'law = "usfdd"')], ("usfdd", "usfd")),
+        ([("end = 100", "")], ("end",)),
+        ([("end = 100", "end = 100\nfilter = 2")], ("filter", "filter_mm")),
+        ([("[evolution]", "[evolutoin]")], ("evolutoin", "evolution")),
+        ([("[inputs]", 'collective = "metro"\n[inputs]')], ("collective",)),
+        ([("friction = 0.3", "")], ("friction",)),
+        ([("curve_radius_m = 600", "curve_radius = 600")], ("curve_radius",)),
+        ([("end = 100", "end = 100\n[limits]\nmax_hollow = 2")], ("max_hollow", "max_hollow_mm")),
+    ],
+)
+def test_wrong_files_are_refused(written, parts, words) -> None:
+    """The error names the file and the key, what is allowed and what to do."""
+    file = written(*parts)
+    with pytest.raises(InputError) as error:
+        DamageFile.read(file).damage()
+    for word in ("line.toml", *words):
+        assert word in str(error.value)
+
+
+def test_bundled_collective_refuses_inputs_that_its_states_have(written) -> None:
+    """With a bundled collective a friction of its own would have no effect."""
+    file = written(
+        ("[[states]]\nshare = 1\ncurve_radius_m = 600\n", ""), ("[inputs]", 'collective = "metro"\n[inputs]')
+    )
+    with pytest.raises(InputError, match="friction"):
+        DamageFile.read(file).damage()

@@ -1,0 +1,203 @@
+"""Collectives and the evolution of profiles on coarse meshes: resuming, symmetry, energy, limits, wrong inputs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.errors import InputError
+from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState
+from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
+from flangeway.railway.damage.profile_limits import reached, worn_measures
+from flangeway.railway.damage.surface_wear import patch_damage, patch_loads, row_wear
+from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw
+from flangeway.railway.damage.worn_surface import WornSurface
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.spatial.spatial_result import solve_spatial
+
+COARSE = {
+    "size_scale": 6.0,
+    "order": 1,
+    "rail_support": "continuous",
+    "axle": "rigid",
+    "patch_cells": 10,
+    "friction": 0.3,
+    "speed_km_h": 80.0,
+    "yaw_stiffness_kNm_per_mrad": 10.0,
+    "rolling_theory": "fastsim",
+}
+ENERGY = EnergyLaw(0.02, "mm3/kJ")
+
+
+def state(share: float = 1.0, **inputs: object) -> RunningState:
+    """A state on coarse meshes."""
+    case = SpatialWheelsetCase.from_values(COARSE | inputs)
+    return RunningState(f"state {inputs}", share, case.problem(), case.spatial_model())
+
+
+@pytest.fixture(scope="module")
+def curve():
+    """A wheelset in a curve, solved."""
+    one = state(curve_radius_m=600.0)
+    return solve_spatial(one.problem, one.model)
+
+
+def test_energy_law_wears_the_constant_times_t_gamma(curve) -> None:
+    """The area of a passage is the law's constant times T-gamma on wheel and rail, and T-gamma power over speed."""
+    rows = row_wear(curve, {"wheel": ENERGY, "rail": ENERGY})
+    total = sum(rolling.t_gamma_N for rolling in curve.rolling)
+    for role in ("wheel", "rail"):
+        area = sum(each.areas.sum() for each in rows if each.role == role)
+        assert area == pytest.approx(2e-5 * 1e-3 * total * 1.0, rel=1e-10)
+    for rolling in curve.rolling:
+        assert patch_loads(rolling).t_gamma_N == pytest.approx(rolling.power_W / rolling.speed_m_s, rel=1e-6)
+    assert [each.t_gamma_N for each in patch_damage(curve)] == [each.t_gamma_N for each in curve.rolling]
+
+
+def test_worn_areas_of_both_profiles_are_those_of_the_cells(curve) -> None:
+    """Cells are carried to the profiles where their patches are, without loss, to 1e-10."""
+    problem = curve.problem
+    profiles = {"wheel": problem.wheelset.wheel, "rail": problem.track.rail}
+    for row in row_wear(curve, {"wheel": ENERGY, "rail": ENERGY}):
+        surface = WornSurface(profiles[row.role])
+        depth = surface.deposited(row.ends, row.areas)
+        assert (depth * surface.worn_lengths).sum() == pytest.approx(row.areas.sum(), rel=1e-10)
+        patch = next(each.patch for each in curve.rolling if each.patch.side == row.side)
+        centre = patch.wheel_point_mm if row.role == "wheel" else patch.rail_point_mm
+        x = np.average(surface.worn_points[:-1, 0], weights=np.maximum(depth, 0.0))
+        if sum(each.patch.side == row.side for each in curve.rolling) == 1:
+            assert x == pytest.approx(centre[0], abs=2.0)
+
+
+def test_archard_of_a_patch_is_the_slip_weighted_force(curve) -> None:
+    """Volume over distance is k / H times the sum of normal force times slip of the cells."""
+    rolling = curve.rolling[0]
+    loads = patch_loads(rolling)
+    volume = float((ArchardLaw(2700.0, 0.003).rates(loads) * loads.areas).sum())
+    slip = np.linalg.norm(rolling.forces.slip_velocities, axis=2) / rolling.speed_m_s
+    assert volume == pytest.approx(0.003 / 2700.0 * float((rolling.contact.normal_forces * slip).sum()), rel=1e-10)
+
+
+def settings(end: float = 3000.0, depth: float = 0.05, **more: object) -> EvolutionSettings:
+    """Steps of 0.05 mm."""
+    return EvolutionSettings(end, max_depth_mm=depth, **more)
+
+
+def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
+    """A run that goes on from its file gives the same depths as one without interruption, to the last digit."""
+    evolution = Evolution(Collective([state(curve_radius_m=600.0)]), {"wheel": ENERGY}, settings(6000.0, 0.02))
+    whole = evolution.run(tmp_path / "whole.sqlite")
+    assert len(whole) > 2
+
+    class StoppedError(Exception):
+        """What a user does."""
+
+    def stop(sentence: str) -> None:
+        if not sentence.startswith("0 of"):
+            raise StoppedError
+
+    with pytest.raises(StoppedError):
+        evolution.run(tmp_path / "parts.sqlite", stop)
+    parts = evolution.run(tmp_path / "parts.sqlite")
+    assert [each.row for each in parts] == [each.row for each in whole]
+    key = ("wheel", "right")
+    assert (parts[-1].surfaces[key].depth == whole[-1].surfaces[key].depth).all()
+    assert (parts[-1].surfaces[key].depth > 0.0).any()
+    again = Evolution(evolution.collective, {"wheel": ENERGY}, settings(6000.0, 0.02, filter_mm=1.0))
+    with pytest.raises(InputError, match=r"parts\.sqlite"):
+        again.run(tmp_path / "parts.sqlite")
+
+
+def test_a_symmetric_case_stays_symmetric() -> None:
+    """On straight track both wheels, each by itself, wear alike to 1e-9 mm, and the area is that of the energy."""
+    collective = Collective([state()], separate=True)
+    first, *_, last = Evolution(collective, {"wheel": ENERGY}, settings(5e4)).run()
+    left, right = (last.surfaces["wheel", side] for side in ("left", "right"))
+    assert np.abs(left.depth - right.depth).max() < 1e-9
+    assert right.depth.max() > 0.02
+    rate = float((first.rates["wheel", "right"] * first.surfaces["wheel", "right"].worn_lengths).sum())
+    energy = 0.5 * first.t_gamma_N * 2e-8 * 1e6  # mm3 of one wheel in a km
+    assert rate == pytest.approx(energy / (2.0 * np.pi * 460.0), rel=2e-3)
+
+
+@pytest.mark.ci
+def test_compliance_of_new_bodies_serves_up_to_a_millimetre() -> None:
+    """Hollows of 1 mm: pressures on the compliance of the new bodies and on that of the worn ones agree to 2 %."""
+    case = SpatialWheelsetCase.from_values({})
+    problem, model, found = case.problem(), case.spatial_model(), []
+    surfaces = []
+    for new, share in ((problem.wheelset.wheel, 0.47), (problem.track.rail, 0.5)):
+        fresh = WornSurface(new)
+        away = fresh.middles - share * fresh.surface.length
+        surfaces.append(WornSurface(new, np.exp(-((away / 14.0) ** 2)) * (np.abs(away) < 40.0)))
+    for which in ("worn", "worn_body"):
+        on_wheel, on_rail = (getattr(each, which) for each in surfaces)
+        wheelset, track = replace(problem.wheelset, wheel=on_wheel), replace(problem.track, rail=on_rail)
+        result = solve_spatial(replace(problem, wheelset=wheelset, track=track), model)
+        found.append([patch.ellipse.max_pressure for patch in result.patches])
+    assert found[0] == pytest.approx(found[1], rel=0.02)
+    assert max(found[0]) > 500.0
+
+
+def test_limits_end_the_evolution() -> None:
+    """The evolution ends at the first step in which a limit is reached, and names it."""
+    limits = {"max_tread_wear_mm": 1e-3, "min_flange_thickness_mm": 20.0}
+    steps = Evolution(Collective([state()]), {"wheel": ENERGY}, settings(1e6, limits=limits)).run()
+    assert steps[-1].reached == ("wheel: max_tread_wear_mm",)
+    assert not any(step.reached for step in steps[:-1])
+
+
+def test_measures_of_worn_profiles_have_closed_forms() -> None:
+    """A hollow of 1 mm in the tread and wear of a head are what the measures say."""
+    fresh = WornSurface(wheel("S1002"))
+    x = fresh.worn_points[:-1, 0]
+    worn = WornSurface(fresh.new, np.where(x > -20.0, np.exp(-((x / 12.0) ** 2)) * (np.abs(x) < 40.0), 0.0))
+    found, new = worn_measures(worn), worn_measures(fresh)
+    assert found["tread_wear_mm"] == pytest.approx(1.0, abs=0.01)
+    assert found["flange_height_mm"] - new["flange_height_mm"] == pytest.approx(1.0, abs=0.01)
+    assert 0.3 < found["hollow_mm"] < 1.0
+    assert new["hollow_mm"] == pytest.approx(0.0, abs=1e-6)
+    assert reached(worn, {"max_hollow_mm": 0.2, "max_side_wear_mm": 0.1}) == ("max_hollow_mm",)
+    head = WornSurface(rail("60E1"))
+    middle = head.surface.length / 2.0
+    worn = WornSurface(
+        head.new, 0.5 * np.exp(-(((head.middles - middle) / 8.0) ** 2)) * (np.abs(head.middles - middle) < 30.0)
+    )
+    assert worn_measures(worn)["top_wear_mm"] == pytest.approx(0.5, abs=0.01)
+    assert worn_measures(worn)["side_wear_mm"] == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize("name", COLLECTIVES)
+def test_bundled_collectives_add_up(name: str) -> None:
+    """The shares of each bundled collective sum to 1, and its inputs are those of the case wheelset."""
+    assert sum(each.share for each in COLLECTIVES[name]) == pytest.approx(1.0, abs=1e-12)
+    for each in COLLECTIVES[name]:
+        SpatialWheelsetCase.from_values(each.values).problem()
+
+
+@pytest.mark.parametrize(
+    ("make", "word"),
+    [
+        (lambda: Collective([]), "without states"),
+        (lambda: Collective([state(0.5), state(0.4)]), "0.9"),
+        (lambda: Collective([state(-1.0)]), "share"),
+        (lambda: Collective([replace(state(), model=replace(state().model, rolling=None))]), "friction"),
+        (lambda: Evolution(Collective([state()]), {}, settings()), "law"),
+        (lambda: Evolution(Collective([state()]), {"wheel": ENERGY, "rail": ENERGY}, settings()), "axles_per_km"),
+        (lambda: settings(0.0), "end"),
+        (lambda: settings(limits={"max_holow_mm": 2.0}), "max_holow_mm"),
+        (lambda: settings(filter_mm=-1.0), "filter_mm"),
+    ],
+)
+def test_wrong_collectives_are_refused(make, word: str) -> None:
+    """Shares that do not add up and the like are refused, and the message names them."""
+    with pytest.raises(InputError, match=word):
+        make()
+
+
+def test_theories_without_slip_in_cells_are_refused() -> None:
+    """Polach's formula has no slip in cells: wear by it is refused, and the input to change is named."""
+    one = state(curve_radius_m=600.0, rolling_theory="polach")
+    with pytest.raises(InputError, match="rolling_theory"):
+        row_wear(solve_spatial(one.problem, one.model), {"wheel": ENERGY})

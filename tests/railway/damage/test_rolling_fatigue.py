@@ -1,0 +1,128 @@
+"""Indices of rolling contact fatigue against closed forms."""
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.railway.damage.rolling_fatigue import (
+    DangVan,
+    ball_centres,
+    shakedown_index,
+    surface_fatigue_index,
+    t_gamma_damage,
+)
+
+ROWS = [
+    (8.6, 6.18, 1e5, 0.0064, 300.0, -0.3275387327059806, 2.994561283432968),
+    (6.0, 4.0, 1e5, 0.3, 300.0, 0.14920355262768992, 6.631455962162306),
+]
+TIMES = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+
+
+def history(**components: np.ndarray) -> np.ndarray:
+    """One point's stresses over `TIMES`, (1, m, 6)."""
+    names = ("xx", "yy", "zz", "xy", "yz", "xz")
+    return np.stack([components.get(name, np.zeros(len(TIMES))) for name in names], axis=1)[None]
+
+
+@pytest.mark.parametrize(("a", "b", "force", "friction", "k", "value", "factor"), ROWS)
+def test_fi_surf_is_friction_less_k_over_p0(
+    a: float, b: float, force: float, friction: float, k: float, value: float, factor: float
+) -> None:
+    """FI_surf on Hertz's ellipse is the utilised friction less k / p0, to 1e-10, and that of the given rows."""
+    p0 = 1.5 * force / (np.pi * a * b)
+    index = surface_fatigue_index(friction, (a, b), force, k)
+    assert index == pytest.approx(friction - k / p0, abs=1e-10)
+    assert index == pytest.approx(value, abs=1e-10)
+    assert p0 / k == pytest.approx(factor, rel=1e-10)
+
+
+def test_t_gamma_damage_has_the_points_of_the_whole_life_rail_model() -> None:
+    """0 to 15 N, 1e-5 at 65 N, 0 at 175 N, and negative beyond; cracks and wear are apart."""
+    found = t_gamma_damage(np.array([0.0, 15.0, 40.0, 65.0, 120.0, 175.0, 285.0]))
+    assert 1e6 * found.net == pytest.approx([0.0, 0.0, 5.0, 10.0, 5.0, 0.0, -10.0])
+    assert 1e6 * found.cracks == pytest.approx([0.0, 0.0, 5.0, 10.0, 10.0, 10.0, 10.0])
+    assert 1e6 * found.wear == pytest.approx([0.0, 0.0, 0.0, 0.0, 5.0, 10.0, 20.0])
+
+
+def test_shakedown_index_is_one_at_the_limits() -> None:
+    """A circle without friction shakes down up to p0 = 4.7 k, and up to 1 / mu at high friction."""
+    assert shakedown_index(4.7 * 300.0, 300.0, 0.0) == pytest.approx(1.0, rel=0.01)
+    assert shakedown_index(2.0 * 300.0, 300.0, 0.5) == pytest.approx(1.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("stresses", "value"),
+    [
+        ({"xy": 100.0 * np.cos(TIMES)}, 100.0),  # alternating shear: its amplitude
+        ({"xy": 50.0 * (1.0 + np.cos(TIMES))}, 50.0),  # pulsating shear: half of its range
+        ({"xx": 100.0 * np.cos(TIMES)}, 50.0 + 0.3 * 100.0 / 3.0),  # alternating tension, at its maximum
+        ({"xx": 50.0 * (1.0 + np.cos(TIMES))}, 25.0 + 0.3 * 100.0 / 3.0),  # pulsating tension
+        ({"xx": -50.0 * (1.0 + np.cos(TIMES))}, 25.0),  # pulsating compression: without load
+        ({"xy": 100.0 * np.cos(TIMES), "yz": 100.0 * np.sin(TIMES)}, 100.0),  # turning shear on one plane
+    ],
+)
+def test_dang_van_has_closed_forms(stresses: dict[str, np.ndarray], value: float) -> None:
+    """Equivalent stress and index of simple histories are those of closed forms, to 1e-4."""
+    found = DangVan(200.0, 0.3).of(history(**stresses))
+    assert found.equivalent_MPa == pytest.approx([value], rel=1e-4)
+    assert found.index == pytest.approx([value / 200.0], rel=1e-4)
+
+
+def test_planes_of_dang_van_are_those_of_the_shear_stress() -> None:
+    """Under alternating shear xy the planes' normals are x and y."""
+    normals = DangVan(200.0, 0.3).of(history(xy=100.0 * np.cos(TIMES))).normals[0]
+    assert sorted(np.abs(normals).round(6).tolist()) == [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]
+
+
+def test_residual_stress_changes_the_hydrostatic_part_alone() -> None:
+    """A constant stress moves the ball with the history: only its pressure counts."""
+    law, stresses = DangVan(200.0, 0.3), history(xy=100.0 * np.cos(TIMES))
+    free, held = law.of(stresses), law.of(stresses, residual=np.array([-90.0, 0.0, -60.0, 0.0, 0.0, 0.0]))
+    assert held.equivalent_MPa - free.equivalent_MPa == pytest.approx([-0.3 * 50.0], rel=1e-4)
+
+
+def test_balls_hold_all_points_and_are_the_smallest() -> None:
+    """The ball around a square is its circle; no centre nearby has a smaller ball around random points."""
+    square = np.array([[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.0, 0.5]]])
+    assert ball_centres(square) == pytest.approx(np.array([[1.0, 1.0]]), abs=1e-4)
+    points = np.random.default_rng(1).normal(size=(50, 40, 5))
+    centres = ball_centres(points)
+    radius = np.linalg.norm(points - centres[:, None], axis=2).max(axis=1)
+    steps = 1e-2 * np.random.default_rng(2).normal(size=(200, 50, 5))
+    moved = np.linalg.norm(points - (centres + steps)[:, :, None], axis=3).max(axis=2)
+    assert (moved.min(axis=0) >= radius * (1.0 - 1e-5)).all()
+
+
+def test_line_contact_rolling_below_has_its_shear_range() -> None:
+    """Dang Van's shear stress at half of the half width below a rolling line contact is p0 / 4, as Johnson's shakedown.
+
+    Without hydrostatic weight: the static maximum is 0.3 p0, the amplitude of the shear along the path a quarter.
+    """
+    # McEwen's stresses at x for Hertz's pressure of half width 1 and p0 = 1 at depth 0.5
+    x, z = np.linspace(-4.0, 4.0, 321), 0.5
+    u = np.linspace(-1.0, 1.0, 1001)
+    p = np.sqrt(1.0 - u**2) * (u[1] - u[0])
+    d = x[:, None] - u
+    r4 = (d**2 + z**2) ** 2
+    xx, yy, xy = (-2.0 / np.pi * (p * each / r4).sum(axis=1) for each in (d**2 * z, np.full_like(d, z**3), d * z**2))
+    zz = 0.3 * (xx + yy)
+    none = np.zeros_like(xx)
+    found = DangVan(1.0, 0.0).of(np.stack((xx, yy, zz, xy, none, none), axis=1)[None])
+    assert np.ptp(xy) / 2.0 == pytest.approx(0.25, rel=1e-3)
+    assert found.equivalent_MPa == pytest.approx([0.25], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "word"),
+    [
+        (lambda: surface_fatigue_index(0.3, (6.0, 4.0), 1e5, 0.0), "k_MPa"),
+        (lambda: shakedown_index(1000.0, 0.0, 0.1), "k_MPa"),
+        (lambda: DangVan(0.0, 0.3), "limit_MPa"),
+        (lambda: DangVan(200.0, -0.3), "slope"),
+    ],
+)
+def test_wrong_inputs_are_refused(make, word: str) -> None:
+    """A strength of zero is refused, and the message names the argument."""
+    with pytest.raises(InputError, match=word):
+        make()

@@ -1,0 +1,158 @@
+"""Wear laws against closed forms on Hertz's ellipse in full slip, and their wrong inputs."""
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.railway.damage.wear_laws import ArchardLaw, BrrLaw, CellLoads, EnergyLaw, OwnLaw, PerPatch, UsfdLaw
+
+A, B, FORCE, FRICTION, SPEED, HARDNESS, K = 6.0, 4.0, 1e5, 0.3, 30.0, 2700.0, 0.0035
+P0 = 1.5 * FORCE / (np.pi * A * B)
+Y = np.array([0.0, 2.0, 3.5])
+
+
+def rows(creepage: float, n: int = 4000) -> tuple[CellLoads, np.ndarray]:
+    """Cells of rows at Y in full slip, even in the angle of ``x = a cos t``, and their lengths."""
+    half = A * np.sqrt(1.0 - (Y / B) ** 2)
+    ends = np.cos(np.linspace(np.pi, 0.0, n + 1))
+    x = half[:, None] * np.cos(np.pi - np.pi * (np.arange(n) + 0.5) / n)
+    pressures = P0 * np.sqrt(1.0 - (x / A) ** 2 - (Y[:, None] / B) ** 2)
+    lengths = half[:, None] * np.diff(ends)
+    along = np.zeros((*x.shape, 2))
+    along[..., 1] = 1.0
+    tractions = -FRICTION * pressures[..., None] * along
+    return CellLoads(pressures, tractions, creepage * along, lengths, SPEED), lengths
+
+
+def patch(creepage: float, n: int = 400) -> CellLoads:
+    """The whole ellipse in full slip on cells."""
+    x, y = A * (np.arange(n) + 0.5 - n / 2) / (n / 2), B * (np.arange(n) + 0.5 - n / 2) / (n / 2)
+    pressures = P0 * np.sqrt(np.maximum(1.0 - (x / A) ** 2 - (y[:, None] / B) ** 2, 0.0))
+    along = np.zeros((n, n, 2))
+    along[..., 1] = 1.0
+    area = np.full((n, n), 4.0 * A * B / n**2)
+    inside = (pressures > 0.0)[..., None]
+    return CellLoads(pressures, -FRICTION * pressures[..., None] * along, creepage * along * inside, area, SPEED)
+
+
+def test_archard_in_full_slip_has_its_closed_form() -> None:
+    """Depth of a passage is (k/H) g p0 (pi a/2)(1 - y^2/b^2) to 1e-6, volume over distance (k/H) g N."""
+    cells, lengths = rows(0.01)
+    depth = (ArchardLaw(HARDNESS, K).rates(cells) * lengths).sum(axis=1)
+    exact = K / HARDNESS * 0.01 * P0 * np.pi * A / 2.0 * (1.0 - (Y / B) ** 2)
+    assert depth == pytest.approx(exact, rel=1e-6)
+    assert depth == pytest.approx([0.00024305555555555555, 0.00018229166666666667, 5.6966145833333334e-05], rel=1e-3)
+    whole = patch(0.01)
+    volume = float((ArchardLaw(HARDNESS, K).rates(whole) * whole.areas).sum())
+    assert 1e3 * volume == pytest.approx(1.2962962962962963, rel=1e-3)
+
+
+def test_usfd_in_full_slip_has_the_given_depths() -> None:
+    """Mild wear integrated over the rows is 5.3 mu g p0 (pi a/2)(1 - y^2/b^2) over the density."""
+    cells, lengths = rows(0.01)
+    depth = (UsfdLaw().rates(cells) * lengths).sum(axis=1)
+    assert depth == pytest.approx([3.822115368619453e-05, 2.866586526464589e-05, 8.958082895201841e-06], rel=1e-3)
+
+
+@pytest.mark.parametrize("branch", ["continuous", "published"])
+def test_usfd_branches_in_full_slip_are_those_of_quadrature(branch: str) -> None:
+    """At creepage 0.2 a row has all three branches: its depth is that of pieces with closed forms to 1e-3."""
+    creepage = 0.2
+    cells, lengths = rows(creepage)
+    depth = (UsfdLaw(branch).rates(cells) * lengths).sum(axis=1)
+    top, third = FRICTION * creepage * P0, 61.9
+    offset = 55.0 - third * 77.2 if branch == "continuous" else 0.0
+    exact = []
+    for y in Y:
+        share = np.sqrt(1.0 - (y / B) ** 2)
+        peak, half = top * share, A * share
+        # |x| at which T-gamma / A falls below a limit, and the integral of sqrt(1 - (x/half)^2) up to there
+        cut = [half * np.sqrt(max(1.0 - (limit / peak) ** 2, 0.0)) for limit in (77.2, 10.4)]
+        area = [0.5 * half * (c / half * np.sqrt(1.0 - (c / half) ** 2) + np.arcsin(c / half)) for c in (*cut, half)]
+        steep = third * peak * area[0] + offset * cut[0]
+        exact.append(2.0 * (steep + 55.0 * (cut[1] - cut[0]) + 5.3 * peak * (area[2] - area[1])) * 1e-3 / 7800.0)
+    assert depth == pytest.approx(exact, rel=1e-3)
+
+
+def test_t_gamma_of_cells_is_force_times_creepage() -> None:
+    """Full slip dissipates mu N g over the distance: 300 N."""
+    assert patch(0.01).t_gamma_N == pytest.approx(300.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "pressure", "k"),
+    [(0.1, 0.5, 5.5e-4), (0.3, 0.5, 35e-4), (0.9, 0.5, 5.5e-4), (0.3, 0.9, 350e-4), (0.9, 0.81, 350e-4)],
+)
+def test_map_of_jendel(velocity: float, pressure: float, k: float) -> None:
+    """The coefficient is the middle of the range of its region."""
+    law = ArchardLaw(HARDNESS)
+    found = law.coefficients(np.array([velocity]), np.array([pressure * HARDNESS]))
+    assert found == pytest.approx([k])
+
+
+def test_level_moves_through_the_ranges_of_the_map() -> None:
+    """Levels 0 and 1 are the ends of the range."""
+    ends = [ArchardLaw(HARDNESS, level=level).coefficients(np.array([0.3]), np.array([1.0]))[0] for level in (0.0, 1.0)]
+    assert ends == pytest.approx([30e-4, 40e-4])
+
+
+def test_brr_volume_is_its_area_times_the_circumference() -> None:
+    """At 90 N 22.5 / D mm2/km are worn off a wheel; over the circumference 22.5 pi mm3/km."""
+    cells = patch(0.003)
+    assert cells.t_gamma_N == pytest.approx(90.0, rel=1e-3)
+    volume = 1e6 * float((BrrLaw().rates(cells) * cells.areas).sum())
+    assert volume == pytest.approx(np.pi * 0.25 * cells.t_gamma_N)
+    jump = [BrrLaw(branch).area_times_diameter(200.0) for branch in ("published", "continuous")]
+    assert jump == pytest.approx([84.0, 25.0])
+
+
+def test_energy_law_takes_energy_times_its_constant() -> None:
+    """0.02 mm3/kJ of 300 J/m are 0.006 mm3/m, and 156 ug/kJ = 0.156 mg/kJ the same."""
+    cells = patch(0.01)
+    for law in (EnergyLaw(0.02, "mm3/kJ"), EnergyLaw(0.156, "mg/kJ")):
+        assert 1e3 * float((law.rates(cells) * cells.areas).sum()) == pytest.approx(2e-5 * cells.t_gamma_N, rel=1e-12)
+
+
+def test_own_law_is_that_of_its_function() -> None:
+    """A function that is Archard's law in um/m gives Archard's depths."""
+    cells, _ = rows(0.01)
+
+    def archard(pressures: np.ndarray, slips: np.ndarray, tractions: np.ndarray) -> np.ndarray:
+        return 1e6 * K * pressures * np.hypot(*np.moveaxis(slips, -1, 0)) / HARDNESS
+
+    assert OwnLaw(archard, "um/m").rates(cells) == pytest.approx(ArchardLaw(HARDNESS, K).rates(cells))
+
+
+def test_per_patch_differs_from_local_only_where_the_constant_varies() -> None:
+    """Volumes per patch and local agree for a constant k in full slip, and differ by the map and by USFD's branches."""
+
+    def volumes(law: ArchardLaw | UsfdLaw, cells: CellLoads) -> float:
+        local, mean = (float((each.rates(cells) * cells.areas).sum()) for each in (law, PerPatch(law)))
+        return mean / local
+
+    assert volumes(ArchardLaw(HARDNESS, K), patch(0.01)) == pytest.approx(1.0)
+    assert volumes(UsfdLaw(), patch(0.01)) == pytest.approx(1.0)
+    assert abs(volumes(UsfdLaw(), patch(0.03)) - 1.0) > 0.05
+    high = patch(0.01)
+    assert volumes(ArchardLaw(2000.0), high) < 0.5  # only the middle of the patch has pressures above 0.8 of H
+
+
+@pytest.mark.parametrize(
+    ("make", "word"),
+    [
+        (lambda: ArchardLaw(HARDNESS, 0.0), "k"),
+        (lambda: ArchardLaw(0.0), "hardness_MPa"),
+        (lambda: ArchardLaw(HARDNESS, level=2.0), "level"),
+        (lambda: EnergyLaw(0.02, ""), "unit"),
+        (lambda: EnergyLaw(0.02, "mm3"), "unit"),
+        (lambda: EnergyLaw(0.0, "mm3/J"), "constant"),
+        (lambda: OwnLaw(lambda p, s, q: p, ""), "unit"),
+        (lambda: UsfdLaw("smooth"), "branch"),
+        (lambda: BrrLaw("smooth"), "branch"),
+        (lambda: OwnLaw(lambda p, s, q: -p, "mm/m").rates(patch(0.01, 4)), "own law"),
+    ],
+)
+def test_wrong_laws_are_refused(make, word: str) -> None:
+    """A law without a unit or with k of zero is refused, and the message names the argument."""
+    with pytest.raises(InputError, match=word):
+        make()
