@@ -4,6 +4,7 @@ from flangeway.forms.assembled import load, mass, stiffness
 from flangeway.forms.convergence import convergence
 from flangeway.forms.nonlinear import NewtonSolution, newton
 from flangeway.forms.solution import buckling, modes, solve
+from flangeway.forms.stokes import StokesSolution, stokes, stokes_matrix
 from flangeway.forms.time_steps import newmark_steps, theta_steps
 from flangeway.forms.weak import Field, bilinear, linear
 from flangeway.post import error_norms
@@ -14,6 +15,7 @@ __all__ = [
     "Factor",
     "Field",
     "NewtonSolution",
+    "StokesSolution",
     "bilinear",
     "buckling",
     "convergence",
@@ -27,5 +29,7 @@ __all__ = [
     "newton",
     "solve",
     "stiffness",
+    "stokes",
+    "stokes_matrix",
     "theta_steps",
 ]
