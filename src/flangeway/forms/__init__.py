@@ -3,6 +3,7 @@
 from flangeway.forms.assembled import load, mass, stiffness
 from flangeway.forms.convergence import convergence
 from flangeway.forms.nonlinear import NewtonSolution, newton
+from flangeway.forms.plate import Plate
 from flangeway.forms.solution import buckling, modes, solve
 from flangeway.forms.stokes import StokesSolution, stokes, stokes_matrix
 from flangeway.forms.time_steps import newmark_steps, theta_steps
@@ -15,6 +16,7 @@ __all__ = [
     "Factor",
     "Field",
     "NewtonSolution",
+    "Plate",
     "StokesSolution",
     "bilinear",
     "buckling",
