@@ -13,7 +13,7 @@ from flangeway.space import Space
 felupe = pytest.importorskip("felupe")
 
 MESH = rectangle_grid(2.0, 1.0, 6, 4)
-FACTORS = [0.5, 1.0, 0.2]
+FACTORS = [0.5, 1.0, 0.9, 0.6]
 
 
 def theirs(material, shear):
@@ -30,7 +30,7 @@ def theirs(material, shear):
         held["along"].value = factor * shear
         fixed_dofs, free = felupe.dof.partition(field, held)
         values = felupe.dof.apply(field, held, fixed_dofs)
-        felupe.newtonraphson(items=[body], dof0=fixed_dofs, dof1=free, ext0=values, verbose=0, tol=1e-10)
+        felupe.newtonraphson(items=[body], dof0=fixed_dofs, dof1=free, ext0=values, verbose=0, tol=1e-8)
         found.append(field[0].values.copy())
     return found
 
@@ -51,7 +51,7 @@ MATERIALS = {
 
 @pytest.mark.parametrize("name", MATERIALS)
 def test_a_sheared_rectangle(name):
-    """Loaded in two steps and back to a fifth, beyond yield and at finite strain: the same displacements."""
+    """Loaded in two steps and unloaded in two, beyond yield and at finite strain: the same displacements."""
     material, make, shear = MATERIALS[name]
     supports = [fixed("left"), PrescribedDisplacement("right", x=0.0, y=shear)]
     problem = Elasticity(Space(MESH, Lagrange(1)), material.elastic, supports=supports)

@@ -4,6 +4,7 @@ from flangeway.forms.assembled import load, mass, stiffness
 from flangeway.forms.convergence import convergence
 from flangeway.forms.nonlinear import NewtonSolution, newton
 from flangeway.forms.plate import Plate
+from flangeway.forms.section import BeamSection
 from flangeway.forms.solution import buckling, modes, solve
 from flangeway.forms.stokes import StokesSolution, stokes, stokes_matrix
 from flangeway.forms.time_steps import newmark_steps, theta_steps
@@ -13,6 +14,7 @@ from flangeway.solve.factor import Factor
 from flangeway.space import interpolate
 
 __all__ = [
+    "BeamSection",
     "Factor",
     "Field",
     "NewtonSolution",
