@@ -7,7 +7,8 @@ has no history, so that it returns on its path, and else of the last step, added
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -16,10 +17,11 @@ from flangeway.errors import InputError, short
 from flangeway.materials import NonlinearMaterial
 from flangeway.materials.material import bulk_limited
 from flangeway.mesh.mesh_checks import set_numbers
+from flangeway.problems.body import Body
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.problems.loads import Load, LoadedProblem
 from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Support
-from flangeway.space import CellBatch
+from flangeway.space import CellBatch, Space
 from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
 
@@ -57,6 +59,25 @@ class Linearised(Elasticity):
         """See `Elasticity.cell_stiffness`."""
         assert self.tangents is not None
         return self.tangents[int(batch.cells[0])]
+
+
+@dataclass(frozen=True, eq=False)
+class LinearisedBody(Body):
+    """A body in contact with the stiffness of `Linearised`; springs are not part of the tangents."""
+
+    tangents: Mapping[int, Floats] = field(default_factory=dict)
+
+    @cached_property
+    def elasticity(self) -> Linearised:
+        """See `Body.elasticity`."""
+        space = Space(self.mesh, self.element)
+        own = {"supports": self.springs, "name": self.name, "tangents": self.tangents}
+        return Linearised(space, self.material, self.thickness, **own)  # type: ignore[arg-type]
+
+    @property
+    def content(self) -> tuple[object, ...]:
+        """See `LinearBody.content`."""
+        return *super().content, *self.tangents.values()
 
 
 @dataclass(frozen=True, eq=False)
