@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 from flangeway.elements import Lagrange
 from flangeway.forms import Factor, bilinear, linear, mass, newton, solve, stiffness, theta_steps
@@ -121,3 +122,42 @@ def test_a_minimal_surface():
     solution = newton(SPACE, form, start, fixed=FIXED, degree=16)
     assert solution.status.converged
     np.testing.assert_allclose(solution.dofs[: MESH.n_points], at_points(theirs), atol=1e-8)
+
+
+def test_stokes_of_taylor_and_hood():
+    """Two fields of different order in one system: velocity of order 2, pressure of order 1, driven by a force."""
+    vector = skfem.ElementVector(skfem.ElementTriP2())
+    velocity, pressure = (skfem.Basis(THEIRS, e, intorder=6) for e in (vector, skfem.ElementTriP1()))
+
+    @skfem.BilinearForm
+    def stretch(u, v, _):
+        return (u.grad * v.grad).sum(axis=(0, 1))
+
+    @skfem.BilinearForm
+    def outflow(u, q, _):
+        return -(u.grad[0, 0] + u.grad[1, 1]) * q
+
+    stiff, flow = stretch.assemble(velocity), outflow.assemble(velocity, pressure)
+
+    @skfem.LinearForm
+    def push(v, w):
+        return np.sin(3.0 * w.x[1]) * v[0]
+
+    whole = skfem.bmat([[stiff, flow.T], [flow, None]], format="csr")
+    held = np.concatenate((velocity.get_dofs().all(), [velocity.N]))
+    rhs = np.concatenate((push.assemble(velocity), np.zeros(pressure.N)))
+    theirs = skfem.solve(*skfem.condense(whole, rhs, D=held))
+
+    low = Space(MESH, Lagrange(1))
+    ours_stiff = bilinear(SPACE, lambda u, v, w: (u.gradient * v.gradient).sum(axis=(1, 2)), components=2)
+    ours_flow = bilinear(
+        SPACE, lambda u, q, w: -np.einsum("nii->n", u.gradient) * q.value, components=2, test=low, test_components=1
+    )
+    ours_rhs = linear(SPACE, lambda v, w: np.sin(3.0 * w.points[:, 1]) * v.value[:, 0], components=2, degree=6)
+    fixed = np.zeros(2 * SPACE.n_dofs + low.n_dofs, dtype=bool)
+    fixed[(2 * FIXED[:, None] + np.arange(2)).ravel()] = fixed[2 * SPACE.n_dofs] = True
+    matrix = sp.csr_array(sp.block_array([[ours_stiff, ours_flow.T], [ours_flow, None]]))
+    found = Factor(matrix, fixed).solve(np.concatenate((ours_rhs.ravel(), np.zeros(low.n_dofs))))
+    at_vertices = found[: 2 * MESH.n_points].reshape(-1, 2)
+    np.testing.assert_allclose(at_vertices, theirs[velocity.nodal_dofs].T, atol=1e-10 * np.abs(theirs).max())
+    np.testing.assert_allclose(found[2 * SPACE.n_dofs :], theirs[velocity.N :], atol=1e-10 * np.abs(theirs).max())

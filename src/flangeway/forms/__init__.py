@@ -3,7 +3,10 @@
 from flangeway.forms.assembled import load, mass, stiffness
 from flangeway.forms.convergence import convergence
 from flangeway.forms.nonlinear import NewtonSolution, newton
+from flangeway.forms.plate import Plate
+from flangeway.forms.section import BeamSection
 from flangeway.forms.solution import buckling, modes, solve
+from flangeway.forms.stokes import StokesSolution, stokes, stokes_matrix
 from flangeway.forms.time_steps import newmark_steps, theta_steps
 from flangeway.forms.weak import Field, bilinear, linear
 from flangeway.post import error_norms
@@ -11,9 +14,12 @@ from flangeway.solve.factor import Factor
 from flangeway.space import interpolate
 
 __all__ = [
+    "BeamSection",
     "Factor",
     "Field",
     "NewtonSolution",
+    "Plate",
+    "StokesSolution",
     "bilinear",
     "buckling",
     "convergence",
@@ -27,5 +33,7 @@ __all__ = [
     "newton",
     "solve",
     "stiffness",
+    "stokes",
+    "stokes_matrix",
     "theta_steps",
 ]

@@ -1,6 +1,6 @@
 """Solution of linear systems and eigenproblems of forms, through one kept factorisation."""
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,11 +10,17 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from flangeway.checks import check_integer
 from flangeway.errors import InputError
 from flangeway.solve.factor import Factor, free_unknowns
-from flangeway.space import Space
 from flangeway.types import Bools, Floats
 
 EIGEN_SHIFT = 1e-6
 """Shift of eigenvalues relative to the ratio of the traces, so that free bodies are no exception."""
+
+
+class Unknowns(Protocol):
+    """What eigenproblems ask of a `Space`, a `Plate` or an element of your own."""
+
+    @property
+    def n_dofs(self) -> int: ...  # noqa: D102
 
 
 def solve(
@@ -61,7 +67,7 @@ def solve(
 
 
 def modes(
-    space: Space,
+    space: Unknowns,
     stiffness: sp.sparray,
     mass: sp.sparray,
     number: int = 6,
@@ -72,7 +78,7 @@ def modes(
     Parameters
     ----------
     space
-        The space.
+        The space, or a `Plate`.
     stiffness, mass
         Symmetric, the mass positive; see `stiffness` and `mass`.
     number
@@ -98,7 +104,7 @@ def modes(
 
 
 def buckling(
-    space: Space,
+    space: Unknowns,
     stiffness: sp.sparray,
     geometric: sp.sparray,
     number: int = 1,
@@ -109,7 +115,7 @@ def buckling(
     Parameters
     ----------
     space
-        The space.
+        The space, or a `Plate`.
     stiffness
         Symmetric and, with the fixed unknowns, positive definite.
     geometric
@@ -148,7 +154,7 @@ def buckling(
 
 
 def _components(
-    space: Space, matrix: sp.sparray, fixed: NDArray[np.integer] | Bools | None, number: int, where: str
+    space: Unknowns, matrix: sp.sparray, fixed: NDArray[np.integer] | Bools | None, number: int, where: str
 ) -> tuple[int, Bools]:
     """Number of components of the field, and which unknowns are free."""
     m = matrix.shape[0] // space.n_dofs
@@ -157,7 +163,7 @@ def _components(
     return m, free
 
 
-def _sorted(values: Floats, vectors: Floats, free: Bools, space: Space, m: int) -> tuple[Floats, Floats]:
+def _sorted(values: Floats, vectors: Floats, free: Bools, space: Unknowns, m: int) -> tuple[Floats, Floats]:
     order = np.argsort(values)
     result = np.zeros((len(values), len(free)))
     result[:, free] = vectors[:, order].T

@@ -97,7 +97,7 @@ class Field:
     def on(self, batch: CellBatch, points: Floats) -> PointValues:
         """Values at points (n_points, 2, n_cells) of cells, points of one number in all cells after each other."""
         own = self.space.batch_like(batch)
-        shapes = _shapes(own, points)
+        shapes = local_functions(own, points)
         jets = np.einsum("aqme,mec->aqec", shapes, self.dofs.reshape(len(self.dofs), -1)[own.dofs])
         return _point_values(jets.reshape(JETS, -1, jets.shape[-1]), self.dofs.ndim == 1)
 
@@ -129,7 +129,7 @@ class Field:
         return values.reshape(len(given), *self.dofs.shape[1:], *tail)
 
 
-def _shapes(batch: CellBatch, points: Floats) -> Floats:
+def local_functions(batch: CellBatch, points: Floats) -> Floats:
     """Value and derivatives of the local functions at points (q, 2, e), shape (3, q, n_local, e)."""
     reconstruction = batch.element.reconstruct(batch.outline)
     energetic = reconstruction.for_energy
@@ -218,7 +218,7 @@ class FormRegion:
                 **{name: field.on(batch, points) for name, field in self.fields.items()},
             )
             batches = [batch] if test is trial else [batch, test.batch_like(batch)]
-            functions = [(_shapes(each, points), each.dofs) for each in batches]
+            functions = [(local_functions(each, points), each.dofs) for each in batches]
             yield w, weights, (functions * 2)[:2], batch, False
 
 

@@ -5,6 +5,15 @@ from flangeway.geometry.contour import Contour
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.region import Region, Section, nested_regions
+from flangeway.geometry.section_shapes import (
+    angle_section,
+    box_section,
+    channel_section,
+    i_section,
+    pipe_section,
+    rounded_polygon,
+    tee_section,
+)
 from flangeway.geometry.segments import Arc, Line, Segment, crossing_shares
 from flangeway.geometry.shapes import circle, polygon, rectangle, square
 from flangeway.geometry.splines import Spline
@@ -22,13 +31,20 @@ __all__ = [
     "Section",
     "Segment",
     "Spline",
+    "angle_section",
     "as_point",
     "as_points",
+    "box_section",
+    "channel_section",
     "circle",
     "cross_product",
     "crossing_shares",
+    "i_section",
     "nested_regions",
+    "pipe_section",
     "polygon",
     "rectangle",
+    "rounded_polygon",
     "square",
+    "tee_section",
 ]

@@ -86,10 +86,17 @@ class Material(ABC):
         The trace of the stiffness grows with the bulk modulus without limit, and a stabilisation in proportion would
         hold the part of the displacement that the projection misses, which must be free to keep the volume.
         """
-        (xx, xy, _, _), (_, yy, _, _), (_, _, shear, _), _ = self.matrix
-        bulk = (xx + yy + 2.0 * xy) / 4.0
-        mean_shear = ((xx + yy - 2.0 * xy) / 4.0 + shear) / 2.0
-        return float((min(bulk, MOST_BULK * mean_shear) + 2.0 * mean_shear) / (bulk + 2.0 * mean_shear))
+        return float(bulk_limited(self.stiffness))
+
+
+def bulk_limited(tensor: Floats) -> Floats:
+    """Factor of stabilisations, see `Material.stabilisation_factor`, of tangents (2, 2, 2, 2, ...)."""
+    xx, yy, xy = tensor[0, 0, 0, 0], tensor[1, 1, 1, 1], (tensor[0, 0, 1, 1] + tensor[1, 1, 0, 0]) / 2.0
+    shear = (tensor[0, 1, 0, 1] + tensor[1, 0, 1, 0]) / 2.0
+    bulk = (xx + yy + 2.0 * xy) / 4.0
+    mean_shear = ((xx + yy - 2.0 * xy) / 4.0 + shear) / 2.0
+    factor: Floats = (np.minimum(bulk, MOST_BULK * mean_shear) + 2.0 * mean_shear) / (bulk + 2.0 * mean_shear)
+    return factor
 
 
 def check_hypothesis(owner: str, hypothesis: str) -> None:

@@ -7,6 +7,7 @@ from flangeway.solve.handles import Handle
 from flangeway.solve.harmonic_solution import HarmonicSolution, solve_harmonic
 from flangeway.solve.linearisation import Constraints, Linearisation
 from flangeway.solve.newton import ContactState, solve_contact
+from flangeway.solve.nonlinear_solution import NonlinearSolution, solve_nonlinear
 from flangeway.solve.sparse import SparseBodies
 from flangeway.solve.status import Checks, Iteration, NewtonSettings, Status
 from flangeway.solve.steps import StepSettings, follow
@@ -27,6 +28,7 @@ __all__ = [
     "Iteration",
     "Linearisation",
     "NewtonSettings",
+    "NonlinearSolution",
     "SparseBodies",
     "Status",
     "StepSettings",
@@ -39,5 +41,6 @@ __all__ = [
     "solve_contact",
     "solve_elasticity",
     "solve_harmonic",
+    "solve_nonlinear",
     "solve_torsion",
 ]

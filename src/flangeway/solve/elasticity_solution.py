@@ -82,7 +82,7 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
     mechanical = problem.load_vector()
     thermal = problem.thermal_load_vector()
     load = condensed.condense(mechanical + thermal).ravel()
-    applied, handle_forces = _handle_forces(problem, constraints)
+    applied, handle_forces = forces_on_handles(problem, constraints)
     reduced = _reduced(matrix, constraints)
     rhs = constraints.transform.T @ (load - product.at_nodes(constraints.shift)) + applied
     free_values, status = _solved(problem, reduced, constraints, rhs, product)
@@ -112,7 +112,7 @@ def _reduced(matrix: SymmetricMatrix, constraints: SupportConstraints) -> Symmet
     return SymmetricMatrix.from_full(sp.csr_array(transform.T @ matrix.full() @ transform))
 
 
-def _handle_forces(problem: Elasticity, constraints: SupportConstraints) -> tuple[Floats, Floats]:
+def forces_on_handles(problem: Elasticity, constraints: SupportConstraints) -> tuple[Floats, Floats]:
     """Forces applied to handles, on the free unknowns and as x, y and moment of each handle (n_handles, 3)."""
     applied = np.zeros(constraints.transform.shape[1])
     forces = np.zeros((len(constraints.handles), 3))

@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from flangeway.checks import are_finite, check_positive
 from flangeway.errors import InputError, short
-from flangeway.solve.newton import ContactState
+from flangeway.solve.status import Status
+from flangeway.types import Floats
 
 FEW_ITERATIONS = 8
 MANY_ITERATIONS = 15
@@ -50,12 +52,24 @@ class StepSettings:
             check_positive("StepSettings", "error", self.error, "a number > 0", "take 0.01, or leave it out")
 
 
+class PathState(Protocol):
+    """What a path asks of the solutions on it: how they ended, and forces (n, 2) to compare."""
+
+    @property
+    def status(self) -> Status: ...  # noqa: D102
+    @property
+    def nodal_forces(self) -> Floats: ...  # noqa: D102
+
+
+State = TypeVar("State", bound=PathState)
+
+
 def follow(
-    solve_at: Callable[[float, ContactState | None], ContactState],
-    start: ContactState | None,
+    solve_at: Callable[[float, State | None], State],
+    start: State | None,
     settings: StepSettings | None = None,
-    accepted: Callable[[float, ContactState], None] = lambda *_: None,
-) -> ContactState:
+    accepted: Callable[[float, State], None] = lambda *_: None,
+) -> State:
     """Follow a solution along a path from 0 (excluded) to 1.
 
     A step that needed few iterations, and whose error is far below its limit, is followed by one of twice its length,
@@ -75,13 +89,13 @@ def follow(
 
     Returns
     -------
-    ContactState
+    State
         The solution at 1, or the failed attempt where the smallest step did not converge.
 
     """
     settings = settings or StepSettings()
     state, position, size = start, 0.0, settings.first
-    attempt: ContactState | None = None
+    attempt: State | None = None
     maximum_total = 0.0
     while True:
         target = position + size
@@ -114,7 +128,7 @@ def follow(
             size /= 2.0
 
 
-def _total(state: ContactState, other: ContactState | None = None) -> float:
+def _total(state: PathState, other: PathState | None = None) -> float:
     """Sum of the nodal forces' norms, or of those of their differences from another state at the same position."""
     forces = state.nodal_forces if other is None else state.nodal_forces - other.nodal_forces
     return float(np.linalg.norm(forces, axis=1).sum())

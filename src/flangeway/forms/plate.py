@@ -1,0 +1,271 @@
+"""Kirchhoff's plate by the virtual element of class C1 (Brezzi and Marini, 2013, CMAME 253), orders 2 and 3.
+
+Along edges the deflection is cubic and its normal derivative of degree k - 1. Unknowns: at each point of the mesh the
+deflection and its gradient times the size of the cells there, and of order 3 the normal derivative in the middle of
+each edge times its length. They are those of one scalar field, so that `solve`, `Factor` and `modes` take them.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+
+from flangeway.checks import as_numbers, check_finite, check_positive
+from flangeway.elements import Function, Virtual, batched, monomials
+from flangeway.elements.monomials import Frame, n_monomials
+from flangeway.elements.projection import principal_frame
+from flangeway.elements.quadrature import gauss
+from flangeway.errors import InputError
+from flangeway.mesh import PolyMesh
+from flangeway.space import CellBatch, Space
+from flangeway.space.functions import at_points, cell_quadrature
+from flangeway.types import Floats
+
+SMOOTH = np.cos(np.radians(20.0))
+"""Cosine of the turn of the boundary above which a point is no corner; at corners a support holds both slopes."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlateCells:
+    """Polynomials of a batch of cells as linear maps of the local unknowns, which are on the axis before the last."""
+
+    batch: CellBatch
+    numbers: NDArray[np.int64]  # of the unknowns, (n_local, n_cells)
+    frame: Frame
+    moments: Floats  # of monomials up to degree 2 k
+    curvature: Floats  # coefficients of the second derivatives, (n_monomials(k - 2), 2, 2, n_local, n_cells)
+    value: Floats  # projection orthogonal in energy, (n_monomials(k), n_local, n_cells)
+    dofs: Floats  # unknowns of the monomials, (n_local, n_monomials(k), n_cells)
+
+
+@dataclass(frozen=True, eq=False)
+class Plate:
+    """A thin plate on any polygons with straight edges.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    order
+        Order k, 2 or 3: errors of second derivatives fall like h^(k - 1), of eigenvalues like h^(2 k - 2).
+    rigidity
+        Bending stiffness ``E t^3 / 12 / (1 - nu^2)`` > 0.
+    poisson
+        Poisson's ratio, -1 < nu < 1.
+
+    Raises
+    ------
+    InputError
+        If the order is neither 2 nor 3, a value is out of its range, or edges are curved.
+
+    """
+
+    mesh: PolyMesh
+    order: int = 2
+    rigidity: float = 1.0
+    poisson: float = 0.3
+
+    def __post_init__(self) -> None:
+        if self.order not in (2, 3) or self.mesh.curves is not None:
+            raise InputError(
+                f"Plate of order {self.order}, or with curved edges", "2 or 3, straight edges", "take mesh.straight()"
+            )
+        check_positive("Plate", "rigidity", self.rigidity, advice="give E t^3 / 12 / (1 - nu^2)")
+        if not abs(check_finite("Plate", "poisson", self.poisson)) < 1.0:
+            raise InputError(f"Plate: poisson={self.poisson}", "-1 < nu < 1", "give Poisson's ratio")
+
+    @property
+    def n_dofs(self) -> int:
+        """Number of unknowns: ``3 * point + (0, 1, 2)``, then those of edges."""
+        return 3 * self.mesh.n_points + (len(self.mesh.edges) if self.order == 3 else 0)
+
+    @cached_property
+    def _sizes(self) -> Floats:
+        """Mean size of the cells at each point, (n_points,)."""
+        sizes = np.repeat(np.sqrt(self.mesh.cell_areas), np.diff(self.mesh.cell_offsets))
+        total = np.bincount(self.mesh.cell_points, sizes, self.mesh.n_points)
+        return total / np.maximum(np.bincount(self.mesh.cell_points, minlength=self.mesh.n_points), 1)
+
+    @cached_property
+    def _axes(self) -> tuple[Floats, NDArray[np.bool_]]:
+        """Directions of the two slopes at each point, along the boundary and across it, and where it has a corner."""
+        edges = self.mesh.boundary_edges
+        along = self.mesh.points[edges[:, 1]] - self.mesh.points[edges[:, 0]]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        mean = np.zeros((self.mesh.n_points, 2))
+        np.add.at(mean, edges, along[:, None] / 2.0)
+        on_boundary = np.zeros(self.mesh.n_points, dtype=np.bool_)
+        on_boundary[edges] = True
+        # |mean of both directions| = cos(turn / 2)
+        corner = on_boundary & ((mean**2).sum(axis=1) < (1.0 + SMOOTH) / 2.0)
+        tangent = np.where((on_boundary & ~corner)[:, None], mean, [1.0, 0.0])
+        tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+        return np.stack((tangent, tangent[:, ::-1] * [-1.0, 1.0]), axis=1), corner
+
+    def boundary_dofs(self, support: str = "clamped", on: str | None = None) -> NDArray[np.int64]:
+        """Unknowns that a support holds: ``"clamped"`` or ``"simple"``, along an edge set or the whole boundary."""
+        if support not in ("clamped", "simple"):
+            raise InputError(f"a plate whose boundary is {support!r}", "'clamped' or 'simple'", "choose one of them")
+        pairs = self.mesh.boundary_edges if on is None else self.mesh.edge_set(on)
+        points = np.unique(pairs)
+        held = [3 * points, 3 * points + 1]
+        across = points if support == "clamped" else points[self._axes[1][points]]
+        held.append(3 * across + 2)
+        if self.order == 3 and support == "clamped":
+            held.append(3 * self.mesh.n_points + self.mesh.edge_numbers(pairs))
+        return np.unique(np.concatenate(held)).astype(np.int64)
+
+    def cells(self) -> Iterator[PlateCells]:
+        """Reconstruct in batches of cells."""
+        for batch in Space(self.mesh, Virtual(1)).batches():
+            yield self._reconstruct(batch)
+
+    def _traces(self, batch: CellBatch, normals: Floats, lengths: Floats) -> tuple[Floats, Floats]:
+        """Value (q, v, n_local, e) and gradient (q, v, 2, n_local, e) at Gauss points of edges."""
+        corners, n = batch.dofs, len(batch.dofs)
+        tangents = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
+        s = gauss(4)[0]
+        hermite = np.array([1 - 3 * s**2 + 2 * s**3, s - 2 * s**2 + s**3, 3 * s**2 - 2 * s**3, s**3 - s**2])
+        slopes = np.array([6 * s**2 - 6 * s, 1 - 4 * s + 3 * s**2, 6 * s - 6 * s**2, 3 * s**2 - 2 * s])
+        middle = 4.0 * s * (1.0 - s) if self.order == 3 else 0.0 * s
+        linear = np.array([1.0 - s - middle / 2.0, s - middle / 2.0])
+        value = np.zeros((len(s), n, 3 * n + (n if self.order == 3 else 0), corners.shape[1]))
+        along, across = np.zeros_like(value), np.zeros_like(value)
+        for v in range(n):
+            for end, point in enumerate((v, (v + 1) % n)):
+                value[:, v, 3 * point] += hermite[2 * end][:, None]
+                along[:, v, 3 * point] += slopes[2 * end][:, None] / lengths[v]
+                for c in range(2):  # gradient = sum over c of axis_c unknown_c / size
+                    axis = (self._axes[0][corners[point], c] / self._sizes[corners[point], None]).T
+                    by_tangent, by_normal = (axis * tangents[v]).sum(axis=0), (axis * normals[v]).sum(axis=0)
+                    value[:, v, 3 * point + 1 + c] += hermite[2 * end + 1][:, None] * lengths[v] * by_tangent
+                    along[:, v, 3 * point + 1 + c] += slopes[2 * end + 1][:, None] * by_tangent
+                    across[:, v, 3 * point + 1 + c] += linear[end][:, None] * by_normal
+            if self.order == 3:
+                across[:, v, 3 * n + v] = middle[:, None] * self._signs(corners)[v] / lengths[v]
+        gradient = along[:, :, None] * tangents[None, :, :, None] + across[:, :, None] * normals[None, :, :, None]
+        return value, gradient
+
+    @staticmethod
+    def _signs(corners: NDArray[np.integer]) -> Floats:
+        """Sign of the outward normal on an edge's own, which is on the right from the lower to the higher point."""
+        return np.where(corners < np.roll(corners, -1, axis=0), 1.0, -1.0)
+
+    def _reconstruct(self, batch: CellBatch) -> PlateCells:
+        k, vertices, corners = self.order, batch.vertices, batch.dofs
+        frame, n, n_cells = principal_frame(vertices), len(vertices), vertices.shape[-1]
+        along = np.roll(vertices, -1, axis=0) - vertices
+        lengths = np.sqrt((along**2).sum(axis=1))
+        normals = np.stack((along[:, 1], -along[:, 0]), axis=1) / lengths[:, None]
+        determinant = frame.map[0, 0] * frame.map[1, 1] - frame.map[0, 1] * frame.map[1, 0]
+        moments = monomials.integrals(2 * k, frame.local(vertices), 1.0 / determinant)
+        value, gradient = self._traces(batch, normals, lengths)
+        s, weights = gauss(4)
+        points = vertices + s[:, None, None, None] * along
+        at = monomials.evaluate(k, frame.local(points))  # (a, q, v, e)
+        weighted = np.einsum("q,ve,vie->qvie", weights, lengths, normals)
+        low, n_low = at[: n_monomials(k - 2)], n_monomials(k - 2)
+        slopes = np.einsum("lje,lda->jdae", frame.map, monomials.derivatives(k))  # of monomials, in space
+        # int m_b d_ij v = int_boundary m_b n_i d_j v - int_boundary d_i m_b n_j v, for degree k - 2 <= 1
+        second = np.einsum("bqve,qvie,qvjme->bijme", low, weighted, gradient, optimize=True)
+        if k == 3:
+            flux = np.einsum("qvje,qvme->jme", weighted, value, optimize=True)
+            second -= np.einsum("ibe,jme->bijme", slopes[:, 0, :n_low], flux)
+        mass = monomials.mass(k - 2, moments)
+        curvature = batched.solve(mass, second.reshape(n_low, -1, n_cells)).reshape(second.shape)
+        # second derivatives of the monomials, (i, j, coefficient b, monomial a)
+        bent = np.einsum("jbde,idae->ijbae", slopes[:, :n_low, : n_monomials(k - 1)], slopes, optimize=True)[..., 3:, :]
+        gram = np.einsum("ijbae,bce,ijcde->ade", bent, mass, bent, optimize=True)
+        rhs = np.einsum("ijbae,bijme->ame", bent, second, optimize=True)
+        projection = np.zeros((n_monomials(k), *second.shape[3:]))
+        projection[3:] = batched.solve(gram, rhs)
+        # mean gradient, then the mean of the vertices
+        means = np.einsum("qvie,qvme->ime", weighted, value, optimize=True) / moments[0]
+        means -= np.einsum(
+            "idae,de,ame->ime", slopes[:, :, 3:], moments[: slopes.shape[1]] / moments[0], projection[3:]
+        )
+        (a, b), (c, d) = frame.map
+        transposed_inverse = np.array([[d, -c], [-b, a]]) / determinant
+        projection[1:3] = np.einsum("lie,ime->lme", transposed_inverse, means)
+        at_vertices = monomials.evaluate(k, frame.local(vertices))  # (a, v, e)
+        projection[0, 0 : 3 * n : 3] = 1.0 / n
+        projection[0] -= np.einsum("ae,ame->me", at_vertices[1:].mean(axis=1), projection[1:])
+
+        dofs = np.zeros((second.shape[3], n_monomials(k), n_cells))
+        dofs[0 : 3 * n : 3] = at_vertices.swapaxes(0, 1)
+        steep = np.einsum("jdae,dve->jvae", slopes, at_vertices[: slopes.shape[1]])
+        for c in range(2):
+            axis = self._axes[0][corners, c] * self._sizes[corners][..., None]  # (v, e, 2)
+            dofs[1 + c : 3 * n : 3] = np.einsum("vej,jvae->vae", axis, steep)
+        numbers = [3 * corners.astype(np.int64)[:, None] + np.arange(3)[:, None]]
+        if k == 3:
+            half = monomials.evaluate(k - 1, frame.local(vertices + along / 2.0))
+            scale = normals * (self._signs(corners) * lengths)[:, None]
+            dofs[3 * n :] = np.einsum("vje,jdae,dve->vae", scale, slopes, half, optimize=True)
+            places = self.mesh.cell_offsets[batch.cells] + np.arange(n)[:, None]
+            numbers.append(3 * self.mesh.n_points + self.mesh.cell_edges[places][:, None])
+        joined = np.concatenate([each.reshape(-1, n_cells) for each in numbers])
+        return PlateCells(batch, joined, frame, moments, curvature, projection, dofs)
+
+    def moments_per_curvature(self, curvature: Floats) -> Floats:
+        """``D ((1 - nu) w_ij + nu w_kk d_ij)`` of second derivatives (n, 2, 2, ...)."""
+        trace = curvature[:, 0, 0] + curvature[:, 1, 1]
+        result = (1.0 - self.poisson) * curvature
+        result[:, 0, 0] += self.poisson * trace
+        result[:, 1, 1] += self.poisson * trace
+        return self.rigidity * result
+
+    def stiffness(self) -> sp.csr_array:
+        """Integrals of bending moments times curvatures, shape (n_dofs, n_dofs)."""
+
+        def matrix(cells: PlateCells) -> Floats:
+            stress = self.moments_per_curvature(cells.curvature)
+            mass = monomials.mass(self.order - 2, cells.moments)
+            consistent = np.einsum("aijme,abe,bijne->mne", cells.curvature, mass, stress, optimize=True)
+            missed = np.eye(len(cells.numbers))[:, :, None] - np.einsum("iae,ame->ime", cells.dofs, cells.value)
+            return consistent + batched.symmetric_product(missed, missed) * (self.rigidity / cells.moments[0])
+
+        return self._assembled([(cells.numbers, matrix(cells)) for cells in self.cells()])
+
+    def mass(self, density: float = 1.0) -> sp.csr_array:
+        """Integrals of products of deflections, times a mass per area."""
+        matrices = []
+        for cells in self.cells():
+            weighted = np.einsum("abe,bme->ame", monomials.mass(self.order, cells.moments), cells.value) * density
+            matrices.append((cells.numbers, batched.symmetric_product(cells.value, weighted)))
+        return self._assembled(matrices)
+
+    def _assembled(self, matrices: list[tuple[NDArray[np.int64], Floats]]) -> sp.csr_array:
+        rows = np.concatenate([np.broadcast_to(m[:, None], local.shape).ravel() for m, local in matrices])
+        columns = np.concatenate([np.broadcast_to(m, local.shape).ravel() for m, local in matrices])
+        values = np.concatenate([local.ravel() for _, local in matrices])
+        return sp.csr_array(sp.coo_array((values, (rows, columns)), shape=(self.n_dofs, self.n_dofs)))
+
+    def load(self, pressure: Function | ArrayLike) -> Floats:
+        """Forces of a pressure, a number or a function of points (n, 2) with values (n,); shape (n_dofs,)."""
+        result = np.zeros(self.n_dofs)
+        if not callable(pressure):
+            constant = float(as_numbers("a pressure", pressure))
+            return self.load(lambda p: np.full(len(p), constant))
+        for cells in self.cells():
+            points, weights = cell_quadrature(cells.batch, 2 * self.order + 2)
+            values = at_points(pressure, points)
+            at = monomials.evaluate(self.order, cells.frame.local(points))
+            np.add.at(result, cells.numbers, np.einsum("aqe,qe,ame->me", at, values * weights, cells.value))
+        return result
+
+    def at_quadrature(self, dofs: Floats, degree: int) -> tuple[Floats, Floats, Floats, Floats]:
+        """Points (n, 2), weights (n,), deflection (n,) and second derivatives (n, 2, 2), by projections."""
+        parts = []
+        for cells in self.cells():
+            points, weights = cell_quadrature(cells.batch, degree)
+            at, local = monomials.evaluate(self.order, cells.frame.local(points)), dofs[cells.numbers]
+            value = np.einsum("aqe,ame,me->qe", at, cells.value, local, optimize=True)
+            low = at[: len(cells.curvature)]
+            bent = np.einsum("aqe,aijme,me->qeij", low, cells.curvature, local, optimize=True)
+            parts.append((points.swapaxes(1, 2).reshape(-1, 2), weights.ravel(), value.ravel(), bent.reshape(-1, 2, 2)))
+        at, weight, deflection, second = (np.concatenate(column) for column in zip(*parts, strict=True))
+        return at, weight, deflection, second

@@ -1,0 +1,247 @@
+"""Cross-sections of beams: bending, shear, monosymmetry, plastic moments and all stresses, of one or more materials.
+
+W. D. Pilkey (2002, "Analysis and Design of Elastic Beams", chapters 2, 5, 6). Constants are weighted by Young's
+modulus: with ``young=1`` they are those of the shape alone.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.optimize
+from numpy.typing import ArrayLike
+
+from flangeway.checks import check_positive, is_finite, refused
+from flangeway.errors import InputError
+from flangeway.forms.assembled import stiffness
+from flangeway.forms.weak import Field, local_functions
+from flangeway.mesh.mesh_checks import set_numbers
+from flangeway.post.lines import locate
+from flangeway.solve.factor import Factor
+from flangeway.space import Space
+from flangeway.space.functions import cell_quadrature
+from flangeway.types import Floats
+
+ByCells = float | Mapping[str, float]
+"""A positive number for all cells, or for each named cell set."""
+
+
+@dataclass(frozen=True, eq=False)
+class BeamSection:
+    """A cross-section; positions are about the weighted centroid but for `centroid` itself.
+
+    Parameters
+    ----------
+    space
+        Space on a mesh of the section, which hangs together.
+    young
+        Young's modulus E of all cells, or of each named cell set.
+    poisson
+        Poisson's ratio of all materials, 0 to 1/2.
+
+    Raises
+    ------
+    InputError
+        If a modulus is not positive, Poisson's ratio is out of its range, or the sets do not cover the mesh once.
+
+    """
+
+    space: Space
+    young: ByCells = 1.0
+    poisson: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (is_finite(self.poisson) and 0.0 <= self.poisson <= 0.5):
+            raise refused("BeamSection", "poisson", self.poisson, "0 to 0.5", "give Poisson's ratio")
+        _ = self._moduli
+
+    def _by_cells(self, name: str, given: ByCells) -> Floats:
+        """Number of each cell, (n_cells,)."""
+        if not isinstance(given, Mapping):
+            return np.full(self.space.mesh.n_cells, check_positive("BeamSection", name, given))
+        values = [check_positive("BeamSection", f"{name} of {key}", value) for key, value in given.items()]
+        return np.array(values)[set_numbers(self.space.mesh, given, name)]
+
+    @cached_property
+    def _moduli(self) -> Floats:
+        return self._by_cells("young", self.young)
+
+    @cached_property
+    def _sums(self) -> Floats:
+        """Weighted integrals of 1, x, y, x^2, x y, y^2, (6,)."""
+        totals = np.zeros(6)
+        for batch in self.space.batches():
+            points, weights = cell_quadrature(batch, 2)
+            (x, y), weights = points.swapaxes(0, 1), weights * self._moduli[batch.cells]
+            totals += [float((weights * f).sum()) for f in (1.0 + 0 * x, x, y, x * x, x * y, y * y)]
+        return totals
+
+    @property
+    def axial(self) -> float:
+        """Axial stiffness EA."""
+        return float(self._sums[0])
+
+    @property
+    def centroid(self) -> Floats:
+        """Weighted centroid, (2,)."""
+        result: Floats = self._sums[1:3] / self.axial
+        return result
+
+    @property
+    def bending(self) -> Floats:
+        """``int E y^2, int E x^2, int E x y``, (3,)."""
+        (x, y), (_, _, _, xx, xy, yy) = self.centroid, self._sums
+        return np.array([yy - self.axial * y * y, xx - self.axial * x * x, xy - self.axial * x * y])
+
+    @property
+    def angle(self) -> float:
+        """Angle in radians from the x axis to the axis of the maximum bending stiffness."""
+        xx, yy, xy = self.bending
+        return float(np.arctan2(-2.0 * xy, xx - yy)) / 2.0
+
+    def _parameters(self, x: Floats, y: Floats) -> Floats:
+        """Pilkey's d and h, over nu / 2, (2, 2, ...): rows for shear along x and y."""
+        xx, yy, xy = self.bending
+        r, q = x * x - y * y, 2.0 * x * y
+        return np.array([[xx * r - xy * q, xy * r + xx * q], [-xy * r + yy * q, -yy * r - xy * q]])
+
+    @property
+    def _delta(self) -> float:
+        xx, yy, xy = self.bending
+        return float(2.0 * (1.0 + self.poisson) * (xx * yy - xy**2))
+
+    @cached_property
+    def _functions(self) -> tuple[Field, Floats, dict[str, Floats]]:
+        """Warping and both shear functions (n_dofs, 3), the load of warping, and integrals over the section."""
+        space, (xx, yy, xy) = self.space, self.bending
+        rhs, nu = np.zeros((space.n_dofs, 3)), self.poisson
+        for batch in space.batches():
+            points, weights = cell_quadrature(batch, 2 * space.order + 2)
+            (x, y), weights = points.swapaxes(0, 1) - self.centroid[:, None, None], weights * self._moduli[batch.cells]
+            value, *slope = local_functions(batch, points)
+            d = self._parameters(x, y)
+            sources = [np.zeros_like(x), 2 * (1 + nu) * (xx * x - xy * y), 2 * (1 + nu) * (yy * y - xy * x)]
+            fluxes = [(y, -x), nu / 2.0 * d[0], nu / 2.0 * d[1]]
+            for i, (source, flux) in enumerate(zip(sources, fluxes, strict=True)):
+                local = np.einsum("qme,qe->me", value, weights * source)
+                local += sum(np.einsum("qme,qe->me", s, weights * f) for s, f in zip(slope, flux, strict=True))
+                np.add.at(rhs[:, i], batch.dofs, local)
+        by_cells = self._moduli if isinstance(self.young, Mapping) else float(self._moduli[0])
+        factor = Factor(stiffness(space, by_cells), np.array([0]))
+        found = Field(space, np.stack([factor.solve(column) for column in rhs.T], axis=1))
+        sums = {"kappa": np.zeros((2, 2)), "cubic": np.zeros(2), "torsion": np.zeros(1)}
+        for batch in space.batches():
+            points, weights = cell_quadrature(batch, 2 * space.order + 2)
+            x, y = points.swapaxes(0, 1) - self.centroid[:, None, None]
+            weights = weights * self._moduli[batch.cells]
+            gradient = found.on(batch, points).gradient.reshape(*weights.shape, 3, 2)
+            shear = np.moveaxis(gradient[..., 1:, :], (2, 3), (0, 1)) - nu / 2.0 * self._parameters(x, y)
+            sums["kappa"] += np.einsum("ijqe,kjqe,qe->ik", shear, shear, weights)
+            square = x * x + y * y
+            sums["cubic"] += [(weights * f * square).sum() for f in (x, y)]
+            twist = gradient[..., 0, :] - np.stack((y, -x), axis=-1)
+            sums["torsion"] += (weights * (-y * twist[..., 0] + x * twist[..., 1])).sum()
+        return found, rhs[:, 0], sums
+
+    @property
+    def torsion(self) -> float:
+        """Torsion constant weighted by E; over ``2 (1 + nu)`` the torsional rigidity."""
+        return float(self._functions[2]["torsion"][0])
+
+    @property
+    def shear_centre(self) -> Floats:
+        """Shear centre with Poisson's ratio, about the centroid, (2,)."""
+        (found, load, sums), (xx, yy, xy) = self._functions, self.bending
+        cubic = np.array([[yy, xy], [xy, xx]]) @ sums["cubic"]
+        on_shear = found.dofs[:, 1:].T @ load
+        result: Floats = (self.poisson / 2.0 * cubic + [-on_shear[1], on_shear[0]]) / self._delta
+        return result
+
+    @property
+    def shear_areas(self) -> Floats:
+        """Shear areas along x and y and of both together, weighted by E, (3,); an infinite one where none couples."""
+        kappa = self._functions[2]["kappa"]
+        with np.errstate(divide="ignore"):
+            result: Floats = self._delta**2 / np.array([kappa[0, 0], kappa[1, 1], kappa[0, 1]])
+        return result
+
+    def monosymmetry(self, angle: float = 0.0) -> tuple[float, float]:
+        """``int E v (u^2 + v^2) / EI_uu - 2 v_s`` and the same with u and v exchanged, axes u, v turned by an angle."""
+        (xx, yy, xy), (c, s) = self.bending, (np.cos(angle), np.sin(angle))
+        turn = np.array([[c, s], [-s, c]])
+        cubic, centre = turn @ self._functions[2]["cubic"], turn @ self.shear_centre
+        about = turn @ np.array([[yy, xy], [xy, xx]]) @ turn.T
+        return float(cubic[1] / about[1, 1] - 2.0 * centre[1]), float(cubic[0] / about[0, 0] - 2.0 * centre[0])
+
+    def plastic(self, yield_stress: ByCells = 1.0, angle: float = 0.0) -> tuple[float, float]:
+        """Position of the plastic axis and plastic moment, bending about an axis turned by an angle from x.
+
+        The position is along the normal of the axis, from the centroid; with a yield stress of one the moment is the
+        plastic modulus. Exact for cells with straight edges: integrals below a line are sums over edges (Green).
+        """
+        mesh = self.space.element_mesh
+        stress, (c, s) = self._by_cells("yield_stress", yield_stress), (np.cos(angle), np.sin(angle))
+        if mesh.curves is not None:
+            raise InputError("plastic moments of curved edges", "straight edges", "take mesh.straight()")
+        turned = (mesh.points - self.centroid) @ np.array([[c, -s], [s, c]])
+        first = mesh.cell_points
+        last = np.roll(first, -1)
+        last[mesh.cell_offsets[1:] - 1] = first[mesh.cell_offsets[:-1]]
+        weights = np.repeat(stress, np.diff(mesh.cell_offsets))
+        (a, v0), (b, v1) = turned[first].T, turned[last].T
+
+        def below(level: float) -> tuple[float, float]:
+            """Weighted area and first moment below a level: ``int u dv`` and ``int u v dv`` along clipped edges."""
+            rise = np.where(v1 == v0, 1.0, v1 - v0)
+            crossing = np.clip((level - v0) / rise, 0.0, 1.0)
+            start, end = np.where(v1 > v0, 0.0, crossing), np.where(v1 > v0, crossing, 1.0)
+            lower, upper = (v0 + t * (v1 - v0) for t in (start, end))
+            u, w = (a + t * (b - a) for t in (start, end))
+            step = np.where(v1 == v0, 0.0, upper - lower) * weights
+            moment = (2.0 * u * lower + u * upper + w * lower + 2.0 * w * upper) / 6.0
+            return float(step @ (u + w)) / 2.0, float(step @ moment)
+
+        bottom, top = float(turned[:, 1].min()), float(turned[:, 1].max())
+        area, first_moment = below(top)
+        level = scipy.optimize.brentq(lambda v: below(v)[0] - area / 2.0, bottom, top, xtol=1e-14 * (top - bottom))
+        return float(level), first_moment - 2.0 * below(level)[1]
+
+    def stresses(
+        self,
+        points: ArrayLike,
+        *,
+        force: float = 0.0,
+        shear: tuple[float, float] = (0.0, 0.0),
+        moments: tuple[float, float] = (0.0, 0.0),
+        torque: float = 0.0,
+    ) -> Floats:
+        """Stresses zz, zx, zy at points (n, 2) of the section under all resultants at once, shape (n, 3).
+
+        Parameters
+        ----------
+        points
+            Points of the section; between materials either side may answer.
+        force
+            Axial force at the centroid, tension positive.
+        shear
+            Shear forces along x and y, through the shear centre.
+        moments
+            Bending moments about x and y by the right-hand rule with z out of the plane: a positive one about x pulls
+            at positive y, one about y at negative x.
+        torque
+            Torque about the shear centre, counter-clockwise.
+
+        """
+        given, (xx, yy, xy) = np.asarray(points, dtype=np.float64), self.bending
+        gradient = self._functions[0].gradient_at(given)
+        x, y = (given - self.centroid).T
+        determinant = xx * yy - xy**2
+        about_x, about_y = moments
+        axial = force / self.axial + (yy * about_x + xy * about_y) / determinant * y
+        axial = axial - (xy * about_x + xx * about_y) / determinant * x
+        d = self._parameters(x, y)
+        tangential = torque / self.torsion * (gradient[:, 0] - np.stack((y, -x), axis=1))
+        for i in range(2):
+            tangential += shear[i] / self._delta * (gradient[:, 1 + i] - self.poisson / 2.0 * d[i].T)
+        return self._moduli[locate(self.space.mesh, given), None] * np.column_stack((axial, tangential))

@@ -1,0 +1,133 @@
+"""Kirchhoff's plate of class C1: patch test, published orders of errors and eigenvalues, supports, wrong input."""
+
+import numpy as np
+import pytest
+
+from flangeway.elements import monomials
+from flangeway.errors import InputError
+from flangeway.forms import Plate, modes, solve
+from flangeway.geometry import circle, square
+from flangeway.mesh import PolyMesh, agglomerated, curved, dual, rectangle_grid, triangulate
+
+
+def triangles(n):
+    return triangulate(square(1.0, (0.5, 0.5)), size=1.0 / n)
+
+
+MESHES = {
+    "triangles": lambda n: rectangle_grid(1.0, 1.0, n, n),
+    "duals": lambda n: dual(triangles(n)),
+    "not convex": lambda n: agglomerated(triangles(3 * n), 2 * n * n),
+}
+CLAMPED = 35.98519, 73.39377, 73.39377
+"""Frequencies of the clamped unit square (Leissa, 1973, J. Sound Vib. 31, as later refined)."""
+
+
+def waves(p):
+    return 1.0 - np.cos(2.0 * np.pi * p.T)
+
+
+def deflection(p):
+    return waves(p).prod(axis=0) / 4.0
+
+
+def second_derivatives(p):
+    (a, b), (s, t) = waves(p), np.sin(2.0 * np.pi * p.T)
+    return np.pi**2 * np.array([[(1.0 - a) * b, s * t], [s * t, a * (1.0 - b)]]).transpose(2, 0, 1)
+
+
+def pressure(p):
+    a, b = waves(p)
+    return 4.0 * np.pi**4 * (-(1.0 - a) * b + 2.0 * (1.0 - a) * (1.0 - b) - a * (1.0 - b))
+
+
+@pytest.mark.parametrize("order", [2, 3])
+@pytest.mark.parametrize("name", MESHES)
+def test_errors_and_eigenvalues_have_their_published_order(name, order):
+    """Second derivatives like h^(k - 1) within 0.3, deflection and eigenvalues like h^(2 k - 2) within 0.7."""
+    errors, sizes = [], []
+    for n in (16, 32) if name == "triangles" else (8, 16):
+        mesh = MESHES[name](n)
+        plate = Plate(mesh, order)
+        stiffness, held = plate.stiffness(), plate.boundary_dofs()
+        found = solve(stiffness, plate.load(pressure), held)
+        points, weights, value, second = plate.at_quadrature(found, 2 * order + 2)
+        in_second = np.sqrt(weights @ ((second - second_derivatives(points)) ** 2).sum(axis=(1, 2)))
+        in_value = np.sqrt(weights @ (value - deflection(points)) ** 2)
+        clamped = np.sqrt(modes(plate, stiffness, plate.mass(), 3, held)[0])
+        simple = np.sqrt(modes(plate, stiffness, plate.mass(), 1, plate.boundary_dofs("simple"))[0])
+        errors.append((in_second, in_value, abs(clamped[0] / CLAMPED[0] - 1.0), abs(simple[0] / (2 * np.pi**2) - 1.0)))
+        sizes.append(np.sqrt(mesh.cell_areas.mean()))
+        np.testing.assert_allclose(clamped, CLAMPED, rtol=0.1)
+    rates = np.diff(np.log(errors), axis=0)[0] / np.diff(np.log(sizes))
+    np.testing.assert_array_less([order - 1.3, *[2 * order - 2.7] * 3], rates)
+    assert (np.array(errors[-1][2:]) < (2e-2 if order == 2 else 4e-4)).all()
+
+
+@pytest.mark.parametrize("order", [2, 3])
+@pytest.mark.parametrize("name", MESHES)
+def test_polynomials_are_exact_and_a_free_plate_has_three_motions(name, order):
+    """A polynomial of degree k given along the boundary is found inside; three eigenvalues of a free plate are zero."""
+    plate = Plate(MESHES[name](4), order, rigidity=3.0, poisson=0.2)
+    stiffness = plate.stiffness()
+    cubic = 0.0 if order == 2 else 1.0
+
+    def polynomial(p):
+        x, y = p.T
+        return 1.0 + x - 2.0 * y + x**2 + 3.0 * x * y - y**2 + cubic * (x**3 - 2.0 * x * y**2)
+
+    held = plate.boundary_dofs()
+    # the unknowns of a polynomial, cell by cell, from its fit with monomials
+    values = np.zeros(plate.n_dofs)
+    for cells in plate.cells():
+        points = cells.batch.vertices.mean(axis=0) + np.random.default_rng(1).uniform(-0.1, 0.1, (20, 2, 1))
+        at = np.moveaxis(cells_monomials(cells, points, order), -1, 0)
+        fitted = [
+            np.linalg.lstsq(a.T, polynomial(p), rcond=None)[0]
+            for a, p in zip(at, np.moveaxis(points, -1, 0), strict=True)
+        ]
+        values[cells.numbers] = np.einsum("iae,ea->ie", cells.dofs, np.array(fitted))
+    load = plate.load(lambda p: 0.0 * p[:, 0])
+    found = solve(stiffness, load, held, values)
+    np.testing.assert_allclose(found, values, atol=1e-9)
+    eigenvalues = np.linalg.eigvalsh(stiffness.toarray())
+    assert np.abs(eigenvalues[:3]).max() < 1e-10 * eigenvalues[-1]
+    assert eigenvalues[3] > 1e-7 * eigenvalues[-1]
+
+
+def cells_monomials(cells, points, order):
+    """Monomials at points (n, 2, e) in the frame of cells."""
+    return monomials.evaluate(order, cells.frame.local(points))
+
+
+def test_a_turned_plate_has_the_same_frequencies_and_deflection():
+    """Simple supports hold slopes along oblique edges: nothing changes when the plate turns; 0.00406 p a^4 / D."""
+    mesh = dual(triangles(10))
+    turn = np.array([[0.8, -0.6], [0.6, 0.8]])
+    turned = PolyMesh(mesh.points @ turn.T, mesh.cell_offsets, mesh.cell_points, edge_sets=mesh.edge_sets)
+    middle = []
+    for each in (mesh, turned):
+        plate = Plate(each, 3, rigidity=2.0)
+        found = solve(plate.stiffness(), plate.load(1.0), plate.boundary_dofs("simple"))
+        points, _, value, _ = plate.at_quadrature(found, 4)
+        middle.append(value.max())
+        assert len(points) == len(value)
+    assert middle[0] == pytest.approx(middle[1], rel=1e-8)
+    assert middle[0] == pytest.approx(0.0040624 / 2.0, rel=2e-3)  # Timoshenko and Woinowsky-Krieger (1959, table 8)
+
+
+WRONG = {
+    "order 4": lambda m: Plate(m, 4),
+    "curved": lambda _: Plate(curved(triangulate(circle(1.0), size=0.5), circle(1.0))),
+    "rigidity": lambda m: Plate(m, rigidity=0.0),
+    "poisson": lambda m: Plate(m, poisson=1.0),
+    "'clamped' or 'simple'": lambda m: Plate(m).boundary_dofs("hinged"),
+    "singular": lambda m: solve(Plate(m).stiffness(), Plate(m).load(1.0)),
+}
+
+
+@pytest.mark.parametrize("words", WRONG)
+def test_wrong_input_is_named(words):
+    """Each error says what was wrong."""
+    with pytest.raises(InputError, match=words):
+        WRONG[words](rectangle_grid(1.0, 1.0, 2, 2))
