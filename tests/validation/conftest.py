@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.validation.reproduction import section_text
+from studies.reproduction import section_text
 
 
 @pytest.fixture(scope="session")

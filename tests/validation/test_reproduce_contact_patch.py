@@ -11,15 +11,15 @@ from rich.console import Console
 
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import print_record
-from flangeway.validation.contact_patch import contact_patch_reproduced
-from flangeway.validation.contact_patch.contact_patch_reproduced import (
+from studies.contact_patch import contact_patch_reproduced
+from studies.contact_patch.contact_patch_reproduced import (
     PASSED,
     PUBLISHED,
     ContactPatchReproduction,
     PatchRun,
     reproduce_contact_patch,
 )
-from flangeway.validation.registry import REPRODUCTIONS
+from studies.registry import REPRODUCTIONS
 
 pytestmark = pytest.mark.ci
 

@@ -8,10 +8,10 @@ import pytest
 from matplotlib.figure import Figure
 
 from flangeway.report.page.tables import SummaryTable
-from flangeway.validation import registry as reproductions
-from flangeway.validation.published_numbers import Reproduced, compare, digits, relative
-from flangeway.validation.registry import REPRODUCTIONS
-from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction, section_text
+from studies import registry as reproductions
+from studies.published_numbers import Reproduced, compare, digits, relative
+from studies.registry import REPRODUCTIONS
+from studies.reproduction import Chapter, PagePicture, Reproduction, section_text
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "validation.md").read_text(encoding="utf-8")
