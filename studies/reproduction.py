@@ -1,5 +1,6 @@
 """A study that ``flangeway reproduce`` computes: its files, its summary, and its chapter of the page of validation."""
 
+import csv
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
@@ -14,10 +15,9 @@ from rich.console import Console
 from flangeway.cases.case import closest
 from flangeway.cases.summary import plain_numbers
 from flangeway.errors import InputError
-from flangeway.report.figures.drawing import png
 from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, plain_table
-from flangeway.system.output_folder import Writer, bytes_writer, refuse_unwritable, text_writer, write_together
+from flangeway.system.output_folder import Writer, refuse_unwritable, text_writer, write_together
 from flangeway.system.versions import versions
 from studies.published_numbers import (
     Reproduced,
@@ -31,17 +31,15 @@ from studies.published_numbers import (
     write_rows,
 )
 
-PICTURES = "images"  # folder of the pictures, beside the page
-DPI = 80
-
 HEAD = """# Validation
 
-*Written by `{command}`; all numbers and pictures on this page are generated.*
+*Written by `{command}`; all numbers on this page are generated.*
 
 Numbers computed by flangeway, compared with published numbers and with exact solutions. "Moherdaui (2021)" is T. F.
 Moherdaui, *The Virtual Element Method for Wheel-Rail Contact Problems*, São Paulo, 2021. Everything is computed anew:
-the cache is not used. The same command writes all numbers with eight digits and more pictures into `out/reproduce`, and
-ends with status 1 if a part is not passed.
+the cache is not used. The tables show the largest deviation of each quantity with a limit; [all numbers]({numbers})
+are in a CSV file. The same command writes a report of each part, with pictures, further tables and all numbers, into
+`out/reproduce`, and ends with status 1 if a part is not passed.
 
 {extent}
 
@@ -104,7 +102,7 @@ class PageSection:
     title: str  # heading
     markdown: str  # its text
     verdict: Verdict  # how it ended
-    pictures: Mapping[str, bytes] = field(repr=False)  # contents of the files in `PICTURES`, by name
+    numbers: SummaryTable = field(repr=False)  # all its numbers
 
 
 def summary_sentence(found: Reproduced) -> str:
@@ -115,54 +113,48 @@ def summary_sentence(found: Reproduced) -> str:
     return f"{counts.n_within} of {counts.n_required} numbers with a limit are within{shown}. {verdict}"
 
 
-def section_text(chapter: Chapter, found: Reproduced, pictures: Sequence[str]) -> str:
-    """Return a section: claim, verdict, largest deviations, reasons, pictures at the given paths, tables, numbers."""
-    every = numbers_table(found.numbers)
-    images = [f"![{each.alt}]({path})" for each, path in zip(chapter.pictures, pictures, strict=True)]
+def section_text(chapter: Chapter, found: Reproduced) -> str:
+    """Return a section: what is compared, verdict, largest deviations of what has a limit, and reasons."""
     parts = [
         f"## {chapter.title}",
         textwrap.fill(" ".join(chapter.text.split()), 120),
         summary_sentence(found).replace("Not passed.", "**Not passed.**"),
-        worst_table(found.numbers).markdown(),
+        _short_table(found.numbers).markdown(),
         "\n".join(f"- {line}" for line in reasons(found.numbers)),
-        *images,
-        *(f"{table.caption}:\n\n{table.markdown()}" for table in chapter.tables(found)),
-        f'<details markdown="1"><summary>{every.caption}</summary>\n\n{every.markdown()}\n\n</details>',
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def make_section(chapter: Chapter, found: Reproduced, page: Path) -> PageSection:
-    """Return a section of a page with its pictures drawn."""
-    names = _picture_names(chapter, page)
-    text = section_text(chapter, found, [f"{PICTURES}/{name}" for name in names])
-    drawn = [png(picture.draw(found), DPI) for picture in chapter.pictures]
-    return PageSection(chapter.title, text, Verdict.of(found), dict(zip(names, drawn, strict=True)))
+def make_section(chapter: Chapter, found: Reproduced) -> PageSection:
+    """Return a section of a page."""
+    return PageSection(chapter.title, section_text(chapter, found), Verdict.of(found), numbers_table(found.numbers))
 
 
-def check_page(page: Path, chapters: Sequence[Chapter]) -> None:
+def check_page(page: Path) -> None:
     """Refuse a page that cannot be written; see `flangeway.system.output_folder.refuse_unwritable`."""
-    refuse_unwritable(page.parent, (page.name,))
-    names = [name for chapter in chapters for name in _picture_names(chapter, page)]
-    refuse_unwritable(page.parent / PICTURES, tuple(names))
+    refuse_unwritable(page.parent, (page.name, page.with_suffix(".csv").name))
 
 
 def write_page(page: Path, sections: Sequence[PageSection], *, quick: bool) -> list[Path]:
-    """Write the page, and its pictures in the folder `PICTURES` beside it; return the files.
+    """Write the page, and all its numbers as CSV beside it; return the files.
 
     It is an `InputError` if they cannot be written.
     """
     command = f"flangeway reproduce all {'--quick ' * quick}--page {page.as_posix()}"
-    head = HEAD.format(command=command, extent=QUICK if quick else WHOLE)
-    return _written(page, sections, "\n".join([head, _verdicts(sections), "", *(each.markdown for each in sections)]))
+    extent, numbers = QUICK if quick else WHOLE, page.with_suffix(".csv").name
+    head = HEAD.format(command=command, extent=extent, numbers=numbers)
+    rows = [row for section in sections for row in _csv_rows(section)]
+    return _written(page, rows, "\n".join([head, _verdicts(sections), "", *(each.markdown for each in sections)]))
 
 
 def replace_chapters(page: Path, sections: Sequence[PageSection]) -> list[Path]:
-    """Write chapters of a page anew, with their pictures and their rows of its first table; return the files.
+    """Write chapters of a page anew, with their numbers and their rows of its first table; return the files.
 
     It is an `InputError` if the page has no such chapter.
     """
     text = page.read_text(encoding="utf-8")
+    with page.with_suffix(".csv").open(encoding="utf-8", newline="") as stream:
+        rows: list[Row] = [*csv.DictReader(stream)]
     for section in sections:
         chapter = re.compile(rf"^## {re.escape(section.title)}\n.*?(?=^## |\Z)", re.MULTILINE | re.DOTALL)
         row = re.compile(rf"^\| {re.escape(section.title)} \|.*$", re.MULTILINE)
@@ -172,18 +164,21 @@ def replace_chapters(page: Path, sections: Sequence[PageSection]) -> list[Path]:
             )
         text = row.sub(lambda _, new=section: _verdicts([new]).splitlines()[-1], text, count=1)  # type: ignore[misc]
         last = chapter.search(text).end() == len(text)  # type: ignore[union-attr]
+        start = next(i for i, row in enumerate(rows) if row["part"] == section.title)
+        others = [row for row in rows if row["part"] != section.title]
+        rows = [*others[:start], *_csv_rows(section), *others[start:]]
         text = chapter.sub(lambda _, new=section, end="" if last else "\n": new.markdown + end, text)  # type: ignore[misc]
-    return _written(page, sections, text)
+    return _written(page, rows, text)
 
 
-def _written(page: Path, sections: Sequence[PageSection], text: str) -> list[Path]:
-    pictures = {name: bytes_writer(data) for section in sections for name, data in section.pictures.items()}
-    files = write_together(page.parent / PICTURES, pictures)
-    return [*files, *write_together(page.parent, {page.name: text_writer(text)})]
+def _csv_rows(section: PageSection) -> list[Row]:
+    table = section.numbers
+    return [{"part": section.title, **dict(zip(table.header, row, strict=True))} for row in table.rows]
 
 
-def _picture_names(chapter: Chapter, page: Path) -> list[str]:
-    return [f"{page.stem}-{picture.name}.png" for picture in chapter.pictures]
+def _written(page: Path, rows: Sequence[Row], text: str) -> list[Path]:
+    writers: dict[str, Writer] = {page.with_suffix(".csv").name: partial(write_rows, rows=rows)}
+    return write_together(page.parent, writers | {page.name: text_writer(text)})
 
 
 def _verdicts(sections: Sequence[PageSection]) -> str:

@@ -32,7 +32,7 @@ Page = Annotated[
     typer.Option(
         "--page",
         metavar="FILE.md",
-        help="Write the page of validation with its pictures in images/ beside it; of one NAME: its chapter of a page.",
+        help="Write the page of validation, with all numbers in FILE.csv; of one NAME: its chapter of a page.",
         show_default=False,
         parser=path_given,
     ),
@@ -66,7 +66,7 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
                 "a page of all, whose chapter is replaced",
                 f"flangeway reproduce all --page {page}",
             )
-        check_page(page, [reproduction.chapter for reproduction in wanted.values()])
+        check_page(page)
     verdicts: dict[str, Verdict] = {}
     sections, summaries = [], {}
     for key, reproduction in wanted.items():
@@ -81,7 +81,7 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
         record = reproduction.record(key, found, f"flangeway reproduce {key}{' --quick' * quick}")
         show.record(record, folder / key, last=False)
         if page is not None:
-            sections.append(make_section(reproduction.chapter, found, page))
+            sections.append(make_section(reproduction.chapter, found))
         verdicts[key], summaries[key] = Verdict.of(found), record.summary
     if page is not None:
         every = len(wanted) == len(REPRODUCTIONS)
