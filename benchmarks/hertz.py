@@ -13,7 +13,7 @@ from flangeway.cases.bodies.presets import HertzCase
 from flangeway.contact import ContactSolution, press
 from flangeway.geometry import Placement
 from flangeway.solve import StepSettings
-from flangeway.validation.hertz.hertz_reproduced import CODES, LEVELS, REFERENCE_FORCE, hertz_row, published_case
+from studies.hertz.hertz_reproduced import CODES, LEVELS, REFERENCE_FORCE, hertz_row, published_case
 
 
 def measurements() -> Iterator[Measurement]:

@@ -33,7 +33,7 @@ from flangeway.railway.spatial.running_surfaces import running_surfaces
 from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.system.disk_cache import Cache
 from flangeway.tables.creep_sampling import DIRECTIONS, SampledPatch, check, random_points, sample
-from flangeway.validation.rolling.rolling_cases import elliptic, published
+from studies.rolling.rolling_cases import elliptic, published
 
 CELLS, FORCE = 30, 82_000.0
 MOTION = Creepages(1e-3, 5e-4, -2e-4)

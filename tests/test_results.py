@@ -26,9 +26,9 @@ from flangeway.problems import Body, Elasticity, Part, Torsion, Traction, fixed
 from flangeway.results import Result, ResultTable
 from flangeway.solve import solve_elasticity, solve_torsion
 from flangeway.space import Space
-from flangeway.validation.published_numbers import Reproduced, compare
-from flangeway.validation.registry import REPRODUCTIONS
-from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
+from studies.published_numbers import Reproduced, compare
+from studies.registry import REPRODUCTIONS
+from studies.reproduction import Chapter, PagePicture, Reproduction
 
 PNG = b"\x89PNG"
 

@@ -15,7 +15,7 @@ What most scripts need stands here, in the order in which a script uses it:
 
 Wrong input is an `InputError`, every error of the package a `FlangewayError`. The packages have the rest, and follow
 the flow of data: `exact`, `geometry`, `mesh`, `formats`, `elements`, `space`, `materials`, `problems`, `solve`,
-`contact`, `post`, `forms`, `railway`, `cases`, `campaign`, `tables`, `report`, `validation`. All is loaded when it is
+`contact`, `post`, `forms`, `railway`, `cases`, `campaign`, `tables`, `report`. All is loaded when it is
 first used, so that importing this package takes no time.
 """
 

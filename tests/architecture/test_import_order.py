@@ -35,7 +35,6 @@ ORDER = (
     "campaign",
     "tables",
     "report",
-    "validation",
     "cli",
     "__main__",
 )
@@ -80,3 +79,9 @@ def test_the_guide_for_contributors_shows_this_order() -> None:
         above = above if len(indent) == 4 else folder
         folders.append(folder if len(indent) == 2 else f"{above}.{folder}")
     assert tuple(folder for folder in folders if folder != "railway") == ORDER[5:-1]
+
+
+def test_only_the_command_knows_the_studies():
+    """No module of the package imports `studies` but the command that runs them."""
+    users = {name for name, path in MODULES.items() if re.search(r"(from|import) studies\b", path.read_text("utf-8"))}
+    assert users == {"cli.reproduce_command"}

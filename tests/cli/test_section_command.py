@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from flangeway.validation.registry import REPRODUCTIONS
+from studies.registry import REPRODUCTIONS
 
 BOX = """
 title = "Box girder"
@@ -75,7 +75,7 @@ def test_reproduce_torsion_quick(call, monkeypatch, tmp_path):
 
 def test_reproduction_that_fails_its_check_is_status_1(call, monkeypatch, tmp_path):
     """When too few numbers are within their limits, the files are written and the status is 1."""
-    from flangeway.validation.torsion import torsion_reproduced as torsion  # noqa: PLC0415
+    from studies.torsion import torsion_reproduced as torsion  # noqa: PLC0415
 
     without_pictures = replace(REPRODUCTIONS["torsion"], brief=False, figures={}, rows={})
     monkeypatch.setitem(REPRODUCTIONS, "torsion", without_pictures)

@@ -24,7 +24,7 @@ from flangeway.problems import (
     Traction,
 )
 from flangeway.solve import Handle, StepSettings
-from flangeway.validation.friction.loaded_bodies import (
+from studies.friction.loaded_bodies import (
     BRACKET,
     PLACES_MM,
     PUBLISHED_MM,

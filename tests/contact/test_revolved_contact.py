@@ -20,7 +20,7 @@ from flangeway.contact import (
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh, rectangle_grid
 from flangeway.post import pressure_patches
-from flangeway.validation.friction.revolved_contact import MODULUS_MPA, PUNCH_DEPTH_MM, flat_punch
+from studies.friction.revolved_contact import MODULUS_MPA, PUNCH_DEPTH_MM, flat_punch
 
 STEEL = Elastic(210e3, 0.3, "axisymmetric")
 LAWS = [Penalty(1e6, per="length"), AugmentedLagrange(1e7, per="length", penetration=1e-9), Multiplier()]

@@ -9,7 +9,7 @@ from flangeway.geometry import circle
 from flangeway.materials import Elastic
 from flangeway.mesh import curved, triangulate
 from flangeway.problems import Body, Part
-from flangeway.validation.curved.curved_hertz import pressures
+from studies.curved.curved_hertz import pressures
 
 
 @pytest.mark.parametrize("element", [Virtual(2), Virtual(3), Lagrange(2)], ids=repr)

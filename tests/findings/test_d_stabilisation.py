@@ -6,7 +6,7 @@ from flangeway.cases.bodies.cook import MIDDLE, cook_grid, solve_cook
 from flangeway.elements import Virtual
 from flangeway.post import displacements_at
 from flangeway.space import Space
-from flangeway.validation.hertz.hertz_reproduced import SurfacePressure, published_case
+from studies.hertz.hertz_reproduced import SurfacePressure, published_case
 
 REFERENCE = 30.7494
 

@@ -13,8 +13,8 @@ from flangeway.railway.profiles.bundled import wheel
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel, with_flange_root
 from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.wheelset.wheelset_result import solve_wheelset
-from flangeway.validation.wheel_rail.variations import contact_name
-from flangeway.validation.wheel_rail.wheel_rail_tables import published_case, published_problem
+from studies.wheel_rail.variations import contact_name
+from studies.wheel_rail.wheel_rail_tables import published_case, published_problem
 
 
 @pytest.mark.parametrize("radius", [30.0, 38.1, 49.2, 60.0])

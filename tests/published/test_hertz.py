@@ -9,7 +9,7 @@ import pytest
 from flangeway.cases.bodies.bodies_model import build_bodies
 from flangeway.contact import press
 from flangeway.solve import StepSettings
-from flangeway.validation.hertz.hertz_reproduced import (
+from studies.hertz.hertz_reproduced import (
     EXTREMES,
     SurfacePressure,
     hertz_row,

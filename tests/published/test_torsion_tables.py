@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from flangeway.validation.torsion.torsion_reproduced import (
+from studies.torsion.torsion_reproduced import (
     TorsionCode,
     convergence_rate,
     published_reading,

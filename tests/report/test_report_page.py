@@ -19,7 +19,7 @@ from flangeway.report.page.tables import SummaryTable
 from flangeway.report.wheelset import wheelset_page as outputs
 from flangeway.report.wheelset.wheelset_page import PICTURES, wheelset_record
 from flangeway.system.output_folder import refuse_unwritable
-from flangeway.validation.registry import REPRODUCTIONS
+from studies.registry import REPRODUCTIONS
 
 VOID = {"meta", "img", "br", "link", "input"}
 

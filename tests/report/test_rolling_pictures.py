@@ -17,7 +17,7 @@ from flangeway.exact.shakedown import shakedown_limits
 from flangeway.report.rolling.creep_curves import curves_figure
 from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure
 from flangeway.report.rolling.shakedown_figure import shakedown_figure
-from flangeway.validation.rolling.rolling_cases import elliptic
+from studies.rolling.rolling_cases import elliptic
 
 
 @pytest.fixture(scope="module")

@@ -1,11 +1,13 @@
 """Shared by the tests of this folder: a reproduction beside its section of the page of validation."""
 
+import csv
 import re
 from pathlib import Path
 
 import pytest
 
-from flangeway.validation.reproduction import section_text
+from studies.published_numbers import numbers_table
+from studies.reproduction import section_text
 
 
 @pytest.fixture(scope="session")
@@ -18,15 +20,13 @@ def same_as_page():
     def compare(chapter, found, *, whole, page=None):
         page = page or (Path(__file__).parents[2] / "docs" / "validation.md").read_text(encoding="utf-8")
         section = page.partition(f"## {chapter.title}\n")[2].partition("\n## ")[0].strip()
-        shown = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", section)
-        fresh = section_text(chapter, found, shown).partition("\n")[2].strip()
+        fresh = section_text(chapter, found).partition("\n")[2].strip()
+        known, computed = rows_of(chapter.title), {row[:2]: row for row in numbers_table(found.numbers).rows}
+        assert computed.keys() <= known.keys()
+        pairs = [(" | ".join(known[key]), " | ".join(row)) for key, row in computed.items()]
         if whole:
-            assert len(fresh.splitlines()) == len(section.splitlines())
-            pairs = list(zip(section.splitlines(), fresh.splitlines(), strict=True))
-        else:
-            known, computed = (folded_rows(text) for text in (section, fresh))
-            assert computed.keys() <= known.keys()
-            pairs = [(known[key], line) for key, line in computed.items()]
+            assert computed.keys() == known.keys()
+            pairs += zip(section.splitlines(), fresh.splitlines(), strict=True)
         for line, again in pairs:
             assert NUMBER.split(line) == NUMBER.split(again)
             for number, value in zip(NUMBER.findall(line), NUMBER.findall(again), strict=True):
@@ -47,8 +47,8 @@ def last_digit(number):
     return 1.01 * 10.0 ** (int(power or 0) - len(fraction))
 
 
-def folded_rows(section):
-    """Rows of the table of all numbers, by their quantity and code."""
-    table = section.partition("<details")[2].partition("</details>")[0]
-    rows = [line for line in table.splitlines() if line.startswith("| ")][2:]
-    return {tuple(line.split(" | ")[:2]): line for line in rows}
+def rows_of(title):
+    """All numbers of a part of the page, as rows of cells by their quantity and code."""
+    with (Path(__file__).parents[2] / "docs" / "validation.csv").open(encoding="utf-8", newline="") as stream:
+        rows = [tuple(row[1:]) for row in csv.reader(stream) if row[0] == title]
+    return {row[:2]: row for row in rows}

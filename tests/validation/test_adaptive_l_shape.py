@@ -8,7 +8,7 @@ from flangeway.errors import InputError
 from flangeway.exact.notch import EXPONENT, Notch
 from flangeway.mesh import check, rectangle_grid
 from flangeway.post.adaptive import adapt
-from flangeway.validation.elasticity.closed_form import EXACT, L_SHAPE, MATERIAL, l_shape
+from studies.elasticity.closed_form import EXACT, L_SHAPE, MATERIAL, l_shape
 
 
 def test_the_exact_stresses_are_those_of_the_exact_displacements():

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from flangeway.validation.friction import ironing
-from flangeway.validation.friction.ironing import ALONG_MM, NORMAL_N_MM, TANGENTIAL_N_MM, TIMES, Ironing
+from studies.friction import ironing
+from studies.friction.ironing import ALONG_MM, NORMAL_N_MM, TANGENTIAL_N_MM, TIMES, Ironing
 
 
 def test_the_published_ratios_in_sliding_are_those_of_the_collection() -> None:

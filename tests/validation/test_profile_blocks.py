@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks.peers.calculix_solid import Solid
 from benchmarks.profile_blocks import blocks
-from flangeway.validation.spatial.profile_blocks import (
+from studies.spatial.profile_blocks import (
     DEPTH,
     HALF,
     RADIUS,

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
-from flangeway.validation.friction.punch_with_friction import (
+from studies.friction.punch_with_friction import (
     COUPLING,
     POISSON,
     STICKING,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from flangeway.validation.en15302.en15302_chapter import CONICITY
-from flangeway.validation.en15302.en15302_reproduced import COMBINATIONS, conicity_table, reproduce_conicity
+from studies.en15302.en15302_chapter import CONICITY
+from studies.en15302.en15302_reproduced import COMBINATIONS, conicity_table, reproduce_conicity
 
 
 @pytest.mark.ci

@@ -2,8 +2,8 @@
 
 import pytest
 
-from flangeway.validation.curved.curved_chapter import CURVED
-from flangeway.validation.curved.curved_reproduced import BODIES, ELEMENTS, error_rows, levels, reproduce_curved
+from studies.curved.curved_chapter import CURVED
+from studies.curved.curved_reproduced import BODIES, ELEMENTS, error_rows, levels, reproduce_curved
 
 
 @pytest.mark.ci

@@ -9,13 +9,13 @@ import pytest
 from flangeway.cases.bodies.cook import ENERGY, CookCode, cook_row
 from flangeway.errors import InputError
 from flangeway.mesh import rectangle_grid, refined
-from flangeway.validation import registry as reproductions
-from flangeway.validation.elasticity import elasticity_reproduced as elasticity
-from flangeway.validation.elasticity.closed_form import PatchCode, closed_form_numbers, cook_reference, patch_row
-from flangeway.validation.elasticity.elasticity_page import hanging_nodes
-from flangeway.validation.elasticity.elasticity_reproduced import COOK, reproduce_elasticity
-from flangeway.validation.published_numbers import Reproduced
-from flangeway.validation.reproduction import Chapter, Reproduction
+from studies import registry as reproductions
+from studies.elasticity import elasticity_reproduced as elasticity
+from studies.elasticity.closed_form import PatchCode, closed_form_numbers, cook_reference, patch_row
+from studies.elasticity.elasticity_page import hanging_nodes
+from studies.elasticity.elasticity_reproduced import COOK, reproduce_elasticity
+from studies.published_numbers import Reproduced
+from studies.reproduction import Chapter, Reproduction
 
 PUBLISHED = {
     "strain energy": 1542.159,

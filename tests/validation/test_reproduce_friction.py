@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from flangeway.validation.friction.friction_chapter import FRICTION
-from flangeway.validation.friction.friction_reproduced import partial_slip_work, reproduce_friction, stick_rows
-from flangeway.validation.friction.sliding_bodies import (
+from studies.friction.friction_chapter import FRICTION
+from studies.friction.friction_reproduced import partial_slip_work, reproduce_friction, stick_rows
+from studies.friction.sliding_bodies import (
     BELT_STRAIN,
     DRUM_MM,
     MU,

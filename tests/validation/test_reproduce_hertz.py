@@ -18,7 +18,7 @@ from flangeway.errors import InputError
 from flangeway.mesh import check
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import print_record
-from flangeway.validation.hertz.hertz_reproduced import (
+from studies.hertz.hertz_reproduced import (
     CODES,
     EXTREMES,
     FORCE_LIMITS,
@@ -27,7 +27,7 @@ from flangeway.validation.hertz.hertz_reproduced import (
     published_value,
     reproduce_hertz,
 )
-from flangeway.validation.registry import REPRODUCTIONS
+from studies.registry import REPRODUCTIONS
 
 pytestmark = pytest.mark.ci
 

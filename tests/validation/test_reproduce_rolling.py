@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.validation.published_numbers import Reproduced
-from flangeway.validation.rolling.rolling_cases import (
+from studies.published_numbers import Reproduced
+from studies.rolling.rolling_cases import (
     Energy,
     coefficients,
     contact_numbers,
@@ -14,8 +14,8 @@ from flangeway.validation.rolling.rolling_cases import (
     plane_numbers,
     published,
 )
-from flangeway.validation.rolling.rolling_chapter import ROLLING
-from flangeway.validation.rolling.rolling_rollers import falling_numbers, free_numbers
+from studies.rolling.rolling_chapter import ROLLING
+from studies.rolling.rolling_rollers import falling_numbers, free_numbers
 
 
 def test_cylinders_materials_and_examples_are_those_of_the_page(same_as_page) -> None:

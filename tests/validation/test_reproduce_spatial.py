@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.validation.published_numbers import Reproduced
-from flangeway.validation.spatial.cosine_loads import exact_bar, revolution_numbers
-from flangeway.validation.spatial.patches import half_space_contact, published_gaps
-from flangeway.validation.spatial.point_loads import meshed_rail, transformed
-from flangeway.validation.spatial.spatial_chapter import SPATIAL
+from studies.published_numbers import Reproduced
+from studies.spatial.cosine_loads import exact_bar, revolution_numbers
+from studies.spatial.patches import half_space_contact, published_gaps
+from studies.spatial.point_loads import meshed_rail, transformed
+from studies.spatial.spatial_chapter import SPATIAL
 
 
 def test_bodies_of_revolution_are_those_of_the_page(same_as_page) -> None:

@@ -5,10 +5,10 @@ import csv
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.validation.published_numbers import write_numbers
-from flangeway.validation.registry import REPRODUCTIONS
-from flangeway.validation.reproduction import find_reproductions
-from flangeway.validation.torsion.torsion_reproduced import LIMITS, reproduce_torsion
+from studies.published_numbers import write_numbers
+from studies.registry import REPRODUCTIONS
+from studies.reproduction import find_reproductions
+from studies.torsion.torsion_reproduced import LIMITS, reproduce_torsion
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from flangeway.validation.vem_contact.vem_contact_chapter import VEM_CONTACT
-from flangeway.validation.vem_contact.vem_contact_reproduced import (
+from studies.vem_contact.vem_contact_chapter import VEM_CONTACT
+from studies.vem_contact.vem_contact_reproduced import (
     CODES,
     LEVELS,
     PAIRINGS,

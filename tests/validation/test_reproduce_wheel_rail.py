@@ -12,10 +12,10 @@ from rich.console import Console
 
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import print_record
-from flangeway.validation.registry import REPRODUCTIONS
-from flangeway.validation.wheel_rail.variations import contact_name, extrapolated_differences_mm
-from flangeway.validation.wheel_rail.wheel_rail_reproduced import WheelRailReproduction, reproduce_wheel_rail
-from flangeway.validation.wheel_rail.wheel_rail_tables import CASES, CODES
+from studies.registry import REPRODUCTIONS
+from studies.wheel_rail.variations import contact_name, extrapolated_differences_mm
+from studies.wheel_rail.wheel_rail_reproduced import WheelRailReproduction, reproduce_wheel_rail
+from studies.wheel_rail.wheel_rail_tables import CASES, CODES
 
 pytestmark = pytest.mark.ci
 

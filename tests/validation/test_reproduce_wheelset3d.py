@@ -8,11 +8,11 @@ import pytest
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.railway.spatial.running_surfaces import running_surfaces
 from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
-from flangeway.validation.published_numbers import published_rows
-from flangeway.validation.rolling.manchester_rolling import creep_numbers
-from flangeway.validation.rolling.rolling_cases import Energy
-from flangeway.validation.wheelset3d.manchester import CASE, BenchmarkPosition, benchmark_numbers
-from flangeway.validation.wheelset3d.one_wheel import FIXED, PressedWheel, as_half_spaces, pressed_wheel
+from studies.published_numbers import published_rows
+from studies.rolling.manchester_rolling import creep_numbers
+from studies.rolling.rolling_cases import Energy
+from studies.wheelset3d.manchester import CASE, BenchmarkPosition, benchmark_numbers
+from studies.wheelset3d.one_wheel import FIXED, PressedWheel, as_half_spaces, pressed_wheel
 
 ROW = 12  # y = 6 mm
 

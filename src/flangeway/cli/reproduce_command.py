@@ -1,5 +1,7 @@
 """``flangeway reproduce``."""
 
+import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -30,7 +32,7 @@ Page = Annotated[
     typer.Option(
         "--page",
         metavar="FILE.md",
-        help="Write the page of validation with its pictures in images/ beside it; of one NAME: its chapter of a page.",
+        help="Write the page of validation, with all numbers in FILE.csv; of one NAME: its chapter of a page.",
         show_default=False,
         parser=path_given,
     ),
@@ -41,8 +43,9 @@ Page = Annotated[
 @shows_results
 def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, out: Out = None, *, show: Show) -> bool:
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
-    from flangeway.validation.registry import REPRODUCTIONS  # noqa: PLC0415
-    from flangeway.validation.reproduction import (  # noqa: PLC0415
+    _find_studies()
+    from studies.registry import REPRODUCTIONS  # noqa: PLC0415
+    from studies.reproduction import (  # noqa: PLC0415
         Verdict,
         check_page,
         find_reproductions,
@@ -63,7 +66,7 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
                 "a page of all, whose chapter is replaced",
                 f"flangeway reproduce all --page {page}",
             )
-        check_page(page, [reproduction.chapter for reproduction in wanted.values()])
+        check_page(page)
     verdicts: dict[str, Verdict] = {}
     sections, summaries = [], {}
     for key, reproduction in wanted.items():
@@ -78,7 +81,7 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
         record = reproduction.record(key, found, f"flangeway reproduce {key}{' --quick' * quick}")
         show.record(record, folder / key, last=False)
         if page is not None:
-            sections.append(make_section(reproduction.chapter, found, page))
+            sections.append(make_section(reproduction.chapter, found))
         verdicts[key], summaries[key] = Verdict.of(found), record.summary
     if page is not None:
         every = len(wanted) == len(REPRODUCTIONS)
@@ -87,3 +90,19 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
         print_verdicts(stdout(), verdicts)
     show.json(summaries if len(summaries) > 1 else summaries[name])
     return all(verdict.passed for verdict in verdicts.values())
+
+
+def _find_studies() -> None:
+    """Make the package `studies` importable from the checkout if flangeway is run from its sources.
+
+    A wheel has it beside the package. It is an `InputError` if there is none.
+    """
+    root = Path(__file__).parents[3]
+    if (root / "studies" / "registry.py").is_file() and str(root) not in sys.path:
+        sys.path.insert(0, str(root))
+    if find_spec("studies") is None or find_spec("studies.registry") is None:
+        raise InputError(
+            f"no folder of studies in {root}",
+            "a checkout of flangeway or an installation from its wheel, both of which have the folder `studies`",
+            "install flangeway again from its wheel",
+        )

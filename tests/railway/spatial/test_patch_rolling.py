@@ -18,7 +18,7 @@ from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch, box_of
 from flangeway.railway.spatial.running_surfaces import running_surfaces
 from flangeway.railway.spatial.spatial_result import solve_position
 from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
-from flangeway.validation.wheelset3d.one_wheel import as_half_spaces
+from studies.wheelset3d.one_wheel import as_half_spaces
 
 CASE = SpatialWheelsetCase.from_values({"size_scale": 6.0, "order": 1, "rail_support": "continuous"})
 

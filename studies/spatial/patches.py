@@ -1,0 +1,286 @@
+"""Contact patches in three dimensions: Hertz's ellipses, and conforming bodies."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.contact.patch.normal_contact import Convolution, solve_normal
+from flangeway.contact.patch.patch_body import Axis, PatchBody
+from flangeway.contact.patch.patch_contact import PatchContact, PatchPair, press_patch
+from flangeway.contact.patch.patch_grid import grid_about
+from flangeway.elements import Lagrange
+from flangeway.exact import PointContact, contact_modulus, half_space_influence
+from flangeway.geometry import Arc, Line, Outline, Point, Segment
+from flangeway.materials import Elastic
+from flangeway.mesh import Refinement, triangulate
+from flangeway.problems import Elasticity, Harmonic
+from flangeway.space import Space
+from flangeway.types import Floats
+from studies.published_numbers import ReproducedNumber, compare, published_rows
+
+HERTZ_STEEL = Elastic(210e3, 0.3)
+RADIUS, RATIOS = 300.0, (1.0, 2.0, 5.0, 20.0)
+"""Radius in mm of the prism's crown, and those of the cylinders across it, over the crown's."""
+SEMI_AXIS = 4.0
+"""Smaller semi-axis in mm, which the force is chosen for."""
+HALF_BLOCK, DEPTH = 200.0, 300.0
+"""Half width and depth of the blocks in mm."""
+LIMITS = {"a_mm": 3e-3, "b_mm": 3e-3, "p0_MPa": 2e-3, "approach_mm": 5e-3}
+
+STEEL = Elastic(209920.0, 0.28)
+"""G = 82000 MPa, as published for the conforming bodies."""
+CONVEX, CONCAVE, ROLLING, ANGLE = 10.0, 10.2, 460.0, np.pi / 4.0
+"""Radii across of rail and wheel, radius of the wheel at the contact, and the angle of the contact, as published."""
+CONFORMAL_CELL = 0.2
+CONFORMAL_WINDOW = (13.5, 17.0)
+CONFORMAL_APPROACH = 0.09089
+ARM = 50.0
+"""Length of the flat sides of both bodies beyond their arcs in mm, and the wheel's depth behind them."""
+HERTZ_SIZES, CONFORMAL_SIZES, BLOCK_SIZES = (0.25, 40.0), (0.35, 12.0), (0.3, 3.0)
+"""Edges in the contact and elsewhere in mm."""
+CONFORMAL_LIMITS = {"force": 5e-3, "p0": 5e-3, "area": 0.03}
+BODIES_CELL, BODIES_WINDOW = 0.4, (14.4, 24.0)
+BLOCK_MESHES = ("1", "0.7")
+"""Edges of CalculiX's elements in mm."""
+BODIES_LIMITS, BLOCK_LIMIT = {"p0": 0.03, "area": 0.06}, 0.01
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Two conforming blocks, sectors of rings about one another: lengths in mm, angles from the vertical.
+
+    The lower one is held at its inner arc. The upper one's surface turns about an axis at a distance `rolling` above
+    the first touch; it is moved down at its outer arc.
+    """
+
+    inner: float = 4.0
+    convex: float = 10.0
+    concave: float = 10.2
+    outer: float = 22.0
+    rolling: float = 300.0
+    lower_angle: float = np.pi / 2.0
+    upper_angle: float = 1.3
+    approach: float = 0.04
+
+
+BLOCK = Blocks()
+
+
+@dataclass(frozen=True, eq=False)
+class HertzPatch:
+    """A patch beside Hertz's.
+
+    Parameters
+    ----------
+    code
+        Which.
+    found
+        Pressures.
+    exact
+        Hertz's contact.
+
+    """
+
+    code: str
+    found: PatchContact
+    exact: PointContact
+
+
+def hertz_patches() -> Iterator[HertzPatch]:
+    """A crowned prism below cylinders of several radii."""
+    modulus = contact_modulus(HERTZ_STEEL.plane_modulus, HERTZ_STEEL.plane_modulus)
+    for ratio in RATIOS:
+        unit = PointContact(1e3, RADIUS, RADIUS * ratio, modulus)
+        force = round(1e3 * (SEMI_AXIS / min(unit.semi_axes)) ** 3, -2)
+        low = crowned("prism", RADIUS)
+        high = crowned("cylinder", None, RADIUS * ratio)
+        code = f"hertz_{RADIUS:g}_{RADIUS * ratio:g}"
+        yield HertzPatch(
+            code, press_patch(low, high, force=force), PointContact(force, RADIUS, RADIUS * ratio, modulus)
+        )
+
+
+def hertz_numbers(solved: HertzPatch) -> Iterator[ReproducedNumber]:
+    """Semi-axes, maximum pressure and approach of one patch."""
+    exact, found = solved.exact, solved.found
+    patch, force = found.patches[0], exact.force
+    correction = force * _block_constant(found, HERTZ_STEEL)
+    values = (
+        (max(exact.semi_axes), patch.semi_axes[0]),
+        (min(exact.semi_axes), patch.semi_axes[1]),
+        (exact.max_pressure, patch.max_pressure),
+        (exact.approach, found.approach - correction),
+    )
+    note = f"{force:g} N; the finite blocks add {correction:.4f} mm to the approach"
+    for (name, limit), pair in zip(LIMITS.items(), values, strict=True):
+        yield compare("Hertz", solved.code, name, name.rpartition("_")[2], pair, limit, note)
+
+
+def _block_constant(found: PatchContact, material: Elastic) -> float:
+    """Displacement of both bodies by a unit force at the end of the window, less that of half-spaces."""
+    grid = found.pair.grid
+    middle, last = len(grid.widths) // 2, grid.n_strips - 1
+    exact = half_space_influence(material.young, material.poisson, grid.bounds, grid.strip, last + 1, (1,))
+    total = sum(
+        float(table.influence(grid.strip, last + 1, axes=(1,))[last, middle, middle]) for table in found.pair.tables
+    )
+    return total - 2.0 * float(exact[last, middle, middle])
+
+
+def crowned(name: str, crown: float | None, turning: float | None = None) -> PatchBody:
+    """Return a prism below y = 0 with a round top, or a cylinder about an axis above y = 0, held at its other end."""
+    half, up = HALF_BLOCK, -1.0 if crown is None else 1.0
+    drop = 0.0 if crown is None else float(np.sqrt(crown**2 - half**2)) - crown
+    first, second, *others = (half * up, drop), (-half * up, drop), (-half * up, -DEPTH * up), (half * up, -DEPTH * up)
+    top = Line(first, second) if crown is None else Arc(first, second, (0.0, -crown), counter_clockwise=True)
+    outline = _closed([top], others, ["surface", "left", "held", "right"])
+    zone = np.array([[-2.0 * SEMI_AXIS, 0.0], [2.0 * SEMI_AXIS, 0.0]])
+    return _patch_body(name, outline, HERTZ_STEEL, zone, HERTZ_SIZES, None if turning is None else Axis((0.0, turning)))
+
+
+def _closed(segments: Sequence[Segment], others: Sequence[Point], names: Sequence[str]) -> Outline:
+    """Outline of segments and of lines from their end through other points to their start."""
+    corners = [segments[-1].end, *others, segments[0].start]
+    return Outline.from_segments([*segments, *map(Line, corners, corners[1:])], names)
+
+
+def _patch_body(
+    name: str, outline: Outline, material: Elastic, zone: Floats, sizes: tuple[float, float], axis: Axis | None = None
+) -> PatchBody:
+    """Mesh a body that is held at its sides ``held...`` and touched at ``surface...``."""
+    mesh = triangulate(outline, size=sizes[1], refinements=[Refinement(zone, sizes[0], 0.3)])
+    touched, held = ([each for each in outline.names if each.startswith(what)] for what in ("surface", "held"))
+    body = Elasticity(Space(mesh, Lagrange(2)), material, name=name)
+    edges = np.vstack([mesh.edge_set(each) for each in touched]).astype(np.int64)
+    return PatchBody(Harmonic(body, held=dict.fromkeys(held, "xyz")), edges, outline.part(touched), axis=axis)
+
+
+# conforming bodies
+
+
+def half_space_contact(gap: str) -> tuple[float, float, float]:
+    """Sum of the forces, maximum pressure and area of the published bodies by the coefficients of half-spaces."""
+    n_cells, n_strips = (round(length / CONFORMAL_CELL) for length in CONFORMAL_WINDOW)
+    bounds: Floats = CONFORMAL_CELL * (np.arange(n_cells + 1, dtype=np.float64) - n_cells / 2.0)
+    along: Floats = CONFORMAL_CELL * (np.arange(n_strips, dtype=np.float64) - (n_strips - 1) / 2.0)
+    single = half_space_influence(STEEL.young, STEEL.poisson, bounds, CONFORMAL_CELL, n_strips, (1,))
+    gaps, shares = published_gaps(bounds, along, gap)
+    found = solve_normal(Convolution(2.0 * single), gaps, approach=CONFORMAL_APPROACH, share=shares)
+    pressures = found.forces / CONFORMAL_CELL**2
+    return float(found.forces.sum()), float(pressures.max()), float((pressures > 0.0).sum()) * CONFORMAL_CELL**2
+
+
+def published_gaps(bounds: Floats, along: Floats, gap: str) -> tuple[Floats, Floats]:
+    """Gaps of the published bodies along the normals of the rail, and the normals' share along that of the contact.
+
+    Parameters
+    ----------
+    bounds
+        Ends of the cells as arc lengths on the rail from the contact.
+    along
+        Middles of the strips.
+    gap
+        ``"parabolic"``, or ``"half-space"``: arcs across, and along z the one curvature that the published numbers
+        have. The wheel's is smaller on one side, where its surface is steeper.
+
+    """
+    places = (bounds[1:] + bounds[:-1]) / 2.0
+    if gap == "parabolic":
+        across = places**2 * (1.0 / CONVEX - 1.0 / CONCAVE) / 2.0
+        return across[:, None] + along**2 * np.cos(ANGLE) / ROLLING / 2.0, np.ones((len(places), 1))
+    angles, apart = places / CONVEX, CONCAVE - CONVEX
+    # from the rail's centre; the wheel's is lower along the normal of the contact
+    radii = np.sqrt(CONCAVE**2 - (apart * np.sin(angles)) ** 2) - apart * np.cos(angles)
+    across, shares = (radii - CONVEX)[:, None], np.cos(angles)[:, None]
+    return across + along**2 * np.cos(ANGLE) / ROLLING / 2.0, shares
+
+
+def conforming_bodies() -> tuple[PatchBody, PatchBody]:
+    """Rail and wheel with flat sides, turned so that the normal of the contact is along y."""
+    sine, cosine = float(np.sin(ANGLE)), float(np.cos(ANGLE))
+    bodies = []
+    for name, radius, upper in (("rail", CONVEX, False), ("wheel", CONCAVE, True)):
+        turn = -1.0 if upper else 1.0
+        end = np.array([radius * sine, radius * (cosine - 1.0)])
+        foot = end + ARM * np.array([cosine, -sine])
+        beyond = foot + ARM * np.array([sine, cosine])
+        right, far, out = ((float(turn * x), float(y)) for x, y in (end, foot, beyond))
+        left, other, back = ((-x, y) for x, y in (right, far, out))
+        arc = Arc(right, left, (0.0, -radius), counter_clockwise=not upper)
+        others, names = (
+            ([back, (0.0, out[1] + abs(out[0])), out], ["end", "held", "held too", "start"])
+            if upper
+            else ([], ["held"])
+        )
+        names = ["surface before", "surface", "surface after", *names]
+        outline = _closed([Line(far, right), arc, Line(left, other)], others, names)
+        angles = np.linspace(-ANGLE, ANGLE, 41)
+        zone = radius * np.stack((np.sin(angles), np.cos(angles) - 1.0), axis=1)
+        axis = Axis((-ROLLING * sine, ROLLING * cosine), (cosine, sine)) if upper else None
+        bodies.append(_patch_body(name, outline, STEEL, zone, CONFORMAL_SIZES, axis))
+    return bodies[0], bodies[1]
+
+
+def conforming_blocks() -> tuple[PatchBody, PatchBody]:
+    """Both sectors of `BLOCK`, their first touch at the origin."""
+    bodies = []
+    for name, radius, held, half in (
+        ("lower", BLOCK.convex, BLOCK.inner, BLOCK.lower_angle),
+        ("upper", BLOCK.concave, BLOCK.outer, BLOCK.upper_angle),
+    ):
+        upper = held > radius
+        centre = (0.0, -radius)
+        turn = -1.0 if upper else 1.0
+        sine, height = turn * float(np.sin(half)), float(np.cos(half))
+        right, left, inside, back = (
+            (x * each, each * height - radius)
+            for x, each in ((sine, radius), (-sine, radius), (-sine, held), (sine, held))
+        )
+        top = Arc(right, left, centre, counter_clockwise=not upper)
+        bottom = Arc(inside, back, centre, counter_clockwise=upper)
+        outline = Outline.from_segments(
+            [top, Line(left, inside), bottom, Line(back, right)], ["surface", "left", "held", "right"]
+        )
+        angles = np.linspace(-0.6, 0.6, 31)
+        zone = radius * np.stack((np.sin(angles), np.cos(angles) - 1.0), axis=1)
+        axis = Axis((0.0, BLOCK.rolling)) if upper else None
+        bodies.append(_patch_body(name, outline, STEEL, zone, BLOCK_SIZES, axis))
+    return bodies[0], bodies[1]
+
+
+def conforming_patches() -> tuple[PatchPair, PatchContact]:
+    """The published bodies on a grid, and both blocks."""
+    first, second = conforming_bodies()
+    pair = PatchPair(first, second, grid_about(first, second, BODIES_CELL, BODIES_WINDOW))
+    return pair, press_patch(*conforming_blocks(), approach=BLOCK.approach)
+
+
+def conforming_numbers(bodies: PatchPair, block: PatchContact) -> Iterator[ReproducedNumber]:
+    """Forces and pressures beside the published half-space, the published finite elements, and CalculiX."""
+    published, units = _published("conformal"), {"force": "N", "p0": "MPa", "area": "mm2"}
+    for gap in ("parabolic", "half-space"):
+        for (name, unit), value in zip(units.items(), half_space_contact(gap), strict=True):
+            yield compare("Conformal", gap, name, unit, (published[gap, name], value), CONFORMAL_LIMITS[name])
+    # the published gap on the real bodies, with the published sum of forces
+    grid, code = bodies.grid, "finite_elements"
+    gaps, shares = published_gaps(grid.bounds - bodies.first.length / 2.0, grid.along, "half-space")
+    total = published[code, "force"]
+    first = solve_normal(bodies.influence, gaps, force=total, share=shares)
+    found = solve_normal(bodies.influence, gaps, force=total**2 / float(first.forces.sum()), share=shares)
+    cells = grid.widths[:, None] * grid.strip
+    values = float((found.forces / cells).max()), float(((found.forces > 0.0) * cells).sum())
+    note = "by the real bodies at the published force; the published ones and their supports are not known"
+    for name, value in zip(("p0", "area"), values, strict=True):
+        yield compare("Conformal", code, name, units[name], (published[code, name], value), BODIES_LIMITS[name], note)
+    for name, value in (("force", float(block.force[1])), ("p0", float(block.pressures.max()))):
+        coarse, fine = (_published("block")[size, name] for size in BLOCK_MESHES)
+        ratio = float(BLOCK_MESHES[0]) / float(BLOCK_MESHES[1])
+        exact = fine + (fine - coarse) / (ratio**2 - 1.0)
+        note = f"by C3D20 of CalculiX, {fine:.6g} with edges of {BLOCK_MESHES[1]} mm, extrapolated over their square"
+        yield compare("Conformal", "block", name, units[name], (exact, value), BLOCK_LIMIT, note)
+
+
+def _published(case: str) -> dict[tuple[str, str], float]:
+    rows = published_rows("spatial.csv")
+    return {(row["code"], row["quantity"]): float(row["value"]) for row in rows if row["case"] == case}

@@ -1,0 +1,325 @@
+"""Loads on a small area: a square on a half-space, and a wheel's load on a rail on a foundation."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from flangeway.cases.section.section_run import SectionOptions, find_section, run_section, usual_size
+from flangeway.elements import Lagrange, monomials
+from flangeway.geometry import polygon
+from flangeway.materials import Elastic
+from flangeway.mesh import Refinement, triangulate
+from flangeway.post import SectionConstants
+from flangeway.problems import Elasticity, Foundation, Harmonic, LongitudinalTraction, Traction
+from flangeway.solve import HarmonicSolution, solve_harmonic
+from flangeway.space import Space
+from flangeway.space.functions import cell_quadrature
+from flangeway.types import Floats
+from studies.published_numbers import ReproducedNumber, compare, percent, published_rows
+from studies.spatial.cosine_loads import fields_at
+
+SQUARE = Elastic(2.56, 0.28)
+SQUARE_LIMIT = 3e-3
+TANGENTIAL = 0.999
+BLOCK = 60.0
+"""Depth and half width of the block that stands for a half-space, over the side of the square."""
+FAR = 8.0
+"""Distance from the square along z, where the block's displacement differs from a half-space's by its rigid motion."""
+SQUARE_WAVES: Floats = np.geomspace(1e-3, 60.0, 36)
+
+RAIL, STEEL = "136RE", Elastic(210e3, 0.3)
+FOUNDATIONS = (3.0, 30.0)
+"""Under the whole foot of the rail in N/mm per mm: a weak one, and that of a good track."""
+ALONG_FOUNDATION = 0.01
+"""Foundation along the rail over that across it."""
+ECCENTRICITIES = (0.0, 20.0)
+COARSER = 1.4
+"""Size of the elements over the usual one."""
+LOADED = 8.0
+"""Half width of the loaded strip across, in mm."""
+STRIP = 12.0
+"""Its length along the rail in mm."""
+RAIL_WAVES: Floats = np.geomspace(1e-5, 0.5, 33)
+LONG_WAVES: Floats = np.array([2e-3, 1e-3, 5e-4])
+"""Per mm, from which the limit of long waves is extrapolated."""
+SLICES = 400
+"""Horizontal slices of the section for its shear area."""
+BEAM_LIMIT, STIFFNESS_LIMIT = 0.02, 1e-4
+
+
+def transformed(waves: Floats, amplitudes: Floats, length: float, distance: float = 0.0) -> Floats:
+    """Field at a distance along z by a uniform load on a strip about z = 0.
+
+    ``(1 / pi) int A(k) L sinc(k L / 2) cos kz dk``, A a cubic spline over log k that is constant below the least
+    wavenumber; above the normal_stress one it has to be 0.
+
+    Parameters
+    ----------
+    waves
+        Wavenumbers, rising, shape (n_k,).
+    amplitudes
+        Of the field by a load of amplitude 1 per area, shape (n_k, ...).
+    length, distance
+        Length of the strip, and place of the field.
+
+    """
+    spline = CubicSpline(np.log(waves), amplitudes, bc_type="natural")
+    least, most = waves[0], waves[-1]
+    k = np.concatenate(([0.0], np.geomspace(least, most, int(20.0 * most * (length + distance)) + 4000)))
+    weights = np.zeros(len(k))
+    weights[1:] += np.diff(k) / 2.0
+    weights[:-1] += np.diff(k) / 2.0
+    weights *= length * np.sinc(k * length / (2.0 * np.pi)) * np.cos(k * distance) / np.pi
+    result: Floats = np.tensordot(weights, spline(np.log(np.maximum(k, least))), axes=1)
+    return result
+
+
+def square_numbers() -> Iterator[ReproducedNumber]:
+    """Displacements and stresses below the centre of a loaded square, the tangential traction across or along z."""
+    rows = [row for row in published_rows("spatial.csv") if row["case"] == "square"]
+    depths = sorted({float(row["code"]) for row in rows})
+    places = np.array([[0.0, -depth] for depth in depths])
+    amplitudes = np.array(
+        [
+            [np.hstack(fields_at(each, solve_harmonic(each, k).amplitudes, k, places)) for each in _block()]
+            for k in SQUARE_WAVES.tolist()
+        ]
+    )
+    # stresses xx, yy, zz, xy, yz, xz and displacements x, y, z
+    near = transformed(SQUARE_WAVES, amplitudes, 1.0)
+    far = transformed(SQUARE_WAVES, amplitudes[:, :, 0, 6:], 1.0, FAR)
+    # Boussinesq and Cerruti: a half-space's surface at a distance z from a force along x, -y or z
+    compliance = 1.0 / (2.0 * np.pi * SQUARE.shear_modulus * FAR)
+    half_space = compliance * np.array([TANGENTIAL * (1.0 - SQUARE.poisson), SQUARE.poisson - 1.0, TANGENTIAL])
+    near[0, :, 6:8] -= far[0, :2] - half_space[:2]
+    near[1, :, 8] -= far[1, 2] - half_space[2]
+    for row in rows:
+        exact, name, depth = float(row["value"]), row["quantity"], float(row["code"])
+        one, other = near[:, depths.index(depth)]
+        sxx, syy, szz, sxy = one[:4]
+        normal_stress = abs(float(syy))
+        found = {
+            "u_x": ((one[6], "across"), (other[8], "along")),
+            "u_z": ((-one[7], ""),),
+            "s_xx": ((sxx, ""),),
+            "s_yy": ((szz, ""),),
+            "s_zz": ((syy, ""),),
+            "s_xz": ((-sxy, "across"), (-other[4], "along")),
+            "von_Mises": (
+                (np.sqrt(((sxx - syy) ** 2 + (syy - szz) ** 2 + (szz - sxx) ** 2) / 2.0 + 3.0 * sxy**2), ""),
+            ),
+        }[name]
+        for value, which in found:
+            small = name.startswith("s_") and abs(exact) < normal_stress / 2.0
+            yield compare(
+                "Square", f"depth {depth:g} {which}".strip(), name, "", (exact, float(value)), SQUARE_LIMIT,
+                words=f"{percent(SQUARE_LIMIT)} of s_zz" if small else None,
+                within=abs(value - exact) <= SQUARE_LIMIT * normal_stress if small else None,
+            )  # fmt: skip
+
+
+def _block() -> tuple[Harmonic, Harmonic]:
+    """A block with tractions down and across, and along, on the middle of its top."""
+    top = (BLOCK, 0.5, -0.5, -BLOCK)
+    outline = polygon(
+        [(-BLOCK, -BLOCK), (BLOCK, -BLOCK), *((x, 0.0) for x in top)],
+        ["base", "right", "top right", "loaded", "top left", "left"],
+    )
+    zones = [Refinement(np.array([[x, 0.0]]), 0.015, 0.25) for x in (-0.5, 0.5)]
+    zones.append(Refinement(np.array([[0.0, 0.0], [0.0, -3.0]]), 0.06, 0.25))
+    space = Space(triangulate(outline, size=20.0, refinements=zones), Lagrange(2))
+    held: dict[str | tuple[float, float], str] = {"base": "xyz"}
+    return (
+        Harmonic(Elasticity(space, SQUARE, loads=[Traction("loaded", (TANGENTIAL, -1.0))]), held=held),
+        Harmonic(Elasticity(space, SQUARE), [LongitudinalTraction("loaded", TANGENTIAL)], held=held),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class RailRow:
+    """A rail under a force of 1 N on a short strip: a row of ``rail.csv``, in N and mm.
+
+    Parameters
+    ----------
+    foundation
+        Under the foot, in N/mm per mm.
+    eccentricity
+        Of the load, measured on the mesh.
+    deflection, twist, moment
+        Of the foot below the load, its rotation about the rail, and the bending moment of the section there.
+    beam_deflection, beam_twist, beam_moment
+        The same of Euler and Bernoulli's beam with Saint-Venant's and Vlasov's torsion.
+    shear_deflection
+        Deflection of Timoshenko's beam.
+
+    """
+
+    foundation: float
+    eccentricity: float
+    deflection: float
+    twist: float
+    moment: float
+    beam_deflection: float
+    beam_twist: float
+    beam_moment: float
+    shear_deflection: float
+
+
+@dataclass(frozen=True, eq=False)
+class Rail:
+    """A meshed rail.
+
+    Parameters
+    ----------
+    space
+        Its section; the foot is the edge set ``base``, the strips of the load are ``load 0``, ``load 1``, ...
+    constants
+        Of the section.
+    foot
+        Width of the foot's base.
+
+    """
+
+    space: Space
+    constants: SectionConstants
+    foot: float
+
+    def harmonic(self, loads: list[Traction], foundation: float) -> Harmonic:
+        """Return the rail with loads on a foundation."""
+        body, each = Elasticity(self.space, STEEL, loads=loads), foundation / self.foot
+        supports = [Foundation("base", each, each, ALONG_FOUNDATION * each)] if foundation else []
+        return Harmonic(body, foundations=supports)
+
+    def length(self, edges: str) -> float:
+        """Length of an edge set."""
+        ends = self.space.mesh.points[self.space.mesh.edge_set(edges)]
+        return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())
+
+    @property
+    def shear_area(self) -> float:
+        """Area with which a vertical shear force deflects the rail (Jourawski), ``I^2 / int Q^2 / b dy``."""
+        mesh, centre = self.space.mesh, self.constants.centroid[1]
+        first, last = mesh.points[mesh.boundary_edges].swapaxes(0, 1)
+        low, high = float(mesh.points[:, 1].min()), float(mesh.points[:, 1].max())
+        step = (high - low) / SLICES
+        levels = low + step * (np.arange(SLICES) + 0.5)
+        share = (levels[:, None] - first[:, 1]) / np.where(first[:, 1] == last[:, 1], np.inf, last[:, 1] - first[:, 1])
+        crossed = np.sign(last[:, 1] - first[:, 1]) * (first[:, 0] + share * (last[:, 0] - first[:, 0]))
+        crosses = (first[:, 1] - levels[:, None]) * (last[:, 1] - levels[:, None]) < 0.0
+        widths = np.where(crosses, crossed, 0.0).sum(axis=1)
+        moments = np.cumsum(((levels - centre) * widths)[::-1])[::-1] * step
+        return self.constants.second_moments[0] ** 2 / float((moments**2 / widths).sum() * step)
+
+
+def meshed_rail() -> Rail:
+    """Return the rail with its loaded strips."""
+    drawn = find_section(RAIL)
+    run = run_section(drawn, SectionOptions(size=COARSER * usual_size(drawn.section)))
+    mesh = run.space.mesh
+    edges = mesh.boundary_edges
+    middles = mesh.points[edges].mean(axis=1)
+    for number, place in enumerate(ECCENTRICITIES):
+        on_head = (np.abs(middles[:, 0] - place) < LOADED) & (middles[:, 1] > middles[:, 1].max() - LOADED)
+        mesh = mesh.with_edge_set(f"load {number}", edges[on_head])
+    space = Space(mesh, run.options.element)
+    return Rail(space, run.constants, float(np.ptp(mesh.points[mesh.edge_set("base")][..., 0])))
+
+
+def rail_rows(rail: Rail) -> Iterator[RailRow]:
+    """Deflection, twist and moment of a rail below its load, and those of the beam."""
+    constants = rail.constants
+    vertical, lateral, twisting, warping = STEEL.young * np.array(
+        [*constants.second_moments[:2], constants.torsion_constant / 2.6, constants.warping_constant]
+    )
+    shear, height, waves = rail.shear_area * STEEL.shear_modulus, constants.shear_centre[1], RAIL_WAVES
+    foot_nodes = np.unique(rail.space.edge_nodes(rail.space.mesh.edge_set("base")))
+    across = rail.space.nodes[foot_nodes, 0]
+    for foundation in FOUNDATIONS:
+        for number in range(len(ECCENTRICITIES)):
+            edges = f"load {number}"
+            harmonic = rail.harmonic([Traction(edges, (0.0, -1.0 / rail.length(edges)))], foundation)
+            forces = harmonic.load_vector()[: rail.space.n_nodes, 1]
+            eccentricity = -float(forces @ rail.space.nodes[:, 0])
+            found = [solve_harmonic(harmonic, k) for k in waves.tolist()]
+            foot: Floats = np.array([np.polyfit(across, each.amplitudes[foot_nodes, 1], 1) for each in found])
+            moments: Floats = np.array([_moment(each, constants.centroid[1]) for each in found])
+            # the beam at each wavenumber: vertical, and lateral at the shear centre with the twist about it
+            bending = 1.0 / (vertical * waves**4 + foundation)
+            sheared = 1.0 / (vertical * waves**4 / (1.0 + vertical * waves**2 / shear) + foundation)
+            sideways, coupling = lateral * waves**4 + foundation, foundation * height
+            about = warping * waves**4 + twisting * waves**2 + foundation * (height**2 + rail.foot**2 / 12.0)
+            twist = -eccentricity * sideways / (sideways * about - coupling**2)
+            at_load = partial(transformed, waves, length=STRIP)
+            (slope, down), lowered, turned = at_load(foot) / STRIP, at_load(bending) / STRIP, at_load(twist) / STRIP
+            yield RailRow(
+                foundation, eccentricity,
+                -float(down + slope * eccentricity), float(slope), float(at_load(moments)) / STRIP,
+                float(lowered - turned * eccentricity), float(turned),
+                float(at_load(vertical * waves**2 * bending)) / STRIP,
+                float(at_load(sheared) / STRIP - turned * eccentricity),
+            )  # fmt: skip
+
+
+def rail_numbers(rail: Rail, rows: list[RailRow]) -> Iterator[ReproducedNumber]:
+    """The rail beside beams, and its answers to long waves beside the constants of its section."""
+    for row in rows:
+        code = f"U={row.foundation:g} e={abs(row.eccentricity):.0f}"
+        weak = row.foundation == FOUNDATIONS[0]
+        note = "without shear, which adds more than 2 % on a stiff foundation"
+        beams = (("deflection", row.beam_deflection, weak), ("deflection, with shear", row.shear_deflection, True))
+        for name, beam, limited in beams:
+            words = None if limited else ""
+            yield compare(
+                "Rail", code, name, "mm/N", (beam, row.deflection), BEAM_LIMIT, note * (not limited), words=words
+            )
+        yield compare("Rail", code, "bending moment", "mm", (row.beam_moment, row.moment), BEAM_LIMIT)
+        if row.eccentricity > 1.0:
+            note = "the web bends: the section does not keep its shape, as that of a beam"
+            yield compare("Rail", code, "twist of the foot", "1/N", (row.beam_twist, row.twist), 0.02, note, words="")
+    constants = rail.constants
+    exact = STEEL.young * np.array(
+        [constants.area, constants.second_moments[0], constants.torsion_constant / 2.0 / (1.0 + STEEL.poisson)]
+    )
+    for name, unit, beam, value in zip(
+        ("EA", "EI", "GJ"), ("N", "N mm2", "N mm2"), exact, _long_waves(rail), strict=True
+    ):
+        yield compare("Rail", "long waves", name, unit, (float(beam), value), STIFFNESS_LIMIT)
+
+
+def _long_waves(rail: Rail) -> tuple[float, ...]:
+    """EA, EI and GJ of a rail without supports, extrapolated to the wavenumber 0, where they are polynomials in k^2."""
+    top, base = (1.0 / rail.length(name) for name in ("load 0", "base"))
+    forces = rail.harmonic([Traction("load 0", (0.0, top))], 0.0).load_vector()[: rail.space.n_nodes, 1]
+    height = float(forces @ rail.space.nodes[:, 1])
+    # a pull without moment about the centroid
+    share = rail.constants.centroid[1] / height
+    pulls = [LongitudinalTraction("load 0", share * top), LongitudinalTraction("base", (1.0 - share) * base)]
+    cases = (
+        (Harmonic(Elasticity(rail.space, STEEL), pulls), 1.0, 2),
+        (rail.harmonic([Traction("load 0", (0.0, top))], 0.0), 1.0, 4),
+        (rail.harmonic([Traction("load 0", (top, 0.0)), Traction("base", (-base, 0.0))], 0.0), height, 2),
+    )
+    return tuple(
+        float(
+            np.polyfit(
+                LONG_WAVES**2,
+                [action**2 / (2.0 * solve_harmonic(each, k).energy * k**power) for k in LONG_WAVES.tolist()],
+                2,
+            )[-1]
+        )
+        for each, action, power in cases
+    )
+
+
+def _moment(found: HarmonicSolution, height: float) -> float:
+    """Amplitude of the bending moment of a section, ``-int sigma_zz (y - height) dA``."""
+    total = 0.0
+    for batch in found.problem.elasticity.space.batches():
+        reconstruction, stress = found.problem.cell_stresses(batch, found.amplitudes, found.wavenumber)
+        points, weights = cell_quadrature(batch, reconstruction.order + 1)
+        at = monomials.evaluate(reconstruction.order, reconstruction.frame.local(points))[: stress.shape[1]]
+        total -= float(np.einsum("pe,pqe,qe->", stress[2], at, weights * (points[:, 1] - height)))
+    return total
