@@ -2,25 +2,14 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.collections import PolyCollection
-from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
 
 from flangeway.cases.bodies.cook import CookRow
-from flangeway.mesh import PolyMesh
-from flangeway.post import recovered_stresses
-from flangeway.post.adaptive import RefinementRow
-from flangeway.report.figures.display import shaded
-from flangeway.report.figures.drawing import GREY, INK, cell_corners, new_figure
-from flangeway.report.figures.plots import COLOURS, plot_mesh, plot_stress
+from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.report.figures.plots import plot_stress
 from flangeway.report.page.tables import SummaryTable
-from flangeway.solve import ElasticitySolution
 from studies.elasticity.elasticity_reproduced import (
     COOK_VALUES,
     FEWER_UNKNOWNS,
@@ -124,107 +113,6 @@ def _legend(figure: Figure, n_columns: int) -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=n_columns, fontsize=9, frameon=False)
 
 
-def cook_stress_figure(found: ElasticityReproduction) -> Figure:
-    """Draw von Mises stresses for both methods, both orders and all meshes (as Figures 57 to 60)."""
-    levels = sorted({row.code.level for row in found.cook})
-    pairs = [(method, order) for method in "FV" for order in (1, 2)]
-    rows = {(row.code.method, row.code.order, row.code.level): row for row in found.cook}
-    finest = rows["F", 2, levels[-1]].solution
-    norm = Normalize(0.0, float(np.quantile(_von_mises(finest)[1], STRESS_SHARE)))
-    figure = new_figure(2.5 * len(levels) + 1.0, 11.5)
-    every = figure.subplots(len(pairs), len(levels), sharex=True, sharey=True)
-    for line, (method, order) in zip(every, pairs, strict=True):
-        for axes, level in zip(line, levels, strict=True):
-            row = rows[method, order, level]
-            triangulation, values = _von_mises(row.solution)
-            axes.tripcolor(triangulation, values, shading="gouraud", cmap=COLOURS, norm=norm, rasterized=True)
-            if level <= EDGES_UP_TO:
-                plot_mesh(row.solution.problem.space.mesh, axes, edge_sets=False)
-            axes.set(aspect="equal", xlabel="", ylabel="")
-            axes.set_title(f"{row.code}: {row.n_unknowns:,} unknowns", fontsize=9)
-            axes.tick_params(labelsize=7)
-    figure.colorbar(
-        ScalarMappable(norm, COLOURS), ax=every.ravel().tolist(), label="von Mises stress", extend="max", shrink=0.5
-    )
-    return figure
-
-
-def _von_mises(solution: ElasticitySolution) -> tuple[Triangulation, np.ndarray]:
-    space = solution.problem.space
-    triangles, stresses = shaded(solution, 2 * space.order if space.mesh.n_cells < 2000 else space.order)
-    return triangles, stresses.von_mises
-
-
-def cook_deformed_figure(found: ElasticityReproduction) -> Figure:
-    """Draw the deformed membrane with its stresses, on triangles and on polygons."""
-    figure = new_figure(11.0, 5.5)
-    rows = {str(row.code): row for row in found.cook}
-    limit = float(np.quantile(_von_mises(rows["FCM2O2"].solution)[1], STRESS_SHARE))
-    for axes, name in zip(figure.subplots(1, 2), ("FCM2O2", "VCM2O2"), strict=True):
-        plot_stress(rows[name].solution, "von_mises", axes, factor="auto", limits=(0.0, limit))
-        axes.set_title(f"{name}, {axes.get_title()}", fontsize=10)
-    return figure
-
-
-def hanging_nodes(mesh: PolyMesh) -> NDArray[np.int64]:
-    """Indices of the nodes that lie on a straight side of an element inside the body."""
-    ends = mesh.cell_offsets[1:] - 1
-    following, before = np.arange(1, len(mesh.cell_points) + 1), np.arange(-1, len(mesh.cell_points) - 1)
-    following[ends] = mesh.cell_offsets[:-1]
-    before[mesh.cell_offsets[:-1]] = ends
-    corners = mesh.points[mesh.cell_points]
-    (ax, ay), (bx, by) = (corners - corners[before]).T, (corners[following] - corners).T
-    straight = np.abs(ax * by - ay * bx) < 1e-9 * np.hypot(ax, ay) * np.hypot(bx, by)
-    inside = np.setdiff1d(mesh.cell_points[straight], mesh.boundary_edges)
-    return inside.astype(np.int64)
-
-
-def estimate_figure(found: ElasticityReproduction) -> Figure:
-    """Draw the estimated error of each element of the membrane, on a uniform and an adaptive mesh of similar size."""
-    case = _case(found, "Cook", 2)
-    uniform = _about(case.uniform, CELLS_SHOWN)
-    adaptive = _about(case.adaptive, uniform.mesh.n_cells)
-    errors = [recovered_stresses(row.solution).cell_errors for row in (uniform, adaptive)]
-    maximum = max(float(each.max()) for each in errors)
-    norm = LogNorm(1e-4 * maximum, maximum)
-    figure = new_figure(11.0, 5.2)
-    every = figure.subplots(1, 2, sharex=True, sharey=True)
-    for axes, row, values in zip(every, (uniform, adaptive), errors, strict=True):
-        cells = PolyCollection(cell_corners(row.mesh, row.mesh.points), cmap=COLOURS, norm=norm, linewidths=0.3)
-        cells.set_array(values)
-        cells.set_edgecolor(GREY)
-        axes.add_collection(cells)
-        axes.autoscale_view()
-        axes.set(aspect="equal", xlabel="x", ylabel="y")
-        axes.set_title(
-            f"{row.refinement}, {row.mesh.n_cells} elements: estimated error {100.0 * row.estimated_error:.1f} %",
-            fontsize=10,
-        )
-    figure.colorbar(cells, ax=every.tolist(), label="estimated error of an element in the energy norm", extend="min")
-    return figure
-
-
-def adaptive_meshes_figure(found: ElasticityReproduction) -> Figure:
-    """Draw adaptive meshes of both bodies, and at the corner their hanging nodes."""
-    figure = new_figure(12.0, 8.0)
-    for line, body in zip(figure.subplots(2, 3), SINGULAR, strict=True):
-        case = _case(found, body, 2)
-        early, late = _about(case.adaptive, CELLS_SHOWN // 4), _about(case.adaptive, 2 * CELLS_SHOWN)
-        for axes, row in zip(line, (early, late, late), strict=True):
-            plot_mesh(row.mesh, axes, edge_sets=False)
-            axes.set_title(f"{NAMES[body]}: {row.mesh.n_cells} elements, {row.n_unknowns:,} unknowns", fontsize=9)
-        _draw_corner(line[2], late.mesh, SINGULAR[body])
-    return figure
-
-
-def _draw_corner(axes: Axes, mesh: PolyMesh, corner: tuple[float, float]) -> None:
-    hanging = hanging_nodes(mesh)
-    axes.plot(*mesh.points[hanging].T, color=INK, marker="o", ms=3.0, ls="none")
-    half = ZOOM * float(np.ptp(mesh.points, axis=0).max())
-    axes.set(xlim=(corner[0] - half, corner[0] + half), ylim=(corner[1] - half, corner[1] + half))
-    axes.set_title(f"at the corner; {len(hanging):,} hanging nodes in all", fontsize=9)
-
-
 def refinement_convergence_figure(found: ElasticityReproduction) -> Figure:
     """Draw the error over unknowns for uniform and adaptive refinement of both bodies."""
     figure = new_figure(11.0, 5.4)
@@ -250,10 +138,6 @@ def refinement_convergence_figure(found: ElasticityReproduction) -> Figure:
 
 def _case(found: ElasticityReproduction, body: str, order: int) -> RefinementCase:
     return next(case for case in found.refinements if case.body == body and case.order == order)
-
-
-def _about(rows: Sequence[RefinementRow], n_cells: int) -> RefinementRow:
-    return min(rows, key=lambda row: abs(np.log(row.mesh.n_cells / n_cells)))
 
 
 def _tables(found: ElasticityReproduction) -> list[SummaryTable]:
@@ -315,11 +199,7 @@ ELASTICITY = Reproduction(
     {
         "patch_test.png": patch_figure,
         "cook_convergence.png": cook_convergence_figure,
-        "cook_stresses.png": cook_stress_figure,
-        "cook_deformed.png": cook_deformed_figure,
         "nearly_incompressible.png": incompressible_figure,
-        "error_estimate.png": estimate_figure,
-        "adaptive_meshes.png": adaptive_meshes_figure,
         "refinement.png": refinement_convergence_figure,
     },
     {"nearly_incompressible.csv": incompressible_rows, "refinement.csv": refinement_rows},

@@ -14,7 +14,6 @@ from flangeway.report.figures.drawing import new_figure
 from flangeway.report.figures.fields import PartFields, part_fields
 from flangeway.report.page.tables import SummaryTable
 from flangeway.report.wheelset.contact_figure import contact_figure
-from flangeway.report.wheelset.rigid_elastic_figure import rigid_elastic_figure
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
 from studies.published_numbers import digits, relative
 from studies.reproduction import Chapter, PagePicture, Reproduction
@@ -268,7 +267,6 @@ WHEEL_RAIL = Reproduction(
         "curve.png": partial(_of_curve, draw=wheelset_figure),
         "curve_left_contact.png": partial(_of_curve, draw=partial(contact_figure, side="left")),
         "curve_right_contacts.png": partial(_of_curve, draw=partial(contact_figure, side="right")),
-        "curve_rigid_and_elastic.png": partial(_of_curve, draw=rigid_elastic_figure),
     },
     {"patches.csv": patch_rows},
 )

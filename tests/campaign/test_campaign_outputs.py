@@ -9,7 +9,6 @@ from collections import Counter, OrderedDict
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from flangeway.campaign import Campaign, CampaignProgress, chunk, results
 from flangeway.campaign import database as table
@@ -21,7 +20,6 @@ from flangeway.errors import InputError, MissingLibraryError
 from flangeway.railway.wheelset import wheelset_mesh
 from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.campaign.campaign_outputs import campaign_record, write_export
-from flangeway.report.campaign.sweep_animation import is_sweep, sweep_frames
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import print_record
 
@@ -46,11 +44,11 @@ def computed(folder, text):
     return campaign, results(folder / "c.sqlite")
 
 
-def record_of(campaign, found):
+def record_of(_campaign, found):
     """What the command shows of a campaign that has ended."""
     counts = dict(Counter(found.rows["status"]))
     end = CampaignProgress(len(found.rows["row"]), counts, None)
-    return campaign_record(campaign, end, found, "csv", "flangeway campaign c.toml", 1.0)
+    return campaign_record(end, found, "csv", "flangeway campaign c.toml", 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -169,25 +167,16 @@ def test_ranges_are_in_words_and_numbers(sweep):
 
 
 @pytest.mark.ci
-def test_pictures_and_animation_are_chosen_by_what_varies(sweep, tmp_path):
-    """One input gives curves, the locus and an animation with a frame for each row, whose contact moves."""
+def test_pictures_are_chosen_by_what_varies(sweep, tmp_path):
+    """One input gives curves and the locus."""
     campaign, found = sweep
     files = write_record(record_of(campaign, found), tmp_path)
     names = {file.name for file in files}
     pictures = {"contact-locus.png", "max-pressure.png", "lateral-over-vertical.png", "forces.png"}
-    assert names == pictures | {"results.csv", "patches.csv", "sweep.gif", "report.html", "summary.json"}
+    assert names == pictures | {"results.csv", "patches.csv", "report.html", "summary.json"}
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert f"{found.numbers('left_max_pressure_MPa').max():.5g}" in page
     assert page.count("<img") == len(pictures)
-    with Image.open(tmp_path / "sweep.gif") as animation:
-        assert animation.n_frames == 12
-        shots = []
-        for frame in (0, 11):
-            animation.seek(frame)
-            shots.append(np.asarray(animation.convert("L"), dtype=float))
-    assert np.abs(shots[0] - shots[1]).max() > 100.0
-    frames = sweep_frames(campaign, found)
-    assert [frame.motion.lateral_mm for frame in frames] == list(found.rows["lateral_mm"])
     (axes, *_), offsets = campaign_figures(found)["contact-locus.png"]().axes, found.patches
     drawn = axes.collections[0].get_offsets()
     left = [place for place, side in enumerate(offsets["side"]) if side == "left"]
@@ -195,15 +184,14 @@ def test_pictures_and_animation_are_chosen_by_what_varies(sweep, tmp_path):
 
 
 def test_two_inputs_give_a_map_with_each_pressure_in_its_place(tmp_path):
-    """A grid of two inputs is drawn as a map whose cells are the rows' pressures; there is no animation."""
+    """A grid of two inputs is drawn as a map whose cells are the rows' pressures."""
     text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\n'
     text += "lateral_mm = { from = -1, to = 1, n = 4 }\naxle_load_kN = [100, 200, 300]\n"
-    campaign, found = computed(tmp_path, text)
+    _, found = computed(tmp_path, text)
     figure = campaign_figures(found)["max-pressure-map.png"]()
     drawn = figure.axes[0].collections[0].get_array()
     pressures = found.numbers("left_max_pressure_MPa").reshape(4, 3)
     assert np.asarray(drawn).reshape(3, 4) == pytest.approx(pressures.T)
-    assert not is_sweep(campaign, found)
 
 
 def test_failures_are_grouped_by_reason(tmp_path):

@@ -8,7 +8,6 @@ from flangeway.campaign.chunk import Chunk, compute
 from flangeway.campaign.columns import patch_columns, wheelset_columns
 from flangeway.campaign.database import CampaignDatabase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.errors import InputError
 
 FILE = """
 case = "wheelset"
@@ -126,9 +125,3 @@ def test_a_position_that_cannot_be_reached_fails_alone(tmp_path):
     good, bad = compute(Chunk(rows, first)).results
     assert (good.status, bad.status) == ("converged", "failed")
     assert "lateral_mm" in bad.message or "lateral" in bad.message
-
-
-def test_shear_stresses_of_campaigns_are_those_of_plane_wheelsets(tmp_path):
-    """They are refused for three dimensions."""
-    with pytest.raises(InputError, match="plane wheelset"):
-        read(tmp_path, FILE + "[results]\nsubsurface_shear = true\n")

@@ -9,7 +9,6 @@ from matplotlib.text import Text
 from flangeway.report import part_fields
 from flangeway.report.figures.drawing import ColourSteps, Room, figure_with_room, png, power_of_ten
 from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
-from flangeway.report.wheelset.rigid_elastic_figure import rigid_elastic_figure
 from flangeway.report.wheelset.wheelset_figure import deformation_factor, wheelset_figure
 
 
@@ -18,7 +17,6 @@ def figures(run):
     fields = list(part_fields(run.result))
     return (
         wheelset_figure(run, fields),
-        rigid_elastic_figure(run, fields),
         *(contact_figure(run, fields, side) for side in ("left", "right")),
         pressure_figure(run),
     )

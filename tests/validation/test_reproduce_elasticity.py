@@ -8,11 +8,9 @@ import pytest
 
 from flangeway.cases.bodies.cook import ENERGY, CookCode, cook_row
 from flangeway.errors import InputError
-from flangeway.mesh import rectangle_grid, refined
 from studies import registry as reproductions
 from studies.elasticity import elasticity_reproduced as elasticity
 from studies.elasticity.closed_form import PatchCode, closed_form_numbers, cook_reference, patch_row
-from studies.elasticity.elasticity_page import hanging_nodes
 from studies.elasticity.elasticity_reproduced import COOK, reproduce_elasticity
 from studies.published_numbers import Reproduced
 from studies.reproduction import Chapter, Reproduction
@@ -131,14 +129,6 @@ def test_the_membranes_estimate_is_near_its_true_error(found):
         if case.body == "Cook":
             last = case.adaptive[-1]
             assert 0.75 < last.estimated_error / last.error < 1.25
-
-
-def test_hanging_points_are_those_inside_on_straight_sides():
-    """One cell of four refined has two hanging points; the new points on the boundary and inside it are none."""
-    mesh = refined(rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals"), [0])
-    found = np.sort(mesh.points[hanging_nodes(mesh)], axis=0)
-    np.testing.assert_allclose(found, [[0.25, 0.25], [0.5, 0.5]])
-    assert not len(hanging_nodes(rectangle_grid(1.0, 1.0, 3, 3)))
 
 
 @pytest.mark.parametrize(

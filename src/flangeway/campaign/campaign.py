@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from flangeway.campaign.columns import POSITION_KEYS, WHEELSET_SHEAR_COLUMNS, Model, wheelset_columns
+from flangeway.campaign.columns import POSITION_KEYS, Model, wheelset_columns
 from flangeway.campaign.varying import VALUES_ALLOWED, flattened, grid, read_table, refuse_too_many, values_of
 from flangeway.cases.case import RunnableCase, Table, closest
 from flangeway.cases.case_file import FILE_KEYS, is_case_file, read_case
@@ -24,7 +24,7 @@ from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.system.versions import versions
 from flangeway.units import Units, us_key
 
-RESULTS = ("columns", "subsurface_shear")
+RESULTS = ("columns",)
 KEYS = ("case", "table", "inputs", "vary", "results")
 
 ROWS_OF_A_CHUNK = 48
@@ -109,8 +109,6 @@ class Campaign:
         Rows in their order.
     columns
         Columns of results to export; empty: all.
-    shear
-        Whether the maximum shear stresses below the contacts of wheelsets are wanted.
     """
 
     name: str
@@ -118,7 +116,6 @@ class Campaign:
     keys: tuple[str, ...]
     rows: tuple[Row, ...]
     columns: tuple[str, ...] = ()
-    shear: bool = False
 
     def __post_init__(self) -> None:
         if not self.rows:
@@ -158,8 +155,8 @@ class Campaign:
 
     @property
     def identity(self) -> str:
-        """Hash of all rows in their order, of the requested results, and of the version that computes them."""
-        return _hash([versions()["flangeway"], self.shear, *(row.identity for row in self.rows)])
+        """Hash of all rows in their order, and of the version that computes them."""
+        return _hash([versions()["flangeway"], *(row.identity for row in self.rows)])
 
     @cached_property
     def models(self) -> frozenset[Model]:
@@ -251,10 +248,9 @@ class _CampaignText(TomlFile):
         self._check(rows)
         kind = type(rows[0].case)
         models = _models(rows)
-        shear = self._shear(kind, models)
         with rows[0].case.errors_as_written():
-            columns = self._columns(kind, models, shear)
-        return Campaign(self.file.stem, kind, keys, tuple(rows), columns, shear)
+            columns = self._columns(kind, models)
+        return Campaign(self.file.stem, kind, keys, tuple(rows), columns)
 
     def _refuse_unknown(self) -> None:
         for key, value in self.data.items():
@@ -356,24 +352,14 @@ class _CampaignText(TomlFile):
             )
         return value
 
-    def _shear(self, kind: type[RunnableCase], models: Collection[Model | None]) -> bool:
-        shear = self.data.get("results", {}).get("subsurface_shear", False)
-        place = f"{self._line('results', 'subsurface_shear')}results.subsurface_shear"
-        if not isinstance(shear, bool):
-            raise InputError(f"{place} = {short(shear)}", "true or false", "correct it")
-        if shear and set(models) != {"plane"}:
-            inside = " in three dimensions" if "spatial" in models else ""
-            raise InputError(f"{place} with case = {kind.name!r}{inside}", "a case of a plane wheelset", "leave it out")
-        return shear
-
-    def _columns(self, kind: type[RunnableCase], models: Collection[Model | None], shear: bool) -> tuple[str, ...]:
+    def _columns(self, kind: type[RunnableCase], models: Collection[Model | None]) -> tuple[str, ...]:
         given = self.data.get("results", {})
         for key in given:
             if key not in RESULTS:
                 raise InputError(
                     f"{self._line('results', key)}results.{key}", " and ".join(RESULTS), closest(key, list(RESULTS))
                 )
-        known = (*wheelset_columns(models), *(WHEELSET_SHEAR_COLUMNS if shear else ()))
+        known = wheelset_columns(models)
         columns = given.get("columns", [])
         place = self._line("results", "columns")
         if not isinstance(columns, list) or not all(isinstance(name, str) for name in columns):
@@ -388,11 +374,10 @@ class _CampaignText(TomlFile):
         columns = [in_us.get(name, name) for name in columns]
         for name in columns:
             if name not in known:
-                asks = name in WHEELSET_SHEAR_COLUMNS
                 raise InputError(
                     f"{place}results.columns with {name!r}",
                     ", ".join(known),
-                    "add subsurface_shear = true under [results]" if asks else closest(name, list(known)),
+                    closest(name, list(known)),
                 )
         return tuple(columns)
 

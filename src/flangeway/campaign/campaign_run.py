@@ -122,9 +122,7 @@ class _Run:
         waiting = store.waiting()
         # a chunk is stored at once, so either all of its rows wait or none, but for those that were split
         self.chunks = deque(
-            Chunk(rows, first, shear=campaign.shear)
-            for first, rows in campaign.chunks
-            if any(row.number in waiting for row in rows)
+            Chunk(rows, first) for first, rows in campaign.chunks if any(row.number in waiting for row in rows)
         )
         self._store, self._progress = store, progress
         self._n_rows, self._n_before = len(campaign.rows), len(campaign.rows) - len(waiting)

@@ -38,13 +38,11 @@ class Chunk:
     - `prepared_for`: for positions of the same bodies, which are prepared once: the first row of all with these bodies.
       None: each row is computed alone.
     - `losses`: how many workers have died of it.
-    - `shear`: whether the maximum shear stresses below the contacts of wheelsets are wanted.
     """
 
     rows: tuple[Row, ...]
     prepared_for: Row | None = None
     losses: int = 0
-    shear: bool = False
 
 
 @dataclass(frozen=True)
@@ -104,12 +102,12 @@ def _results(chunk: Chunk) -> tuple[RowResult, ...]:
             whole = _of(chunk.prepared_for)
             if isinstance(whole, SpatialWheelset):
                 return tuple(_guarded(partial(_spatial, whole, row.case)) for row in chunk.rows)
-            return tuple(_guarded(partial(_plane, whole, row, chunk.shear)) for row in chunk.rows)
+            return tuple(_guarded(partial(_plane, whole, row)) for row in chunk.rows)
         except MissingLibraryError:
             raise
         except Exception as reason:
             return tuple(_failed(reason, 0.0) for _ in chunk.rows)
-    return tuple(_guarded(partial(_computed, row.computed, chunk.shear)) for row in chunk.rows)
+    return tuple(_guarded(partial(_computed, row.computed)) for row in chunk.rows)
 
 
 def _guarded(compute_row: Callable[[float], RowResult]) -> RowResult:
@@ -127,10 +125,10 @@ def _failed(reason: Exception, seconds: float) -> RowResult:
     return RowResult("failed", reported if isinstance(reason, FlangewayError) else unforeseen(reason), seconds=seconds)
 
 
-def _computed(case: RunnableCase, shear: bool, start: float) -> RowResult:
+def _computed(case: RunnableCase, start: float) -> RowResult:
     if isinstance(case, WheelsetCase):
         result = solve_wheelset(case.problem())
-        return wheelset_row(result, time.perf_counter() - start, shear=shear)
+        return wheelset_row(result, time.perf_counter() - start)
     return summary_row(case.run().summary, time.perf_counter() - start)
 
 
@@ -144,10 +142,10 @@ def _spatial(whole: SpatialWheelset, case: RunnableCase, start: float) -> RowRes
     return spatial_row(result, time.perf_counter() - start)
 
 
-def _plane(whole: PlaneWheelset, row: Row, shear: bool, start: float) -> RowResult:
+def _plane(whole: PlaneWheelset, row: Row, start: float) -> RowResult:
     """Compute a plane position of bodies that are condensed."""
     result = solve_condensed(whole.at(_problem(row)))
-    return wheelset_row(result, time.perf_counter() - start, shear=shear)
+    return wheelset_row(result, time.perf_counter() - start)
 
 
 def _of(row: Row) -> PlaneWheelset | SpatialWheelset:

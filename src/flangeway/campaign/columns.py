@@ -10,9 +10,7 @@ from flangeway.cases.summary import Summary
 from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
-from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.railway.wheelset.subsurface import maximum_shear
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
@@ -45,12 +43,6 @@ _CREEPAGES = ("longitudinal_creepage", "lateral_creepage", "spin_creepage_per_m"
 _CREEP = ("longitudinal_creep_force_N", "lateral_creep_force_N", "t_gamma_N", "frictional_power_W")
 """Of patches that roll: a side has the creepages of the most loaded one, and the sums of the others."""
 _NADAL = "share_of_nadal_limit"
-_SHEAR = {role: (f"{role}_max_in_plane_shear_MPa", f"{role}_max_in_plane_shear_depth_mm") for role in ROLES}
-PATCH_SHEAR_COLUMNS = tuple(name for names in _SHEAR.values() for name in names)
-"""Further columns of patches where the maximum shear stress below the surface is asked for."""
-
-WHEELSET_SHEAR_COLUMNS = tuple(f"{side}_{name}" for side in SIDES for name in PATCH_SHEAR_COLUMNS)
-"""Further results of wheelsets then: the maximum of each side's patches, in the wheel and in the rail."""
 
 
 def wheelset_columns(models: Collection[str | None]) -> tuple[str, ...]:
@@ -96,17 +88,11 @@ class RowResult:
     seconds: float = 0.0
 
 
-def wheelset_row(result: WheelsetResult, seconds: float, *, shear: bool = False) -> RowResult:
-    """Return the numbers of a wheelset in equilibrium, with the maximum shear stresses below its patches or without."""
+def wheelset_row(result: WheelsetResult, seconds: float) -> RowResult:
+    """Return the numbers of a wheelset in equilibrium."""
     if not result.status.converged:
         return RowResult("not converged", result.status.message, result.warnings, seconds=seconds)
-    patches = []
-    for patch in result.patches:
-        values = _plane_patch(patch)
-        for role, (value, depth) in _SHEAR.items() if shear else ():
-            below = maximum_shear(result, patch, role)
-            values |= {value: below.value_MPa, depth: below.depth_mm}
-        patches.append(values)
+    patches = [_plane_patch(patch) for patch in result.patches]
     values, rows = numbers_of(result.equilibrium.position.components, patches)
     return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
 
@@ -157,10 +143,6 @@ def _side(side: Side, patches: list[dict[str, Value]], model: Model) -> dict[str
         if _CREEPAGES[0] in most:
             values |= {name: most[name] for name in _CREEPAGES}
             values |= {name: math.fsum(float(patch[name] or 0.0) for patch in patches) for name in _CREEP}
-        for value, depth in _SHEAR.values():
-            if value in most:
-                worst = max(patches, key=lambda patch: float(patch[value] or 0.0))
-                values |= {value: worst[value], depth: worst[depth]}
     return {f"{side}_{name}": value for name, value in values.items()}
 
 

@@ -14,8 +14,6 @@ import numpy as np
 
 from flangeway.campaign.campaign import Campaign, Row
 from flangeway.campaign.columns import (
-    PATCH_SHEAR_COLUMNS,
-    WHEELSET_SHEAR_COLUMNS,
     RowResult,
     Value,
     as_cell,
@@ -153,9 +151,8 @@ class CampaignDatabase:
 
     def _create(self, campaign: Campaign) -> None:
         results = wheelset_columns(campaign.models) if campaign.models else ()
-        patches = [*patch_columns(campaign.models or ("plane",)), *(PATCH_SHEAR_COLUMNS if campaign.shear else ())]
+        patches = patch_columns(campaign.models or ("plane",))
         columns = [*campaign.keys, *(name for name in results if name not in campaign.keys)]
-        columns += WHEELSET_SHEAR_COLUMNS if campaign.shear else ()
         with self._transaction():
             for statement in _TABLES.format(patches=", ".join(map(quoted, patches))).split(";")[:-1]:
                 self._connection.execute(statement)

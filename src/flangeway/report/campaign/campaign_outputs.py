@@ -7,18 +7,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import median
 
-from flangeway.campaign import Campaign, CampaignProgress, CampaignTable
+from flangeway.campaign import CampaignProgress, CampaignTable
 from flangeway.campaign.database import FORMATS, export_writers
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.campaign.campaign_figures import FORCES, LOCUS, PRESSURE, PRESSURE_MAP, RATIO, campaign_figures
 from flangeway.report.campaign.campaign_figures import NAMES as PICTURES
-from flangeway.report.campaign.sweep_animation import NAME as SWEEP
-from flangeway.report.campaign.sweep_animation import is_sweep, sweep_frames, sweep_gif
 from flangeway.report.figures.drawing import named
 from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable
 from flangeway.report.page.us_record import files_in_units
-from flangeway.system.output_folder import Writer, bytes_writer, refuse_unwritable, write_together
+from flangeway.system.output_folder import refuse_unwritable, write_together
 from flangeway.system.versions import versions
 from flangeway.units import NUMBER, Units
 
@@ -42,7 +40,7 @@ MOST_DECIMALS = 7
 
 def check_campaign_folder(folder: Path) -> None:
     """Refuse a folder that cannot take a campaign's files (`flangeway.system.output_folder.refuse_unwritable`)."""
-    refuse_unwritable(folder, (DATABASE, *TABLES, *PICTURES, SWEEP, REPORT, SUMMARY))
+    refuse_unwritable(folder, (DATABASE, *TABLES, *PICTURES, REPORT, SUMMARY))
 
 
 def write_export(table: CampaignTable, folder: Path, kind: str, units: Units = "metric") -> list[Path]:
@@ -50,9 +48,7 @@ def write_export(table: CampaignTable, folder: Path, kind: str, units: Units = "
     return write_together(folder, files_in_units(export_writers(table, kind), units))
 
 
-def campaign_record(
-    campaign: Campaign, end: CampaignProgress, table: CampaignTable, kind: str, command: str, seconds: float
-) -> Record:
+def campaign_record(end: CampaignProgress, table: CampaignTable, kind: str, command: str, seconds: float) -> Record:
     """Return what a finished campaign found; its tables are written as CSV and as `kind`.
 
     - `command`: runs it again.
@@ -103,7 +99,7 @@ def campaign_record(
             )
         ],
         timings_s={"total": seconds},
-        files=lambda: _files(campaign, table, kind),
+        files=lambda: export_writers(table, "csv") | (export_writers(table, kind) if kind != "csv" else {}),
     )
 
 
@@ -123,14 +119,6 @@ def _warnings(failures: Sequence[tuple[tuple[str, str], Sequence[int]]], warned:
     if len(kinds) > MOST_WARNINGS:
         found.append(f"{len(kinds) - MOST_WARNINGS} others: column warnings of results.csv")
     return found
-
-
-def _files(campaign: Campaign, table: CampaignTable, kind: str) -> dict[str, Writer]:
-    """Return functions that write the tables and, of a sweep, the animation, by the files' names."""
-    writers = export_writers(table, "csv") | (export_writers(table, kind) if kind != "csv" else {})
-    if is_sweep(campaign, table):
-        writers[SWEEP] = bytes_writer(sweep_gif(sweep_frames(campaign, table), table.name))
-    return writers
 
 
 def _ranges(table: CampaignTable) -> list[tuple[str, list[float]]]:

@@ -19,7 +19,6 @@ from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import marked, number
 from flangeway.report.scenes import wheelset_scene
 from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
-from flangeway.report.wheelset.rigid_elastic_figure import rigid_elastic_figure
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
 from flangeway.report.wheelset.wheelset_tables import (
     bodies_table,
@@ -107,7 +106,7 @@ def wheelset_facts(
 PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
 COLLECTION, CONTACT = "wheelset.pvd", "contact.vtu"
 PICTURES = (
-    "wheelset.png", "rigid-and-elastic.png", "stresses-left.png", "stresses-right.png", "pressure.png",
+    "wheelset.png", "stresses-left.png", "stresses-right.png", "pressure.png",
     "convergence.png",
 )  # fmt: skip
 NAMES = (*(f"{part}.vtu" for part in PARTS), CONTACT, COLLECTION, *PICTURES)
@@ -135,12 +134,6 @@ def _pictures(run: CaseRun, fields: Callable[[], list[PartFields]]) -> list[Pict
             "The wheelset on its rails: von Mises stress on the deformed parts. Dark is most loaded; numbers on the "
             "lines are in the unit of the colours. Web and foot of the rails are hatched: their stresses are those of "
             "a slice that carries the load alone and are not valid for a rail.",
-        ),
-        (
-            lambda: rigid_elastic_figure(run, fields()),
-            "Outlines of the elastic wheels and rails in equilibrium over those of the rigid ones, with contact points "
-            "and forces of both, whole heads above and the contact zones enlarged below.",
-            "Elastic and rigid equilibrium positions, true to scale.",
         ),
         *(
             (
