@@ -233,7 +233,11 @@ class _Run:
         else:
             self.before, friction = start.positions, start.friction
             previous, forces = start.linearisation, start.forces
-            self.current = previous if keep_guards else constraints.unguarded(start.positions, previous, forces)
+            self.current = previous
+            if not keep_guards:
+                # without the corner that holds it, a part on a handle would go where its load takes it
+                holding = forces if parts.n else np.zeros_like(forces)
+                self.current = constraints.unguarded(start.positions, previous, holding)
             if _is_near(start, self.reference):  # the first iteration uses the gaps of the start
                 self.displacements = start.positions - self.reference
             else:
