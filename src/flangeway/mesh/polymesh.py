@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
@@ -339,6 +340,15 @@ class PolyMesh:
                 squares = np.einsum("cvx,cvx->cv", apart, apart).max(axis=1)
                 diameters[cells] = np.maximum(diameters[cells], squares)
         return _frozen(np.sqrt(diameters))
+
+    @cached_property
+    def cell_tree(self) -> shapely.STRtree:
+        """Search tree of the cells as polygons, of which a curved edge is its chord."""
+        closed = np.insert(self.cell_points, self.cell_offsets[1:], self.cell_points[self.cell_offsets[:-1]])
+        rings, cells = self.cell_offsets + np.arange(self.n_cells + 1), np.arange(self.n_cells + 1)
+        return shapely.STRtree(
+            shapely.from_ragged_array(shapely.GeometryType.POLYGON, self.points[closed], (rings, cells))
+        )
 
     @cached_property
     def _batches(self) -> tuple[tuple[int, IntArray], ...]:
