@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, cross_product
-from flangeway.mesh.connectivity import next_in_row, offsets_of
+from flangeway.mesh.connectivity import entries_of, next_in_row, offsets_of
 from flangeway.mesh.meeting import touching_distance
 from flangeway.mesh.mesh_checks import check, conforming, hanging_points
 from flangeway.mesh.polymesh import PolyMesh
@@ -69,16 +69,13 @@ class MeshFile:
 def part_of_mesh(mesh: PolyMesh, cells: NDArray[np.integer]) -> PolyMesh:
     """Mesh of some cells, with what is left of the sets; edges between them and the others are boundary."""
     keep = np.unique(cells)
-    sizes = mesh.cell_sizes[keep]
-    starts = mesh.cell_offsets[keep].astype(np.int64)
-    offsets = np.concatenate(([0], np.cumsum(sizes)))
-    entries = np.repeat(starts - offsets[:-1], sizes) + np.arange(offsets[-1])
+    entries, offsets = entries_of(mesh.cell_offsets, keep)
     points, corners = np.unique(mesh.cell_points[entries], return_inverse=True)
     number = np.full(mesh.n_points, -1)
     number[points] = np.arange(len(points))
     row = np.full(mesh.n_cells, -1)
     row[keep] = np.arange(len(keep))
-    bare = PolyMesh(mesh.points[points], offsets.astype(np.int32), corners.astype(np.int32))
+    bare = PolyMesh(mesh.points[points], offsets, corners.astype(np.int32))
     outer = {(int(a), int(b)) for a, b in np.sort(bare.boundary_edges, axis=1)}
     edge_sets = {}
     for name, pairs in mesh.edge_sets.items():

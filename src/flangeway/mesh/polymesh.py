@@ -16,6 +16,7 @@ from flangeway.geometry.placement import Placement
 from flangeway.mesh.connectivity import (
     EdgeNumbers,
     chain_starts,
+    entries_of,
     next_in_row,
     number_edges,
     ordered_pairs,
@@ -341,14 +342,18 @@ class PolyMesh:
                 diameters[cells] = np.maximum(diameters[cells], squares)
         return _frozen(np.sqrt(diameters))
 
+    def polygons(self, cells: NDArray[np.integer]) -> NDArray[np.object_]:
+        """Return cells (n,) as polygons of shapely, of which a curved edge is its chord."""
+        entries, offsets = entries_of(self.cell_offsets, cells)
+        closed = np.insert(entries, offsets[1:], entries[offsets[:-1]])
+        rows = np.arange(len(offsets))
+        rings = self.points[self.cell_points[closed]], (offsets + rows, rows)
+        return shapely.from_ragged_array(shapely.GeometryType.POLYGON, *rings)
+
     @cached_property
     def cell_tree(self) -> shapely.STRtree:
-        """Search tree of the cells as polygons, of which a curved edge is its chord."""
-        closed = np.insert(self.cell_points, self.cell_offsets[1:], self.cell_points[self.cell_offsets[:-1]])
-        rings, cells = self.cell_offsets + np.arange(self.n_cells + 1), np.arange(self.n_cells + 1)
-        return shapely.STRtree(
-            shapely.from_ragged_array(shapely.GeometryType.POLYGON, self.points[closed], (rings, cells))
-        )
+        """Search tree of the cells' `polygons`."""
+        return shapely.STRtree(self.polygons(np.arange(self.n_cells)))
 
     @cached_property
     def _batches(self) -> tuple[tuple[int, IntArray], ...]:
