@@ -14,6 +14,7 @@ TOUCHING = 1e-6
 ROUNDING = 1e-9
 """Distance over the size of the mesh up to which they touch where the segments are short, by files' few digits."""
 
+
 def touching_distance(lengths: Floats, points: Floats) -> Floats:
     """Distance up to which segments of some lengths (n,) touch in a mesh of points (n_points, 2)."""
     rounding = ROUNDING * float(np.ptp(points, axis=0).max())

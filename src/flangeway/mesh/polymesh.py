@@ -16,6 +16,7 @@ from flangeway.geometry.placement import Placement
 from flangeway.mesh.connectivity import (
     EdgeNumbers,
     chain_starts,
+    edge_places,
     entries_of,
     next_in_row,
     number_edges,
@@ -490,6 +491,28 @@ class PolyMesh:
         if self.curves is not None:
             changes["curves"] = self.curves.transformed(placement)
         return self._changed(**changes)
+
+    def part(self, cells: NDArray[np.integer]) -> "PolyMesh":
+        """Return some cells with what is left of the sets and curves; edges to the other cells become boundary."""
+        cells = np.unique(cells)
+        entries, offsets = entries_of(self.cell_offsets, cells)
+        points, corners = np.unique(self.cell_points[entries], return_inverse=True)
+        number = np.full(self.n_points, -1)
+        number[points] = np.arange(len(points))
+        bare = PolyMesh(self.points[points], offsets, corners)
+        edge_sets = {}
+        for name, pairs in self.edge_sets.items():
+            outer = edge_places(number[pairs], bare.boundary_edges, bare.n_points)[1]
+            if outer.any():
+                edge_sets[name] = number[pairs[outer]]
+        inside = {name: np.flatnonzero(np.isin(cells, members)) for name, members in self.cell_sets.items()}
+        cell_sets = {name: members for name, members in inside.items() if len(members)}
+        curves = self.curves
+        if curves is not None:
+            curves = curves.taken(np.isin(self.edge_numbers(curves.pairs), self.cell_edges[entries]))
+        return bare._changed(
+            cell_sets=cell_sets, edge_sets=edge_sets, curves=None if curves is None else curves.renumbered(number)
+        )
 
     def merged(self, other: "PolyMesh") -> "PolyMesh":
         """Return both meshes as one, without gluing: points and cells of `other` are added behind.
