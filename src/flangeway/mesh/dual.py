@@ -78,11 +78,11 @@ def dual(mesh: PolyMesh, *, outline: Curves | None = None) -> PolyMesh:
     cell_points[start] = n_triangles + n_rim + leaving[on_rim]
     cell_points[start + 1] = n_triangles + leaving[on_rim]
     cell_points[end - 1] = n_triangles + reaching[on_rim]
-    number = np.append(n_triangles + n_rim + leaving, n_triangles + np.arange(n_rim))
+    number = np.append(n_triangles + n_rim + leaving, n_triangles + np.arange(n_rim)).astype(np.int32)
     edge_sets = {name: number[pairs] for name, pairs in halved.edge_sets.items()}
     curves = halved.curves  # those inside are no edges of the dual
     if curves is not None:
-        curves = curves.taken((curves.pairs >= n_points).any(axis=1))
+        curves = curves.taken(curves.pairs.max(axis=1) >= n_points)
     return PolyMesh(
         points, offsets, cell_points, _carried_sets(mesh), edge_sets,
         None if curves is None else curves.renumbered(number),

@@ -497,9 +497,9 @@ class PolyMesh:
         cells = np.unique(cells)
         entries, offsets = entries_of(self.cell_offsets, cells)
         points, corners = np.unique(self.cell_points[entries], return_inverse=True)
-        number = np.full(self.n_points, -1)
+        number = np.full(self.n_points, -1, dtype=np.int32)
         number[points] = np.arange(len(points))
-        bare = PolyMesh(self.points[points], offsets, corners)
+        bare = PolyMesh(self.points[points], offsets, corners.astype(np.int32))
         edge_sets = {}
         for name, pairs in self.edge_sets.items():
             outer = edge_places(number[pairs], bare.boundary_edges, bare.n_points)[1]
