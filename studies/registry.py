@@ -6,6 +6,7 @@ from typing import Any
 from studies.conicity import CONICITY
 from studies.contact_patch.contact_patch_reproduced import reproduce_contact_patch
 from studies.curved.curved_reproduced import reproduce_curved
+from studies.damage import DAMAGE
 from studies.elasticity.elasticity_reproduced import reproduce_elasticity
 from studies.friction.friction_reproduced import reproduce_friction
 from studies.hertz.hertz_reproduced import reproduce_hertz
@@ -46,5 +47,6 @@ STUDIES: dict[str, Study] = {
         adapted("curved", reproduce_curved),
         adapted("friction", reproduce_friction),
         adapted("vem-contact", reproduce_vem_contact),
+        DAMAGE,
     )
 }
