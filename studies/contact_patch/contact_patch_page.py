@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from flangeway.report.figures.display import shaded
-from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.report.figures.drawing import INK, new_figure
 from flangeway.report.figures.plots import COLOURS
 from flangeway.report.page.tables import SummaryTable
 from flangeway.types import Floats
@@ -37,37 +37,9 @@ KINDS = {
     "VO2": "polygons, order 2",
 }
 """Names by the letter of the method and the order."""
-DETAIL = (0.6, 1.4)  # part of the interface in the picture of the contact forces, over its half width
 STYLES = (("s", (0, (1, 1))), ("o", (0, (5, 1.5))), ("^", "solid"))  # marker and line by refinement
 PIECES = 3  # subdivisions along each side of an element's triangles
 EXACT = "#d55e00"
-
-
-def forces_figure(found: ContactPatchReproduction) -> Figure:
-    """Draw the contact forces of the finest node-to-segment results in the middle of the interface (Figure 70)."""
-    figure = new_figure(10.0, 6.4)
-    finest = _level(found, max(_levels(found)))
-    for axes, (kind, run) in zip(figure.subplots(2, 2, sharex=True).flat, finest.items(), strict=True):
-        for name, sign, marker, part in zip(
-            ("upper", "lower"), (1.0, -1.0), "os", run.solution.system.parts, strict=True
-        ):
-            forces = run.solution.nodal_forces(part)[:, 1]
-            mine = np.flatnonzero(np.abs(part.body.space.nodes[:, 1]) < 1e-9)
-            x, length = part.body.space.nodes[mine, 0], np.abs(forces[mine])
-            shown = (x >= DETAIL[0]) & (x <= DETAIL[1])
-            side, colour = ("secondary", INK) if name == "upper" else ("primary", GREY)
-            axes.vlines(x[shown], 0.0, sign * length[shown], color=colour, linewidth=1.1)
-            label = f"{side} box, {name}"
-            axes.plot(x[shown], sign * length[shown], ls="none", marker=marker, ms=3.5, color=colour, label=label)
-        axes.axhline(0.0, color=INK, linewidth=0.6)
-        axes.set_title(f"{run.code}: {KINDS[kind]}", fontsize=10)
-        axes.set_ylabel("nodal contact force in kN", fontsize=9)
-        axes.set_xlabel("x in cm", fontsize=9)
-        axes.yaxis.set_major_formatter(lambda value, _: f"{abs(value):g}")
-        axes.label_outer()
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False, fontsize=9)
-    return figure
 
 
 def pressures_figure(found: ContactPatchReproduction) -> Figure:
@@ -236,7 +208,6 @@ CONTACT_PATCH = Reproduction(
         _tables,
     ),
     {
-        "contact_forces.png": forces_figure,
         "pressures.png": pressures_figure,
         "comparison.png": comparison_figure,
         **{f"stresses_{kind.lower()}.png": partial(stresses_figure, kind=kind) for kind in KINDS},

@@ -31,16 +31,9 @@ METHODS = {
 """Name, marker and line by the first letter of a code, to be distinguished in grey too."""
 
 PATCH_SHOWN = ("FDPTO1", "VVPTO1", "HEPTO2")
-STRESS_SHARE = 0.995
-"""Fraction of the finest mesh's points whose stress is within the colour range: at a corner stresses are singular."""
-
-EDGES_UP_TO = 2
-"""Refinements of the membrane whose elements are drawn over the stresses; those of the others are too small."""
-
 SINGULAR = {"Cook": (0.0, 44.0), "L-shape": (0.0, 0.0)}  # corner of each body at which stresses are singular
 
 NAMES = {"Cook": "Cook's membrane", "L-shape": "L-shaped body"}
-CELLS_SHOWN = 900
 ZOOM = 0.05  # half width of the picture at the corner over the size of the body
 
 

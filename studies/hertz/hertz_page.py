@@ -20,10 +20,8 @@ from flangeway.report.page.tables import SummaryTable
 from flangeway.types import Floats
 from studies.hertz.hertz_reproduced import (
     CODES,
-    EXTREMES,
     FINE,
     FORCE_LIMITS,
-    LEVELS,
     REFERENCE_FORCE,
     STRESS_LIMIT,
     VARIANTS,
@@ -31,7 +29,6 @@ from studies.hertz.hertz_reproduced import (
     HertzRow,
     Variant,
     published_case,
-    published_value,
     reproduce_hertz,
 )
 from studies.published_numbers import digits, percent, share
@@ -61,28 +58,6 @@ STRESSES: dict[Quantity, str] = {
     "von_mises": "von Mises stress",
     "in_plane_shear": "maximum shear stress in the plane",
 }
-
-
-def forces_figure(found: HertzReproduction) -> Figure:
-    """Contact forces on the nodes of the secondary disc, each code on its finest mesh."""
-    figure = new_figure(13.0, 6.0)
-    for axes, row in zip(figure.subplots(2, 3).ravel(), _finest(found, "halved"), strict=True):
-        points, forces = row.points, row.nodal_forces
-        maximum = float(np.linalg.norm(forces, axis=1).max())
-        reach = ZOOM * row.theory.half_width
-        few = len(points) < 60
-        axes.quiver(
-            points[:, 0], points[:, 1], forces[:, 0], forces[:, 1],
-            angles="xy", scale_units="xy", scale=maximum / reach, color=INK, width=0.003 if few else 0.0015,
-            headwidth=3.0 if few else 1.0, headlength=4.0 if few else 0.0, headaxislength=4.0 if few else 0.0,
-        )  # fmt: skip
-        axes.plot(*points[np.argsort(points[:, 0])].T, color="#d55e00", linewidth=1.2)
-        axes.set(xlim=(-reach, reach), ylim=(points[:, 1].min() - 0.1 * reach, points[:, 1].max() + 1.1 * reach))
-        axes.set_aspect("equal", adjustable="box")
-        axes.set_title(f"{row.name}: maximum {maximum:.3g} kN, sum {row.force:.2f} kN", fontsize=9)
-        axes.set(xlabel="x in cm", ylabel="y in cm")
-    figure.suptitle(f"Contact forces on the nodes of the secondary disc: {VARIANTS['halved']}", fontsize=11)
-    return figure
 
 
 def pressure_figure(found: HertzReproduction, variant: Variant) -> Figure:
@@ -149,35 +124,6 @@ def symmetry_figure(found: HertzReproduction) -> Figure:
         axes.set(xlabel="depth below the contact in cm", ylabel=f"{label} in kN/cm$^2$")
         axes.grid(**GRID)
     figure.axes[0].legend(fontsize=8)
-    return figure
-
-
-def extremes_figure(found: HertzReproduction) -> Figure:
-    """Extreme stresses over refinement, published and computed."""
-    figure = new_figure(13.0, 5.6)
-    levels = sorted({row.level for row in found.rows})
-    for axes, (table, (name, _)) in zip(figure.subplots(1, 3), EXTREMES.items(), strict=True):
-        for code, (colour, marker) in zip(CODES, CODE_STYLES, strict=True):
-            computed = [row.extremes[name] for row in found.of("halved") if row.code == code]
-            published = [published_value(str(table), code, level) for level in levels]
-            common = {"color": colour, "marker": marker, "markersize": 5.0}
-            axes.plot(levels, computed, linewidth=1.3, label=f"{code} computed", **common)
-            axes.plot(levels, published, linewidth=0.9, linestyle=(0, (2, 2)), mfc="white", label="published", **common)
-        for row in found.of("printed"):
-            colour = CODE_STYLES[CODES.index(row.code)][0]
-            axes.plot(row.level, row.extremes[name], color=colour, marker="_", markersize=9.0, linestyle="none")
-        for row in found.of("segments"):
-            axes.plot(row.level, row.extremes[name], color=INK, marker="x", linestyle="none")
-        reference = published_value(str(table), "ABAQUS", 1)
-        axes.axhline(reference, color=INK, linewidth=0.9, linestyle=(0, (6, 3)), label="published reference")
-        axes.plot([], [], color=GREY, marker="_", markersize=9.0, linestyle="none", label="penalty as printed")
-        axes.plot([], [], color=INK, marker="x", linestyle="none", label="order 2, segment-to-segment")
-        axes.set_xticks(list(LEVELS), [f"M{level}" for level in LEVELS])
-        axes.set_title(f"Table {table}", fontsize=10)
-        axes.set_ylabel(f"extreme of the {STRESSES[name]} in kN/cm$^2$", fontsize=9)
-        axes.grid(**GRID)
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=8, fontsize=8, frameon=False)
     return figure
 
 
@@ -277,12 +223,10 @@ HERTZ = Reproduction(
         _tables,
     ),
     {
-        "contact_forces.png": forces_figure,
         "pressure_node_to_segment.png": partial(pressure_figure, variant="halved"),
         "pressure_penalty_as_printed.png": partial(pressure_figure, variant="printed"),
         "pressure_segment_to_segment.png": partial(pressure_figure, variant="segments"),
         "symmetry_line.png": symmetry_figure,
-        "extremes.png": extremes_figure,
         **{f"stresses_{code}.png": partial(fields_figure, code=code) for code in CODES},
         "stresses_VVO2_segment_to_segment.png": partial(fields_figure, code="VVO2", variant="segments"),
     },

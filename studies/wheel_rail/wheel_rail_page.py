@@ -7,8 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.cases import CaseRun
-from flangeway.railway.profiles.bundled import wheel
-from flangeway.railway.profiles.flange_root import IDENTIFIED, IDENTIFIED_RADIUS_MM, identified_wheel
+from flangeway.railway.profiles.flange_root import IDENTIFIED, IDENTIFIED_RADIUS_MM
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.report.figures.drawing import new_figure
 from flangeway.report.figures.fields import PartFields, part_fields
@@ -85,38 +84,6 @@ def positions_figure(found: WheelRailReproduction) -> Figure:
         axes.set_title(f"{quantity} in {mine[0].unit}", fontsize=10)
         axes.axhline(0.0, color="black", lw=0.6)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9)
-    return figure
-
-
-def root_figure(found: WheelRailReproduction) -> Figure:
-    """Draw both flange roots, and rotation and vertical translation over the lateral one for both families of roots."""
-    figure = new_figure(12.0, 4.2)
-    shape, *panels = figure.subplots(1, 3)
-    for profile, style in ((wheel("AAR-1B"), "k--"), (identified_wheel(), "C0-")):
-        points = profile.running_surface.sampled(spacing=0.1)
-        near = (points[:, 0] > -50.0) & (points[:, 0] < -5.0)
-        shape.plot(*points[near].T, style, lw=1.2, label=profile.title)
-    shape.set_aspect("equal")
-    shape.set(xlabel="x of the wheel in mm", ylabel="y of the wheel in mm")
-    shape.legend(fontsize=7)
-    numbers = {(each.code, each.quantity): each for each in found.numbers if each.table == TABLES["curve"]}
-    codes = [row.code for row in found.rows if row.situation == "curve"]
-    quantities = ("rotation", "vertical translation, curve less tangent")
-    for axes, quantity, name in zip(panels, quantities, ("rotation_rad", "vertical_difference_cm"), strict=True):
-        for family, style in zip(FAMILIES, ("C0.-", "C1.--"), strict=True):
-            mine = sorted((each for each in found.members if each.family == family), key=lambda each: each.lateral_cm)
-            label = f"{MEMBER_CODE}, {family}"
-            axes.plot([m.lateral_cm for m in mine], [getattr(m, name) for m in mine], style, lw=1.0, label=label)
-        for kind, mark in (("published", "ks"), ("computed", "C3x")):
-            for place, code in enumerate(codes):
-                at = numbers[f"curve {code}", "horizontal translation"], numbers[f"curve {code}", quantity]
-                x, y = (getattr(each, kind) for each in at)
-                axes.plot(x, y, mark, ms=5, mfc="none", label=None if place else f"{kind}, all rows")
-        axes.set_xlabel("lateral translation in cm")
-        axes.set_title(f"{quantity} in {numbers[f'curve {codes[0]}', quantity].unit}", fontsize=9)
-        axes.grid(color="#dddddd", linewidth=0.6)
-        axes.legend(fontsize=7)
-    shape.set_title(f"flange root; wide arc of {IDENTIFIED_RADIUS_MM:g} mm instead of 38.1 mm", fontsize=9)
     return figure
 
 
@@ -238,12 +205,6 @@ WHEEL_RAIL = Reproduction(
                 positions_figure,
             ),
             PagePicture(
-                "wheel-rail-flange-root",
-                "Assumed and identified flange root; rotation and vertical translation over the lateral translation "
-                "for two families of roots, and for the published and the computed rows",
-                root_figure,
-            ),
-            PagePicture(
                 "wheel-rail-pressures",
                 "Pressures of the three contacts in a curve, segment-to-segment, beside Hertz's curve of the same "
                 "force and curvature",
@@ -260,7 +221,6 @@ WHEEL_RAIL = Reproduction(
     ),
     {
         "positions.png": positions_figure,
-        "flange_root.png": root_figure,
         "rigid_limit.png": rigid_limit_figure,
         "refinement.png": refinement_figure,
         **{f"pressures_{situation}.png": partial(pressures_figure, situation=situation) for situation in CASES},

@@ -3,12 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from flangeway.report.figures.drawing import GREY, INK, new_figure
-from flangeway.report.figures.plots import COLOURS
 from flangeway.report.page.tables import SummaryTable
 from studies.published_numbers import digits, percent
 from studies.reproduction import Chapter, PagePicture, Reproduction
@@ -54,32 +51,6 @@ def manchester_figure(found: Wheelset3dReproduction) -> Figure:
     return figure
 
 
-def curve_figure(found: Wheelset3dReproduction) -> Figure:
-    """Draw the pressures on the right wheel in the curve by all kinds of elements."""
-    runs = [run for run in found.runs if run.situation == "curve"]
-    figure = new_figure(10.5, 2.7)
-    every = list(np.atleast_1d(figure.subplots(1, len(runs), sharex=True, sharey=True)))
-    maximum = max(each.ellipse.max_pressure for run in runs for each in run.result.patches if each.side == "right")
-    for axes, run in zip(every, runs, strict=True):
-        patches = [each for each in run.result.patches if each.side == "right"]
-        grid = patches[0].state.grid.grid
-        pressures = patches[0].state.cells.pressures
-        along = grid.strip * np.append(grid.planes - 0.5, grid.planes[-1] + 0.5)
-        for first in range(len(grid.cells)):
-            row = pressures[first : first + 1]
-            axes.pcolormesh(
-                along, grid.cells[first], np.where(row > 0.0, row, np.nan), cmap=COLOURS, vmin=0.0, vmax=maximum
-            )
-        axes.set_aspect("equal")
-        worst = max(each.ellipse.max_pressure for each in patches)
-        axes.set_title(f"{run.method} {run.order}: {worst:.0f} MPa", fontsize=10)
-        axes.set_xlabel("z in mm", fontsize=9)
-        axes.set_ylabel("across the rail in mm", fontsize=9)
-        axes.label_outer()
-    figure.colorbar(ScalarMappable(Normalize(0.0, maximum), COLOURS), ax=every, label="pressure in MPa", shrink=0.8)
-    return figure
-
-
 def _tables(found: Wheelset3dReproduction) -> Sequence[SummaryTable]:
     """The patches of tangent and curve."""
     rows = tuple(
@@ -119,14 +90,9 @@ WHEELSET3D = Reproduction(
                 "position: all points of CONTACT lie on the curves of flangeway",
                 manchester_figure,
             ),
-            PagePicture(
-                "wheelset3d-curve",
-                "Pressures on the right rail in a curve by finite and virtual elements: the patches are the same",
-                curve_figure,
-            ),
         ),
         _tables,
     ),
-    {"manchester.png": manchester_figure, "curve.png": curve_figure},
+    {"manchester.png": manchester_figure},
     {"manchester.csv": positions_table, "patches.csv": patches_table},
 )

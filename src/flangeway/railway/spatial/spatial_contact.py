@@ -49,10 +49,9 @@ class SpatialState:
         )
 
     def insides(self, side: Side) -> list[Bools] | None:
-        """Cells of the patches that roll, (n, n_z) each; None without friction."""
-        if self.rolled is None:
-            return None
-        return patches_of(self.sides[side].forces, [each.inside for each in self.rolled.creep[side].patches])
+        """Cells of patches that roll by themselves, (n, n_z) each; None without friction, or by the exact theory."""
+        insides = None if self.rolled is None else self.rolled.creep[side].insides
+        return None if insides is None else patches_of(self.sides[side].forces, insides)
 
     @property
     def forces(self) -> Floats:

@@ -100,10 +100,7 @@ def contact_in(
     cells = PatchGrid(np.append(grid.cells[rows, 0], grid.cells[rows.stop - 1, 1]), grid.strip, len(z), float(z.mean()))
     forces = np.where(inside, normal, 0.0)[rows, strips]
     areas = cells.widths[:, None] * grid.strip
-    own = friction
-    if max(map(len, friction.limits)) > 1:
-        static, kinetic = (np.broadcast_to(each, len(inside))[rows] for each in friction.limits)
-        own = Friction(static, kinetic, friction.decay)
+    own = friction.of_rows(rows)
     if not bodies:
         return RollingContact(cells, forces / areas, own, materials, np.zeros((0, 0, 0)), None, origin)
     coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
