@@ -21,13 +21,13 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RAILS, REFERENCE_WHEELS, WHEELS
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces
-from flangeway.railway.spatial.side_newton import transferred, transferred_creep
-from flangeway.railway.spatial.spatial_result import SpatialResult, solve_position
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces
+from flangeway.railway.wheelset.side_newton import transferred, transferred_creep
+from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.system.disk_cache import Cache
 
 COUNT, QUICK_COUNT, SEED = 600, 6, 29

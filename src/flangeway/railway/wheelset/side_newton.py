@@ -12,8 +12,7 @@ import scipy.linalg
 
 from flangeway.contact.patch.normal_contact import solve_normal
 from flangeway.errors import InputError
-from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideState, WheelPose
-from flangeway.railway.spatial.wheel_gap import FAR_MM
+from flangeway.railway.wheelset.side_contact import FAR_MM, GriddedSide, SideGrid, SideState, WheelPose
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 

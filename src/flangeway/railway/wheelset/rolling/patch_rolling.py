@@ -17,11 +17,10 @@ from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact, box_of
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.railway.spatial.side_contact import SideGrid, SideState, tangents_of
-from flangeway.railway.spatial.side_newton import SideNewton
-from flangeway.railway.spatial.wheel_gap import FAR_MM
-from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.placements import SIDE_SIGN
+from flangeway.railway.wheelset.side_contact import FAR_MM, SideGrid, SideState, tangents_of
+from flangeway.railway.wheelset.side_newton import SideNewton
+from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.types import Bools, Floats
 
 SAME = 1e-6

@@ -8,19 +8,16 @@ import numpy as np
 
 from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.rolling.wheelset_creep import WheelsetCreep, rate_of
-from flangeway.railway.spatial.running_surfaces import PATCH_CELLS, SpatialModel
-from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces
-from flangeway.railway.spatial.side_newton import SideNewton, solve_side, transferred, transferred_creep
-from flangeway.railway.spatial.spatial_contact import SpatialState, pose_of
-from flangeway.railway.spatial.wheel_gap import wheel_gap
-from flangeway.railway.spatial.wheelset_newton import FINE_RESIDUAL, WheelsetNewton
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
-from flangeway.railway.wheelset.equilibrium import MAX_WAY, Equilibrium
-from flangeway.railway.wheelset.residual import MAX_STEP
+from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
+from flangeway.railway.wheelset.running_surfaces import PATCH_CELLS, SpatialModel
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces, wheel_gap
+from flangeway.railway.wheelset.side_newton import SideNewton, solve_side, transferred, transferred_creep
+from flangeway.railway.wheelset.wheelset_newton import FINE_RESIDUAL, SpatialState, WheelsetNewton, pose_of
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 

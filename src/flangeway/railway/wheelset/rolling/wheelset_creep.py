@@ -19,17 +19,17 @@ from flangeway.contact.rolling.fastsim import SimplifiedRolling, fastsim_rows
 from flangeway.contact.rolling.rolling_contact import RollingContact, box_of
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
 from flangeway.contact.rolling.theories import FAST, Theory
-from flangeway.railway.spatial.rolling.patch_rolling import (
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.wheelset.rolling.patch_rolling import (
     contact_in,
     forces_on_cells,
     rows_of,
     strips_of,
     window_of,
 )
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.side_contact import SideGrid, SideState, WheelPose, tangents_of
-from flangeway.railway.spatial.side_newton import N_RESULTANTS, CreepSlopes, SideNewton
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.side_contact import SideGrid, SideState, WheelPose, tangents_of
+from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton
 from flangeway.types import Bools, Floats
 
 CLOSED: tuple[Theory, ...] = ("polach", "linear")
