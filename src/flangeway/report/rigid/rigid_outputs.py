@@ -1,7 +1,6 @@
 """Record and files of ``flangeway geometry``."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -40,15 +39,20 @@ ASSUMPTIONS = (
 )
 
 
-def _in_equilibrium(quantity: Quantity[RigidPosition]) -> Callable[[GeometryRun], Any]:
-    return lambda run: run.equilibrium.position and quantity.value(run.equilibrium.position)
+def _of_pair(quantity: Quantity[RigidPosition]) -> Quantity[Any]:
+    """Return a number of the position in equilibrium as one of a pair, None where there is none."""
+
+    def value(run: GeometryRun) -> Any:
+        return run.equilibrium.position and quantity.value(run.equilibrium.position)
+
+    return Quantity(quantity.key, quantity.label, value, quantity.unit, quantity.form, quantity.parts)
 
 
 PAIR_QUANTITIES: tuple[Quantity[Any], ...] = (
     Quantity("wheel", "wheel", lambda run: Path(run.case.wheel).name),
     Quantity("rail", "rail", lambda run: Path(run.case.rail).name),
     *CONICITY_QUANTITIES,
-    *(replace(quantity, of=_in_equilibrium(quantity), factor=1.0) for quantity in POSITION_QUANTITIES),
+    *map(_of_pair, POSITION_QUANTITIES),
     Quantity("jumps", "contact jumps", lambda run: len(run.jumps), form="d"),
     Quantity("status", "status", lambda run: "converged" if run.equilibrium.status.converged else "not converged"),
 )
