@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import signal
 import threading
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
@@ -12,7 +13,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from multiprocessing.connection import wait as wait_for
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 
 from flangeway.errors import FlangewayError, InputError, MissingLibraryError
 from flangeway.system.operating_system import interrupts_blocked, worker_start_method
@@ -37,19 +38,23 @@ class LostWorkerError(Exception):
         self.certain = certain
 
 
-class Workers(Protocol[Work, Found]):
+class Workers(ABC, Generic[Work, Found]):
     """Those who compute."""
 
     @property
+    @abstractmethod
     def n_at_once(self) -> int:
         """How many works may be under way; an `InputError` if the workers cannot be reached any more."""
 
+    @abstractmethod
     def submit(self, work: Work) -> "Future[Found]":
         """Have a work computed."""
 
+    @abstractmethod
     def result(self, future: "Future[Found]") -> Found:
         """Return a result, or raise `LostWorkerError`."""
 
+    @abstractmethod
     def stop(self) -> None:
         """End all that still runs; what it computes is dropped."""
 
@@ -85,7 +90,7 @@ def computed(workers: Workers[Work, Found], queue: deque[Work]) -> Iterator[tupl
             yield work, result
 
 
-class LocalWorkers(Generic[Work, Found]):
+class LocalWorkers(Workers[Work, Found]):
     """Processes of this machine, which end when this one does, however it ends.
 
     - `n_workers`: how many, one or more.
@@ -93,7 +98,7 @@ class LocalWorkers(Generic[Work, Found]):
     """
 
     def __init__(self, n_workers: int, compute: Callable[[Work], Found]) -> None:
-        self.n_at_once, self._compute = n_workers, compute
+        self._n_workers, self._compute = n_workers, compute
         # forks of a fresh process that has imported what is needed: nothing of this one comes along, and a new worker
         # is there at once
         self._context: Any = multiprocessing.get_context(worker_start_method())
@@ -113,6 +118,11 @@ class LocalWorkers(Generic[Work, Found]):
         except BaseException:
             self.stop()
             raise
+
+    @property
+    def n_at_once(self) -> int:
+        """See `Workers`."""
+        return self._n_workers
 
     def submit(self, work: Work) -> "Future[Found]":
         """See `Workers`."""
@@ -136,7 +146,7 @@ class LocalWorkers(Generic[Work, Found]):
             process.kill()
 
     def _new(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(self.n_at_once, mp_context=self._context, initializer=_begin)
+        return ProcessPoolExecutor(self._n_workers, mp_context=self._context, initializer=_begin)
 
     def _started(self, work: Callable[..., Any], *arguments: Any) -> "Future[Any]":
         with _environment():  # a process may begin here
@@ -173,7 +183,7 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-class ClusterWorkers(Generic[Work, Found]):
+class ClusterWorkers(Workers[Work, Found]):
     """Workers of a scheduler of `dask.distributed`; they may come and go while the campaign runs.
 
     A `MissingLibraryError` if the library is not installed. An `InputError` if nothing answers at the address.

@@ -76,7 +76,7 @@ def profiles_record(runs: Sequence[ProfileRun], command: str) -> Record:
     title: Quantity[ProfileRun] = Quantity("title", "", lambda run: run.profile.title)
     kind: Quantity[ProfileRun] = Quantity("kind", "kind", lambda run: run.profile.kind)
     chosen = [quantity for quantity in QUANTITIES if quantity.key in BATCH]
-    told = [quantity for quantity in MEASURES[:6] if any(quantity.value(run) is not None for run in runs)]
+    shown = [quantity for quantity in MEASURES[:6] if any(quantity.value(run) is not None for run in runs)]
     return Record(
         name=f"{len(runs)} profiles",
         title=f"{len(runs)} profiles",
@@ -84,7 +84,7 @@ def profiles_record(runs: Sequence[ProfileRun], command: str) -> Record:
         converged=True,
         success="read",
         message="",
-        results=table_of("Profiles", runs, [title, *told]),
+        results=table_of("Profiles", runs, [title, *shown]),
         summary={"profiles": [run.summary for run in runs]},
         summary_file=BATCH_SUMMARY,
         again=Again(command, files=f"The table is in `{TABLE}`, all numbers of each profile are in `{BATCH_SUMMARY}`."),
