@@ -195,7 +195,7 @@ QUANTITIES: tuple[Quantity[ProfileRun], ...] = (
     ),
     Quantity("area", "area of the whole section", lambda run: run.body and run.body.outline.area, "mm²", ".1f"),
 )
-"""What is told of a profile; what there is not is None."""
+"""What is reported of a profile; what there is not is None."""
 
 
 def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str | None = None) -> ProfileRun:
