@@ -176,7 +176,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
         "rim", description="rim held at its cut, or whole wheel with an assumed web and hub, held at the bore"
     )
     axle: Literal["elastic", "rigid"] = Field(
-        "elastic", description="elastic: bends as one of class F of the AAR between the journals"
+        "elastic", description="elastic: an AAR class F axle that bends between its journals"
     )
     yield_MPa: float | None = Field(
         None, gt=0.0, description="yield strength, for the shakedown position of patches (default: 510 MPa, rail steel)"
