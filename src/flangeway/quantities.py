@@ -22,7 +22,7 @@ MISSING = "–"
 """Text of a value that does not exist."""
 MIN_DIGITS = 3
 """Significant digits that a converted number keeps at least: 70 mm are 2.76 in, not 2.8."""
-_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶", "0123456")
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶μ", "0123456u")
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
 from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.materials import Elastic
-from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch, box_of, rolling_contact_of
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_result import solve_position
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, box_of, rolling_contact_of
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_result import solve_position
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from studies.wheelset3d.one_wheel import as_half_spaces
 
 CASE = SpatialWheelsetCase.from_values({"size_scale": 6.0, "order": 1, "rail_support": "continuous"})

@@ -12,8 +12,7 @@ import scipy.linalg
 
 from flangeway.contact.patch.normal_contact import solve_normal
 from flangeway.errors import InputError
-from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideState, WheelPose
-from flangeway.railway.spatial.wheel_gap import FAR_MM
+from flangeway.railway.wheelset.side_contact import FAR_MM, GriddedSide, SideGrid, SideState, WheelPose
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -26,7 +25,7 @@ FIRST = 1e-2
 MOST_STEPS = 30
 MAX_MOVED_MM = 0.5
 """Displacement of a cell across the normal by which the geometry changes in one step, at most."""
-N_RESULTANTS = 7
+N_RESULTANTS, N_MOTIONS = 7, 6
 
 
 class CreepSlopes(NamedTuple):
@@ -134,10 +133,10 @@ class SideNewton:
     def solve(self, *, rolls: bool = False) -> tuple[Floats, Floats]:
         """Forces on the cells in contact, (m,), and derivatives by the axle's x, y, roll and the tilt, (m, 4).
 
-        - `rolls`: whether those by the rate of rotation and the yaw are wanted too, (m, 6); creep forces change too.
+        - `rolls`: whether those by all that `CreepSlopes.motion` is by are wanted, (m, 6); creep forces change too.
         """
         if self._factor is None:
-            return np.zeros(0), np.zeros((0, 6 if rolls else 4))
+            return np.zeros(0), np.zeros((0, N_MOTIONS if rolls else 4))
         rows, strips = np.nonzero(self.touching)
         by, arms = self.gap.by_motion[rows, strips, :2], self.gap.arms[rows, strips]
         # a wheel that moves by v changes the gaps by by . v; a rotation moves the hits by (-arm_y, arm_x)

@@ -11,16 +11,14 @@ from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
 from flangeway.problems import Harmonic
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
-from flangeway.railway.spatial.rail_supports import RailSupport
-from flangeway.railway.spatial.rolling.patch_rolling import forces_on_cells
-from flangeway.railway.spatial.running_surfaces import running_cells
-from flangeway.railway.spatial.side_contact import tangents_of
-from flangeway.railway.spatial.spatial_result import SpatialResult
-from flangeway.railway.spatial.supported_rail import SPREAD, WAVENUMBERS, SupportedRail, weights_at
-from flangeway.railway.spatial.wheel_gap import wheel_gap
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.wheelset.rolling.patch_rolling import forces_on_cells
+from flangeway.railway.wheelset.running_surfaces import running_cells
+from flangeway.railway.wheelset.side_contact import tangents_of, wheel_gap
+from flangeway.railway.wheelset.spatial_result import SpatialResult
+from flangeway.railway.wheelset.supported_rail import SPREAD, WAVENUMBERS, RailSupport, SupportedRail, weights_at
 from flangeway.solve import SurfaceCells
 from flangeway.solve.surface_compliance import FurtherLoads, StripForces, wave_sums, waves
 from flangeway.types import Floats

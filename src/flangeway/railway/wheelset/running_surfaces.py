@@ -12,16 +12,15 @@ from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.railway.rigid.rigid_side import RigidSide
-from flangeway.railway.spatial.axle import Axle
-from flangeway.railway.spatial.rail_supports import RailSupport, rail_problem
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.side_contact import SideSurfaces
-from flangeway.railway.spatial.supported_rail import sleeper_compliance, supported_rail
-from flangeway.railway.spatial.whole_wheel import WheelDisc, wheel_correction, whole_wheel
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.wheelset.axle import Axle
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.side_contact import SideSurfaces
+from flangeway.railway.wheelset.supported_rail import RailSupport, rail_problem, sleeper_compliance, supported_rail
 from flangeway.railway.wheelset.wheelset_mesh import mesh_outline
+from flangeway.railway.wheelset.whole_wheel import WheelDisc, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache, content_key

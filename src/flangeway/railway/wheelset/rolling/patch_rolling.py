@@ -17,11 +17,10 @@ from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact, box_of
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.railway.spatial.side_contact import SideGrid, SideState, tangents_of
-from flangeway.railway.spatial.side_newton import SideNewton
-from flangeway.railway.spatial.wheel_gap import FAR_MM
-from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.placements import SIDE_SIGN
+from flangeway.railway.wheelset.side_contact import FAR_MM, SideGrid, SideState, tangents_of
+from flangeway.railway.wheelset.side_newton import SideNewton
+from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.types import Bools, Floats
 
 SAME = 1e-6
@@ -100,10 +99,7 @@ def contact_in(
     cells = PatchGrid(np.append(grid.cells[rows, 0], grid.cells[rows.stop - 1, 1]), grid.strip, len(z), float(z.mean()))
     forces = np.where(inside, normal, 0.0)[rows, strips]
     areas = cells.widths[:, None] * grid.strip
-    own = friction
-    if max(map(len, friction.limits)) > 1:
-        static, kinetic = (np.broadcast_to(each, len(inside))[rows] for each in friction.limits)
-        own = Friction(static, kinetic, friction.decay)
+    own = friction.of_rows(rows)
     if not bodies:
         return RollingContact(cells, forces / areas, own, materials, np.zeros((0, 0, 0)), None, origin)
     coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)

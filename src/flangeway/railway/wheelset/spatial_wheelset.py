@@ -8,19 +8,16 @@ import numpy as np
 
 from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.rolling.wheelset_creep import WheelsetCreep, rate_of
-from flangeway.railway.spatial.running_surfaces import PATCH_CELLS, SpatialModel
-from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces
-from flangeway.railway.spatial.side_newton import SideNewton, solve_side, transferred, transferred_creep
-from flangeway.railway.spatial.spatial_contact import SpatialState, pose_of
-from flangeway.railway.spatial.wheel_gap import wheel_gap
-from flangeway.railway.spatial.wheelset_newton import FINE_RESIDUAL, WheelsetNewton
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
-from flangeway.railway.wheelset.equilibrium import MAX_WAY, Equilibrium
-from flangeway.railway.wheelset.residual import MAX_STEP
+from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
+from flangeway.railway.wheelset.running_surfaces import PATCH_CELLS, SpatialModel
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces, wheel_gap
+from flangeway.railway.wheelset.side_newton import SideNewton, solve_side, transferred, transferred_creep
+from flangeway.railway.wheelset.wheelset_newton import FINE_RESIDUAL, SpatialState, WheelsetNewton, pose_of
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -37,9 +34,9 @@ PRESSED_MM = 0.3
 """Depth below the rigid position at which the search begins."""
 MAX_ITERATIONS = 80
 """Newton steps until the equilibrium on coarse cells, or on one set of fine ones."""
-ROLLING_RESIDUAL, FAST_RESIDUAL, EXACT_RESIDUAL = 0.02, 1e-6, 1e-5
-"""Equilibrium residual with friction: where another theory or other cells follow, which change it by as much, by fast
-theories, and by the exact one, which is less sharp."""
+ROLLING_RESIDUAL, FAST_RESIDUAL = 0.02, 1e-7
+"""Equilibrium residual with friction: where other cells follow, which change it by as much, and by fast theories, whose
+forces are not smooth."""
 LIFTED, TORQUE, YAW_MOMENT = 0.2, 3, 4
 """Vertical or moment residual of wheels that do not carry the load; numbers of torque and yaw moment in residuals."""
 MAX_BENT_MM = 0.4
@@ -51,7 +48,7 @@ AT_THE_ENDS = "patches at the ends of their cells"
 LEAST_ACROSS = 20
 """Cells across a patch that are enough where 26 are wanted."""
 FEWER_ACROSS, NESTED_RESIDUAL = 0.5, 2e-3
-"""Cells across a patch over the final ones while creep forces are sought, and the exact theory's residual on them."""
+"""Cells across a patch over the final ones while creep forces are sought, and the residual on them."""
 MARGIN = 0.2
 """Width of the window beyond a patch on each side over the patch."""
 BROAD_MARGIN = 0.6
@@ -108,7 +105,7 @@ class SpatialWheelset:
     def solve(self, progress: Callable[[str], None] = lambda _: None) -> Equilibrium[SpatialState]:
         """Find the equilibrium, first on coarse cells over the whole running surfaces, then on fine ones.
 
-        With friction from the equilibrium without: by a fast theory on both, then by that of the motion.
+        With friction from the equilibrium without, and on few cells between both.
         """
         start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM))
         kept = self.problem.prescribed.components
@@ -117,23 +114,13 @@ class SpatialWheelset:
         whole = {side: state.grid for side, state in found.state.sides.items()}
         if motion is None:
             return self._fine(whole, found, progress) if found.status.converged else found
-        theory = "fastsim" if motion.theory == "exact" else motion.theory
-        creep = WheelsetCreep(motion, rate_of(motion, found.state.sides), theory, MAX_BENT_MM)
+        creep = WheelsetCreep(motion, rate_of(motion, found.state.sides), motion.theory, MAX_BENT_MM)
         found = self._coarse_equilibrium(found.position, found.state, progress, creep)
         whole = {side: state.grid for side, state in found.state.sides.items()}
-        cells = self.model.patch_cells
-        fewer = round(FEWER_ACROSS * cells)
-        stages = [(creep, fewer, ROLLING_RESIDUAL)]
-        if motion.theory == "exact":
-            exact = replace(creep, theory="exact")
-            stages += [(exact, fewer, NESTED_RESIDUAL), (exact, cells, EXACT_RESIDUAL)]
-        else:
-            stages.append((creep, cells, FAST_RESIDUAL))
-        for forces, across, tolerance in stages:
-            if not found.status.converged:
-                break
-            forces.rate_rad_s, creep = creep.rate_rad_s, forces
-            found = self._fine(whole, found, progress, creep, tolerance, across)
+        cells, last = self.model.patch_cells, FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
+        for across, tolerance in ((round(FEWER_ACROSS * cells), NESTED_RESIDUAL), (cells, last)):
+            if found.status.converged:
+                found = self._fine(whole, found, progress, creep, tolerance, across)
         return found
 
     def _coarse_equilibrium(

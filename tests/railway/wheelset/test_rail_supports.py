@@ -10,7 +10,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import dual, rectangle_grid, triangulate
 from flangeway.problems import Elasticity, Foundation, Harmonic
 from flangeway.railway.profiles.bundled import rail
-from flangeway.railway.spatial.rail_supports import RailSupport, rail_problem
+from flangeway.railway.wheelset.supported_rail import RailSupport, rail_problem
 from flangeway.space import Space
 
 STEEL = Elastic(210e3, 0.3)

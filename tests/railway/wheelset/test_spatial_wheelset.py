@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.railway.spatial import spatial_wheelset
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.side_newton import solve_side
-from flangeway.railway.spatial.spatial_contact import pose_of, signs_of
-from flangeway.railway.spatial.spatial_patch import spatial_patch
-from flangeway.railway.spatial.spatial_result import solve_position
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Prescribed
-from flangeway.railway.wheelset.residual import loads_of
+from flangeway.railway.wheelset import spatial_wheelset
+from flangeway.railway.wheelset.equilibrium import loads_of
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.side_newton import solve_side
+from flangeway.railway.wheelset.spatial_result import solve_position
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.wheel_patch import spatial_patch
 from flangeway.railway.wheelset.wheelset_model import build_model
-from tests.railway.spatial.conftest import coarse_case
+from flangeway.railway.wheelset.wheelset_newton import pose_of, signs_of
+from tests.railway.wheelset.conftest import coarse_case
 
 
 def solved(wheelset, **inputs):

@@ -5,12 +5,12 @@ import pytest
 
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.rolling.wheelset_creep import SideCreep, WheelsetCreep, patches_of
-from flangeway.railway.spatial.spatial_result import solve_position
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed
-from tests.railway.spatial.conftest import coarse_case
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.wheelset_creep import SideCreep, WheelsetCreep, patches_of
+from flangeway.railway.wheelset.spatial_result import solve_position
+from tests.railway.wheelset.conftest import coarse_case
 
 ROLLS = {"speed_km_h": 72.0, "friction": 0.3, "rolling_theory": "fastsim"}
 

@@ -3,8 +3,8 @@
 import pytest
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 
 COARSE = {"size_scale": 6.0, "order": 1, "rail_support": "continuous"}
 

@@ -16,8 +16,8 @@ from flangeway.railway.profiles.bundled import WHEELS, WheelProfile, wheel
 from flangeway.railway.profiles.formats.segment_files import write_segment_csv
 from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.profiles.whole_outline import whole_profile
-from flangeway.railway.spatial import whole_wheel as module
-from flangeway.railway.spatial.whole_wheel import WheelDisc, revolved, wheel_correction, whole_wheel
+from flangeway.railway.wheelset import whole_wheel as module
+from flangeway.railway.wheelset.whole_wheel import WheelDisc, revolved, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells, compliance_table
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache

@@ -7,18 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
+from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE, shakedown_state
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
 from flangeway.railway.rigid.elastic_start import CLIMBED_MM
-from flangeway.railway.spatial.rail_along_track import RailAlongTrack, rail_along_track
-from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
-from flangeway.railway.spatial.running_surfaces import SpatialModel, running_surfaces
-from flangeway.railway.spatial.side_contact import tangents_of
-from flangeway.railway.spatial.spatial_contact import SpatialState
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
-from flangeway.railway.spatial.supported_rail import SupportedRail, supported_rail
-from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import (
     RUNNING_CIRCLES_MM,
@@ -30,7 +23,15 @@ from flangeway.railway.track.placements import (
 )
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
+from flangeway.railway.wheelset.rail_along_track import RailAlongTrack, rail_along_track
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rows_of, strips_of
+from flangeway.railway.wheelset.running_surfaces import SpatialModel, running_surfaces
+from flangeway.railway.wheelset.side_contact import tangents_of
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.supported_rail import SupportedRail, supported_rail
+from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.railway.wheelset.wheelset_checks import STEEL_MPa, YIELD_MPa
+from flangeway.railway.wheelset.wheelset_newton import SpatialState
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
@@ -167,7 +168,7 @@ class SpatialResult:
     def head_motion(self, side: Side) -> tuple[float, float, float, float]:
         """Motion of a rail's head in the track's axes, lateral, vertical and roll, and that of its gauge face outwards.
 
-        See `flangeway.railway.spatial.side_contact.GriddedSide.rail_motion`.
+        See `flangeway.railway.wheelset.side_contact.GriddedSide.rail_motion`.
         """
         state, sign = self.equilibrium.state.sides[side], SIDE_SIGN[side]
         across = None if state.creep is None else state.creep[:, 0]
@@ -216,7 +217,7 @@ def solve_position(
     for side in SIDES if equilibrium.status.converged else ():
         state = equilibrium.state.sides[side]
         rolled = equilibrium.state.rolled
-        insides = None if rolled is None else [each.inside for each in rolled.creep[side].patches]
+        insides = None if rolled is None else rolled.creep[side].insides
         patches += [SpatialPatch(side, state, each, materials) for each in state.cells.patches(insides)]
     timings["contact"] = time.perf_counter() - begun
     status, warnings = equilibrium.status, []
@@ -267,7 +268,13 @@ def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[Spati
     for patch in patches:
         most = max(rolled.creep[patch.side].patches, key=lambda each: int((each.inside & patch.ellipse.inside).sum()))
         if (most.inside & patch.ellipse.inside).any():
-            found.append(RollingPatch(patch, most.forces, most.contact, motion.speed_m_s))
+            forces, contact = most.forces, most.contact
+            if isinstance(forces, Rolling):
+                forces = forces.part(
+                    patch.ellipse.inside[rows_of(patch.state, contact), strips_of(patch.state, contact)]
+                )
+                contact = forces.contact
+            found.append(RollingPatch(patch, forces, contact, motion.speed_m_s))
     return tuple(found)
 
 

@@ -11,10 +11,8 @@ from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.post.section_constants import section_constants
 from flangeway.railway.profiles.bundled import rail
-from flangeway.railway.spatial.rail_along_track import REGIONS, RailAlongTrack, rail_along_track
-from flangeway.railway.spatial.rail_head import narrowest_web
-from flangeway.railway.spatial.rail_supports import RailSupport
-from flangeway.railway.spatial.supported_rail import SupportedRail, sleeper_compliance, supported_rail
+from flangeway.railway.wheelset.rail_along_track import REGIONS, RailAlongTrack, narrowest_web, rail_along_track
+from flangeway.railway.wheelset.supported_rail import RailSupport, SupportedRail, sleeper_compliance, supported_rail
 from flangeway.system.disk_cache import Cache
 
 YOUNG, POISSON, SIZE = 210e3, 0.3, 11.0

@@ -13,10 +13,10 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.materials import Elastic
 from flangeway.railway.rigid.conicity import klingel_wavelength
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.rolling.wheelset_creep import WheelsetCreep
-from flangeway.railway.spatial.side_contact import WheelPose
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep
+from flangeway.railway.wheelset.side_contact import WheelPose
 
 CONICITY, RADIUS, ARM, SPEED = 0.05, 460.0, 750.0, 20.0
 

@@ -14,22 +14,22 @@ import numpy as np
 from flangeway.contact.patch.contact_ellipse import separate_patches
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
-from flangeway.contact.rolling.exact_rolling import Start, roll
+from flangeway.contact.rolling.exact_rolling import Start, adjoint, roll
 from flangeway.contact.rolling.fastsim import SimplifiedRolling, fastsim_rows
 from flangeway.contact.rolling.rolling_contact import RollingContact, box_of
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
 from flangeway.contact.rolling.theories import FAST, Theory
-from flangeway.railway.spatial.rolling.patch_rolling import (
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.wheelset.rolling.patch_rolling import (
     contact_in,
     forces_on_cells,
     rows_of,
     strips_of,
     window_of,
 )
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.side_contact import SideGrid, SideState, WheelPose, tangents_of
-from flangeway.railway.spatial.side_newton import N_RESULTANTS, CreepSlopes, SideNewton
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.side_contact import SideGrid, SideState, WheelPose, tangents_of
+from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton
 from flangeway.types import Bools, Floats
 
 CLOSED: tuple[Theory, ...] = ("polach", "linear")
@@ -42,10 +42,14 @@ same for patches of which nothing is known before."""
 DISTINCT = 1e-6
 """Least singular value, over the first one, of places in a patch that has several rows and strips."""
 N_SHAPES = 5
-TOLERANCE = 1e-4
+TOLERANCE = 1e-9
 """Error of the law of friction in an equilibrium."""
 SHAPE_STEP = 1e-3
 """Difference by `CreepSlopes.shape`."""
+SLOPE_ERROR = 1e-2
+"""Relative residual of the linear equations for derivatives of the exact theory."""
+DISTINCT_RESULTANTS = 1e-3
+"""Least singular value, over the first one, of numbers of a patch's forces whose derivatives are sought."""
 
 
 class PatchCreep(NamedTuple):
@@ -77,6 +81,13 @@ class SideCreep:
     resultant: Floats
     rows: Floats
     raised: Floats
+
+    @property
+    def insides(self) -> list[Bools] | None:
+        """Cells of the patches that roll by themselves; None by the exact theory."""
+        if any(isinstance(patch.forces, Rolling) for patch in self.patches):
+            return None
+        return [patch.inside for patch in self.patches]
 
 
 @dataclass(eq=False)
@@ -123,10 +134,7 @@ class WheelsetCreep:
         """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
         patches: list[PatchCreep] = []
         windows: list[int] = []
-        if state.grid not in self._parts and side in self.before:
-            self._parts[state.grid] = [_moved(each, state.grid.grid) for each in self.before[side].patches]
-        parts = self._parts[state.grid] = patches_of(normal, self._parts.get(state.grid, ()))
-        for inside in parts:
+        for inside in self._divided(side, state, normal):
             window = window_of(state.grid.grid, box_of(inside)[0]).start
             key = (state.grid, window, sum(each == window for each in windows))
             windows.append(window)
@@ -138,6 +146,15 @@ class WheelsetCreep:
             motion = self.creepages(side, state.pose, self.rate_rad_s, (points[rows], state.normals[rows]), contact)
             patches.append(PatchCreep(inside, contact, self._forces(key, side, contact, motion), points))
         return self._side(state, state.pose, tuple(patches))
+
+    def _divided(self, side: Side, state: SideNewton | SideState, normal: Floats) -> list[Bools]:
+        """Cells that roll as one: a patch, or by the exact theory a window, so that nothing jumps as patches meet."""
+        if self.theory == "exact":
+            return windows_of(state.grid.grid, normal)
+        if state.grid not in self._parts and side in self.before:
+            self._parts[state.grid] = [_moved(each, state.grid.grid) for each in self.before[side].patches]
+        self._parts[state.grid] = patches_of(normal, self._parts.get(state.grid, ()))
+        return self._parts[state.grid]
 
     def _forces(self, key: tuple[object, ...], side: Side, contact: RollingContact, motion: Creepages) -> CreepForces:
         if self.theory != "exact":
@@ -170,9 +187,9 @@ class WheelsetCreep:
         whole = self._contacts.get(key[:2])
         if whole is None:
             whole = self._contacts[key[:2]] = contact_in(state, normal, inside, friction, whole=True)
-        box = rows_of(state, whole), strips_of(state, whole)
-        pressures = np.where(inside, normal, 0.0)[box] / whole.areas
-        found = self._contacts[key] = whole.under(pressures, self._contacts.get(key))
+        rows = rows_of(state, whole)
+        pressures = np.where(inside, normal, 0.0)[rows, strips_of(state, whole)] / whole.areas
+        found = self._contacts[key] = whole.under(pressures, self._contacts.get(key), friction.of_rows(rows))
         return found
 
     def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
@@ -197,12 +214,18 @@ class WheelsetCreep:
     def derivatives(self, side: Side, newton: SideNewton, normal: Floats, found: SideCreep) -> CreepSlopes:
         """How creep forces under normal forces (n, n_z) change.
 
-        By differences of FASTSIM, or of the theory itself if it has a closed form.
+        By differences of the theory itself, or of the exact one by its linearised law of friction.
         """
         n = N_RESULTANTS + len(normal)
         columns = np.zeros((n, len(STEPS)))
         changes, weights = [np.zeros((n, 0))], [np.zeros((0, *normal.shape))]
         for patch in found.patches:
+            if isinstance(patch.forces, Rolling):
+                by_motion, by_normal, weight = self._linearised(side, newton, patch, patch.forces)
+                columns += by_motion
+                changes.append(by_normal)
+                weights.append(weight)
+                continue
             shapes = shapes_of(newton.grid.grid, normal, patch.inside)
             changed = self._changed(side, newton, normal, patch, shapes)
             columns += changed[:, : len(STEPS)]
@@ -210,13 +233,52 @@ class WheelsetCreep:
             weights.append(shapes / normal[patch.inside].sum())
         return CreepSlopes(columns, np.hstack(changes), np.concatenate(weights))
 
-    def _changed(self, side: Side, newton: SideNewton, normal: Floats, patch: PatchCreep, shapes: Floats) -> Floats:
-        """Derivatives of the resultant of a patch and of lateral forces of rows by `STEPS` and by shapes, (7 + n, m).
+    def _linearised(
+        self, side: Side, newton: SideNewton, patch: PatchCreep, found: Rolling
+    ) -> tuple[Floats, Floats, Floats]:
+        """Derivatives of the exact theory's creep forces of a patch: `CreepSlopes` of it.
 
-        - `shapes`: (k, n, n_z); normal forces grow by their product with these.
+        The adjoint problem of each number that is wanted of the forces of the rows has its derivatives by the rigid
+        slip and the normal forces of all cells.
         """
-        contact, pose, rate = patch.contact, newton.pose, self.rate_rad_s
+        contact, n = found.contact, len(newton.grid.grid.cells)
         rows, strips = rows_of(newton, contact), strips_of(newton, contact)
+        sizes, places, motions = self._moved(side, newton, patch)
+        cells = forces_on_cells(found, contact)
+        forces, ahead, none = cells.sum(axis=1), cells[..., 0] @ contact.grid.along, np.zeros(3)
+        # numbers of the forces along t and z and of the sums of z times the former, for each row
+        units = np.eye(3 * len(forces)).reshape(-1, 3, len(forces))
+        wanted = np.array([resultant_of(*places[0], unit[:2].T, unit[2], none) for unit in units])
+        loads = newton.grid.bending_modes_across[1]
+        wanted = np.hstack((wanted, np.pad(loads[:, rows].T, ((0, 2 * len(forces)), (0, 0)))))
+        scales = np.linalg.norm(wanted, axis=0)
+        left, values, right = np.linalg.svd(wanted / np.where(scales > 0.0, scales, 1.0), full_matrices=False)
+        kept = values > DISTINCT_RESULTANTS * values[0]
+        right = values[kept, None] * right[kept] * scales
+        by_slip, by_normal = [], []
+        for t, z, turning in left.T[kept].reshape(-1, 3, len(forces)):
+            functional = np.stack(
+                (t[:, None] + turning[:, None] * contact.grid.along, z[:, None] + 0.0 * contact.grid.along), axis=1
+            )
+            one, other = adjoint(found, functional, SLOPE_ERROR)
+            by_slip.append(one)
+            by_normal.append(other)
+        slips = np.array([each.rigid(*contact.places) for each in motions])
+        changes = right.T @ np.tensordot(by_slip, slips[1:] - slips[0], axes=([1, 2, 3], [1, 2, 3]))
+        moved = np.array([resultant_of(*place, forces, ahead, none) for place in places])
+        changes[:N_RESULTANTS] += (moved[1:] - moved[0]).T
+        to_rows = np.linalg.pinv(loads)
+        spread = np.vstack((np.eye(N_RESULTANTS, len(right.T)), np.hstack((np.zeros((n, N_RESULTANTS)), to_rows))))
+        weights = np.zeros((len(by_normal), *newton.forces.shape))
+        weights[:, rows, strips] = by_normal
+        return spread @ (changes / sizes), spread @ right.T, weights
+
+    def _moved(
+        self, side: Side, newton: SideNewton, patch: PatchCreep
+    ) -> tuple[Floats, list[tuple[tuple[Floats, Floats], WheelPose]], list[Creepages]]:
+        """Sizes of `STEPS`; points and normals of a patch's rows with the pose, and creepages, now and after each."""
+        contact, pose, rate = patch.contact, newton.pose, self.rate_rad_s
+        rows = rows_of(newton, contact)
         sizes = np.array(STEPS) * [1.0, 1.0, 1.0, 1.0, rate, 1.0]
         places, motions = [], []
         for x, y, roll_rad, tilt, turning, yaw in np.vstack((np.zeros(len(STEPS)), np.diag(sizes))).tolist():
@@ -235,13 +297,23 @@ class WheelsetCreep:
             at = patch.points[rows] + (way * normals).sum(axis=1)[:, None] * normals, normals
             places.append((at, moved))
             motions.append(self.creepages(side, moved, rate + turning, at, contact))
+        return sizes, places, motions
+
+    def _changed(self, side: Side, newton: SideNewton, normal: Floats, patch: PatchCreep, shapes: Floats) -> Floats:
+        """Derivatives of the resultant of a patch and of lateral forces of rows by `STEPS` and by shapes, (7 + n, m).
+
+        - `shapes`: (k, n, n_z); normal forces grow by their product with these.
+        """
+        contact = patch.contact
+        rows, strips = rows_of(newton, contact), strips_of(newton, contact)
+        sizes, places, motions = self._moved(side, newton, patch)
         places, motions = places + len(shapes) * places[:1], motions + len(shapes) * motions[:1]
         forces = np.where(patch.inside, normal, 0.0)[rows, strips]
         parts = [forces] * (1 + len(STEPS)) + [forces * (1.0 + SHAPE_STEP * each[rows, strips]) for each in shapes]
         lateral, resultants = np.zeros((len(parts), len(normal))), []
         for number, (of_rows, ahead, missing) in enumerate(_forces_of_rows(self.theory, contact, motions, parts)):
             spinning = missing * np.append(contact.row_shares @ newton.normals[rows], 0.0)
-            resultants.append(resultant_of(places[number][0], places[number][1], of_rows, ahead, spinning))
+            resultants.append(resultant_of(*places[number], of_rows, ahead, spinning))
             lateral[number, rows] = of_rows[:, 0]
         values = np.column_stack((resultants, lateral))
         steps = np.append(sizes, np.full(len(shapes), SHAPE_STEP))
@@ -279,6 +351,18 @@ def _moved(patch: PatchCreep, grid: SideGrid) -> Bools:
     rows, bounds = box_of(patch.contact.pressures > 0.0)[0], patch.contact.grid.bounds
     inside = (grid.stations > bounds[rows.start]) & (grid.stations < bounds[rows.stop])
     return np.repeat(inside[:, None], len(grid.z), axis=1)
+
+
+def windows_of(grid: SideGrid, normal: Floats) -> list[Bools]:
+    """Cells under normal forces of each window, (n, n_z), windows from the field side to the gauge side."""
+    found, row = [], 0
+    while row < len(normal):
+        window = window_of(grid, slice(row, row + 1))
+        inside = np.zeros(normal.shape, dtype=np.bool_)
+        inside[window] = normal[window] > 0.0
+        found += [inside] if inside.any() else []
+        row = window.stop
+    return found
 
 
 def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:

@@ -1,47 +1,108 @@
 """Equilibrium of a wheelset in three dimensions by Newton's method, without friction or with creep forces.
 
 Unknown are the position, the tilts of both wheels, and with friction the rate of rotation about the axle and, if it is
-not prescribed, the yaw. With the derivatives of `SideNewton` by the position, those of creep forces are differences of
-a fast theory; what they miss of the exact theory is learned from step to step (Broyden, 1965).
+not prescribed, the yaw. The derivatives are those of `SideNewton` and of `WheelsetCreep`.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flangeway.railway.spatial.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep
-from flangeway.railway.spatial.side_contact import GriddedSide, SideState
-from flangeway.railway.spatial.side_newton import SideNewton, nearest, transferred, transferred_creep
-from flangeway.railway.spatial.spatial_contact import RolledWheelset, SpatialState, pose_of, signs_of
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
-from flangeway.railway.wheelset.equilibrium import Equilibrium
-from flangeway.railway.wheelset.residual import MAX_STEP, RelativeResiduals, is_stable, loads_of, with_loads
+from flangeway.railway.wheelset.equilibrium import (
+    MAX_STEP,
+    Equilibrium,
+    RelativeResiduals,
+    is_stable,
+    loads_of,
+    with_loads,
+)
+from flangeway.railway.wheelset.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep, patches_of
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose
+from flangeway.railway.wheelset.side_newton import CreepSlopes, SideNewton, nearest, transferred, transferred_creep
 from flangeway.solve import Status
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
+
+
+@dataclass(frozen=True, eq=False)
+class RolledWheelset:
+    """What rolling adds to an equilibrium.
+
+    - `creep`: creep forces of both sides in their right-hand forms.
+    - `rate_rad_s`: rate of rotation about the axle.
+    - `yaw_rad`: yaw of the axle.
+    - `yaw_moment_Nmm`: of contact and creep forces on the wheelset, counter-clockwise from above.
+    - `torque_Nmm`: of creep forces about the axle, > 0 where they drive it.
+    """
+
+    creep: Mapping[Side, SideCreep]
+    rate_rad_s: float
+    yaw_rad: float
+    yaw_moment_Nmm: float  # noqa: N815 (units in names)
+    torque_Nmm: float  # noqa: N815
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialState:
+    """Contact of both sides at one position, and what rolling adds."""
+
+    sides: Mapping[Side, SideState]
+    rolled: RolledWheelset | None = None
+
+    @property
+    def status(self) -> Status:
+        """Whether the contact forces were found."""
+        each = [state.status for state in self.sides.values()]
+        return Status(
+            all(one.converged for one in each),
+            "; ".join(one.message for one in each),
+            sum(one.iterations for one in each),
+        )
+
+    def insides(self, side: Side) -> list[Bools] | None:
+        """Cells of patches that roll by themselves, (n, n_z) each; None without friction, or by the exact theory."""
+        insides = None if self.rolled is None else self.rolled.creep[side].insides
+        return None if insides is None else patches_of(self.sides[side].forces, insides)
+
+    @property
+    def forces(self) -> Floats:
+        """All contact forces in N."""
+        return np.concatenate([state.forces.ravel() for state in self.sides.values()])
+
+
+def signs_of(side: Side) -> Floats:
+    """Signs of a force (x, y) and a moment, from the right-hand form of a side to the track's axes."""
+    return np.array([SIDE_SIGN[side], 1.0, SIDE_SIGN[side]])
+
+
+def pose_of(
+    problem: WheelsetProblem, position: WheelsetPosition, side: Side, yaw_rad: float, tilt_rad: float = 0.0
+) -> WheelPose:
+    """Pose of a wheel in the right-hand form of its side."""
+    sign = SIDE_SIGN[side]
+    x, y = position.axle(problem.wheelset)
+    seat = abs(problem.wheelset.placement(side).translation[0])
+    return WheelPose(sign * x, y, sign * position.roll_rad, sign * yaw_rad, sign * tilt_rad, seat)
+
 
 COARSE_FORCES = 1e-4
 FINE_RESIDUAL = 1e-8
 FINE_TILT_RAD = 1e-9
 FINE_FORCES = 1e-7
 """Change of the forces of a step over their sum."""
-MAX_GROWTH, BACK, LESS = 4.0, 0.3, 0.7
+MAX_GROWTH, BACK, LESS, HALVED = 4.0, 0.3, 0.7, 0.25
 """Largest step across the track over its limit; the next one over the last where the push has changed sides, and the
-largest one over that before."""
+largest one over that before; and the part to which a step lowers the residual that goes well."""
 SADDLE = 1e-6
 """Push across the track over the stiffness of the rest, in mm, that is round-off."""
 LEAST_STIFFNESS = 1e-6
 """Of a wheel that does not touch, weight per mm, so that it goes where it is pushed."""
-LEARNS = 0.01
-"""Residual of the forces below which what the derivatives miss is learned."""
 ERROR_OF_LAW, LOOSE = 0.1, 1e-2
 """Error of the law of friction over the residual of the position before, and its largest one."""
 MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
 """Step limits of the rate of rotation over itself, and of the yaw."""
-MAX_BENDING, SETTLED = 8.0, 0.02
-"""Factor on the displacement by creep forces in one step, which doubles where the rest is in equilibrium to the second
-number: rails that bend far would creep there, and elsewhere large steps of bending lead astray."""
 RATE, YAW = 5, 6
 """Numbers of the unknowns that friction adds behind position and tilts: the rate of rotation, and the yaw."""
 
@@ -67,6 +128,7 @@ class WheelsetNewton:
             self.yaw = poses[0][0] * poses[0][1].yaw_rad
             self.tilts = np.array([sign * pose.tilt_rad for sign, pose in poses])
         self.sides: dict[Side, SideNewton] = {}
+        self._slopes: dict[Side, CreepSlopes] = {}
         self.place(grids, near)
         held = [*(value is None for value in self.problem.prescribed.components), True, True]
         if creep is not None:
@@ -76,12 +138,11 @@ class WheelsetNewton:
         self.reach, self._longest = float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0])
         arm = problem.wheelset.back_to_back_mm / 2.0
         self._least = LEAST_STIFFNESS * float(loads_of(problem).weight) * np.array([1.0, 1.0, arm**2])
-        self.bending, self._across = 1.0, 0.0
-        self._missing = self._slopes = np.zeros((5, len(self.free)))
-        self._before: tuple[Floats, Floats] | None = None
+        self._across = 0.0
 
     def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
         """Go on with other cells, from a contact if it is known."""
+        self._slopes.clear()
         for number, (side, grid) in enumerate(grids.items()):
             pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
             before = None if near is None else near.sides[side]
@@ -103,13 +164,20 @@ class WheelsetNewton:
         """Whether a patch has come to an end of its cells."""
         return any(bool(((each.forces > 0.0) & each.grid.grid.at_edge).any()) for each in self.sides.values())
 
+    @property
+    def _is_halved(self) -> bool:
+        """Whether the last step has lowered the residual much: its derivatives still serve, and its direction does."""
+        errors = [each.equilibrium_residual for each in self.history[-2:]]
+        return len(errors) > 1 and errors[1] < HALVED * errors[0]
+
     def linearise(self) -> None:
         """Take residuals and their derivatives at the position."""
         n = len(self.free)
         if self.creep is not None:  # the law of friction need not hold better than the equilibrium
             before = self.history[-1].equilibrium_residual if self.history else LOOSE / ERROR_OF_LAW
+            if not self._is_halved:
+                self._slopes.clear()
             self.creep.tolerance = float(np.clip(ERROR_OF_LAW * before, TOLERANCE, LOOSE))
-            self.bending = float(np.clip(self.bending * (2.0 if before < SETTLED else 0.5), 1.0, MAX_BENDING))
         total, self.jacobian = np.zeros(3), np.zeros((n, n))
         self.resultants: dict[Side, Floats] = {}
         self.own: dict[Side, Floats] = {}
@@ -153,8 +221,10 @@ class WheelsetNewton:
         normal = np.zeros(newton.forces.shape)
         normal[newton.touching] = np.maximum(forces, 0.0)
         found = self.rolled[side] = self.creep.of_side(side, newton, normal)
-        slopes = self.creep.derivatives(side, newton, normal, found)
-        newton.bend(found.rows, found.raised, forces, slopes, self.bending * self.creep.max_bent_mm)
+        if side not in self._slopes:
+            self._slopes[side] = self.creep.derivatives(side, newton, normal, found)
+        slopes = self._slopes[side]
+        newton.bend(found.rows, found.raised, forces, slopes, self.creep.max_bent_mm)
 
     def _add_creep(self, number: int, side: Side) -> None:
         """Add creep forces of a side and what they change."""
@@ -171,17 +241,8 @@ class WheelsetNewton:
         self.jacobian[YAW, columns] -= SIDE_SIGN[side] * slopes
 
     def _add_equations(self, creep: WheelsetCreep) -> None:
-        """Add the equations of torque and yaw, and what differences of a fast theory miss of the exact one."""
+        """Add the equations of torque and yaw."""
         motion, problem = creep.motion, self.problem
-        unknown = np.array([*self.position.components, *self.tilts, creep.rate_rad_s, self.yaw])
-        if self.relative.equilibrium_residual < LEARNS:
-            if self._before is not None:
-                step = unknown - self._before[0]
-                weighted = step / self._limits**2
-                wrong = self.creep_now - self._before[1] - self._slopes @ step
-                self._missing = self._missing + np.outer(wrong, weighted) / max(float(weighted @ step), 1e-300)
-            self.creeping += self._missing
-            self._before, self._slopes = (unknown, self.creep_now), self.creeping
         self.jacobian[[0, 1, 2, RATE, YAW]] += self.creeping
         self.torque = float(self.creep_now[3])
         self.yaw_moment = float(self.creep_now[4]) + self.turning
@@ -231,11 +292,12 @@ class WheelsetNewton:
             return step / max(excess, 1.0)
         push = sense * float(self.missed[row] + self.jacobian[row] @ step)
         slope = sense * float(self.jacobian[row, 0] + self.jacobian[row] @ by_x)
-        if slope >= 0.0 and abs(push) < SADDLE * abs(sense * self.jacobian[row, 0]):
-            push = -abs(push)  # on top of the energy both ways lead down: to the left, whatever round-off says
         way = -push / slope if slope < 0.0 else float(np.copysign(np.inf, push))
+        if slope >= 0.0 and abs(push) < SADDLE * abs(sense * self.jacobian[row, 0]):
+            # on top of the energy both ways lead down: to the left, whatever round-off says; friction has no energy
+            way = -np.inf if self.creep is None else 0.0
         limit = self.reach
-        if way * self._across < 0.0 and abs(way) > 0.5 * abs(self._across):
+        if way * self._across < 0.0 and abs(way) > 0.5 * abs(self._across) and not self._is_halved:
             limit, self._longest = BACK * abs(self._across), LESS * self._longest
         elif abs(self._across) == self.reach:
             limit = min(2.0 * self.reach, self._longest)
@@ -258,8 +320,7 @@ class WheelsetNewton:
         if self.creep is None:
             most = min(most, COARSE_FORCES)
         moving = self.bends or (most < COARSE_FORCES and any(each.changed for each in self.sides.values()))
-        loose = self.creep is not None and self.creep.theory == "exact" and self.creep.tolerance > TOLERANCE
-        settled = change <= most and not moving and not loose
+        settled = change <= most and not moving
         if error <= tolerance and float(np.abs(self.tilts - self.bent).max()) <= share * FINE_TILT_RAD and settled:
             return True
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))

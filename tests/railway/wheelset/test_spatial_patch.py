@@ -7,7 +7,7 @@ from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.contact.patch.patch_contact import PatchContact
 from flangeway.errors import InputError
 from flangeway.exact import PointContact
-from flangeway.railway.spatial.spatial_patch import spatial_patch
+from flangeway.railway.wheelset.wheel_patch import spatial_patch
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel, build_model
 
 FORCE = 150e3  # N

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.railway.rigid.rigid_curve import RigidCurve
-from flangeway.railway.spatial.wheel_gap import FAR_MM, wheel_gap
+from flangeway.railway.wheelset.side_contact import FAR_MM, wheel_gap
 
 X = np.linspace(-30.0, 30.0, 601)
 POINTS = np.stack((np.linspace(-8.0, 8.0, 5), np.full(5, -1.0)), axis=1)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.railway.spatial.axle import Axle
+from flangeway.railway.wheelset.axle import Axle
 
 PLACES = np.array([-750.0, 750.0])
 DIAMETER, YOUNG = 173.0, 210e3
