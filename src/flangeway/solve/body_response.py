@@ -201,11 +201,6 @@ def turning(rotations: Floats) -> sp.csr_array:
     return sp.csr_array((rotations.ravel(), columns.ravel(), starts), shape=(2 * n, 2 * n))
 
 
-def components(nodes: Ints) -> Ints:
-    """Numbers of the two components of nodes, one node after the other, shape (2 n,)."""
-    return (2 * nodes[:, None] + np.arange(2)).ravel()
-
-
 class LoadedBodies(BodyResponse):
     """Placed bodies with loads, which displace them before any contact force acts.
 

@@ -9,7 +9,8 @@ from scipy.sparse.linalg import splu
 
 from flangeway._core import Ldlt
 from flangeway.problems import Body
-from flangeway.solve.body_response import BodyResponse, Constrained, SurfaceNodes, components, turning
+from flangeway.solve.body_response import BodyResponse, Constrained, SurfaceNodes, turning
+from flangeway.solve.constraints import components
 from flangeway.solve.free_motions import refuse_floating
 from flangeway.solve.linear import NO_UNKNOWNS, factorise, ldlt
 from flangeway.space import SymmetricMatrix
