@@ -31,7 +31,6 @@ from flangeway.solve import (
     solve_contact,
 )
 from flangeway.solve.body_loads import BodyLoad, loads_on
-from flangeway.solve.body_response import LoadedBodies
 from flangeway.types import Floats
 
 MOST_DENSE_BYTES = 4e9
@@ -339,7 +338,7 @@ def press(
             placements = _moved(system.parts, placed, leg, share)
             growth = min(number + share, 1.0)
             own = handles_at(placements, growth)
-            loaded = LoadedBodies(bodies, displaced, placements, growth) if any(displaced) else bodies
+            loaded = bodies.loaded(displaced, placements, growth) if any(displaced) else bodies
             state = solve_contact(
                 loaded, system, placements, handles=own, start=start, keep_guards=False, settings=settings,
                 origin=origin,
@@ -352,9 +351,10 @@ def press(
             progress(f"{100.0 * share:.4g} % of {which}: {state.status.message}")
             return state
 
-        reached = follow(
-            solve_at, reached, sizes, lambda share, state, number=number: done.append(LoadStep(number + share, state))
-        )
+        def keep(share: float, state: ContactState, number: int = number) -> None:
+            done.append(LoadStep(number + share, state))
+
+        reached = follow(solve_at, reached, sizes, keep)
         placed = _moved(system.parts, placed, leg, 1.0)
         if not reached.status.converged:
             break

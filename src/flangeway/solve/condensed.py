@@ -192,8 +192,7 @@ class CondensedBodies(BodyResponse):
             result[here] -= rows.T @ bend[mine]
         return result
 
-    def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
-        """See `BodyResponse.fields`."""
+    def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:
         local = np.matmul(forces[:, None], rotations)[:, 0]
         return [
             body.field(local[self.offsets[number] : self.offsets[number + 1]])
