@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 from flangeway.geometry import crossing_shares
 from flangeway.types import Floats, Ints
 
+GROWTH = 4.0
+"""Factor from one box of the search to the next: a few edges more in each against fewer of them."""
 ZERO_DEPTH = 1e-6
 """Depth over the longest edge up to which a point is on the surface; see `leads_out`."""
 DEEP = 0.1
@@ -50,7 +52,7 @@ def _boxes(edges: Floats, reach: float | Floats) -> NDArray[np.object_]:
 def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
     """Nearest edge that faces each point, by distance to its chord.
 
-    Edges are sought in boxes about the points, twice as large for those that no edge in their box faces, so that the
+    Edges are sought in boxes about the points, larger ones for those that no edge in their box faces, so that the
     answer is that of measuring them all.
 
     Parameters
@@ -72,16 +74,19 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
     starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
     normals = np.stack((chords[:, 1], -chords[:, 0]), axis=1)
     open_points = np.flatnonzero(_may_face(directions, normals))
+    tree = shapely.STRtree(_boxes(edges[:, [0, -1]], 0.0))
     everything = np.concatenate((points, *edges.swapaxes(0, 1)))
     extent, radius = float(np.ptp(everything, axis=0).max()), float(np.linalg.norm(chords, axis=1).mean())
     while len(open_points):
-        of, near = candidate_pairs(points[open_points, None], edges[:, [0, -1]], radius)
+        low, high = points[open_points] - radius, points[open_points] + radius
+        of, near = tree.query(shapely.box(*low.T, *high.T))
         of = open_points[of]
-        facing = (directions[of] * normals[near]).sum(axis=1) < 0.0
+        facing = np.einsum("ni,ni->n", directions[of], normals[near]) < 0.0
         of, near = of[facing], near[facing]
         apart, along = points[of] - starts[near], chords[near]
-        share = np.clip((apart * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
-        squares = ((apart - share[:, None] * along) ** 2).sum(axis=1)
+        share = np.clip(np.einsum("ni,ni->n", apart, along) / np.einsum("ni,ni->n", along, along), 0.0, 1.0)
+        apart -= share[:, None] * along
+        squares = np.einsum("ni,ni->n", apart, apart)
         order = np.lexsort((near, squares, of))
         of, near, squares = of[order], near[order], squares[order]
         first = np.diff(of, prepend=-1) > 0
@@ -89,7 +94,7 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
         found = first & ((squares <= radius**2) | (radius >= extent))
         result[of[found]] = near[found]
         open_points = np.setdiff1d(open_points, of[found]) if radius < extent else open_points[:0]
-        radius *= 2.0
+        radius *= GROWTH
     return result
 
 

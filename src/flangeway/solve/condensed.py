@@ -171,25 +171,31 @@ class CondensedBodies(BodyResponse):
         """See `BodyResponse.respond`.
 
         With the flexibility F the solution is ``(I + F G)^-1 F loads``. G lives on the few unknowns b of loaded pairs,
-        so by Woodbury's formula it is ``F loads - F[:, b] (I + G F)[b, b]^-1 (G F loads)[b]``; F is symmetric.
+        so by Woodbury's formula it is ``F loads - F[:, b] (I + G F)[b, b]^-1 (G F loads)[b]``, for each group of bodies
+        that G links: both sides of a track yield apart. F is symmetric.
         """
         result = np.zeros(loads.shape)
         blocks = self._blocks(rotations, touched)
         for here, flexibility in blocks:
             result[here] = (sp.csc_array(loads[here].T) @ flexibility).T
         bent = np.flatnonzero(np.diff(geometric.indptr))
-        if len(bent) == 0:
-            return result
-        inner = sp.csr_array(geometric[bent][:, bent])
-        matrix, bodies = np.eye(len(bent)), []
-        for here, flexibility in blocks:
-            mine = slice(*np.searchsorted(bent, (here.start, here.stop)).tolist())
-            among = bent[mine] - here.start
-            matrix[:, mine] += inner[:, mine] @ flexibility[np.ix_(among, among)]
-            bodies.append((here, mine, flexibility[among]))
-        bend = np.linalg.solve(matrix, inner @ result[bent])
-        for here, mine, rows in bodies:  # each body yields to its own forces alone
-            result[here] -= rows.T @ bend[mine]
+        owner = np.searchsorted([here.stop for here, _ in blocks], bent, side="right")
+        inner = sp.coo_array(geometric[bent][:, bent])
+        links = sp.coo_array((np.ones(inner.nnz), (owner[inner.row], owner[inner.col])), shape=(len(blocks),) * 2)
+        groups = sp.csgraph.connected_components(links, directed=False)[1]
+        inner = sp.csr_array(inner)
+        for group in np.unique(groups[owner]):
+            own = np.flatnonzero(groups[owner] == group)
+            columns = np.flatnonzero(result[bent[own]].any(axis=0))
+            stiffness, matrix, bodies = inner[own][:, own], np.eye(len(own)), []
+            for here, flexibility in (blocks[number] for number in np.flatnonzero(groups == group)):
+                mine = slice(*np.searchsorted(bent[own], (here.start, here.stop)).tolist())
+                among = bent[own][mine] - here.start
+                matrix[:, mine] += stiffness[:, mine] @ flexibility[np.ix_(among, among)]
+                bodies.append((here, mine, flexibility[among]))
+            bend = np.linalg.solve(matrix, stiffness @ result[np.ix_(bent[own], columns)])
+            for here, mine, rows in bodies:  # each body yields to its own forces alone
+                result[here, columns] -= rows.T @ bend[mine]
         return result
 
     def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:
