@@ -3,7 +3,7 @@
 import difflib
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
@@ -24,8 +24,6 @@ Progress = Callable[[str], None]
 
 RENAMED = {
     "cant": "rail_inclination",
-    "throat_radius_mm": "flange_root_radius_mm",
-    "wide_throat_radius_mm": "wide_flange_root_radius_mm",
     "barycentre_height_mm": "centre_of_gravity_height_mm",
     "largest_lateral_mm": "maximum_lateral_mm",
     "largest_amplitude_mm": "maximum_amplitude_mm",
@@ -295,6 +293,13 @@ def closest(word: str, known: list[str]) -> str:
     """Advice that names the known word most like the given one."""
     near = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
     return f"did you mean {near[0]}?" if near else "choose one of these"
+
+
+def require_known(key: str, name: str, known: Collection[str], what: str = "") -> None:
+    """Refuse a name that is not among the known ones, and name the one most like it; `what` these are is optional."""
+    if name not in known:
+        names = f"{f'{what}: ' if what else ''}{', '.join(known) or 'none'}"
+        raise InputError(f"{key} = {name!r}", names, closest(name, [*known]) if known else "leave it out")
 
 
 def key_text(key: Key) -> str:

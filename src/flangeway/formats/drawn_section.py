@@ -13,7 +13,7 @@ from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE, _joined
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Section, nested_regions
-from flangeway.geometry.segments import Arc, Line, Segment
+from flangeway.geometry.segments import Segment, segment_of
 
 UNITS = ("mm", "cm", "m", "in", "ft")  # units of length that a section can be given in; nothing is converted
 
@@ -121,9 +121,7 @@ class DrawnSegment:
 
     def checked(self) -> Segment:
         """Return the segment; see `Line` and `Arc` for what is refused."""
-        if self.centre is None:
-            return Line(self.start, self.end)
-        return Arc(self.start, self.end, self.centre, self.counter_clockwise)
+        return segment_of(self.start, self.end, self.centre, self.counter_clockwise)
 
 
 def drawn_polygon(points: Sequence[Point]) -> list[DrawnSegment]:

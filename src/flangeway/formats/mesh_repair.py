@@ -61,34 +61,9 @@ class MeshFile:
         Its points at one place become one, its edge sets are what is left of those of the file. Read the file with
         ``merge_points=False``, so that bodies that touch stay apart. An `InputError` for an unknown set.
         """
-        mesh = part_of_mesh(self.mesh, np.concatenate([self.mesh.cell_set(name) for name in cell_sets]))
+        mesh = self.mesh.part(np.concatenate([self.mesh.cell_set(name) for name in cell_sets]))
         cells = np.split(mesh.cell_points.astype(np.int64), mesh.cell_offsets[1:-1])
         return repaired_mesh(DrawnMesh(mesh.points, cells, mesh.cell_sets, mesh.edge_sets))
-
-
-def part_of_mesh(mesh: PolyMesh, cells: NDArray[np.integer]) -> PolyMesh:
-    """Mesh of some cells, with what is left of the sets; edges between them and the others are boundary."""
-    keep = np.unique(cells)
-    sizes = mesh.cell_sizes[keep]
-    starts = mesh.cell_offsets[keep].astype(np.int64)
-    offsets = np.concatenate(([0], np.cumsum(sizes)))
-    entries = np.repeat(starts - offsets[:-1], sizes) + np.arange(offsets[-1])
-    points, corners = np.unique(mesh.cell_points[entries], return_inverse=True)
-    number = np.full(mesh.n_points, -1)
-    number[points] = np.arange(len(points))
-    row = np.full(mesh.n_cells, -1)
-    row[keep] = np.arange(len(keep))
-    bare = PolyMesh(mesh.points[points], offsets.astype(np.int32), corners.astype(np.int32))
-    outer = {(int(a), int(b)) for a, b in np.sort(bare.boundary_edges, axis=1)}
-    edge_sets = {}
-    for name, pairs in mesh.edge_sets.items():
-        mine = number[pairs]
-        inside = [row for row in mine.tolist() if min(row) >= 0 and (min(row), max(row)) in outer]
-        if inside:
-            edge_sets[name] = np.array(inside, dtype=np.int32)
-    cell_sets = {name: row[members][row[members] >= 0] for name, members in mesh.cell_sets.items()}
-    cell_sets = {name: members for name, members in cell_sets.items() if len(members)}
-    return PolyMesh(bare.points, bare.cell_offsets, bare.cell_points, cell_sets, edge_sets)
 
 
 def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:

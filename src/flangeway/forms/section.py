@@ -18,6 +18,7 @@ from flangeway.forms.assembled import stiffness
 from flangeway.forms.weak import Field, local_functions
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.post.lines import locate
+from flangeway.post.section_constants import SectionConstants, section_constants
 from flangeway.solve.factor import Factor
 from flangeway.space import Space
 from flangeway.space.functions import cell_quadrature
@@ -56,6 +57,15 @@ class BeamSection:
             raise refused("BeamSection", "poisson", self.poisson, "0 to 0.5", "give Poisson's ratio")
         _ = self._moduli
 
+    @cached_property
+    def _constants(self) -> SectionConstants:
+        return section_constants(self.space, shear_modulus=self.young, poisson=self.poisson)
+
+    @property
+    def _mean(self) -> float:
+        """Mean Young's modulus over the area, which the constants are over."""
+        return self._constants.warping.problem.mean_modulus
+
     def _by_cells(self, name: str, given: ByCells) -> Floats:
         """Number of each cell, (n_cells,)."""
         if not isinstance(given, Mapping):
@@ -67,38 +77,35 @@ class BeamSection:
     def _moduli(self) -> Floats:
         return self._by_cells("young", self.young)
 
-    @cached_property
-    def _sums(self) -> Floats:
-        """Weighted integrals of 1, x, y, x^2, x y, y^2, (6,)."""
-        totals = np.zeros(6)
-        for batch in self.space.batches():
-            points, weights = cell_quadrature(batch, 2)
-            (x, y), weights = points.swapaxes(0, 1), weights * self._moduli[batch.cells]
-            totals += [float((weights * f).sum()) for f in (1.0 + 0 * x, x, y, x * x, x * y, y * y)]
-        return totals
-
     @property
     def axial(self) -> float:
         """Axial stiffness EA."""
-        return float(self._sums[0])
+        return self._mean * self._constants.area
 
     @property
     def centroid(self) -> Floats:
         """Weighted centroid, (2,)."""
-        result: Floats = self._sums[1:3] / self.axial
-        return result
+        return np.array(self._constants.centroid)
 
     @property
     def bending(self) -> Floats:
         """``int E y^2, int E x^2, int E x y``, (3,)."""
-        (x, y), (_, _, _, xx, xy, yy) = self.centroid, self._sums
-        return np.array([yy - self.axial * y * y, xx - self.axial * x * x, xy - self.axial * x * y])
+        return self._mean * np.array(self._constants.second_moments)
 
     @property
     def angle(self) -> float:
         """Angle in radians from the x axis to the axis of the maximum bending stiffness."""
-        xx, yy, xy = self.bending
-        return float(np.arctan2(-2.0 * xy, xx - yy)) / 2.0
+        return self._constants.principal_angle
+
+    @property
+    def torsion(self) -> float:
+        """Torsion constant weighted by E, from the warping function; over ``2 (1 + nu)`` the torsional rigidity."""
+        return self._mean * self._constants.torsion_bounds[1]
+
+    @property
+    def shear_centre(self) -> Floats:
+        """Shear centre with Poisson's ratio, about the centroid, (2,)."""
+        return np.array(self._constants.shear_centre) - self.centroid
 
     def _parameters(self, x: Floats, y: Floats) -> Floats:
         """Pilkey's d and h, over nu / 2, (2, 2, ...): rows for shear along x and y."""
@@ -112,56 +119,38 @@ class BeamSection:
         return float(2.0 * (1.0 + self.poisson) * (xx * yy - xy**2))
 
     @cached_property
-    def _functions(self) -> tuple[Field, Floats, dict[str, Floats]]:
-        """Warping and both shear functions (n_dofs, 3), the load of warping, and integrals over the section."""
+    def _functions(self) -> tuple[Field, Floats, Floats]:
+        """Warping and both shear functions (n_dofs, 3); the shear areas' products (2, 2) and ``int E x r^2`` (2,)."""
         space, (xx, yy, xy) = self.space, self.bending
-        rhs, nu = np.zeros((space.n_dofs, 3)), self.poisson
+        rhs, nu = np.zeros((space.n_dofs, 2)), self.poisson
         for batch in space.batches():
             points, weights = cell_quadrature(batch, 2 * space.order + 2)
             (x, y), weights = points.swapaxes(0, 1) - self.centroid[:, None, None], weights * self._moduli[batch.cells]
             value, *slope = local_functions(batch, points)
-            d = self._parameters(x, y)
-            sources = [np.zeros_like(x), 2 * (1 + nu) * (xx * x - xy * y), 2 * (1 + nu) * (yy * y - xy * x)]
-            fluxes = [(y, -x), nu / 2.0 * d[0], nu / 2.0 * d[1]]
-            for i, (source, flux) in enumerate(zip(sources, fluxes, strict=True)):
+            sources = 2 * (1 + nu) * (xx * x - xy * y), 2 * (1 + nu) * (yy * y - xy * x)
+            for i, (source, flux) in enumerate(zip(sources, nu / 2.0 * self._parameters(x, y), strict=True)):
                 local = np.einsum("qme,qe->me", value, weights * source)
                 local += sum(np.einsum("qme,qe->me", s, weights * f) for s, f in zip(slope, flux, strict=True))
                 np.add.at(rhs[:, i], batch.dofs, local)
         by_cells = self._moduli if isinstance(self.young, Mapping) else float(self._moduli[0])
         factor = Factor(stiffness(space, by_cells), np.array([0]))
-        found = Field(space, np.stack([factor.solve(column) for column in rhs.T], axis=1))
-        sums = {"kappa": np.zeros((2, 2)), "cubic": np.zeros(2), "torsion": np.zeros(1)}
+        shear = [factor.solve(column) for column in rhs.T]
+        functions = Field(space, np.stack([self._constants.warping.function, *shear], axis=1))
+        products, cubic = np.zeros((2, 2)), np.zeros(2)
         for batch in space.batches():
             points, weights = cell_quadrature(batch, 2 * space.order + 2)
             x, y = points.swapaxes(0, 1) - self.centroid[:, None, None]
             weights = weights * self._moduli[batch.cells]
-            gradient = found.on(batch, points).gradient.reshape(*weights.shape, 3, 2)
-            shear = np.moveaxis(gradient[..., 1:, :], (2, 3), (0, 1)) - nu / 2.0 * self._parameters(x, y)
-            sums["kappa"] += np.einsum("ijqe,kjqe,qe->ik", shear, shear, weights)
-            square = x * x + y * y
-            sums["cubic"] += [(weights * f * square).sum() for f in (x, y)]
-            twist = gradient[..., 0, :] - np.stack((y, -x), axis=-1)
-            sums["torsion"] += (weights * (-y * twist[..., 0] + x * twist[..., 1])).sum()
-        return found, rhs[:, 0], sums
-
-    @property
-    def torsion(self) -> float:
-        """Torsion constant weighted by E; over ``2 (1 + nu)`` the torsional rigidity."""
-        return float(self._functions[2]["torsion"][0])
-
-    @property
-    def shear_centre(self) -> Floats:
-        """Shear centre with Poisson's ratio, about the centroid, (2,)."""
-        (found, load, sums), (xx, yy, xy) = self._functions, self.bending
-        cubic = np.array([[yy, xy], [xy, xx]]) @ sums["cubic"]
-        on_shear = found.dofs[:, 1:].T @ load
-        result: Floats = (self.poisson / 2.0 * cubic + [-on_shear[1], on_shear[0]]) / self._delta
-        return result
+            gradient = functions.on(batch, points).gradient.reshape(*weights.shape, 3, 2)[..., 1:, :]
+            flow = np.moveaxis(gradient, (2, 3), (0, 1)) - nu / 2.0 * self._parameters(x, y)
+            products += np.einsum("ijqe,kjqe,qe->ik", flow, flow, weights)
+            cubic += [(weights * f * (x * x + y * y)).sum() for f in (x, y)]
+        return functions, products, cubic
 
     @property
     def shear_areas(self) -> Floats:
         """Shear areas along x and y and of both together, weighted by E, (3,); an infinite one where none couples."""
-        kappa = self._functions[2]["kappa"]
+        kappa = self._functions[1]
         with np.errstate(divide="ignore"):
             result: Floats = self._delta**2 / np.array([kappa[0, 0], kappa[1, 1], kappa[0, 1]])
         return result
@@ -170,7 +159,7 @@ class BeamSection:
         """``int E v (u^2 + v^2) / EI_uu - 2 v_s`` and the same with u and v exchanged, axes u, v turned by an angle."""
         (xx, yy, xy), (c, s) = self.bending, (np.cos(angle), np.sin(angle))
         turn = np.array([[c, s], [-s, c]])
-        cubic, centre = turn @ self._functions[2]["cubic"], turn @ self.shear_centre
+        cubic, centre = turn @ self._functions[2], turn @ self.shear_centre
         about = turn @ np.array([[yy, xy], [xy, xx]]) @ turn.T
         return float(cubic[1] / about[1, 1] - 2.0 * centre[1]), float(cubic[0] / about[0, 0] - 2.0 * centre[0])
 

@@ -1,53 +1,80 @@
 """Outlines of rolled and built-up sections by their dimensions, their frame from the origin to width and depth."""
 
+import itertools
 import math
 from collections.abc import Sequence
 
-from flangeway.checks import check_positive
-from flangeway.errors import InputError
-from flangeway.geometry.arrays import Point
+import numpy as np
+
+from flangeway.checks import check_positive, is_finite
+from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import Point, as_point, point_text
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region
-from flangeway.geometry.segments import Arc, Line
+from flangeway.geometry.segments import segment_of
 from flangeway.geometry.shapes import circle, rectangle
+
+Side = tuple[Point, Point, Point | None, bool, str]
+"""Start, end and, of an arc, centre and whether it runs counter-clockwise; and its name."""
+
+
+def rounded_sides(corners: Sequence[Point], radii: Sequence[float], names: Sequence[str]) -> list[Side]:
+    """Return the sides of a polygon with an arc at each corner, of the radius there; none for zero.
+
+    An arc is named after its corner, from ``corner_1`` on, a side after the corner where it starts. An `InputError` if
+    a radius is negative, where there is no corner, or too large for its sides.
+    """
+    n = len(corners)
+    arcs = [_fillet(corners[i - 1], corners[i], corners[(i + 1) % n], radii[i], f"corner_{i + 1}") for i in range(n)]
+    drawn: list[Side] = []
+    for i, arc in enumerate(arcs):
+        following, corner, other = arcs[(i + 1) % n], corners[i], corners[(i + 1) % n]
+        if arc[2] is not None:
+            drawn.append(arc)
+        side, cut = math.dist(corner, other), math.dist(arc[1], corner) + math.dist(following[0], other)
+        if cut > side * (1.0 + 1e-9):
+            raise InputError(
+                f"radii {radii[i]:g} and {radii[(i + 1) % n]:g} at {point_text(corner)} and {point_text(other)}, "
+                f"which cut {cut:.6g} off a side of {side:.6g}",
+                "radii that leave room on the side",
+                "reduce one of both",
+            )
+        if cut < side * (1.0 - 1e-9):
+            drawn.append((arc[1], following[0], None, True, names[i]))
+    # arcs that meet exactly share their end
+    return [(before[1], *side[1:]) for before, side in itertools.pairwise([drawn[-1], *drawn])]
+
+
+def _fillet(before: Point, corner: Point, after: Point, radius: float, name: str) -> Side:
+    """Return the arc that rounds a corner; one of no length, without a centre, for radius zero."""
+    if not (is_finite(radius) and radius >= 0.0):
+        raise InputError(
+            f"{point_text(corner)}: radius {short(radius)}", "zero or a positive length", "give 0 for sharp corners"
+        )
+    if radius == 0.0:
+        return corner, corner, None, True, name
+    u, v = np.subtract(before, corner), np.subtract(after, corner)
+    u, v = u / np.hypot(*u), v / np.hypot(*v)
+    turn = float(u[1] * v[0] - u[0] * v[1])
+    half_angle = 0.5 * math.acos(float(np.clip(u @ v, -1.0, 1.0)))
+    if abs(turn) < 1e-9:
+        raise InputError(
+            f"{point_text(corner)}: radius {radius:g} where there is no corner", "a radius at a corner", "remove it"
+        )
+    reach, bisector = radius / math.tan(half_angle), (u + v) / np.hypot(*(u + v))
+    start, end = as_point(corner + reach * u), as_point(corner + reach * v)
+    return start, end, as_point(corner + radius / math.sin(half_angle) * bisector), turn > 0.0, name
 
 
 def rounded_polygon(corners: Sequence[Point], radii: Sequence[float]) -> Outline:
     """Return the polygon with counter-clockwise corners, each rounded by an arc of its radius where that is not zero.
 
-    Sides are named ``side_0``, ``side_1``, ..., arcs ``corner_0``, ...
-
-    Raises
-    ------
-    InputError
-        If a radius is negative, or arcs are longer than the side between them.
-
+    Sides are named ``side_1``, ``side_2``, ..., arcs ``corner_1``, ...; errors as of `rounded_sides`.
     """
-    n, ends, arcs, cut = len(corners), [], [], [0.0] * len(corners)
-    if len(radii) != n or min(radii) < 0.0:
-        raise InputError(f"radii {list(radii)} for {n} corners", "a number >= 0 for each", "give 0 for sharp corners")
-    for i, ((x, y), radius) in enumerate(zip(corners, radii, strict=True)):
-        (ax, ay), (bx, by) = corners[i - 1], corners[(i + 1) % n]
-        before, after = math.atan2(ay - y, ax - x), math.atan2(by - y, bx - x)
-        half = math.remainder(before - after, 2.0 * math.pi) / 2.0  # negative where the corner is reentrant
-        cut[i] = radius / math.tan(abs(half))
-        first, last = ((x + cut[i] * math.cos(a), y + cut[i] * math.sin(a)) for a in (before, after))
-        middle, reach = after + half, radius / math.sin(abs(half))
-        centre = (x + reach * math.cos(middle), y + reach * math.sin(middle))
-        ends.append((first, last))
-        arcs.append(Arc(first, last, centre, counter_clockwise=half > 0.0) if radius else None)
-    sides: list[Line | Arc] = []
-    names = []
-    for i in range(n):
-        if cut[i] + cut[(i + 1) % n] >= math.dist(corners[i], corners[(i + 1) % n]):
-            raise InputError(f"radii {radii[i]} and {radii[(i + 1) % n]} on side {i}", "smaller ones", "reduce them")
-        sides.append(Line(ends[i][1], ends[(i + 1) % n][0]))
-        names.append(f"side_{i}")
-        arc = arcs[(i + 1) % n]
-        if arc is not None:
-            sides.append(arc)
-            names.append(f"corner_{(i + 1) % n}")
-    return Outline.from_segments(sides, names)
+    if len(radii) != len(corners):
+        raise InputError(f"{len(radii)} radii for {len(corners)} corners", "one for each", "give 0 for sharp corners")
+    sides = rounded_sides(corners, radii, [f"side_{i + 1}" for i in range(len(corners))])
+    return Outline.from_segments([segment_of(*side[:4]) for side in sides], [side[4] for side in sides])
 
 
 def i_section(depth: float, width: float, flange: float, web: float, radius: float = 0.0) -> Outline:

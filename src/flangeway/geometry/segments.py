@@ -269,6 +269,11 @@ class Arc:
 Segment: TypeAlias = Line | Arc
 
 
+def segment_of(start: Point, end: Point, centre: Point | None, counter_clockwise: bool) -> Segment:
+    """Return the arc about a centre, or without one the line."""
+    return Line(start, end) if centre is None else Arc(start, end, centre, counter_clockwise)
+
+
 def _refuse_zero_length(kind: str, start: Point, end: Point) -> None:
     size = max(map(abs, (*start, *end)))
     if math.dist(start, end) <= 1e-14 * size:

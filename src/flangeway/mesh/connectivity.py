@@ -36,6 +36,13 @@ def offsets_of(counts: Ints) -> IntArray:
     return offsets
 
 
+def entries_of(offsets: IntArray, rows: NDArray[np.integer]) -> tuple[Ints, IntArray]:
+    """Return the positions of the entries of some rows, one row after the other, and the offsets of these rows."""
+    counts = np.diff(offsets)[rows]
+    taken = offsets_of(counts)
+    return np.arange(taken[-1]) + np.repeat(offsets[rows] - taken[:-1], counts), taken
+
+
 @dataclass(frozen=True, eq=False)
 class EdgeNumbers:
     """Numbers of the edges that cells travel.

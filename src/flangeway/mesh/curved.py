@@ -11,7 +11,7 @@ from flangeway.geometry.contour import Contour
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.segments import Line, Segment
 from flangeway.geometry.splines import Spline
-from flangeway.mesh.connectivity import offsets_of
+from flangeway.mesh.connectivity import entries_of, offsets_of
 from flangeway.mesh.edge_curves import EdgeCurves
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Ints
@@ -92,8 +92,7 @@ def as_polylines(mesh: PolyMesh, pieces: int = PIECES, cells: NDArray[np.integer
     if curves is None:
         return mesh
     inside = curves.points(np.arange(1, pieces) / pieces)
-    offsets, counts = mesh.cell_offsets.astype(np.int64), mesh.cell_sizes[numbers]
-    entries = np.arange(counts.sum()) + np.repeat(offsets[numbers] - (np.cumsum(counts) - counts), counts)
+    counts, entries = mesh.cell_sizes[numbers], entries_of(mesh.cell_offsets, numbers)[0]
     first = mesh.cell_points[entries].astype(np.int64)
     rows = mesh.curve_rows[mesh.cell_edges[entries]]
     bent, added = np.flatnonzero(rows >= 0), _points_between(mesh, rows, first, pieces)

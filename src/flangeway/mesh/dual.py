@@ -10,7 +10,8 @@ from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, point_text
 from flangeway.mesh.connectivity import next_in_row, offsets_of, row_numbers
 from flangeway.mesh.curved import Curves, curved
-from flangeway.mesh.edge_curves import EdgeCurves
+from flangeway.mesh.insertion import divided
+from flangeway.mesh.mesh_checks import check
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
 from flangeway.types import Floats, Ints
@@ -57,10 +58,9 @@ def dual(mesh: PolyMesh, *, outline: Curves | None = None) -> PolyMesh:
         mesh = curved(mesh, outline)
     n_triangles, n_points = mesh.n_cells, mesh.n_points
     centroids = mesh.points[mesh.cell_points.reshape(-1, 3)].mean(axis=1)
-    rim = _sorted_rim(mesh)
-    n_rim = len(rim)
-    middles = mesh.points[rim].mean(axis=1) if mesh.curves is None else mesh.edge_middles(mesh.edge_numbers(rim))
-    points = np.vstack([centroids, middles, mesh.points[rim[:, 0]]])
+    order, n_rim = _order_of_rim(mesh), len(mesh.boundary_edges)
+    rim, halved = mesh.boundary_edges[order], divided(mesh, order, np.full(n_rim, 0.5))
+    points = np.vstack([centroids, halved.points[n_points:], mesh.points[rim[:, 0]]])
     leaving = np.full(n_points, -1, dtype=np.int64)
     reaching = np.full(n_points, -1, dtype=np.int64)
     leaving[rim[:, 0]] = np.arange(n_rim)
@@ -78,21 +78,15 @@ def dual(mesh: PolyMesh, *, outline: Curves | None = None) -> PolyMesh:
     cell_points[start] = n_triangles + n_rim + leaving[on_rim]
     cell_points[start + 1] = n_triangles + leaving[on_rim]
     cell_points[end - 1] = n_triangles + reaching[on_rim]
-    edge_sets = {name: _halved_edges(pairs, leaving, n_triangles, n_rim) for name, pairs in mesh.edge_sets.items()}
-    curves = None if mesh.curves is None else _halved_curves(mesh.curves, rim, leaving, n_triangles)
-    return PolyMesh(points, offsets, cell_points, _carried_sets(mesh), edge_sets, curves)
-
-
-def _halved_curves(curves: EdgeCurves, rim: IntArray, leaving: Ints, n_triangles: int) -> EdgeCurves | None:
-    """Return the curved edges of the boundary in halves, as points of the dual; those inside are none of its edges."""
-    n_points = len(leaving)
-    rows = {low * n_points + high: row for row, (low, high) in enumerate(np.sort(rim, axis=1).tolist())}
-    middles = np.array([rows.get(low * n_points + high, -1) for low, high in np.sort(curves.pairs, axis=1).tolist()])
-    outer = curves.taken(middles >= 0)
-    if outer is None:
-        return None
-    corners = np.append(n_triangles + len(rim) + leaving, n_triangles + np.arange(len(rim))).astype(np.int32)
-    return outer.halved(n_points + middles[middles >= 0]).renumbered(corners)
+    number = np.append(n_triangles + n_rim + leaving, n_triangles + np.arange(n_rim)).astype(np.int32)
+    edge_sets = {name: number[pairs] for name, pairs in halved.edge_sets.items()}
+    curves = halved.curves  # those inside are no edges of the dual
+    if curves is not None:
+        curves = curves.taken(curves.pairs.max(axis=1) >= n_points)
+    return PolyMesh(
+        points, offsets, cell_points, _carried_sets(mesh), edge_sets,
+        None if curves is None else curves.renumbered(number),
+    )  # fmt: skip
 
 
 def _refuse_unfit(mesh: PolyMesh) -> None:
@@ -103,32 +97,22 @@ def _refuse_unfit(mesh: PolyMesh) -> None:
             "triangles only",
             "take the dual of the triangulation",
         )
-    if mesh.cell_areas.min() <= 0.0:
-        cell = int(mesh.cell_areas.argmin())
-        place = point_text(mesh.points[mesh.cell_points[3 * cell]])
-        raise InputError(
-            f"triangle {cell} at {place} with area {mesh.cell_areas[cell]:.3g}",
-            "counter-clockwise triangles with positive areas",
-            "check the mesh first",
-        )
-    used = np.bincount(mesh.cell_points, minlength=mesh.n_points)
-    if used.min() == 0:
-        raise InputError(f"point {int(used.argmin())} of no triangle", "points that are used", "remove it")
+    check(mesh, allow_hanging=True, allow_coincident=True)
 
 
-def _sorted_rim(mesh: PolyMesh) -> IntArray:
-    """Return the directed boundary edges in the order of their first points."""
-    rim = mesh.boundary_edges
-    rim = rim[np.argsort(rim[:, 0], kind="stable")]
-    twice = np.flatnonzero(rim[1:, 0] == rim[:-1, 0])
+def _order_of_rim(mesh: PolyMesh) -> Ints:
+    """Return the order of the boundary edges by their first points, none of which is that of two."""
+    first = mesh.boundary_edges[:, 0]
+    order = np.argsort(first, kind="stable")
+    twice = np.flatnonzero(np.diff(first[order]) == 0)
     if len(twice):
-        point = int(rim[twice[0], 0])
+        point = int(first[order[twice[0]]])
         raise InputError(
             f"point {point} at {point_text(mesh.points[point])}, where the boundary touches itself",
             "a boundary that passes every point once",
             "separate the parts that touch, or take duals of the parts",
         )
-    return rim
+    return order
 
 
 def _rings(mesh: PolyMesh, centroids: Floats, rim: IntArray, leaving: Ints) -> tuple[IntArray, Ints]:
@@ -157,15 +141,6 @@ def _rings(mesh: PolyMesh, centroids: Floats, rim: IntArray, leaving: Ints) -> t
             "refine the mesh there",
         )
     return rings, triangles[order]
-
-
-def _halved_edges(pairs: IntArray, leaving: Ints, n_triangles: int, n_rim: int) -> IntArray:
-    """Return the two halves of every edge of a set, in order, as points of the dual."""
-    starts, middles = leaving[pairs[:, 0]], n_triangles + leaving[pairs[:, 0]]
-    ends = leaving[pairs[:, 1]]
-    corners = n_triangles + n_rim
-    halves = np.column_stack([corners + starts, middles, middles, corners + ends])
-    return halves.reshape(-1, 2).astype(np.int32)
 
 
 def _carried_sets(mesh: PolyMesh) -> Mapping[str, IntArray]:
@@ -198,7 +173,7 @@ def dual_section(mesh: PolyMesh) -> PolyMesh:
     """
     if len(mesh.cell_sets) == 1:
         return dual(mesh)
-    parts = [dual(_extracted(mesh, name, cells)) for name, cells in mesh.cell_sets.items()]
+    parts = [dual(mesh.part(cells)) for cells in mesh.cell_sets.values()]
     glued = _glued(functools.reduce(PolyMesh.merged, parts), 1e-9 * float(np.ptp(mesh.points, axis=0).max()))
     middles = glued.points[glued.boundary_edges].mean(axis=1)
     for name, pairs in mesh.edge_sets.items():
@@ -207,21 +182,6 @@ def dual_section(mesh: PolyMesh) -> PolyMesh:
         halves = np.vstack([start + middle, end + middle]) / 2.0
         glued = glued.with_edge_set(name, glued.boundary_edges[cKDTree(middles).query(halves)[1]])
     return glued
-
-
-def _extracted(mesh: PolyMesh, name: str, cells: IntArray) -> PolyMesh:
-    """Return the triangles of one cell set as a separate mesh."""
-    used, corners = np.unique(mesh.cell_points.reshape(-1, 3)[cells], return_inverse=True)
-    offsets = np.arange(len(cells) + 1, dtype=np.int32) * 3
-    curves = mesh.curves
-    if curves is not None:
-        # an edge belongs to the part if a triangle of it has it
-        own = np.isin(mesh.edge_numbers(curves.pairs), mesh.cell_edges.reshape(-1, 3)[cells])
-        curves = curves.taken(own)
-    return PolyMesh(
-        mesh.points[used], offsets, corners.astype(np.int32).ravel(), {name: np.arange(len(cells), dtype=np.int32)},
-        curves=None if curves is None else curves.renumbered(np.searchsorted(used, np.arange(mesh.n_points))),
-    )  # fmt: skip
 
 
 def _glued(mesh: PolyMesh, tolerance: float) -> PolyMesh:

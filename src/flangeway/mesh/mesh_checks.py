@@ -4,14 +4,17 @@ from collections.abc import Collection, Iterable
 from weakref import WeakSet
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, point_text
-from flangeway.mesh.connectivity import edge_places, next_in_row, offsets_of, row_numbers
+from flangeway.mesh.connectivity import edge_places, row_numbers
 from flangeway.mesh.curved import as_polylines
 from flangeway.mesh.insertion import corners_added
-from flangeway.mesh.meeting import Meeting, layers, meeting, touching_distance
+from flangeway.mesh.meeting import TOUCHING, Meeting, meeting, touching_distance
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Ints
 
@@ -138,36 +141,31 @@ def _check_cells(mesh: PolyMesh) -> None:
 
 def _check_sides_of(mesh: PolyMesh, cells: IntArray) -> None:
     """Refuse cells that pass a point twice or cross themselves."""
-    if not len(cells):
-        return
-    offsets = offsets_of(mesh.cell_sizes[cells].astype(np.int64))
-    rows = row_numbers(offsets)
-    entries = np.arange(len(rows)) + (mesh.cell_offsets[cells].astype(np.int64) - offsets[:-1])[rows]
-    corners = mesh.cell_points[entries]
-    sides = np.column_stack([corners, corners[next_in_row(offsets)]])
-    order = np.lexsort((corners, rows))
-    twice = (np.diff(rows[order]) == 0) & (np.diff(corners[order]) == 0)
-    if twice.any():
-        where = order[twice.argmax()]
-        raise InputError(
-            f"{_cell(mesh, int(cells[rows[where]]))} passes point {corners[where]} twice",
-            "polygons that pass a point once",
-            "divide the cell there",
-        )
-    lengths = np.hypot(*(mesh.points[sides[:, 1]] - mesh.points[sides[:, 0]]).T)
-    short = lengths <= SHORT * np.maximum.reduceat(lengths, offsets[:-1])[rows]
-    if short.any():
-        raise _same_place(mesh, *sides[short.argmax()])
-    found = meeting(mesh.points, sides, rows)
-    pairs = np.vstack([np.column_stack([found.on, found.of]), found.crossing])
-    if len(pairs):
-        pair = pairs[0]
-        i, j = np.sort(pair - offsets[rows[pair[0]]])
-        raise InputError(
-            f"{_cell(mesh, int(cells[rows[pair[0]]]))}: its sides {i} and {j} cross",
-            "polygons that do not cross themselves",
-            "reorder its points",
-        )
+    polygons = mesh.polygons(cells)
+    lengths = shapely.length(polygons)  # a side that touches another one is nearer to it than this
+    doubtful = ~shapely.is_valid(polygons) | (shapely.minimum_clearance(polygons) <= TOUCHING * lengths)
+    for cell in cells[doubtful].tolist():
+        corners = mesh.cell_points[mesh.cell_offsets[cell] : mesh.cell_offsets[cell + 1]]
+        numbers, times = np.unique(corners, return_counts=True)
+        if times.max() > 1:
+            raise InputError(
+                f"{_cell(mesh, cell)} passes point {numbers[times.argmax()]} twice",
+                "polygons that pass a point once",
+                "divide the cell there",
+            )
+        sides = np.column_stack([corners, np.roll(corners, -1)])
+        lengths = np.hypot(*(mesh.points[sides[:, 1]] - mesh.points[sides[:, 0]]).T)
+        if lengths.min() <= SHORT * lengths.max():
+            raise _same_place(mesh, *sides[lengths.argmin()])
+        meets = meeting(mesh.points, sides)
+        pairs = np.vstack([np.column_stack([meets.on, meets.of]), meets.crossing])
+        if len(pairs):
+            i, j = np.sort(pairs[0])
+            raise InputError(
+                f"{_cell(mesh, cell)}: its sides {i} and {j} cross",
+                "polygons that do not cross themselves",
+                "reorder its points",
+            )
 
 
 def _same_place(mesh: PolyMesh, one: int, other: int) -> InputError:
@@ -251,9 +249,35 @@ def _check_boundary(mesh: PolyMesh, cracks: Iterable[str], *, allow_hanging: boo
                 "points at the ends of edges",
                 "add the point to the cell of that edge, which may be a polygon with one side more; see `conforming`",
             )
-    rows, numbers = layers(mesh.points, rim)
-    if (numbers != 1).any():
-        a, b = rim[rows[np.argmax(numbers != 1)]]
+    _refuse_inner_boundary(mesh, rim)
+
+
+def _refuse_inner_boundary(mesh: PolyMesh, rim: IntArray) -> None:
+    """Refuse a boundary that lies inside of cells; it does not cross itself.
+
+    Cells that are positive and fit together edge by edge cover a place as many times as the boundary goes around it,
+    and this number is constant along a chain of edges. So one point beside each chain, on its left, shows it.
+    """
+    m, start = len(rim), np.zeros(mesh.n_points, dtype=np.int64)
+    start[rim[:, 0]] = np.arange(m)
+    simple = np.bincount(rim[:, 0], minlength=mesh.n_points)[rim[:, 1]] == 1
+    links = (np.ones(int(simple.sum())), (np.flatnonzero(simple), start[rim[simple, 1]]))
+    n_chains, chain = connected_components(coo_array(links, shape=(m, m)), directed=False)
+    if n_chains == 1:  # one closed curve, which positive cells fill once
+        return
+    steps = mesh.points[rim[:, 1]] - mesh.points[rim[:, 0]]
+    longest = np.lexsort((-np.hypot(*steps.T), chain))
+    rows = longest[np.searchsorted(chain[longest], np.arange(n_chains))]
+    beside = touching_distance(np.hypot(*steps[rows].T), mesh.points) / np.hypot(*steps[rows].T)
+    left = np.column_stack((-steps[rows, 1], steps[rows, 0])) * beside[:, None]
+    places = mesh.points[rim[rows]].mean(axis=1) + left
+    x, abscissae = np.sort(places[:, 0]), mesh.points[mesh.cell_points, 0]
+    low, high = (end.reduceat(abscissae, mesh.cell_offsets[:-1]) for end in (np.minimum, np.maximum))
+    cells = np.flatnonzero(np.searchsorted(x, high, side="right") > np.searchsorted(x, low))
+    inside = shapely.STRtree(mesh.polygons(cells)).query(shapely.points(places), predicate="intersects")[0]
+    times = np.bincount(inside, minlength=n_chains)
+    if times.max() > 1:
+        a, b = rim[rows[times.argmax()]]
         raise InputError(
             f"the boundary edge ({a}, {b}) near {point_text(mesh.points[a])} lies inside another part of the mesh",
             "cells that do not lie on each other",

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
@@ -15,6 +16,8 @@ from flangeway.geometry.placement import Placement
 from flangeway.mesh.connectivity import (
     EdgeNumbers,
     chain_starts,
+    edge_places,
+    entries_of,
     next_in_row,
     number_edges,
     ordered_pairs,
@@ -340,6 +343,19 @@ class PolyMesh:
                 diameters[cells] = np.maximum(diameters[cells], squares)
         return _frozen(np.sqrt(diameters))
 
+    def polygons(self, cells: NDArray[np.integer]) -> NDArray[np.object_]:
+        """Return cells (n,) as polygons of shapely, of which a curved edge is its chord."""
+        entries, offsets = entries_of(self.cell_offsets, cells)
+        closed = np.insert(entries, offsets[1:], entries[offsets[:-1]])
+        rows = np.arange(len(offsets))
+        rings = self.points[self.cell_points[closed]], (offsets + rows, rows)
+        return shapely.from_ragged_array(shapely.GeometryType.POLYGON, *rings)
+
+    @cached_property
+    def cell_tree(self) -> shapely.STRtree:
+        """Search tree of the cells' `polygons`."""
+        return shapely.STRtree(self.polygons(np.arange(self.n_cells)))
+
     @cached_property
     def _batches(self) -> tuple[tuple[int, IntArray], ...]:
         if self.cell_sizes.min() == self.cell_sizes.max():
@@ -475,6 +491,28 @@ class PolyMesh:
         if self.curves is not None:
             changes["curves"] = self.curves.transformed(placement)
         return self._changed(**changes)
+
+    def part(self, cells: NDArray[np.integer]) -> "PolyMesh":
+        """Return some cells with what is left of the sets and curves; edges to the other cells become boundary."""
+        cells = np.unique(cells)
+        entries, offsets = entries_of(self.cell_offsets, cells)
+        points, corners = np.unique(self.cell_points[entries], return_inverse=True)
+        number = np.full(self.n_points, -1, dtype=np.int32)
+        number[points] = np.arange(len(points))
+        bare = PolyMesh(self.points[points], offsets, corners.astype(np.int32))
+        edge_sets = {}
+        for name, pairs in self.edge_sets.items():
+            outer = edge_places(number[pairs], bare.boundary_edges, bare.n_points)[1]
+            if outer.any():
+                edge_sets[name] = number[pairs[outer]]
+        inside = {name: np.flatnonzero(np.isin(cells, members)) for name, members in self.cell_sets.items()}
+        cell_sets = {name: members for name, members in inside.items() if len(members)}
+        curves = self.curves
+        if curves is not None:
+            curves = curves.taken(np.isin(self.edge_numbers(curves.pairs), self.cell_edges[entries]))
+        return bare._changed(
+            cell_sets=cell_sets, edge_sets=edge_sets, curves=None if curves is None else curves.renumbered(number)
+        )
 
     def merged(self, other: "PolyMesh") -> "PolyMesh":
         """Return both meshes as one, without gluing: points and cells of `other` are added behind.

@@ -5,16 +5,15 @@ from collections.abc import Callable
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
-from scipy.spatial import QhullError, Voronoi, cKDTree
+from scipy.spatial import cKDTree
 
 from flangeway.checks import as_numbers, check_integer
 from flangeway.errors import InputError, short
 from flangeway.geometry import Line, Outline
 from flangeway.geometry.arrays import cross_product
-from flangeway.mesh.connectivity import offsets_of
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats
 
 BYTES_A_CELL = 10_000  # measured at the peak, with the clipped cells
 ONE_POINT = 1e-9  # distance over the outline's size below which two vertices are one
@@ -130,84 +129,49 @@ def _random_points(outline: Outline, domain: shapely.Polygon, number: int, seed:
 
 
 class _Cells:
-    """Voronoi cells of points: those inside as Qhull gives them, the others clipped along the outline."""
+    """Voronoi cells of points, clipped along the outline: polygons, and points in the pieces without a point."""
 
     def __init__(self, points: Floats, domain: shapely.Polygon, outline: Outline) -> None:
-        self.points, n = points, len(points)
-        self.tolerance = ONE_POINT * outline.size
+        self.points, self.tolerance = points, ONE_POINT * outline.size
         if len(cKDTree(points).query_pairs(self.tolerance)):
             raise InputError("two points of Voronoi cells at one place", "points that differ", "remove one")
         corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
         around = outline.bounds().mean(axis=0) + ENCLOSING * outline.size * corners
-        try:
-            found = Voronoi(np.vstack((points, around)))
-        except QhullError as reason:
-            raise InputError(f"points without Voronoi cells: {short(reason)}", "points apart", "move them") from reason
-        # vertices of each cell in counter-clockwise order, one cell after the other
-        rows = [found.regions[region] for region in found.point_region[:n]]
-        sizes = np.array([len(row) for row in rows])
-        vertices = np.concatenate(rows).astype(np.int64)
-        owner = np.repeat(np.arange(n), sizes)
-        rays = found.vertices[vertices] - points[owner]
-        order = np.lexsort((np.arctan2(rays[:, 1], rays[:, 0]), owner))
-        self.vertices, self.owner, coordinates = vertices[order], owner, found.vertices
-        radius = np.maximum.reduceat(np.hypot(*rays.T), offsets_of(sizes)[:-1])
-        boundary = shapely.STRtree([shapely.LineString(pair) for pair in _edges_of(domain)])
-        self.cut = np.zeros(n, dtype=bool)
-        circles = shapely.box(*(points - radius[:, None]).T, *(points + radius[:, None]).T)
-        self.cut[boundary.query(circles, predicate="intersects")[0]] = True
-        self.coordinates = coordinates
-        self._clip(domain)
-
-    def _clip(self, domain: shapely.Polygon) -> None:
-        """Clip the cells at the boundary; the piece that holds a cell's point stays, others want one of their own."""
-        taken = self.cut[self.owner]
-        number = np.cumsum(self.cut) - 1
-        rings = shapely.linearrings(self.coordinates[self.vertices[taken]], indices=number[self.owner[taken]])
-        pieces, index = shapely.get_parts(shapely.intersection(shapely.polygons(rings), domain), return_index=True)
+        cells = shapely.voronoi_polygons(shapely.multipoints(np.vstack((points, around))), ordered=True)
+        self.cells = shapely.get_parts(cells)[: len(points)]
+        self.cut = np.flatnonzero(~shapely.contains_properly(domain, self.cells))
+        pieces, owner = shapely.get_parts(shapely.intersection(self.cells[self.cut], domain), return_index=True)
         large = shapely.area(pieces) > self.tolerance**2
-        pieces, index = pieces[large], index[large]
-        away = shapely.distance(pieces, shapely.points(self.points[self.cut][index]))
-        order = np.lexsort((-shapely.area(pieces), away, index))
-        first = np.ones(len(order), dtype=bool)
-        first[1:] = index[order][1:] != index[order][:-1]
-        self.kept = shapely.reverse(shapely.normalize(pieces[order[first]]))  # counter-clockwise
+        pieces, owner = pieces[large], owner[large]
+        # the piece that holds the cell's point stays, others want a point of their own
+        away = shapely.distance(pieces, shapely.points(points[self.cut[owner]]))
+        order = np.lexsort((-shapely.area(pieces), away, owner))
+        first = np.diff(owner[order], prepend=-1) != 0
+        self.cells[self.cut] = pieces[order[first]]
+        self.cells = shapely.orient_polygons(self.cells)
         self.further = shapely.get_coordinates(shapely.point_on_surface(pieces[order[~first]]))
-
-    def _rings(self) -> tuple[Floats, Ints]:
-        """Vertices of all cells, counter-clockwise one cell after the other, and the cell of each."""
-        inner = ~self.cut[self.owner]
-        outer, index = shapely.get_coordinates(shapely.get_exterior_ring(self.kept), return_index=True)
-        last = np.ones(len(index), dtype=bool)
-        last[:-1] = index[1:] != index[:-1]  # a ring ends with its first point
-        outer, index = outer[~last], index[~last]
-        places = np.vstack((self.coordinates[self.vertices[inner]], outer))
-        owner = np.concatenate((self.owner[inner], np.flatnonzero(self.cut)[index]))
-        order = np.argsort(owner, kind="stable")
-        return places[order], owner[order]
 
     def centroids(self, size: Size | None) -> Floats:
         """Centroids (n, 2) of the cells, with the density ``size^-4``; points inside where a centroid is outside."""
-        places, owner = self._rings()
-        starts = offsets_of(np.bincount(owner))[:-1]
-        following = np.arange(1, len(owner) + 1)
-        following[np.append(starts[1:], len(owner)) - 1] = starts
+        ring, owner = shapely.get_coordinates(self.cells, return_index=True)
+        sides = np.flatnonzero(owner[1:] == owner[:-1])  # rings end with their first point
+        owner = owner[sides]
+        # signed triangles from the cell's point to its sides: exact for constants, also where it does not see them
         base = self.points[owner]
-        # signed triangles from the cell's point to its edges: exact for constants, also where it does not see them
-        a, b = places - base, places[following] - base
-        weights = 0.5 * cross_product(a, b)
+        a, b = ring[sides] - base, ring[sides + 1] - base
         middles = base + (a + b) / 3.0
-        weights = weights * (1.0 if size is None else _sizes(size, middles) ** -4.0)
-        total = np.add.reduceat(weights, starts)
-        result = np.column_stack([np.add.reduceat(weights * middles[:, axis], starts) / total for axis in (0, 1)])
-        outside = np.flatnonzero(self.cut)
-        lost = ~shapely.contains_xy(self.kept, result[outside, 0], result[outside, 1])
-        result[outside[lost]] = shapely.get_coordinates(shapely.point_on_surface(self.kept[lost]))
+        weights = 0.5 * cross_product(a, b) * (1.0 if size is None else _sizes(size, middles) ** -4.0)
+        sums = np.stack([np.bincount(owner, weights * part) for part in (1.0, *middles.T)])
+        result = (sums[1:] / sums[0]).T
+        lost = self.cut[~shapely.contains_xy(self.cells[self.cut], *result[self.cut].T)]
+        result[lost] = shapely.get_coordinates(shapely.point_on_surface(self.cells[lost]))
         return result
 
     def mesh(self, outline: Outline) -> PolyMesh:
         """The cells with common vertices; chords of an arc inside a cell become one."""
-        places, owner = self._rings()
+        places, owner = shapely.get_coordinates(self.cells, return_index=True)
+        start = np.diff(owner, prepend=-1) != 0
+        places, owner = places[~start], owner[~start]
         joints = np.array([segment.start for segment in outline.segments])
         near, joint = cKDTree(joints).query(places)
         places = np.where((near < self.tolerance)[:, None], joints[joint], places)
@@ -229,8 +193,3 @@ class _Cells:
         kept, vertices = np.unique(first, return_inverse=True)
         cells = np.split(vertices, np.cumsum(np.bincount(owner))[:-1])
         return PolyMesh.from_cells(places[kept], [list(dict.fromkeys(cell.tolist())) for cell in cells])
-
-
-def _edges_of(domain: shapely.Polygon) -> Floats:
-    corners = shapely.get_coordinates(domain)
-    return np.stack((corners[:-1], corners[1:]), axis=1)

@@ -9,6 +9,9 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from flangeway.quantities import Quantity
+from flangeway.units import Units
+
 
 @dataclass(frozen=True)
 class SummaryTable:
@@ -32,25 +35,51 @@ class SummaryTable:
         return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
 
 
-Column = tuple[str, str | Callable[[Any], Any], str]
-"""Heading, attribute of an object or function of it, and format of the value."""
+Column = tuple[str, str | Callable[[Any], Any], str] | Quantity[Any]
+"""A quantity; or heading, attribute of an object or function of it, and format of the value."""
 
 
-def table_of(caption: str, objects: Iterable[Any], columns: Sequence[Column], note: str = "") -> SummaryTable:
+def table_of(
+    caption: str, objects: Iterable[Any], columns: Sequence[Column], note: str = "", units: Units = "metric"
+) -> SummaryTable:
     """Return a table with a row for each object and a number in each cell; missing values are dashes."""
-    found = [_cells(column, list(objects)) for column in columns]
+    objects = list(objects)
+    found = [_cells(column, objects, units) for column in _shown(columns)]
     heads = tuple(head for heads, _ in found for head in heads)
     rows = zip(*(cells for _, lines in found for cells in lines), strict=True)
     return SummaryTable(caption, heads, tuple(rows), note=note)
 
 
 def table_across(
-    caption: str, names: Iterable[str], objects: Sequence[Any], quantities: Iterable[Column], note: str = ""
+    caption: str,
+    names: Iterable[str],
+    objects: Sequence[Any],
+    quantities: Iterable[Column],
+    note: str = "",
+    units: Units = "metric",
 ) -> SummaryTable:
     """Return a table with a column for each object, headed by its name, and a row for each number of a quantity."""
-    found = [_cells(quantity, objects) for quantity in quantities]
+    found = [_cells(quantity, objects, units) for quantity in _shown(quantities)]
     rows = tuple((head, *cells) for heads, lines in found for head, cells in zip(heads, lines, strict=True))
     return SummaryTable(caption, ("", *names), rows, note=note)
+
+
+def rows_of(
+    quantities: Iterable[Quantity[Any]], of: Any, units: Units = "metric", owner: str = ""
+) -> list[tuple[str, str]]:
+    """Return names and texts of the numbers of one object, a row each, the names after that of an owner."""
+    table = table_across("", ("",), [of], quantities, units=units)
+    return [(f"{owner}: {name}" if owner else name, text) for name, text in table.rows]
+
+
+def fact(quantity: Quantity[Any], of: Any, units: Units = "metric", owner: str = "") -> tuple[str, str]:
+    """Return the text of a number with its unit, and what it is, and of which owner, for the top of the page."""
+    text, label = quantity.fact(of, units)
+    return marked(text, quantity.remark(of)), f"{label}, {owner}" if owner else label
+
+
+def _shown(columns: Iterable[Column]) -> list[Column]:
+    return [column for column in columns if not isinstance(column, Quantity) or column.label]
 
 
 def with_whole(
@@ -76,8 +105,12 @@ def with_whole(
     return replace(table, rows=(*rows, *table.rows))
 
 
-def _cells(column: Column, objects: Sequence[Any]) -> tuple[list[str], list[list[str]]]:
+def _cells(column: Column, objects: Sequence[Any], units: Units) -> tuple[list[str], list[list[str]]]:
     """Names and texts of the numbers of a quantity: of several numbers each has its own, as "{x|y} of a point"."""
+    if isinstance(column, Quantity):
+        rows = [[marked(text, column.remark(of)) for text in column.texts(of, units)] for of in objects]
+        names = column.labels(units)
+        return names, [[row[number] for row in rows] for number in range(len(names))]
     name, key, form = column
     values = [getattr(of, key) if isinstance(key, str) else key(of) for of in objects]
     choice = re.search(r"\{(.*?)\}", name)
