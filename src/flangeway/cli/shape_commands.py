@@ -239,7 +239,6 @@ ProfileLimit = Annotated[
     float | None,
     typer.Option("--limit", metavar="UM", help="Maximum displacement of a point by smoothing.", show_default=False),
 ]
-ProfileDrop = Annotated[bool, typer.Option("--drop-outliers", help="Leave out single points off the curve.")]
 ProfileJoin = Annotated[
     str | None,
     typer.Option(
@@ -280,7 +279,6 @@ def profile(
     tape: ProfileTape = None,
     smooth: ProfileSmooth = None,
     limit: ProfileLimit = None,
-    drop_outliers: ProfileDrop = False,
     position: ProfilePosition = None,
     join: ProfileJoin = None,
     to: ProfileTo = None,
@@ -299,7 +297,7 @@ def profile(
     )
     from flangeway.system.output_folder import refuse_unwritable, text_writer, write_together  # noqa: PLC0415
 
-    options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, drop_outliers, position)
+    options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, position)
     with show.progress():
         runs = run_profiles(names, options, join)
     folder = out or Path("out", f"profile-{Path(names[0]).stem}" if len(names) == 1 else "profiles")
