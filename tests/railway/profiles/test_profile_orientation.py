@@ -163,7 +163,7 @@ def test_outliers_are_left_out(tmp_path):
     np.testing.assert_allclose(found.points, np.delete(points, 100, axis=0), atol=1e-6)
     assert any("line 102" in notice for notice in found.notices)
     wrong[20:-20:4] += [0.0, 0.8]
-    with pytest.raises(InputError, match="off the curve|turn back"):
+    with pytest.raises(InputError, match=r"off the curve|turn back"):
         read_profile(saved(tmp_path, wrong))
 
 

@@ -164,6 +164,16 @@ class RigidGeometry:
         start = np.interp(wanted, lateral, path.rail_level), np.interp(wanted, lateral, path.roll)
         return self.located(self.touching(wanted, *start, at_axle=True, gaps=True))
 
+    def scanned(self, reach_mm: float, step_mm: float, *, roll: bool = True) -> ContactLocus:
+        """Points of contact to both sides as far as the wheels touch inside their surfaces and no flange climbs.
+
+        - `reach_mm`, `step_mm`: maximum lateral displacement, and distance of the positions, which include the middle.
+        - `roll`: as in `locus`.
+        """
+        low, high = self.limits(reach_mm, roll=roll)
+        numbers = np.arange(math.ceil(max(low, -reach_mm) / step_mm), math.floor(min(high, reach_mm) / step_mm) + 1)
+        return self.locus(numbers * step_mm, roll=roll)
+
     def limits(self, maximum_mm: float, *, roll: bool = True) -> tuple[float, float]:
         """Least and maximum lateral displacement of the axle's middle that `locus` reaches.
 
