@@ -1,5 +1,6 @@
 """Refinement of triangles and polygons, of all cells or of some."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,11 +72,7 @@ def refined(
         check_integer("refined", "most_hanging", most_hanging, 1, advice="leave it out for no limit")
     if alike:
         return _finished(_refined_triangles(mesh), outline)
-    mesh, marked = _cut(mesh, marked)
-    sides = cell_sides(mesh)
-    n_sides = np.bincount(sides.cell, minlength=mesh.n_cells)
-    split = _split_edges(mesh, sides, marked)
-    fine = _finished(_Division(mesh, sides, marked, split, n_sides).mesh(), outline)
+    fine = _finished(_divided(*_cut(mesh, marked)), outline)
     if most_hanging is None:
         return fine
     crowded = _crowded(fine, most_hanging)
@@ -87,48 +84,85 @@ def _cut(mesh: PolyMesh, marked: Bools) -> tuple[PolyMesh, Bools]:
     chosen = np.flatnonzero(marked & ~_divisible(mesh, marked))
     if not len(chosen):
         return mesh, marked
-    split = np.zeros(mesh.n_edges, dtype=bool)
-    middles = mesh.n_points + np.arange(mesh.n_edges)  # numbers before the edges that stay whole are left out
-    inner, parts = [np.empty((0, 2))], {}
-    n_points = mesh.n_points + mesh.n_edges
+    parts: dict[int, tuple[Pieces, Floats]] = {}
     for cell in chosen.tolist():
-        start, end = mesh.cell_offsets[cell : cell + 2]
-        ring, edges = mesh.cell_points[start:end], mesh.cell_edges[start:end]
-        pieces, points = cut_polygon(mesh.points[ring], np.ones(len(ring), dtype=bool))
-        n_new = len(points) - 2 * len(ring)
-        numbers = np.concatenate((ring, middles[edges], n_points + np.arange(n_new)))
-        parts[cell] = [numbers[piece] for piece in pieces]
+        corners = mesh.points[mesh.cell_points[mesh.cell_offsets[cell] : mesh.cell_offsets[cell + 1]]]
+        pieces, points = cut_polygon(corners, np.ones(len(corners), dtype=bool))
+        parts[cell] = pieces, points[2 * len(corners) :]
+    still = marked.copy()
+    still[chosen] = False
+    fine, owner = _with_parts(mesh, parts)
+    return fine, still[owner]
+
+
+def _divided(mesh: PolyMesh, marked: Bools) -> PolyMesh:
+    """Mesh in which the marked cells are divided about their centroids, triangles at the middles of their sides."""
+    sides, parts = cell_sides(mesh), {}
+    at_point = sides.at_point >= 0
+    # divisions of sides as places in the ring: 2 i at corner i, 2 i + 1 in the middle of the edge behind it
+    entries = sides.entries[np.where(at_point, sides.at_point, sides.in_edge)]
+    places = 2 * (entries - mesh.cell_offsets[sides.cell]) + ~at_point
+    first = np.searchsorted(sides.cell, np.arange(mesh.n_cells + 1))
+    for cell in np.flatnonzero(marked).tolist():
+        n, around = int(mesh.cell_sizes[cell]), places[first[cell] : first[cell + 1]].tolist()
+        ends = [place // 2 + n * (place % 2) for place in around]
+        centre = [2 * n] if len(ends) > 3 else []
+        pieces = []
+        for i, end in enumerate(ends):
+            last = around[i] + 2 * n * (around[i] <= around[i - 1])
+            between = [corner % n for corner in range(around[i - 1] // 2 + 1, (last + 1) // 2)]
+            pieces.append([ends[i - 1], *between, end, *centre])
+        parts[cell] = (pieces if centre else [*pieces, ends]), mesh.cell_centroids[[cell] * len(centre)]
+    return _with_parts(mesh, parts)[0]
+
+
+Pieces = list[list[int]]
+"""Parts of a cell of n points: of its points (below n), the middles of the edges behind them (from n), inner points."""
+
+
+def _with_parts(mesh: PolyMesh, parts: Mapping[int, tuple[Pieces, Floats]]) -> tuple[PolyMesh, Ints]:
+    """Mesh with cells replaced by pieces with inner points (k, 2), and the old cell of each new one.
+
+    Points keep their numbers; the middles of edges that a piece uses follow in the order of the edges, and are points
+    of the neighbours too; then the inner points.
+    """
+    split, inner, whole = np.zeros(mesh.n_edges, dtype=bool), [np.empty((0, 2))], {}
+    n_points = mesh.n_points + mesh.n_edges  # numbers before the edges that stay whole are left out
+    for cell, (pieces, points) in parts.items():
+        here = slice(*mesh.cell_offsets[cell : cell + 2])
+        edges, n = mesh.cell_edges[here], int(mesh.cell_sizes[cell])
+        numbers = np.concatenate((mesh.cell_points[here], mesh.n_points + edges, n_points + np.arange(len(points))))
+        whole[cell] = [numbers[piece].tolist() for piece in pieces]
         used = np.unique(np.concatenate(pieces))
-        split[edges[used[(used >= len(ring)) & (used < 2 * len(ring))] - len(ring)]] = True
-        inner.append(points[2 * len(ring) :])
-        n_points += n_new
-    halves = {tuple(sorted(mesh.edges[edge].tolist())): int(middles[edge]) for edge in np.flatnonzero(split)}
+        split[edges[used[(used >= n) & (used < 2 * n)] - n]] = True
+        inner.append(points)
+        n_points += len(points)
+    cut = np.flatnonzero(split)
+    halves = dict(zip(map(tuple, mesh.edges[cut].tolist()), (mesh.n_points + cut).tolist(), strict=True))
     rows, parents = [], []
     for cell, ring in enumerate(np.split(mesh.cell_points, mesh.cell_offsets[1:-1])):
-        for piece in parts.get(cell, [ring]):
-            whole = []
-            for a, b in zip(piece.tolist(), np.roll(piece, -1).tolist(), strict=True):
-                middle = halves.get((min(a, b), max(a, b)))
-                whole += [a] if middle is None else [a, middle]
-            rows.append(whole)
+        for piece in whole.get(cell) or [ring.tolist()]:
+            row = []
+            for a, b in zip(piece, piece[1:] + piece[:1], strict=True):
+                middle = halves.get((a, b) if a < b else (b, a))
+                row += [a] if middle is None else [a, middle]
+            rows.append(row)
             parents.append(cell)
-    taken = np.unique(np.concatenate([*rows, np.arange(mesh.n_points)]))
-    number = np.full(n_points, -1)
+    taken = np.concatenate(
+        (np.arange(mesh.n_points), mesh.n_points + cut, np.arange(mesh.n_points + mesh.n_edges, n_points))
+    )
+    number = np.full(n_points, -1, dtype=np.int32)
     number[taken] = np.arange(len(taken))
-    points = np.vstack([mesh.points, mesh.edge_middles(np.arange(mesh.n_edges)), *inner])[taken]
     owner = np.array(parents)
-    cell_sets = {name: np.flatnonzero(np.isin(owner, cells)).astype(np.int32) for name, cells in mesh.cell_sets.items()}
     fine = PolyMesh(
-        points,
+        np.vstack([mesh.points, mesh.edge_middles(cut), *inner]),
         offsets_of(np.array([len(row) for row in rows])),
-        number[np.concatenate(rows)].astype(np.int32),
-        cell_sets,
+        number[np.concatenate(rows)],
+        {name: np.flatnonzero(np.isin(owner, cells)).astype(np.int32) for name, cells in mesh.cell_sets.items()},
         _halved_sets(mesh, split),
         _halved_curves(mesh, split),
     )
-    still = marked.copy()
-    still[chosen] = False
-    return fine, still[owner]
+    return fine, owner
 
 
 def _divisible(mesh: PolyMesh, marked: Bools) -> Bools:
@@ -246,14 +280,6 @@ def _mask(mesh: PolyMesh, cells: ArrayLike | None) -> Bools:
     return mask
 
 
-def _split_edges(mesh: PolyMesh, sides: Sides, divided: Bools) -> Bools:
-    """Which edges are halved, (n_edges,), when these cells are divided."""
-    halved = sides.in_edge[divided[sides.cell] & (sides.in_edge >= 0)]
-    split = np.zeros(mesh.n_edges, dtype=bool)
-    split[mesh.cell_edges[sides.entries[halved]]] = True
-    return split
-
-
 def _crowded(mesh: PolyMesh, most_hanging: int) -> Bools:
     """Which cells have a side with more hanging points than allowed, (n_cells,)."""
     sides = cell_sides(mesh)
@@ -297,79 +323,6 @@ def _halved_curves(mesh: PolyMesh, split: Bools) -> EdgeCurves | None:
         return None
     edges = mesh.edge_numbers(mesh.curves.pairs)
     return mesh.curves.halved(np.where(split[edges], (mesh.n_points + np.cumsum(split) - 1)[edges], -1))
-
-
-@dataclass(frozen=True, eq=False)
-class _Division:
-    """How the marked cells are divided about their centroids, triangles without one."""
-
-    old: PolyMesh
-    sides: Sides
-    marked: Bools
-    split: Bools
-    n_sides: Ints
-
-    def mesh(self) -> PolyMesh:
-        old = self.old
-        with_centre = np.flatnonzero(self.marked & (self.n_sides > 3))
-        middles = old.edge_middles(np.flatnonzero(self.split))
-        points = np.vstack([old.points, middles, old.cell_centroids[with_centre]])
-        parents, counts, corners = self._rows(with_centre)
-        order = np.argsort(parents, kind="stable")
-        starts = (np.cumsum(counts) - counts)[order]
-        offsets = offsets_of(counts[order])
-        places = np.repeat(starts - offsets[:-1], counts[order]) + np.arange(offsets[-1])
-        owner = parents[order]
-        cell_sets = {}
-        for name, cells in old.cell_sets.items():
-            inside = np.zeros(old.n_cells, dtype=bool)
-            inside[cells] = True
-            cell_sets[name] = np.flatnonzero(inside[owner]).astype(np.int32)
-        halves = _halved_sets(old, self.split), _halved_curves(old, self.split)
-        return PolyMesh(points, offsets, corners[places], cell_sets, *halves)
-
-    def _rows(self, with_centre: Ints) -> tuple[Ints, Ints, IntArray]:
-        """New cells: old cell and number of points of each, and their points one after the other."""
-        ring, offsets, place = self._rings()
-        sizes = np.diff(offsets)
-        groups = [_picked(ring, offsets, np.flatnonzero(~self.marked))]
-        mine = np.flatnonzero(self.marked[self.sides.cell])
-        cell = self.sides.cell[mine]
-        before = _previous(cell)
-        start, end = place[mine][before], place[mine]
-        lengths = (end - start) % sizes[cell] + 1
-        centre = np.full(self.old.n_cells, -1, dtype=np.int64)
-        centre[with_centre] = self.old.n_points + self.split.sum() + np.arange(len(with_centre))
-        counts = lengths + (centre[cell] >= 0)
-        rows = np.repeat(np.arange(len(mine)), counts)
-        step = np.arange(len(rows)) - (np.cumsum(counts) - counts)[rows]
-        at = offsets[cell[rows]] + (start[rows] - offsets[cell[rows]] + step) % sizes[cell[rows]]
-        corners = np.where(step < lengths[rows], ring[at], centre[cell[rows]])
-        groups.append((cell, counts, corners))
-        inner = cell[centre[cell] < 0]
-        groups.append((inner[::3], np.full(len(inner) // 3, 3), ring[end[centre[cell] < 0]]))
-        parents, counts, corners = (np.concatenate(parts) for parts in zip(*groups, strict=True))
-        return parents, counts, corners.astype(np.int32)
-
-    def _rings(self) -> tuple[Ints, Ints, Ints]:
-        """Points of the cells with the new ones among them, offsets, and the place of each side's division."""
-        old, sides = self.old, self.sides
-        halved = self.split[old.cell_edges[sides.entries]]
-        middle = old.n_points + np.cumsum(self.split) - 1
-        counts = 1 + halved
-        at = np.cumsum(counts) - counts
-        ring = np.empty(int(counts.sum()), dtype=np.int64)
-        ring[at] = old.cell_points[sides.entries]
-        ring[at[halved] + 1] = middle[old.cell_edges[sides.entries[halved]]]
-        offsets = np.append(at[old.cell_offsets[:-1]], len(ring))
-        place = np.where(sides.at_point >= 0, at[sides.at_point], at[sides.in_edge] + 1)
-        return ring, offsets, place
-
-
-def _picked(ring: Ints, offsets: Ints, cells: Ints) -> tuple[Ints, Ints, Ints]:
-    counts = np.diff(offsets)[cells]
-    places = np.repeat(offsets[cells] - (np.cumsum(counts) - counts), counts) + np.arange(counts.sum())
-    return cells, counts, ring[places]
 
 
 def _previous(cell: Ints) -> Ints:
