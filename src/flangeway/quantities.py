@@ -34,6 +34,7 @@ class Quantity(Generic[T]):
         Name for programs, without the unit: ``max_pressure``.
     label
         Name for people, without the unit: ``maximum pressure``; two spaces before it put it below the one above it.
+        Without a label it is for programs alone, and no table has it.
     of
         Attribute of the object, or function of the object, that returns the number, a text, or None where there is
         none; with `parts` a sequence.
@@ -136,7 +137,7 @@ def columns(quantities: Iterable[Quantity[T]], sources: Sequence[T], units: Unit
 def reference(quantities: Iterable[Quantity[Any]]) -> list[tuple[str, str, str]]:
     """Return name with unit, unit, and meaning of quantities, a row each, for the page that explains keys."""
     return [
-        (quantity.name, quantity.unit, f"{quantity.label.strip()}{f': {quantity.meaning}' * bool(quantity.meaning)}")
+        (quantity.name, quantity.unit, ": ".join(filter(None, (quantity.label.strip(), quantity.meaning))))
         for quantity in quantities
     ]
 
@@ -149,6 +150,8 @@ def number_text(value: Any, form: str, unit: UsUnit | None = None) -> str:
     """
     if value is None or isinstance(value, str):
         return MISSING if value is None else value
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     if unit is None:
         return format(value, form)
     converted, stem = float(unit.of(value)), form.rstrip("f")

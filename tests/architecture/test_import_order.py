@@ -36,6 +36,7 @@ ORDER = (
     "campaign",
     "tables",
     "report",
+    "live",
     "cli",
     "__main__",
 )

@@ -1,15 +1,11 @@
 """`flangeway section` and `flangeway reproduce`, as users call them."""
 
-import csv
 import json
-from dataclasses import replace
 
 import meshio
 import numpy as np
 import pytest
 from matplotlib.image import imread
-
-from studies.registry import REPRODUCTIONS
 
 BOX = """
 title = "Box girder"
@@ -54,34 +50,3 @@ def test_bundled_section_and_folder(call, tmp_path):
     assert status == 0
     assert "all lines and arcs are those of the standard" in out
     assert {path.name for path in (tmp_path / "here").iterdir()} == FILES
-
-
-@pytest.mark.ci
-def test_reproduce_torsion_quick(call, monkeypatch, tmp_path):
-    """Quick reproduction ends with status 0, reports how many numbers are within, and leaves table and pictures."""
-    # not brief: on the two coarser meshes alone
-    monkeypatch.setitem(REPRODUCTIONS, "torsion", replace(REPRODUCTIONS["torsion"], brief=False))
-    status, out, err = call("reproduce", "torsion", "--quick", "--out", "found")
-    assert status == 0, err
-    assert "numbers with a limit are within" in out
-    assert out.startswith("torsion: passed")
-    folder = tmp_path / "found" / "torsion"
-    names = {"table.csv", "convergence_h.png", "convergence_unknowns.png", "warping.png", "prandtl.png"}
-    names |= {"report.html", "summary.json"}
-    assert {path.name for path in folder.iterdir()} == names
-    rows = list(csv.DictReader((folder / "table.csv").read_text(encoding="utf-8").splitlines()))
-    assert {row["within"] for row in rows if row["quantity"] == "relative_error"} == {"True"}
-
-
-def test_reproduction_that_fails_its_check_is_status_1(call, monkeypatch, tmp_path):
-    """When too few numbers are within their limits, the files are written and the status is 1."""
-    from studies.torsion import torsion_reproduced as torsion  # noqa: PLC0415
-
-    without_pictures = replace(REPRODUCTIONS["torsion"], brief=False, figures={}, rows={})
-    monkeypatch.setitem(REPRODUCTIONS, "torsion", without_pictures)
-    monkeypatch.setitem(torsion.LIMITS, "relative_error", 1e-6)
-    monkeypatch.setattr(torsion, "_NEIGHBOURS", np.array([1.0]))
-    status, out, _ = call("reproduce", "torsion", "--quick", "--out", "found")
-    assert status == 1
-    assert out.startswith("torsion: NOT passed")
-    assert (tmp_path / "found" / "torsion" / "table.csv").is_file()

@@ -17,7 +17,6 @@ PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "tables-for-multibody.md"
 
 def test_the_page_runs_from_top_to_bottom(follow, small, tmp_path, monkeypatch):
     """Its Python reads the table and runs the FMU, and prints what the page shows."""
-    pytest.importorskip("pythonfmu3")
     pytest.importorskip("fmpy")
     monkeypatch.chdir(tmp_path)
     write_table(small[0], tmp_path / "out" / "creep-table-wheelset", fmu=True)

@@ -29,7 +29,7 @@ def test_c_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call,
         "flangeway.cases.profile.profile_run.run_profile",
         "flangeway.campaign.Campaign.from_file",
         "flangeway.cases.case_template.schema",
-        "studies.reproduction.find_reproductions",
+        "studies.study.Study.compute",
     ):
         monkeypatch.setattr(place, defect)
     commands = (

@@ -1,20 +1,16 @@
 """Tables of a wheelset: beside its own positions, in files, as an FMU, and interrupted."""
 
 import csv
-import subprocess
-import sys
-import textwrap
 
 import numpy as np
 import pytest
 
-from flangeway.errors import InputError, MissingLibraryError
+from flangeway.errors import InputError
 from flangeway.tables import (
     CreepTable,
     TableRequest,
     make_table,
     table_build,
-    table_outputs,
     table_positions,
     write_table,
 )
@@ -26,7 +22,6 @@ from tests.tables.conftest import COARSE
 @pytest.fixture(scope="module")
 def folder(small, tmp_path_factory):
     """The small table in files, with the FMU."""
-    pytest.importorskip("pythonfmu3")
     place = tmp_path_factory.mktemp("table")
     write_table(small[0], place, fmu=True)
     return place
@@ -146,45 +141,6 @@ def test_files_have_the_numbers_of_the_table(small, folder):
         assert f"`{name}`" in readme or name in ("slip", "spin_angle_rad", "creep_angle_rad"), name
 
 
-RUN_FMU = """
-import sys
-sys.modules["flangeway"] = None  # nothing of it may be needed
-import fmpy, numpy as np
-inputs = np.array([(0.0, 0.0, 20.0), (1.0, 4e-4, 20.0)], dtype=[("time", float), ("lateral", float), ("speed", float)])
-start = {"rotation": 43.6, "friction": 0.25, "lateral_velocity": 0.02, "yaw_rate": 0.001, "yaw": -1e-3, "load": 1e5}
-names = [f"{side}_{name}" for side in ("left", "right") for name in ("fx", "fy", "fz", "mx", "my", "mz", "normal")]
-found = fmpy.simulate_fmu(
-    sys.argv[1], stop_time=1.0, output_interval=0.5, input=inputs, start_values=start, output=[*names, "outside"]
-)
-np.save(sys.argv[2], np.array([[float(row[name]) for name in (*names, "outside")] for row in found]))
-"""
-
-
-def test_fmpy_runs_the_fmu_without_flangeway(small, folder, tmp_path):
-    """FMPy's outputs are the table's forces in axes ahead, right, down; yaw beyond the table counts as outside."""
-    pytest.importorskip("fmpy")
-    script = tmp_path / "run.py"
-    script.write_text(textwrap.dedent(RUN_FMU), encoding="utf-8")
-    ended = subprocess.run(
-        [sys.executable, script, folder / "WheelsetCreepForces.fmu", tmp_path / "found.npy"],
-        check=False, capture_output=True, text=True, timeout=300,
-    )  # fmt: skip
-    assert ended.returncode == 0, ended.stderr
-    found = np.load(tmp_path / "found.npy")
-    table = small[0]
-    lateral = np.array([0.0, 0.0, 0.2])  # a step has the inputs of its beginning
-    contacts = table.contacts(lateral, 0.0, 100.0)
-    # yaw about z down of -1 mrad is +1 mrad here, and beyond the only yaw of the table
-    creepages = table.creepages(contacts, 1.0, speed=2e4, rotation=43.6, lateral_velocity=20.0, yaw_rate=-1e-3)
-    push, moment = table.wrench(contacts, table.forces(lateral, 0.0, 100.0, creepages, friction=0.25))
-    for side in range(2):
-        right, up, ahead = push[:, side].T
-        turning, yawing, rolling = 1e-3 * moment[:, side].T
-        expected = (ahead, right, -up, -rolling, -turning, -yawing, contacts["normal_force_N"][:, side].sum(axis=1))
-        np.testing.assert_allclose(found[:, 7 * side : 7 * side + 7], np.stack(expected, axis=1), rtol=1e-9, atol=1e-6)
-    assert (found[:, -1] == 1.0).all()
-
-
 def test_an_interrupted_table_goes_on_from_the_cache(few_points, tmp_path, monkeypatch):
     """What was computed before Ctrl-C is in the cache: the same call computes the rest only."""
     monkeypatch.setenv("FLANGEWAY_CACHE", str(tmp_path))
@@ -248,9 +204,3 @@ def test_a_position_without_contact_is_refused(few_points):
     """Far beyond the flange: the message names the position and advises a smaller range."""
     with pytest.raises(InputError, match=r"40"):
         compute_position(PositionTask(COARSE, (40.0, 0.0, 100.0)))
-
-
-def test_no_fmu_without_the_library(monkeypatch):
-    monkeypatch.setattr(table_outputs, "import_module", lambda _: (_ for _ in ()).throw(ImportError()))
-    with pytest.raises(MissingLibraryError, match=r"flangeway\[fmu\]"):
-        table_outputs.refuse_without_fmu()

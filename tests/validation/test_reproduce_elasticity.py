@@ -1,19 +1,16 @@
 """Chapter 5 computed again, as `flangeway reproduce elasticity` does, and `flangeway reproduce all`."""
 
-import csv
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 from flangeway.cases.bodies.cook import ENERGY, CookCode, cook_row
 from flangeway.errors import InputError
-from studies import registry as reproductions
 from studies.elasticity import elasticity_reproduced as elasticity
 from studies.elasticity.closed_form import PatchCode, closed_form_numbers, cook_reference, patch_row
 from studies.elasticity.elasticity_reproduced import COOK, reproduce_elasticity
 from studies.published_numbers import Reproduced
-from studies.reproduction import Chapter, Reproduction
 
 PUBLISHED = {
     "strain energy": 1542.159,
@@ -145,73 +142,8 @@ def test_wrong_codes_are_refused(make, message):
         make()
 
 
-def test_the_page_of_validation_shows_these_numbers(found, same_as_page):
-    """What is computed here stands on the page of validation."""
-    same_as_page(reproductions.REPRODUCTIONS["elasticity"].chapter, found, whole=False)
-
-
-def _registered(monkeypatch, **changes):
-    """Put other reproductions in the place of those that there are."""
-    monkeypatch.setattr(reproductions, "REPRODUCTIONS", changes)
-
-
-@pytest.mark.ci
-def test_the_command_leaves_tables_and_pictures(call, monkeypatch, tmp_path, found):
-    """The command ends with status 0, says how many numbers are within, and leaves all its files and columns."""
-    known = reproductions.REPRODUCTIONS["elasticity"]
-    again = replace(known, compute=lambda **_: found)
-    _registered(monkeypatch, elasticity=again)
-    status, out, err = call("reproduce", "elasticity", "--quick", "--out", "found")
-    assert status == 0, err
-    assert f"{len(found.numbers)} of {len(found.numbers)} numbers with a limit are within" in out.splitlines()[0]
-    folder = tmp_path / "found" / "elasticity"
-    assert {path.name for path in folder.iterdir()} == set(known.files)
-    for path in folder.glob("*.png"):
-        assert path.read_bytes().startswith(b"\x89PNG")
-        assert path.stat().st_size > 10_000
-    rows = {
-        path.name: list(csv.DictReader(path.read_text(encoding="utf-8").splitlines())) for path in folder.glob("*.csv")
-    }
-    assert list(rows["table.csv"][0]) == [
-        "table", "code", "quantity", "unit", "published", "computed", "relative_difference", "limit", "within", "note",
-    ]  # fmt: skip
-    assert {row["within"] for row in rows["table.csv"]} == {"True"}
-    assert len(rows["nearly_incompressible.csv"]) == len(found.cook)
-    assert len(rows["refinement.csv"]) == sum(len(case.uniform) + len(case.adaptive) for case in found.refinements)
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Found(Reproduced):
     """What a made-up reproduction leaves."""
 
     failures: tuple = ()
-
-
-def _made_up(passed, asked):
-    def compute(*, quick, progress):
-        asked.append(quick)
-        return Found(numbers=(), seconds=0.0, failures=() if passed else ("did not converge",))
-
-    return Reproduction(compute, Chapter("Title", "Text.", (), lambda _: []))
-
-
-@pytest.mark.parametrize(("second", "status"), [(True, 0), (False, 1)])
-def test_all_runs_every_one_into_its_folder(call, monkeypatch, tmp_path, second, status):
-    """`all` computes, writes and prints every reproduction, and its status is 0 only if all have passed."""
-    asked = []
-    _registered(monkeypatch, one=_made_up(second, asked), two=_made_up(True, asked))
-    found, out, _ = call("reproduce", "all", "--quick", "--out", "found")
-    assert found == status
-    assert out.count("Report: ") == 2
-    assert out.count("did not converge") == status
-    assert asked == [True, True]
-    assert sorted(path.parent.name for path in tmp_path.glob("found/*/table.csv")) == ["one", "two"]
-
-
-def test_all_computes_nothing_if_one_folder_is_in_the_way(call, monkeypatch, tmp_path):
-    """A file in the place of one reproduction's folder is status 2 before any is computed."""
-    asked = []
-    _registered(monkeypatch, one=_made_up(True, asked), two=_made_up(True, asked))
-    (tmp_path / "two").write_text("")
-    assert call("reproduce", "all", "--out", ".")[0] == 2
-    assert asked == []

@@ -1,24 +1,11 @@
 """Three dimensions from plane meshes: cheaper numbers of `flangeway reproduce spatial`, and its closed forms."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from studies.published_numbers import Reproduced
-from studies.spatial.cosine_loads import exact_bar, revolution_numbers
+from studies.spatial.cosine_loads import exact_bar
 from studies.spatial.patches import half_space_contact, published_gaps
 from studies.spatial.point_loads import meshed_rail, transformed
-from studies.spatial.spatial_chapter import SPATIAL
-
-
-def test_bodies_of_revolution_are_those_of_the_page(same_as_page) -> None:
-    """All numbers of bar and disc are within, and as on the page."""
-    numbers = tuple(revolution_numbers())
-    assert all(number.within and number.required for number in numbers)
-    assert {number.table for number in numbers} == {"Bar of revolution", "Disc"}
-    chapter = replace(SPATIAL.chapter, tables=lambda _: [])
-    same_as_page(chapter, Reproduced(numbers=numbers, seconds=0.0), whole=False)
 
 
 def test_the_bar_has_its_limits() -> None:

@@ -1,18 +1,10 @@
 """The published wheelset on its rails computed again, as `flangeway reproduce wheel-rail --quick` does."""
 
-import csv
-import io
 import itertools
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
-from rich.console import Console
 
-from flangeway.report.page.html_page import write_record
-from flangeway.report.page.record import print_record
-from studies.registry import REPRODUCTIONS
 from studies.wheel_rail.variations import contact_name, extrapolated_differences_mm
 from studies.wheel_rail.wheel_rail_reproduced import WheelRailReproduction, reproduce_wheel_rail
 from studies.wheel_rail.wheel_rail_tables import CASES, CODES
@@ -101,25 +93,3 @@ def test_one_arc_on_one_arc_is_hertz(found: WheelRailReproduction) -> None:
         "approach under twice the load less twice the approach",
     }
     assert all(abs(number.relative_difference) < 0.01 for number in numbers.values())
-
-
-def test_files_and_summary(found: WheelRailReproduction, tmp_path: Path) -> None:
-    """All files are written; the table has a row for each number, and the summary names rows and verdict."""
-    reproduction = REPRODUCTIONS["wheel-rail"]
-    record = reproduction.record("x", found, "flangeway reproduce x")
-    files = write_record(record, tmp_path / "out")
-    assert {file.name for file in files} == set(reproduction.files)
-    with (tmp_path / "out" / "table.csv").open(encoding="utf-8") as stream:
-        rows = list(csv.DictReader(stream))
-    assert [row["quantity"] for row in rows] == [number.quantity for number in found.numbers]
-    with (tmp_path / "out" / "patches.csv").open(encoding="utf-8") as stream:
-        assert len(list(csv.DictReader(stream))) == sum(len(row.result.patches) for row in found.rows)
-    text = io.StringIO()
-    print_record(Console(file=text, width=120), record)
-    assert "curve FO2" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "numbers with a limit are within" in text.getvalue()
-
-
-def test_the_page_of_validation_is_this(found: WheelRailReproduction, same_as_page: Callable[..., None]) -> None:
-    """The section of wheel and rail on the page of validation is written from these numbers."""
-    same_as_page(REPRODUCTIONS["wheel-rail"].chapter, found, whole=True)

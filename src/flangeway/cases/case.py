@@ -3,7 +3,7 @@
 import difflib
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
@@ -295,6 +295,13 @@ def closest(word: str, known: list[str]) -> str:
     """Advice that names the known word most like the given one."""
     near = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
     return f"did you mean {near[0]}?" if near else "choose one of these"
+
+
+def require_known(key: str, name: str, known: Collection[str], what: str = "") -> None:
+    """Refuse a name that is not among the known ones, and name the one most like it; `what` these are is optional."""
+    if name not in known:
+        names = f"{f'{what}: ' if what else ''}{', '.join(known) or 'none'}"
+        raise InputError(f"{key} = {name!r}", names, closest(name, [*known]) if known else "leave it out")
 
 
 def key_text(key: Key) -> str:

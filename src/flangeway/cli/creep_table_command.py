@@ -48,7 +48,7 @@ TableWorkers = Annotated[
     int | None,
     typer.Option("--workers", metavar="N", help="Processes; as many as cores if left out.", show_default=False),
 ]
-WithFmu = Annotated[bool, typer.Option("--fmu", help="Write an FMU too; needs the optional group fmu.")]
+WithFmu = Annotated[bool, typer.Option("--fmu", help="Write FMUs too (FMI 2 and 3); needs a C compiler.")]
 
 MOST_VALUES = 10_000
 
@@ -73,8 +73,9 @@ def creep_table(
     from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase  # noqa: PLC0415
     from flangeway.report.rolling.creep_table_page import ALL_NAMES, creep_table_record  # noqa: PLC0415
     from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.tables.fmu import refuse_without_compiler  # noqa: PLC0415
     from flangeway.tables.table_build import TableRequest, make_table  # noqa: PLC0415
-    from flangeway.tables.table_outputs import refuse_without_fmu, table_writers  # noqa: PLC0415
+    from flangeway.tables.table_outputs import table_writers  # noqa: PLC0415
 
     wanted = read_case(case, settings_of(set_, "a wrong key lists the right ones"))
     if not isinstance(wanted, SpatialWheelsetCase):
@@ -82,7 +83,7 @@ def creep_table(
     axes = values_of(lateral, "--lateral"), values_of(yaw, "--yaw"), values_of(load, "--load")
     request = TableRequest(wanted, *axes, tolerance)
     if fmu:
-        refuse_without_fmu()
+        refuse_without_compiler()
     folder = out or Path("out", f"creep-table-{Path(case).stem}")
     refuse_unwritable(folder, ALL_NAMES)
     try:

@@ -15,12 +15,13 @@ NAMES = (
     *("torsion", "elasticity", "hertz", "contact-patch", "wheel-rail", "spatial", "rolling", "wheelset3d", "conicity"),
     *("curved", "friction", "vem-contact"),
 )
+ALL = "all"
 ReproductionName = Annotated[
     str,
     typer.Argument(
         metavar="NAME",
-        help=f"{', '.join(NAMES)}; all: every one, summarised.",
-        autocompletion=completion(lambda: [*NAMES, "all"]),
+        help=f"{', '.join(NAMES)}; {ALL}: every one, summarised.",
+        autocompletion=completion(lambda: [*NAMES, ALL]),
     ),
 ]
 Quick = Annotated[
@@ -32,7 +33,7 @@ Page = Annotated[
     typer.Option(
         "--page",
         metavar="FILE.md",
-        help="Write the page of validation, with all numbers in FILE.csv; of one NAME: its chapter of a page.",
+        help="Write what is computed as a page of validation, with all its numbers in FILE.csv.",
         show_default=False,
         parser=path_given,
     ),
@@ -44,52 +45,43 @@ Page = Annotated[
 def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, out: Out = None, *, show: Show) -> bool:
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
     _find_studies()
-    from studies.registry import REPRODUCTIONS  # noqa: PLC0415
-    from studies.reproduction import (  # noqa: PLC0415
-        Verdict,
-        check_page,
-        find_reproductions,
-        make_section,
-        print_verdicts,
-        replace_chapters,
-        write_page,
-    )
+    from flangeway.cases.case import closest  # noqa: PLC0415
+    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from studies.page import print_verdicts, write_page  # noqa: PLC0415
+    from studies.registry import STUDIES  # noqa: PLC0415
+    from studies.study import Computed  # noqa: PLC0415
 
+    names = [*STUDIES, ALL]
+    if name not in names:
+        raise InputError(f"a reproduction called {name!r}", f"one of: {', '.join(names)}", closest(name, names))
     folder = out or Path("out", "reproduce")
-    wanted = find_reproductions(name, REPRODUCTIONS)
-    for key, reproduction in wanted.items():
-        reproduction.check_folder(folder / key)
+    wanted = list(STUDIES.values()) if name == ALL else [STUDIES[name]]
+    for study in wanted:
+        refuse_unwritable(folder / study.name, study.files)
     if page is not None:
-        if len(wanted) < len(REPRODUCTIONS) and not page.is_file():
-            raise InputError(
-                f"--page {page} with {name}, a page that does not exist",
-                "a page of all, whose chapter is replaced",
-                f"flangeway reproduce all --page {page}",
-            )
-        check_page(page)
-    verdicts: dict[str, Verdict] = {}
-    sections, summaries = [], {}
-    for key, reproduction in wanted.items():
+        refuse_unwritable(page.parent, (page.name, page.with_suffix(".csv").name))
+    options = " --quick" * quick
+    computed: dict[str, Computed] = {}
+    summaries = {}
+    for study in wanted:
         try:
             with show.progress() as progress:
-                found = reproduction.compute(quick=quick and not reproduction.brief, progress=progress)
+                done = study.compute(quick=quick, progress=progress)
         except KeyboardInterrupt:
-            if not verdicts:
+            if not computed:
                 raise
-            complain(f"interrupted during {key}; written are {', '.join(verdicts)}")
+            complain(f"interrupted during {study.name}; written are {', '.join(computed)}")
             raise typer.Exit(INTERRUPTED) from None
-        record = reproduction.record(key, found, f"flangeway reproduce {key}{' --quick' * quick}")
-        show.record(record, folder / key, last=False)
-        if page is not None:
-            sections.append(make_section(reproduction.chapter, found))
-        verdicts[key], summaries[key] = Verdict.of(found), record.summary
+        record = done.record(f"flangeway reproduce {study.name}{options}")
+        show.record(record, folder / study.name, last=False)
+        computed[study.name], summaries[study.name] = done, record.summary
     if page is not None:
-        every = len(wanted) == len(REPRODUCTIONS)
-        show.files((write_page(page, sections, quick=quick) if every else replace_chapters(page, sections))[-1:])
-    if len(verdicts) > 1 and not show.as_json:
-        print_verdicts(stdout(), verdicts)
-    show.json(summaries if len(summaries) > 1 else summaries[name])
-    return all(verdict.passed for verdict in verdicts.values())
+        command = f"flangeway reproduce {name}{options} --page {page.as_posix()}"
+        show.files(write_page(page, list(computed.values()), command, quick=quick)[-1:])
+    if name == ALL and not show.as_json:
+        print_verdicts(stdout(), computed)
+    show.json(summaries if name == ALL else summaries[name])
+    return all(done.passed for done in computed.values())
 
 
 def _find_studies() -> None:

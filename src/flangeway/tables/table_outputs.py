@@ -1,27 +1,21 @@
 """Files of a table of creep forces: arrays, CSV, README, and the FMU."""
 
 import json
-import tempfile
 from collections.abc import Sequence
-from importlib import import_module
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from flangeway.errors import MissingLibraryError
 from flangeway.system.output_folder import Writer, text_writer, write_together
 from flangeway.tables import creep_table
 from flangeway.tables.creep_table import OF_PATCH, SIDES, CreepTable
+from flangeway.tables.fmu import NAME, Fmi, write_fmu
 
-TABLE, PATCHES, FORCES, README, FMU = (
-    "creep-table.npz",
-    "patches.csv",
-    "forces.csv",
-    "README.md",
-    "WheelsetCreepForces.fmu",
-)
-NAMES = (TABLE, PATCHES, FORCES, README, FMU)
+TABLE, PATCHES, FORCES, README = "creep-table.npz", "patches.csv", "forces.csv", "README.md"
+FMUS: dict[str, Fmi] = {f"{NAME}.fmu": "3.0", f"{NAME}-FMI2.fmu": "2.0"}
+NAMES = (TABLE, PATCHES, FORCES, README, *FMUS)
 PLANE = ("longitudinal", "lateral")
 COMPONENTS: dict[str, Sequence[str]] = {
     "position_mm": "xyz",
@@ -31,7 +25,6 @@ COMPONENTS: dict[str, Sequence[str]] = {
     "free_creepage": PLANE,
     "stiffness_N": PLANE,
 }
-SLAVE = Path(__file__).with_name("fmu_slave.py")
 
 
 def write_table(table: CreepTable, folder: Path, *, fmu: bool = False) -> list[Path]:
@@ -42,7 +35,7 @@ def write_table(table: CreepTable, folder: Path, *, fmu: bool = False) -> list[P
     InputError
         If the folder cannot be written.
     MissingLibraryError
-        If pythonfmu3 is not installed, which writes the FMU.
+        If there is no C compiler, which an FMU needs.
 
     """
     return write_together(folder, table_writers(table, fmu=fmu))
@@ -56,17 +49,7 @@ def table_writers(table: CreepTable, *, fmu: bool = False) -> dict[str, Writer]:
         FORCES: lambda path: _write_forces(table, path),
         README: text_writer(_readme(table)),
     }
-    return writers | ({FMU: lambda path: _write_fmu(table, path)} if fmu else {})
-
-
-def refuse_without_fmu() -> Any:
-    """Return what writes FMUs; a `MissingLibraryError` if it is not installed."""
-    try:
-        return import_module("pythonfmu3.builder")
-    except ImportError as reason:
-        raise MissingLibraryError(
-            "an FMU needs pythonfmu3, which is not installed\n  what to do: pip install 'flangeway[fmu]'"
-        ) from reason
+    return writers | ({name: partial(write_fmu, table, fmi) for name, fmi in FMUS.items()} if fmu else {})
 
 
 def _write_arrays(table: CreepTable, path: Path) -> None:
@@ -105,16 +88,6 @@ def _write_forces(table: CreepTable, path: Path) -> None:
             file.writelines(
                 f"{number},{point},{x:.5g},{y:.5g},{m:.5g}\n" for point, (x, y, m) in zip(points, values, strict=True)
             )
-
-
-def _write_fmu(table: CreepTable, path: Path) -> None:
-    builder = refuse_without_fmu().FmuBuilder
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        _write_arrays(table, folder / TABLE)
-        builder.build_FMU(SLAVE, folder, [creep_table.__file__, folder / TABLE], needsExecutionTool=False)
-        made = folder / FMU
-        path.write_bytes(made.read_bytes())
 
 
 def _error(found: dict[str, Any]) -> str:

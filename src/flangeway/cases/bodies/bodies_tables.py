@@ -123,6 +123,7 @@ class PlaceTable(Table):
     """A part of a body's boundary: the edges that all the given keys allow, or a point."""
 
     body: str = Field(description="name of the body")
+    point_mm: Pair | None = Field(None, description="a point of the mesh instead of edges")
     edges: str | list[str] | None = Field(None, description="names of edge sets")
     at_x_mm: float | None = Field(None, description="boundary edges on the line of this x")
     at_y_mm: float | None = Field(None, description="boundary edges on the line of this y")
@@ -132,7 +133,6 @@ class PlaceTable(Table):
 class SupportTable(PlaceTable):
     """A support, with or without a prescribed displacement."""
 
-    point_mm: Pair | None = Field(None, description="a point of the mesh instead of edges")
     hold: Literal["x", "y", "xy"] = Field("xy", description="fixed components")
     x_mm: float = Field(0.0, description="prescribed displacement of a fixed x component")
     y_mm: float = Field(0.0, description="prescribed displacement of a fixed y component")
@@ -141,7 +141,6 @@ class SupportTable(PlaceTable):
 class SpringTable(PlaceTable):
     """An elastic support, whose other end is fixed, or moves with the body's supports."""
 
-    point_mm: Pair | None = Field(None, description="a point of the mesh instead of edges")
     x_MPa_mm: float | None = Field(None, ge=0.0, description="stiffness of edges in x, pressure per displacement")
     y_MPa_mm: float | None = Field(None, ge=0.0, description="the same in y")
     x_N_mm: float | None = Field(None, ge=0.0, description="stiffness of a point in x, force per displacement")
@@ -151,7 +150,6 @@ class SpringTable(PlaceTable):
 class LoadTable(PlaceTable):
     """A load: one of the last seven keys."""
 
-    point_mm: Pair | None = Field(None, description="a point of the mesh, for force_N")
     cells: str | None = Field(
         None, description="cell set for body_force_N_mm3 and temperature_K (default: the whole body)"
     )

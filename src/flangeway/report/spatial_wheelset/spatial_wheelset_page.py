@@ -124,7 +124,7 @@ def spatial_wheelset_record(run: SpatialWheelsetRun) -> Record:
         FILES,
         subtitle=f"Wheel {problem.wheelset.wheel.title} on rail {problem.track.rail.title}; axle load "
         f"{problem.load.vertical_N / 1e3:g} kN",
-        facts=_facts(summary),
+        facts=wheelset_facts(summary),
         results=results_table(summary),
         sentences=[summary.position.reference],
         warnings=summary.warnings,
@@ -172,7 +172,8 @@ def _files(run: SpatialWheelsetRun) -> dict[str, Writer]:
     return writers
 
 
-def _facts(summary: SpatialWheelsetSummary) -> list[tuple[str, str]]:
+def wheelset_facts(summary: SpatialWheelsetSummary) -> list[tuple[str, str]]:
+    """Return the most important numbers with units, and what they are."""
     patches = [(each, f"{each.side} {each.region}") for each in summary.patches]
     return wheelset_page.wheelset_facts(summary, f"{summary.position.lateral_mm:z.2f} mm", patches)
 

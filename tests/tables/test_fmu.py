@@ -1,0 +1,176 @@
+"""The FMU gives the table's forces, in FMPy and in a host in C without Python, and says what it cannot do."""
+
+import shutil
+import subprocess
+import zipfile
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi2 import FMU2Slave
+from fmpy.validation import validate_fmu
+
+from flangeway.errors import MissingLibraryError
+from flangeway.tables.fmu import INPUTS, OUTPUTS, SIDES, refuse_without_compiler, start_values, variables, write_fmu
+
+STATE = {"lateral": 2e-4, "yaw": 0.0, "load": 1e5, "speed": 20.0, "rotation": 43.6, "lateral_velocity": 0.02}
+STATE |= {"yaw_rate": 1e-3, "friction": 0.25}
+REFERENCES = {variable.name: number for number, variable in enumerate(variables())}
+
+HOST = """
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+typedef void *(*make)(const char *, int, const char *, const char *, const void *, int, int);
+typedef int (*real)(void *, const unsigned *, size_t, double *);
+typedef int (*step)(void *, double, double, int);
+typedef int (*mode)(void *);
+int main(int n, char **words) { /* library, resources, 8 inputs */
+    void *library = dlopen(words[1], RTLD_NOW);
+    if (!library) { puts(dlerror()); return 1; }
+    void *model = ((make)dlsym(library, "fmi2Instantiate"))("host", 1, "", words[2], 0, 0, 0);
+    real set = (real)dlsym(library, "fmi2SetReal"), get = (real)dlsym(library, "fmi2GetReal");
+    step go = (step)dlsym(library, "fmi2DoStep");
+    unsigned inputs[8], outputs[18];
+    double in[8], out[18];
+    for (int k = 0; k < 8; k++) { inputs[k] = 1 + k; in[k] = atof(words[3 + k]); }
+    for (int k = 0; k < 18; k++) outputs[k] = 9 + k;
+    set(model, inputs, 8, in);
+    if (((mode)dlsym(library, "fmi2ExitInitializationMode"))(model)) return 2;
+    clock_t begun = clock();
+    for (int k = 0; k < 10000; k++) if (go(model, k * 1e-3, 1e-3, 1)) return 3;
+    fprintf(stderr, "%.2f microseconds a step\\n", 1e2 * (clock() - begun) / CLOCKS_PER_SEC);
+    get(model, outputs, 18, out);
+    for (int k = 0; k < 18; k++) printf("%.17g\\n", out[k]);
+    return 0;
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def fmus(small, tmp_path_factory):
+    """FMUs of the small table by version of FMI."""
+    folder = tmp_path_factory.mktemp("fmu")
+    for fmi in ("2.0", "3.0"):
+        write_fmu(small[0], fmi, folder / f"{fmi}.fmu")
+    return {fmi: folder / f"{fmi}.fmu" for fmi in ("2.0", "3.0")}
+
+
+def expected(table, state):
+    """Outputs of the table at a state of the FMU: axes ahead, right, down and SI units."""
+    position = 1e3 * state["lateral"], -1e3 * state["yaw"], 1e-3 * state["load"]
+    contacts = table.contacts(*position)
+    motion = {"speed": 1e3 * state["speed"], "rotation": state["rotation"], "yaw_rate": -state["yaw_rate"]}
+    creepages = table.creepages(contacts, position[1], lateral_velocity=1e3 * state["lateral_velocity"], **motion)
+    forces = table.forces(*position, creepages, friction=state["friction"])
+    push, moment = table.wrench(contacts, forces)
+    rows = []
+    for side in range(2):
+        (right, up, ahead), (turning, yawing, rolling) = push[0, side], 1e-3 * moment[0, side]
+        across = forces[0, side, :, 1].sum() * (1.0, -1.0)[side]
+        sums = contacts["normal_force_N"][0, side].sum(), forces[0, side, :, 0].sum(), across
+        rows += [ahead, right, -up, -rolling, -turning, -yawing, *sums]
+    return np.array(rows)
+
+
+@pytest.fixture
+def slave(fmus, tmp_path):
+    """The model by FMI 2 in this process: a function of inputs that returns status and outputs."""
+    description, folder = fmpy.read_model_description(fmus["2.0"]), fmpy.extract(fmus["2.0"], tmp_path / "out")
+    model = FMU2Slave(
+        guid=description.guid, unzipDirectory=folder, modelIdentifier="WheelsetCreepForces", instanceName="test"
+    )
+    model.instantiate()
+    model.setupExperiment(startTime=0.0)
+    model.enterInitializationMode()
+    model.exitInitializationMode()
+
+    def outputs(**state):
+        for name, value in (STATE | state).items():
+            (model.setBoolean if name == "clamp" else model.setReal)([REFERENCES[name]], [value])
+        model.doStep(0.0, 1e-3)
+        return np.array(model.getReal([REFERENCES[f"{side}_{name}"] for side in SIDES for name in OUTPUTS]))
+
+    yield outputs
+    model.terminate()
+    model.freeInstance()
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_fmpy_gives_the_forces_of_the_table(small, fmus, fmi):
+    """By both versions of FMI, along a lateral motion, outputs are the table's to 1e-9; the description is valid."""
+    assert validate_fmu(str(fmus[fmi])) == []
+    names = [f"{side}_{name}" for side in SIDES for name in OUTPUTS]
+    motion = np.array([(0.0, 0.0), (1.0, 4e-4)], dtype=[("time", float), ("lateral", float)])
+    start = {name: value for name, value in STATE.items() if name != "lateral"}
+    found = fmpy.simulate_fmu(
+        str(fmus[fmi]), stop_time=1.0, output_interval=0.5, input=motion, start_values=start, output=names
+    )
+    for row, lateral in zip(found, (0.0, 0.0, 2e-4), strict=True):  # a step has the inputs of its beginning
+        wanted = expected(small[0], STATE | {"lateral": lateral})
+        np.testing.assert_allclose([row[name] for name in names], wanted, rtol=1e-9, atol=1e-6)
+
+
+def test_a_host_in_c_needs_no_python(small, fmus, tmp_path):
+    """A program in C loads the library and steps: its forces are the table's to 1e-9, and Python is not needed."""
+    folder = tmp_path / "a folder"
+    with zipfile.ZipFile(fmus["2.0"]) as archive:
+        archive.extractall(folder)
+    (tmp_path / "host.c").write_text(HOST)
+    compiler = refuse_without_compiler()
+    subprocess.run([compiler, "-o", tmp_path / "host", tmp_path / "host.c", "-ldl"], check=True)
+    library = folder / "binaries" / "linux64" / "WheelsetCreepForces.so"
+    resources = f"file://{folder}/resources".replace(" ", "%20")
+    words = [tmp_path / "host", library, resources, *(repr(STATE[name]) for name in INPUTS)]
+    ended = subprocess.run(words, check=True, capture_output=True, text=True, env={})
+    print(ended.stderr)
+    np.testing.assert_allclose([*map(float, ended.stdout.split())], expected(small[0], STATE), rtol=1e-9, atol=1e-6)
+    if shutil.which("ldd"):
+        needs = subprocess.run(["ldd", library], check=True, capture_output=True, text=True).stdout
+        assert "python" not in needs
+
+
+def test_the_start_is_free_rolling_in_the_middle(small, slave):
+    """At its start values the wheelset carries the load of the middle, and creep forces ahead cancel each other."""
+    found = slave(**start_values(small[0]))
+    assert found[[2, 11]].sum() == pytest.approx(-start_values(small[0])["load"], rel=1e-3)
+    assert abs(found[[0, 9]].sum()) < 0.02 * found[6]
+
+
+def test_backwards_is_the_mirror_image_of_ahead(slave):
+    """A wheelset that runs backwards has the forces of one ahead seen in a mirror across the track."""
+    ahead = slave()
+    back = slave(speed=-20.0, rotation=-43.6, yaw_rate=-1e-3)
+    signs = np.tile([-1, 1, 1, 1, -1, -1, 1, -1, 1], 2)
+    np.testing.assert_allclose(back, signs * ahead, rtol=1e-12, atol=1e-9)
+
+
+def test_standstill_has_finite_forces_within_the_cone(slave):
+    """Without speed a wheel that spins slides: its creep force is at most friction times its normal force."""
+    found = slave(speed=0.0, rotation=5.0, yaw_rate=0.0, lateral_velocity=0.0)
+    assert np.isfinite(found).all()
+    assert (np.abs(found[[7, 16]]) <= 0.25 * found[[6, 15]] * (1 + 1e-9)).all()
+    assert (np.abs(found[[7, 16]]) > 0.8 * 0.25 * found[[6, 15]]).all()
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"load": -1e3}, {"load": float("nan")}, {"load": 9e4}, {"yaw": 1e-3}, {"lateral": 0.1}, {"friction": -1.0}],
+)
+def test_what_the_table_does_not_have_is_an_error(slave, wrong):
+    """Lift-off, what is no number, and positions beyond the table end the step with an error."""
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        slave(**wrong)
+
+
+def test_clamp_takes_the_end_of_the_table(slave):
+    """With clamp a position beyond the table has the forces of its end."""
+    np.testing.assert_array_equal(slave(load=9e4, clamp=True), slave())
+
+
+def test_without_a_compiler_the_message_says_what_to_do(monkeypatch):
+    """The variable CC names a compiler that is not there."""
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(MissingLibraryError, match="no-such-compiler"):
+        refuse_without_compiler()
