@@ -125,7 +125,7 @@ def test_only_sound_triangles_are_taken():
         dual(rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals"))
     with pytest.raises(InputError, match="area -"):
         dual(PolyMesh([[0, 0], [0, 1], [1, 0]], [0, 3], [0, 1, 2]))
-    with pytest.raises(InputError, match="point 3 .*of no cell"):
+    with pytest.raises(InputError, match="point 3 "):
         dual(PolyMesh([[0, 0], [1, 0], [0, 1], [5, 5]], [0, 3], [0, 1, 2]))
 
 

@@ -1,5 +1,6 @@
 """Refinement of triangles and polygons, of all cells or of some."""
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike
 from flangeway.checks import as_numbers, check_integer, is_finite, refused
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray, point_text
-from flangeway.mesh.connectivity import next_in_row, offsets_of, row_numbers
+from flangeway.mesh.connectivity import entries_of, next_in_row, offsets_of, row_numbers
 from flangeway.mesh.curved import Curves, snapped_points
 from flangeway.mesh.cutting import HALVED, cut_polygon, has_notch
 from flangeway.mesh.edge_curves import EdgeCurves
@@ -126,39 +127,41 @@ def _with_parts(mesh: PolyMesh, parts: Mapping[int, tuple[Pieces, Floats]]) -> t
     Points keep their numbers; the middles of edges that a piece uses follow in the order of the edges, and are points
     of the neighbours too; then the inner points.
     """
-    split, inner, whole = np.zeros(mesh.n_edges, dtype=bool), [np.empty((0, 2))], {}
-    n_points = mesh.n_points + mesh.n_edges  # numbers before the edges that stay whole are left out
-    for cell, (pieces, points) in parts.items():
-        here = slice(*mesh.cell_offsets[cell : cell + 2])
-        edges, n = mesh.cell_edges[here], int(mesh.cell_sizes[cell])
-        numbers = np.concatenate((mesh.cell_points[here], mesh.n_points + edges, n_points + np.arange(len(points))))
-        whole[cell] = [numbers[piece].tolist() for piece in pieces]
-        used = np.unique(np.concatenate(pieces))
-        split[edges[used[(used >= n) & (used < 2 * n)] - n]] = True
-        inner.append(points)
-        n_points += len(points)
-    cut = np.flatnonzero(split)
-    halves = dict(zip(map(tuple, mesh.edges[cut].tolist()), (mesh.n_points + cut).tolist(), strict=True))
-    rows, parents = [], []
-    for cell, ring in enumerate(np.split(mesh.cell_points, mesh.cell_offsets[1:-1])):
-        for piece in whole.get(cell) or [ring.tolist()]:
-            row = []
-            for a, b in zip(piece, piece[1:] + piece[:1], strict=True):
-                middle = halves.get((a, b) if a < b else (b, a))
-                row += [a] if middle is None else [a, middle]
-            rows.append(row)
-            parents.append(cell)
-    taken = np.concatenate(
-        (np.arange(mesh.n_points), mesh.n_points + cut, np.arange(mesh.n_points + mesh.n_edges, n_points))
-    )
-    number = np.full(n_points, -1, dtype=np.int32)
-    number[taken] = np.arange(len(taken))
-    owner = np.array(parents)
+    cells = np.array(list(parts), dtype=np.int64)
+    pieces = [piece for pieces, _ in parts.values() for piece in pieces]
+    inner = [points for _, points in parts.values()]
+    first_inner = np.zeros(mesh.n_cells, dtype=np.int64)
+    first_inner[cells] = offsets_of(np.array(list(map(len, inner)), dtype=np.int64))[:-1]
+    # pieces as numbers of points; new ones are numbered with the middles of edges that stay whole
+    owner, counts = np.repeat(cells, [len(rows) for rows, _ in parts.values()]), list(map(len, pieces))
+    local, cell = np.fromiter(itertools.chain.from_iterable(pieces), np.int64), np.repeat(owner, counts)
+    n = mesh.cell_sizes[cell]
+    at, on_edge = mesh.cell_offsets[cell] + local % n, (local >= n) & (local < 2 * n)
+    number = np.where(on_edge, mesh.n_points + mesh.cell_edges[at], mesh.cell_points[at])
+    number = np.where(local < 2 * n, number, mesh.n_points + mesh.n_edges + first_inner[cell] + local - 2 * n)
+    split = np.zeros(mesh.n_edges, dtype=bool)
+    split[mesh.cell_edges[at[on_edge]]] = True
+    # with the other cells, in the order of the cells
+    others = np.flatnonzero(~np.isin(np.arange(mesh.n_cells), cells))
+    owner = np.concatenate((owner, others))
+    order = np.argsort(owner, kind="stable")
+    rows = offsets_of(np.concatenate((counts, mesh.cell_sizes[others])).astype(np.int64))
+    entries, offsets = entries_of(rows, order)
+    owner, ring = owner[order], np.append(number, mesh.cell_points[entries_of(mesh.cell_offsets, others)[0]])[entries]
+    # middles of divided edges go between their ends
+    after, base, cut = ring[next_in_row(offsets)], mesh.n_points + mesh.n_edges + len(local), np.flatnonzero(split)
+    keys = np.append(mesh.edges[cut].astype(np.int64) @ [base, 1], -1)
+    wanted = np.minimum(ring, after) * base + np.maximum(ring, after)
+    edge = np.searchsorted(keys[:-1], wanted)
+    halved = keys[edge] == wanted
+    sizes = np.diff(offsets) + np.add.reduceat(halved, offsets[:-1], dtype=np.int64)
+    ring = np.insert(ring, np.flatnonzero(halved) + 1, mesh.n_points + cut[edge[halved]])
+    taken = np.unique(np.append(ring, np.arange(mesh.n_points)))  # a cut may have points that no piece uses
     fine = PolyMesh(
-        np.vstack([mesh.points, mesh.edge_middles(cut), *inner]),
-        offsets_of(np.array([len(row) for row in rows])),
-        number[np.concatenate(rows)],
-        {name: np.flatnonzero(np.isin(owner, cells)).astype(np.int32) for name, cells in mesh.cell_sets.items()},
+        np.vstack([mesh.points, mesh.edge_middles(np.arange(mesh.n_edges)), *inner])[taken],
+        offsets_of(sizes),
+        np.searchsorted(taken, ring).astype(np.int32),
+        {name: np.flatnonzero(np.isin(owner, members)).astype(np.int32) for name, members in mesh.cell_sets.items()},
         _halved_sets(mesh, split),
         _halved_curves(mesh, split),
     )
