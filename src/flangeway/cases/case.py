@@ -24,8 +24,6 @@ Progress = Callable[[str], None]
 
 RENAMED = {
     "cant": "rail_inclination",
-    "throat_radius_mm": "flange_root_radius_mm",
-    "wide_throat_radius_mm": "wide_flange_root_radius_mm",
     "barycentre_height_mm": "centre_of_gravity_height_mm",
     "largest_lateral_mm": "maximum_lateral_mm",
     "largest_amplitude_mm": "maximum_amplitude_mm",
