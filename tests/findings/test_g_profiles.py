@@ -16,9 +16,8 @@ from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidSide
-from flangeway.railway.spatial.rail_supports import RailSupport
-from flangeway.railway.spatial.supported_rail import supported_rail
 from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.wheelset.supported_rail import RailSupport, supported_rail
 
 GAUGE = {"gauge_mm": 1435.0, "rail_inclination": 0.025, "gauge_depth_mm": 14.0}
 

@@ -13,12 +13,12 @@ from flangeway.cases.case import RunnableCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import FlangewayError, MissingLibraryError, unforeseen
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_result import solve_position
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_result import solve_position
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheelset_model import build_model
 from flangeway.railway.wheelset.wheelset_result import solve_condensed, solve_wheelset
 from flangeway.system.disk_cache import Cache

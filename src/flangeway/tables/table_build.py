@@ -12,7 +12,7 @@ import numpy as np
 from flangeway.campaign.workers import LocalWorkers, LostWorkerError, computed
 from flangeway.cases.wheelset.spatial_wheelset_case import ROLLING_KEYS, SpatialWheelsetCase
 from flangeway.errors import InputError
-from flangeway.railway.spatial.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.system.disk_cache import Cache
 from flangeway.system.operating_system import number_of_cores
 from flangeway.system.versions import versions

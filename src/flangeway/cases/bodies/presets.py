@@ -23,6 +23,7 @@ from flangeway.cases.bodies.bodies_tables import (
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.cases.case import Progress
 from flangeway.contact import NodeToSegment
+from flangeway.contact.node_to_segment import OVERHANG
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
@@ -139,7 +140,7 @@ class HertzCase(BodiesPreset):
     stabilisation: StabilisationName = Field("default", description=STABILISATION_MEANING)
     weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
     nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
-    slack: float = Field(NodeToSegment.slack, gt=0.0, le=NodeToSegment.overhang, description=SLACK_MEANING)
+    slack: float = Field(NodeToSegment.slack, gt=0.0, le=OVERHANG, description=SLACK_MEANING)
     curved: bool = Field(True, description="whether gaps are measured between the circles, not between straight edges")
     n_steps: int = Field(1, ge=1, le=1000, description="number of equal load steps")
 

@@ -18,7 +18,7 @@ from flangeway.system.output_folder import bytes_writer, text_writer, write_toge
 
 SHOWN_SIZE = 0.55  # pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures
 LONG, SHORT = 40, 12  # rows of a table above which it is folded, letters of a cell up to which it is not broken
-NUMBER_CELL = re.compile(r"–|yes|no||[-+(\d.,) e/–]+")
+NUMBER_CELL = re.compile(r"–|yes|no||[-+(\d.,) e/–%]+")
 INSTEAD = "The figures above and the figures below show the most important fields."
 Drawn = Sequence[tuple[Picture, bytes]]  # pictures and the contents of their PNG files
 
