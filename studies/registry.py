@@ -7,6 +7,7 @@ from studies.conicity import CONICITY
 from studies.contact_patch.contact_patch_reproduced import reproduce_contact_patch
 from studies.curved.curved_reproduced import reproduce_curved
 from studies.elasticity.elasticity_reproduced import reproduce_elasticity
+from studies.forms import FORMS
 from studies.friction.friction_reproduced import reproduce_friction
 from studies.hertz.hertz_reproduced import reproduce_hertz
 from studies.rolling.rolling_reproduced import reproduce_rolling
@@ -46,5 +47,6 @@ STUDIES: dict[str, Study] = {
         adapted("curved", reproduce_curved),
         adapted("friction", reproduce_friction),
         adapted("vem-contact", reproduce_vem_contact),
+        FORMS,
     )
 }

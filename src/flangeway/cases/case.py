@@ -418,7 +418,7 @@ def _input_error(
             allow.append("one of them")
             advice.append(f"leave {name} or the other one out")
         elif field is None:
-            known = sorted(table.model_fields, key="units".__eq__)  # the last one of the list
+            known = sorted(table.model_fields, key=OF_REPORT.__contains__)  # the last ones of the list
             us = {each: unit.name for each in known if (unit := us_key(each))}
             shown = [us.get(each, each) for each in known] if in_us else known
             inside = key_text(key[:-1])
