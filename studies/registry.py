@@ -7,6 +7,7 @@ from studies.conicity import CONICITY
 from studies.contact_patch import CONTACT_PATCH
 from studies.curved import CURVED
 from studies.elasticity import ELASTICITY
+from studies.forms import FORMS
 from studies.friction.friction_reproduced import reproduce_friction
 from studies.hertz import HERTZ
 from studies.rolling.rolling_reproduced import reproduce_rolling
@@ -46,5 +47,6 @@ STUDIES: dict[str, Study] = {
         CURVED,
         adapted("friction", reproduce_friction),
         VEM_CONTACT,
+        FORMS,
     )
 }

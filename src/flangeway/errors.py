@@ -5,7 +5,8 @@ Every message says three things: what was given, what is allowed, and what to do
 
 import os
 import traceback
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from datetime import date, time
 from numbers import Number
 from pathlib import Path, PurePath
@@ -76,6 +77,15 @@ class InputError(FlangewayError):
     def __reduce__(self) -> tuple[type, tuple[str, ...]]:
         """Parts, not the message made of them, so that another process can raise it."""
         return type(self), (self.given, self.allowed, self.advice)
+
+
+@contextmanager
+def located(place: str) -> Iterator[None]:
+    """Put a place, such as ``contacts[1]: ``, before the message of an `InputError` of what is inside."""
+    try:
+        yield
+    except InputError as reason:
+        raise InputError(f"{place}{reason.given}", reason.allowed, reason.advice) from reason
 
 
 class UnforeseenError(RuntimeError):

@@ -30,12 +30,12 @@ ORDER = (
     "railway.track",
     "railway.rigid",
     "railway.wheelset",
-    "railway.spatial",
     "railway.damage",
     "cases",
     "campaign",
     "tables",
     "report",
+    "live",
     "cli",
     "__main__",
 )

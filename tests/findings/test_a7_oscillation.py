@@ -64,7 +64,7 @@ def test_a7_an_oscillating_pressure_is_printed_with_its_mark(tmp_path: Path) -> 
     remark = contact["max_pressure_remark"]
     assert remark.startswith("oscillates by ")
     assert contact["patches"][0]["max_pressure_remark"] == remark
-    (shown,) = (text for name, text in results_table(run.summary).rows if "maximum pressure" in name)
+    (shown,) = (text for name, text in results_table(run).rows if "maximum pressure" in name)
     assert (shown, shown.remark) == (f"{contact['max_pressure_MPa']:.6g}", remark)
     write_case(run, tmp_path)
     assert json.loads((tmp_path / "summary.json").read_text())["contacts"][0]["max_pressure_remark"] == remark
@@ -80,7 +80,7 @@ def test_a7_a_smooth_pressure_has_no_mark() -> None:
     run = punch(**roles, pairing="node-to-segment", enforcement="multiplier").run()
     (contact,) = run.summary.to_dict()["contacts"]
     assert contact["max_pressure_remark"] is None
-    (shown,) = (text for name, text in results_table(run.summary).rows if "maximum pressure" in name)
+    (shown,) = (text for name, text in results_table(run).rows if "maximum pressure" in name)
     assert shown == f"{contact['max_pressure_MPa']:.6g}"
 
 
@@ -90,6 +90,6 @@ def test_a7_too_few_segments_are_a_mark() -> None:
     (contact,) = run.summary.to_dict()["contacts"]
     assert "wide" in contact["max_pressure_remark"]
     assert run.summary.results["max_pressure_remark"] == contact["max_pressure_remark"]
-    rows = dict(results_table(run.summary).rows)
+    rows = dict(results_table(run).rows)
     assert not any("remark" in name for name in rows)
     assert ["wide" in text.remark for name, text in rows.items() if name.startswith("maximum pressure, MPa")] == [True]

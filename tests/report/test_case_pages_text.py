@@ -12,7 +12,6 @@ from flangeway.cases import CASES
 from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import read_case
 from flangeway.cases.section.section_run import TorsionCase
-from flangeway.cases.summary import StatusSummary
 from flangeway.post import corner_stresses
 from flangeway.report import scenes
 from flangeway.report.bodies.bodies_page import bodies_record
@@ -56,15 +55,15 @@ def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
     words = unescape(hertz_text)
     for text in (*hertz.summary.notices, "Plane strain", "Frictionless", "upper on lower", "load"):
         assert text in words
-    assert f"{hertz.summary.results['hertz_max_pressure_MPa']:.5g} MPa" in words
+    assert f"{hertz.summary.results['hertz_max_pressure_MPa']:.6g} MPa" in words
     assert f"numpy {hertz.summary.versions['numpy']}" in words
     assert "$" not in hertz_text.split("<script")[0]
 
 
 def test_a_failure_and_notices_are_marked(hertz):
     """A run that did not converge says so at the top, and names cannot bring HTML into the page."""
-    summary = replace(hertz.summary, status=StatusSummary(False, "a <b> & c"), notices=["x < y"])
-    page = report_page(bodies_record(replace(hertz, summary=summary)))
+    status = replace(hertz.status, converged=False, message="a <b> & c")
+    page = report_page(bodies_record(replace(hertz, status=status, notices=["x < y"])))
     assert 'class="status failed"' in page
     assert "a &lt;b&gt; &amp; c" in page
     assert "<li>x &lt; y</li>" in page
@@ -170,7 +169,7 @@ def test_the_page_tells_what_the_supports_bear():
     page = bodies_record(run)
     (table,) = (table for table in page.tables if table.caption == "Supports")
     assert [row[:2] for row in table.rows] == [("1", "block"), ("2", "block")]
-    assert table.header[2:] == ("force on it x, N", "force on it y, N")
+    assert table.header[2:] == ("force on it, x, N", "force on it, y, N")
     forces = [[float(value) for value in row[2:]] for row in table.rows]
     assert np.sum(forces, axis=0) == pytest.approx([0.0, 60.0], abs=1e-6)
 

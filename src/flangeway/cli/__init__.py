@@ -22,6 +22,7 @@ try:
         damage_command as damage,
         creep_table_command as creep_table,
         shape_commands as shapes,
+        live_command as live,
         reproduce_command as reproduce,
     )
     from flangeway.cli.app import app, main
@@ -29,4 +30,4 @@ except KeyboardInterrupt:
     print("flangeway: interrupted; nothing was written", file=sys.stderr)
     sys.exit(130)
 
-__all__ = ["app", "campaign", "cases", "creep_table", "damage", "main", "reproduce", "shapes"]
+__all__ = ["app", "campaign", "cases", "creep_table", "damage", "live", "main", "reproduce", "shapes"]

@@ -1,11 +1,10 @@
 """From the tables of a case file to bodies, loads, supports and contacts."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.cases.bodies.bodies_shape import (
     BodyShape,
@@ -21,13 +20,12 @@ from flangeway.cases.bodies.bodies_tables import (
     BodyTable,
     ContactTable,
     LoadTable,
-    MotionTable,
     PlaceTable,
     SpringTable,
     SupportTable,
     elastic,
 )
-from flangeway.cases.case import closest
+from flangeway.cases.case import require_known
 from flangeway.contact import (
     AugmentedLagrange,
     Barrier,
@@ -42,8 +40,8 @@ from flangeway.contact import (
 )
 from flangeway.contact.enforcement import Enforcement
 from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
-from flangeway.errors import InputError
-from flangeway.geometry import Arc, Contour, Placement
+from flangeway.errors import InputError, located
+from flangeway.geometry import Arc, Placement
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.insertion import match_all
@@ -68,7 +66,7 @@ from flangeway.solve.free_motions import refuse_floating
 from flangeway.space import Space
 from flangeway.types import Floats
 
-Ints = NDArray[np.int32]
+_Row = TypeVar("_Row", SupportTable, LoadTable, SpringTable)
 
 USED_BY = (
     ("enforcement", ("penalty", "augmented-lagrange"), ("penalty_MPa_mm", "nodal_penalty_N_per_mm")),
@@ -97,11 +95,14 @@ def elements_of(body: BodyTable, *, mixed: bool = False) -> Element | dict[str, 
 class BodyModel:
     """One body with its supports and loads, in contact or not."""
 
-    name: str  # its name
-    problem: Elasticity  # elastic problem with supports and loads, without contact
+    problem: Elasticity  # elastic problem with supports and loads, without contact, named after the body
     part: Part | None  # the body in contact; None without contact
-    load_N: Floats  # noqa: N815 (the unit newton)
-    """Resultant of the loads, shape (2,)."""
+    load: Floats  # resultant of the loads, N, shape (2,)
+
+    @property
+    def name(self) -> str:
+        """Name of the body."""
+        return self.problem.name
 
     @property
     def loads(self) -> list[BodyLoad]:
@@ -117,6 +118,7 @@ class BodiesModel:
     contacts: tuple[Contact, ...]  # contacts
     legs: tuple[Mapping[Part, Placement], ...]  # rigid motions of the supports of parts, one leg of the path each
     push: Handle | None  # force on the supports of one part, which slide along it
+    supported: tuple[str, ...]  # name of the body of each table of supports
     notices: tuple[str, ...]  # what was repaired or assumed
 
     @property
@@ -146,21 +148,13 @@ class _Builder:
         self.case = case
         self.notices: list[str] = []
         self.tables = {body.name: body for body in case.bodies}
-        if not case.bodies:
-            raise InputError("bodies = []", "one body or more", "add [[bodies]] with a name and a shape")
-        names = [body.name for body in case.bodies]
-        for number, body in enumerate(case.bodies):
-            if body.name in names[:number]:
-                raise InputError(
-                    f"bodies[{number + 1}].name = {body.name!r} for the second time", "a name for each", "rename one"
-                )
         self.shapes: dict[str, BodyShape] = {}
         self.meshes: dict[str, PolyMesh] = {}
         self.mixed: set[str] = set()
         self.in_contact = {name for table in case.contacts for name in (table.secondary, table.primary)}
 
     def model(self) -> BodiesModel:
-        self._refuse_unknown()
+        self._refuse_names()
         for number, table in enumerate(self.case.bodies, 1):
             key = f"bodies[{number}]"
             try:
@@ -171,16 +165,14 @@ class _Builder:
                     raise
                 raise InputError(f"{key} {table.name!r}: {reason.given}", reason.allowed, reason.advice) from reason
         self._match_boundaries()
-        held = {name: self._held(name) for name in self.tables}
-        loads = {name: self._loads(name) for name in self.tables}
-        springs = {name: self._springs(name) for name in self.tables}
-        bodies = {name: self._body(name, held[name], loads[name], springs[name]) for name in self.tables}
+        bodies = {name: self._body(name) for name in self.tables}
         contacts = tuple(
             self._contact(table, f"contacts[{n}]", bodies) for n, table in enumerate(self.case.contacts, 1)
         )
         if contacts:
             ContactSystem(contacts)  # refuses contacts that do not go together, before anything is solved
-        model = BodiesModel(bodies, contacts, *self._motions(bodies), tuple(self.notices))
+        supported = tuple(table.body for table in self.case.supports)
+        model = BodiesModel(bodies, contacts, *self._motions(bodies), supported, tuple(self.notices))
         parts = [body.part for body in bodies.values() if body.part is not None]
         on_springs = {table.body for table in self.case.springs}
         if parts and not any(part.body.supported.any() or part.name in on_springs for part in parts):
@@ -193,83 +185,66 @@ class _Builder:
             refuse_floating(part.body)
         return model
 
+    def _refuse_names(self) -> None:
+        """Refuse a case without bodies, two bodies of one name, and tables for bodies that are not there."""
+        if not self.case.bodies:
+            raise InputError("bodies = []", "one body or more", "add [[bodies]] with a name and a shape")
+        names = [body.name for body in self.case.bodies]
+        for number, name in enumerate(names):
+            if name in names[:number]:
+                raise InputError(
+                    f"bodies[{number + 1}].name = {name!r} for the second time", "a name for each", "rename one"
+                )
+        for group in ("supports", "springs", "loads", "motions", "contacts"):
+            for number, table in enumerate(getattr(self.case, group), 1):
+                for key in ("secondary", "primary") if group == "contacts" else ("body",):
+                    require_known(f"{group}[{number}].{key}", getattr(table, key), names, "the bodies")
+
     def _match_boundaries(self) -> None:
         """Give bodies in node-to-node contact each other's nodes; triangles with more nodes become virtual elements."""
         pairs = []
         for number, table in enumerate(self.case.contacts, 1):
             if table.pairing != "node-to-node":
                 continue
-            key, names = f"contacts[{number}]", []
-            for role in ("secondary", "primary"):
-                name, edges, box = (getattr(table, f"{role}{end}") for end in ("", "_edges", "_box_mm"))
-                found = edges_at(self.meshes[name], name, edges, box, (None, None), key, f"{role}_edges")
-                self.meshes[name] = self.meshes[name].with_edge_set(f"{key}.{role}", found)
-                names += [name, f"{key}.{role}"]
-            orders = [self.tables[name].order for name in names[::2]]
+            key = f"contacts[{number}]"
+            for role, name in (("secondary", table.secondary), ("primary", table.primary)):
+                edges, box = getattr(table, f"{role}_edges"), getattr(table, f"{role}_box_mm")
+                chosen = edges_at(self.meshes[name], name, edges, box, (None, None), key, f"{role}_edges")
+                self.meshes[name] = self.meshes[name].with_edge_set(f"{key}.{role}", chosen)
+            orders = [self.tables[name].order for name in (table.secondary, table.primary)]
             if orders[0] != orders[1]:
                 raise InputError(
                     f"{key}.pairing = 'node-to-node' of bodies with order = {orders[0]} and order = {orders[1]}",
                     "one order for both bodies",
                     "change one of them, or take segment-to-segment",
                 )
-            pairs.append(names)
-        try:
-            self.meshes = match_all(self.meshes, [(a, b, c, d) for a, b, c, d in pairs])
-        except InputError as reason:
-            raise InputError(f"contacts: {reason.given}", reason.allowed, reason.advice) from reason
-        for name in {each for names in pairs for each in names[::2]}:
+            pairs.append((table.secondary, f"{key}.secondary", table.primary, f"{key}.primary"))
+        with located("contacts: "):
+            self.meshes = match_all(self.meshes, pairs)
+        for name in {name for pair in pairs for name in pair[::2]}:
             polygons = self.meshes[name].cell_sizes > 3
             if self.tables[name].method == "fem" and polygons.any():
                 self.mixed.add(name)
                 mesh = self.meshes[name].with_cell_set("triangles", ~polygons)
                 self.meshes[name] = mesh.with_cell_set("polygons", polygons)
 
-    def _refuse_unknown(self) -> None:
-        """Refuse tables for bodies that are not there."""
-        rows = [(f"supports[{n}].body", table.body) for n, table in enumerate(self.case.supports, 1)]
-        rows += [(f"springs[{n}].body", spring.body) for n, spring in enumerate(self.case.springs, 1)]
-        rows += [(f"loads[{n}].body", load.body) for n, load in enumerate(self.case.loads, 1)]
-        rows += [(f"motions[{n}].body", motion.body) for n, motion in enumerate(self.case.motions, 1)]
-        for n, pair in enumerate(self.case.contacts, 1):
-            rows += [(f"contacts[{n}].secondary", pair.secondary), (f"contacts[{n}].primary", pair.primary)]
-        for key, name in rows:
-            if name not in self.tables:
-                known = list(self.tables)
-                raise InputError(f"{key} = {name!r}", f"the bodies {', '.join(known)}", closest(name, known))
+    def _rows(self, tables: Sequence[_Row], group: str, body: str) -> list[tuple[str, _Row]]:
+        """Tables of a body, behind how messages call them."""
+        return [(f"{group}[{number}]", table) for number, table in enumerate(tables, 1) if table.body == body]
 
-    def _held(self, name: str) -> list[tuple[SupportTable, Where]]:
-        """Supports of a body with their edge sets or points."""
-        found: list[tuple[SupportTable, Where]] = []
-        for number, table in enumerate(self.case.supports, 1):
-            if table.body != name:
-                continue
-            key = f"supports[{number}]"
-            for component, value in (("x", table.x_mm), ("y", table.y_mm)):
-                if value and component not in table.hold:
-                    raise InputError(
-                        f"{key}.{component}_mm = {value:g} with hold = {table.hold!r}",
-                        "displacements of held components",
-                        f'set hold = "xy" or "{component}", or leave {component}_mm out',
-                    )
-            found.append((table, self._place(table, table.point_mm, key)))
-        return found
-
-    def _loads(self, name: str) -> list[Load]:
-        found: list[Load] = []
-        for number, table in enumerate(self.case.loads, 1):
-            if table.body == name:
-                found.append(self._load(table, f"loads[{number}]"))
-        return found
-
-    def _springs(self, name: str) -> list[Spring]:
-        found: list[Spring] = []
-        for number, table in enumerate(self.case.springs, 1):
-            if table.body == name:
-                found.append(self._spring(table, f"springs[{number}]"))
-        return found
+    def _support(self, table: SupportTable, key: str) -> PrescribedDisplacement:
+        for component, value in (("x", table.x_mm), ("y", table.y_mm)):
+            if value and component not in table.hold:
+                raise InputError(
+                    f"{key}.{component}_mm = {value:g} with hold = {table.hold!r}",
+                    "displacements of held components",
+                    f'set hold = "xy" or "{component}", or leave {component}_mm out',
+                )
+        x, y = (value if axis in table.hold else None for axis, value in (("x", table.x_mm), ("y", table.y_mm)))
+        return PrescribedDisplacement(self._position(table, key), x, y)
 
     def _spring(self, table: SpringTable, key: str) -> Spring:
-        where = self._place(table, table.point_mm, key)
+        where = self._position(table, key)
         units = ("MPa_mm", "N_mm") if isinstance(where, str) else ("N_mm", "MPa_mm")
         own, other = ([getattr(table, f"{axis}_{unit}") for axis in "xy"] for unit in units)
         if other != [None, None] or own == [None, None]:
@@ -288,7 +263,7 @@ class _Builder:
                 f"one of {', '.join(LOAD_KEYS)}",
                 "make each a [[loads]] of its own" if given else "add one of them",
             )
-        kind = given[0]
+        kind, mesh = given[0], self.meshes[table.body]
         if table.cells is not None and kind not in ("body_force_N_mm3", "temperature_K"):
             raise InputError(
                 f"{key}.cells with {kind}", "cells with body_force_N_mm3 or temperature_K", "leave cells out"
@@ -297,9 +272,9 @@ class _Builder:
             if keys_of_place(table) or table.point_mm is not None:
                 raise InputError(f"{key}.{kind} with a position", "the whole body, or cells", "leave the position out")
             if table.cells is not None:
-                self.meshes[table.body].cell_set(table.cells)
+                mesh.cell_set(table.cells)
             return _whole(table)
-        where = self._place(table, table.point_mm, key)
+        where = self._position(table, key)
         if not isinstance(where, str):
             if table.force_N is None:
                 raise InputError(f"{key}.{kind} at a point", "force_N at a point", "give edges for it")
@@ -308,80 +283,65 @@ class _Builder:
             return Pressure(where, table.pressure_MPa)
         if table.traction_MPa is not None:
             return Traction(where, table.traction_MPa)
-        mesh = self.meshes[table.body]
-        pairs = mesh.edge_sets[where]
-        lengths = np.linalg.norm(np.diff(mesh.points[pairs], axis=1), axis=-1)[:, 0]
-        around = 2.0 * np.pi * mesh.points[pairs, 0].mean(axis=1) if self.case.hypothesis == "axisymmetric" else 1.0
-        area = float((lengths * around).sum()) * self.case.thickness_mm
+        ends = self.meshes[table.body].points[self.meshes[table.body].edge_sets[where]]  # (n, 2 ends, 2)
+        widths = 2.0 * np.pi * ends[:, :, 0].mean(axis=1) if self.case.hypothesis == "axisymmetric" else 1.0
+        lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        area = float((lengths * widths).sum()) * self.case.thickness_mm
         x, y = table.force_N or (0.0, 0.0)
         return Traction(where, (x / area, y / area))
 
-    def _place(self, table: PlaceTable, point: tuple[float, float] | None, key: str) -> Where:
+    def _position(self, table: PlaceTable, key: str) -> Where:
         """Name of an edge set made for a position, or a point."""
-        given = keys_of_place(table)
-        if point is not None:
+        given, mesh = keys_of_place(table), self.meshes[table.body]
+        if table.point_mm is not None:
             if given:
                 raise InputError(f"{key}.point_mm with {' and '.join(given)}", "a point, or edges", "keep one of them")
-            return point_at(self.meshes[table.body], self.tables[table.body].order, table.body, point, key)
+            return point_at(mesh, self.tables[table.body].order, table.body, table.point_mm, key)
         if not given:
             raise InputError(
                 f"{key} without a position", "edges, at_x_mm, at_y_mm, box_mm or point_mm", "give one of these"
             )
         lines = (table.at_x_mm, table.at_y_mm)
-        mesh = self.meshes[table.body]
         pairs = edges_at(mesh, table.body, table.edges, table.box_mm, lines, key, "edges")
         self.meshes[table.body] = mesh.with_edge_set(key, pairs)
         return key
 
-    def _body(
-        self, name: str, held: list[tuple[SupportTable, Where]], loads: list[Load], springs: list[Spring]
-    ) -> BodyModel:
-        table, mesh = self.tables[name], self.meshes[name]
-        material = self._material(table, mesh)
-        supports = [
-            PrescribedDisplacement(
-                where, support.x_mm if "x" in support.hold else None, support.y_mm if "y" in support.hold else None
-            )
-            for support, where in held
-        ]
-        thickness = self.case.thickness_mm
-        if name not in self.in_contact:
-            space = Space(mesh, elements_of(table, mixed=name in self.mixed))
-            problem = Elasticity(space, material, thickness, loads, [*supports, *springs], name)
-            return BodyModel(name, problem, None, problem.load_vector().sum(axis=0))
-        components: dict[Where, Components] = {}
-        for support, where in held:
-            components[where] = "xy" if where in components and components[where] != support.hold else support.hold
-        element = elements_of(table, mixed=name in self.mixed)
-        body = Body(name, mesh, element, material, components or None, thickness, springs)
-        problem = Elasticity(body.space, material, thickness, loads, [*supports, *springs], name)
-        return BodyModel(name, problem, Part(name, body), problem.load_vector().sum(axis=0))
-
-    def _material(self, table: BodyTable, mesh: PolyMesh) -> Material | Mapping[str, Material]:
-        if not table.materials:
-            return elastic(table, self.case.hypothesis)
-        for name in table.materials:
-            if name not in mesh.cell_sets:
-                known = sorted(mesh.cell_sets)
-                number = self.case.bodies.index(table) + 1
-                raise InputError(f"bodies[{number}].materials.{name}", ", ".join(known), closest(name, known))
-        return {name: elastic(each, self.case.hypothesis) for name, each in table.materials.items()}
+    def _body(self, name: str) -> BodyModel:
+        case, table, thickness = self.case, self.tables[name], self.case.thickness_mm
+        supports = [self._support(row, key) for key, row in self._rows(case.supports, "supports", name)]
+        loads = [self._load(row, key) for key, row in self._rows(case.loads, "loads", name)]
+        springs = [self._spring(row, key) for key, row in self._rows(case.springs, "springs", name)]
+        mesh, element = self.meshes[name], elements_of(table, mixed=name in self.mixed)
+        material: Material | Mapping[str, Material] = elastic(table, case.hypothesis)
+        if table.materials:
+            number = case.bodies.index(table) + 1
+            for cells in table.materials:
+                require_known(f"bodies[{number}].materials", cells, sorted(mesh.cell_sets), "cell sets")
+            material = {cells: elastic(inner, case.hypothesis) for cells, inner in table.materials.items()}
+        part = None
+        if name in self.in_contact:
+            components: dict[Where, Components] = {}
+            for support, row in zip(supports, self._rows(case.supports, "supports", name), strict=True):
+                hold = row[1].hold
+                components[support.where] = "xy" if components.get(support.where, hold) != hold else hold
+            part = Part(name, Body(name, mesh, element, material, components or None, thickness, springs))
+        space = Space(mesh, element) if part is None else part.body.space
+        problem = Elasticity(space, material, thickness, loads, [*supports, *springs], name)
+        return BodyModel(problem, part, problem.load_vector().sum(axis=0))
 
     def _contact(self, table: ContactTable, key: str, bodies: Mapping[str, BodyModel]) -> Contact:
         for name, used_by, inputs in USED_BY:
             if getattr(table, name) not in used_by:
                 table.refuse_without_effect(inputs, name, " or ".join(used_by), f"{key}.")
-        sides = [self._surface(table, role, key, bodies) for role in ("secondary", "primary")]
+        secondary, primary = (self._surface(table, role, key, bodies) for role in ("secondary", "primary"))
         pairing = {
             "segment-to-segment": SegmentToSegment(weighting=table.weighting),
             "node-to-segment": NodeToSegment(slack=table.slack),
             "node-to-node": NodeToNode(),
         }[table.pairing]
-        try:
-            found = Contact(sides[0], sides[1], pairing, Multiplier())
-            return replace(found, enforcement=_enforcement(table, found), friction=table.friction)
-        except InputError as reason:
-            raise InputError(f"{key}: {reason.given}", reason.allowed, reason.advice) from reason
+        with located(f"{key}: "):
+            contact = Contact(secondary, primary, pairing, Multiplier())
+            return replace(contact, enforcement=_enforcement(table, contact), friction=table.friction)
 
     def _surface(self, table: ContactTable, role: str, key: str, bodies: Mapping[str, BodyModel]) -> Surface:
         name = getattr(table, role)
@@ -399,52 +359,36 @@ class _Builder:
                 f"{name}: {len(pairs) - len(free)} of the {len(pairs)} edges of its contact surface touch a support "
                 "and are left out of the contact."
             )
-        pairs = free
-        points = self.meshes[name].points[np.unique(pairs)]
-        curve = self._curve(name, edges, points, table.curved, f"{key}.curved")
-        try:
-            return Surface(part, pairs, curve)
-        except InputError as reason:
-            raise InputError(f"{key}.{role}: {reason.given}", reason.allowed, reason.advice) from reason
-
-    def _curve(
-        self, name: str, edges: str | list[str] | None, points: Floats, wanted: bool | None, key: str
-    ) -> Contour | None:
-        """Drawn curve of a surface through points (n, 2), unless it is not wanted, or is left out and has no arcs."""
-        if wanted is False:
-            return None
-        curve = self.shapes[name].curve([edges] if isinstance(edges, str) else edges, points)
-        if curve is None and wanted:
+        points = self.meshes[name].points[np.unique(free)]
+        # left out, curved is true where the outline has arcs
+        curve = None if table.curved is False else self.shapes[name].curve(edges, points)
+        if curve is None and table.curved:
             raise InputError(
-                f"{key} = true for {name!r}, whose mesh came without an outline",
+                f"{key}.curved = true for {name!r}, whose mesh came without an outline",
                 "bodies whose outlines are given",
                 "give its shape as an outline, or leave curved out and take elements far smaller than its radii",
             )
-        if curve is None or not (wanted or any(isinstance(segment, Arc) for segment in curve.segments)):
-            return None
-        return curve
+        if curve is not None and not table.curved and not any(isinstance(side, Arc) for side in curve.segments):
+            curve = None
+        with located(f"{key}.{role}: "):
+            return Surface(part, free, curve)
 
     def _motions(self, bodies: Mapping[str, BodyModel]) -> tuple[tuple[dict[Part, Placement], ...], Handle | None]:
         n_legs = max((table.leg for table in self.case.motions), default=1)
         legs: tuple[dict[Part, Placement], ...] = tuple({} for _ in range(n_legs))
         push = None
         for number, table in enumerate(self.case.motions, 1):
-            key = f"motions[{number}]"
-            part = bodies[table.body].part
+            key, part = f"motions[{number}]", bodies[table.body].part
+            of_body = f"{key}.body = {table.body!r}"
             if part is None:
-                raise InputError(
-                    f"{key}.body = {table.body!r}, which is in no contact",
-                    "bodies in contact",
-                    "move its supports by x_mm",
-                )
+                raise InputError(f"{of_body}, which is in no contact", "bodies in contact", "move its supports by x_mm")
             if part in legs[table.leg - 1] or (table.leg == 1 and push is not None and part in push.parts):
-                raise InputError(f"{key}.body = {table.body!r} for the second time", "one motion each", "join them")
+                raise InputError(f"{of_body} for the second time", "one motion each", "join them")
             if not part.body.supported.any():
-                raise InputError(
-                    f"{key}.body = {table.body!r}, which has no supports", "bodies with supports", "contact moves it"
-                )
+                raise InputError(f"{of_body}, which has no supports", "bodies with supports", "contact moves it")
             if table.push_N is None:
-                legs[table.leg - 1][part] = _placement(table)
+                turn = Placement.about([table.centre_mm], float(np.deg2rad(table.rotation_deg)))
+                legs[table.leg - 1][part] = Placement(0.0, table.shift_mm).after(turn)
                 continue
             moves = table.rotation_deg or table.shift_mm != (0.0, 0.0)
             if push is not None or table.leg > 1 or moves or table.push_N == (0.0, 0.0):
@@ -473,11 +417,6 @@ def _whole(table: LoadTable) -> Load:
     if table.temperature_K is not None:
         return TemperatureChange(table.temperature_K, table.cells)
     return BodyForce(table.body_force_N_mm3 or (0.0, 0.0), table.cells)
-
-
-def _placement(table: MotionTable) -> Placement:
-    shift = Placement(0.0, table.shift_mm)
-    return shift.after(Placement.about([table.centre_mm], float(np.deg2rad(table.rotation_deg))))
 
 
 def _enforcement(table: ContactTable, contact: Contact) -> Enforcement:

@@ -4,107 +4,25 @@ import dataclasses
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel
-from flangeway.cases.bodies.bodies_tables import BodiesInputs
-from flangeway.cases.case import Case, Progress, RunnableCase
-from flangeway.cases.summary import RunResult, StatusSummary, Summary, SummaryPart
-from flangeway.contact import ContactSolution, LoadStep
+from flangeway.cases.bodies.bodies_model import BodiesModel
+from flangeway.cases.case import RunnableCase
+from flangeway.cases.summary import RunResult, StatusSummary, Summary
+from flangeway.contact import Contact, ContactSolution, LoadStep
 from flangeway.exact import LineContact
 from flangeway.geometry import Placement
-from flangeway.post import PressurePatch, cell_stresses, corner_stresses, nodal_residual, pressure_patches
-from flangeway.problems import ElasticField, PrescribedDisplacement
+from flangeway.post import PressurePatch, Stresses, cell_stresses, corner_stresses, nodal_residual, pressure_patches
+from flangeway.problems import ElasticField
+from flangeway.quantities import Quantity, values
 from flangeway.solve import Status
 from flangeway.types import Floats
 
-# ruff: noqa: N815 (units in names)
-
-
-@dataclass(frozen=True)
-class PatchSummary(SummaryPart):
-    """A region of contact."""
-
-    centre_mm: Sequence[float]
-    half_width_mm: float
-    max_pressure_MPa: float
-    max_pressure_remark: str | None
-    force_N: Sequence[float]
-    reaches_an_end: bool
-
-
-@dataclass(frozen=True, kw_only=True)
-class PairSummary(SummaryPart):
-    """A contact of two bodies."""
-
-    secondary: str
-    primary: str
-    force_on_secondary_N: Sequence[float]
-    initial_penetration_mm: float
-    max_pressure_MPa: float
-    max_pressure_remark: str | None
-    patches: Sequence[PatchSummary]
-
-
-@dataclass(frozen=True, kw_only=True)
-class FrictionSummary(SummaryPart):
-    """Friction of a contact: tractions, slips and the sticking share of the length in contact at the end, and work."""
-
-    secondary: str
-    primary: str
-    coefficient: float
-    tangential_force_N: float
-    max_traction_MPa: float
-    max_slip_in_step_mm: float
-    sticking_share: float
-    dissipated_N_mm: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class BodySummary(SummaryPart):
-    """A body: size of its mesh, and extreme values."""
-
-    name: str
-    elements: int
-    unknowns: int
-    max_displacement_mm: float
-    max_von_mises_MPa: float
-    min_principal_MPa: float
-    max_in_plane_shear_MPa: float
-
-
-@dataclass(frozen=True)
-class ForcesSummary(SummaryPart):
-    """Forces on a body in contact."""
-
-    body: str
-    contact_N: Sequence[float]
-    loads_N: Sequence[float]
-    supports_N: Sequence[float]
-
-
-@dataclass(frozen=True)
-class ReactionRow(SummaryPart):
-    """Force of a support on its body."""
-
-    number: int
-    body: str
-    force_N: Sequence[float]
-
-
-@dataclass(frozen=True, kw_only=True)
-class BodiesSummary(Summary):
-    """What ``summary.json`` holds of such a case; `results` are the numbers that the case is about, by name."""
-
-    results: dict[str, Any]
-    forces: Sequence[ForcesSummary] = ()
-    contacts: Sequence[PairSummary]
-    friction: Sequence[FrictionSummary] = ()
-    bodies: Sequence[BodySummary]
-    supports: Sequence[ReactionRow] = ()
-    notices: Sequence[str]
+XY = ("x", "y")
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,16 +35,197 @@ class BodyResult:
         Elastic displacements in the body's frame, mm.
     placement
         Rigid motion of the body's frame.
+    contact_force, load
+        Resultants of the contacts and of the loads on a body in contact, N, shape (2,); None without contact.
 
     """
 
     field: ElasticField
     placement: Placement = dataclasses.field(default_factory=Placement)
+    contact_force: Floats | None = None
+    load: Floats | None = None
 
     def moved(self, points: Floats, displacements: Floats) -> Floats:
         """Whole motion in space of points (n, 2) of the body with elastic displacements (n, 2), shape (n, 2)."""
         motion: Floats = self.placement.points(points + displacements) - points
         return motion
+
+    @property
+    def supports_force(self) -> Floats | None:
+        """Resultant of the supports on a body in contact, which balances the others, N, shape (2,)."""
+        return None if self.contact_force is None or self.load is None else -self.contact_force - self.load
+
+    @property
+    def max_displacement(self) -> float:
+        """Maximum distance that a node has moved from its initial position, mm."""
+        space = self.field.problem.space
+        return float(np.hypot(*self.moved(space.nodes, self.field.displacements[: space.n_nodes]).T).max())
+
+    @cached_property
+    def stresses(self) -> Stresses:
+        """Stresses of each cell, or of higher orders at the corners of the cells, MPa."""
+        of = cell_stresses if self.field.problem.space.order == 1 else corner_stresses
+        return of(self.field.problem, self.field.displacements)
+
+
+@dataclass(frozen=True, eq=False)
+class PairResult:
+    """A contact of two bodies.
+
+    Parameters
+    ----------
+    solution, number
+        The solution of all contacts, and the number of this one.
+    patches
+        Its regions of contact.
+
+    """
+
+    solution: ContactSolution
+    number: int
+    patches: list[PressurePatch]
+
+    @property
+    def contact(self) -> Contact:
+        """The pair of surfaces."""
+        return self.solution.system.contacts[self.number]
+
+    @property
+    def sides(self) -> tuple[str, str]:
+        """Names of the secondary and the primary body."""
+        return self.contact.secondary.part.name, self.contact.primary.part.name
+
+    @property
+    def name(self) -> str:
+        """Both bodies."""
+        return " on ".join(self.sides)
+
+    @property
+    def fullest(self) -> PressurePatch | None:
+        """Region with the maximum pressure; None where nothing touches."""
+        return max(self.patches, key=lambda patch: float(patch.pressures.max()), default=None)
+
+    @property
+    def remark(self) -> str | None:
+        """Why the maximum pressure is approximate."""
+        return None if self.fullest is None else self.fullest.remark
+
+    @cached_property
+    def nodes(self) -> dict[str, NDArray[Any]]:
+        """Columns of the nodes with friction: forces, pressure, traction, slip, and whether it sticks."""
+        table = {name: np.asarray(column) for name, column in self.solution.friction_table.columns.items()}
+        return {name: column[table["contact"] == self.number] for name, column in table.items()}
+
+    @property
+    def sticking_share(self) -> float:
+        """Fraction of the length in contact that sticks."""
+        lengths = np.divide(self.nodes["normal_force"], self.nodes["pressure"])
+        return float(lengths[self.nodes["sticks"]].sum() / max(lengths.sum(), np.finfo(float).tiny))
+
+
+@dataclass(frozen=True, eq=False)
+class SupportForce:
+    """Force of a support, by the number of its table, on its body in space; N, shape (2,)."""
+
+    number: int
+    body: str
+    force: Sequence[float]
+
+
+MAX_DISPLACEMENT: Quantity[BodyResult] = Quantity(
+    "max_displacement", "maximum displacement", "max_displacement", "mm", ".6g"
+)
+MAX_VON_MISES: Quantity[BodyResult] = Quantity(
+    "max_von_mises", "maximum von Mises stress", lambda body: body.stresses.von_mises.max(), "MPa", ".6g"
+)
+BODY: tuple[Quantity[BodyResult], ...] = (
+    Quantity("name", "body", lambda body: body.field.problem.name),
+    Quantity("elements", "elements", lambda body: body.field.problem.space.mesh.n_cells, form=","),
+    Quantity("unknowns", "unknowns", lambda body: 2 * body.field.problem.space.n_nodes, form=","),
+    MAX_DISPLACEMENT,
+    MAX_VON_MISES,
+    Quantity("min_principal", "minimum principal stress", lambda b: b.stresses.principal[:, 2].min(), "MPa", ".6g"),
+    Quantity(
+        *("max_in_plane_shear", "maximum in-plane shear stress"),
+        lambda b: b.stresses.in_plane_shear.max(),
+        "MPa",
+        ".6g",
+    ),
+)
+FORCES: tuple[Quantity[BodyResult], ...] = (
+    Quantity("body", "body", lambda body: body.field.problem.name),
+    Quantity("contact", "contact", "contact_force", "N", "z.6g", XY),
+    Quantity("loads", "loads", "load", "N", "z.6g", XY),
+    Quantity("supports", "supports", "supports_force", "N", "z.6g", XY),
+)
+HALF_WIDTH: Quantity[PressurePatch] = Quantity("half_width", "half width of contact", "half_width", "mm", ".6g")
+PATCH: tuple[Quantity[PressurePatch], ...] = (
+    Quantity("centre", "centre of pressure", "centre", "mm", "z.6g", XY),
+    HALF_WIDTH,
+    Quantity("max_pressure", "maximum pressure", lambda p: p.pressures.max(), "MPa", ".6g", remark=lambda p: p.remark),
+    Quantity("max_pressure_remark", "", "remark", meaning="why it is approximate"),
+    Quantity("force", "force on the secondary body", "force", "N", "z.6g", XY),
+    Quantity("reaches_an_end", "reaches an end of the surface", "at_edge"),
+)
+SIDES: tuple[Quantity[PairResult], ...] = (
+    Quantity("secondary", "secondary", lambda pair: pair.sides[0]),
+    Quantity("primary", "primary", lambda pair: pair.sides[1]),
+)
+MAX_PRESSURE: Quantity[PairResult] = Quantity(
+    "max_pressure",
+    "maximum pressure",
+    lambda pair: 0.0 if pair.fullest is None else pair.fullest.pressures.max(),
+    "MPa",
+    ".6g",
+    remark=lambda pair: pair.remark,
+)
+PAIR: tuple[Quantity[PairResult], ...] = (
+    *SIDES,
+    Quantity("force_on_secondary", "force on it", lambda pair: pair.solution.forces[pair.number], "N", "z.6g", XY),
+    Quantity(
+        *("initial_penetration", "initial overlap"), lambda p: p.solution.initial_penetration[p.number], "mm", "z.6g"
+    ),
+    MAX_PRESSURE,
+    Quantity("max_pressure_remark", "", "remark", meaning="why it is approximate"),
+)
+STICKING: Quantity[PairResult] = Quantity("sticking_share", "sticking fraction", "sticking_share", form=".3f")
+DISSIPATED: Quantity[PairResult] = Quantity(
+    "dissipated", "dissipated work", lambda pair: pair.solution.dissipated_by_contact[pair.number], "N mm", ".6g"
+)
+FRICTION: tuple[Quantity[PairResult], ...] = (
+    *SIDES,
+    Quantity("coefficient", "coefficient", lambda pair: pair.contact.friction_coefficient, form="g"),
+    Quantity("tangential_force", "tangential force", lambda p: p.nodes["tangential_force"].sum(), "N", "z.6g"),
+    Quantity(
+        *("max_traction", "maximum traction"), lambda p: np.abs(p.nodes["traction"]).max(initial=0.0), "MPa", ".6g"
+    ),
+    Quantity(
+        "max_slip_in_step",
+        "maximum slip in the last step",
+        lambda pair: np.abs(pair.nodes["slip"]).max(initial=0.0),
+        "mm",
+    ),
+    STICKING,
+    DISSIPATED,
+)
+REACTION: tuple[Quantity[SupportForce], ...] = (
+    Quantity("number", "support", "number", form="d"),
+    Quantity("body", "body", "body"),
+    Quantity("force", "force on it", "force", "N", "z.6g", XY),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodiesSummary(Summary):
+    """What ``summary.json`` holds of such a case; `results` are the numbers that the case is about, by name."""
+
+    results: dict[str, Any]
+    forces: Sequence[dict[str, Any]]
+    contacts: Sequence[dict[str, Any]]
+    friction: Sequence[dict[str, Any]]
+    bodies: Sequence[dict[str, Any]]
+    supports: Sequence[dict[str, Any]]
+    notices: Sequence[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,182 +238,147 @@ class BodiesRun(RunResult):
         The inputs.
     status
         How it ended.
-    summary
-        What ``summary.json`` holds.
     bodies
         Displacements by the names of the bodies.
+    timings_s
+        Seconds by stage.
     contact
         The contacts, None for bodies without.
-    theory
-        Hertz's solution, where the case has one.
+    model
+        Bodies with supports and loads, None where the case has no tables of them.
+    notices
+        What the reader should know.
 
     """
 
     main_table: ClassVar[str] = "bodies"
 
-    case: Case
+    case: "BodiesCase"
     status: Status
-    summary: BodiesSummary
     bodies: Mapping[str, BodyResult]
+    timings_s: Mapping[str, float]
     contact: ContactSolution | None = None
-    theory: LineContact | None = None
+    model: BodiesModel | None = None
+    notices: Sequence[str] = ()
+
+    @cached_property
+    def summary(self) -> BodiesSummary:
+        """What ``summary.json`` holds."""
+        case = self.case
+        return BodiesSummary(
+            status=StatusSummary(self.status.converged, self.status.message),
+            results=values(case.quantities(self), self),
+            forces=[values(FORCES, body) for body in self.in_contact],
+            contacts=[
+                values(PAIR, pair) | {"patches": [values(PATCH, patch) for patch in pair.patches]}
+                for pair in self.pairs
+            ],
+            friction=[values(FRICTION, pair) for pair in self.rubbing],
+            bodies=[values(BODY, body) for body in self.bodies.values()],
+            supports=[values(REACTION, reaction) for reaction in self.reactions],
+            notices=self.notices,
+            timings_s=dict(self.timings_s),
+            case={"name": case.name, **case.model_dump()},
+        )
 
     @property
+    def in_contact(self) -> list[BodyResult]:
+        """Bodies in contact."""
+        return [body for body in self.bodies.values() if body.contact_force is not None]
+
+    @cached_property
     def patches(self) -> list[PressurePatch]:
         """Regions of contact."""
         return [] if self.contact is None else pressure_patches(self.contact.system, self.contact.state)
+
+    @cached_property
+    def pairs(self) -> list[PairResult]:
+        """The contacts with their regions."""
+        contact = self.contact
+        n_contacts = 0 if contact is None else len(contact.system.contacts)
+        return [
+            PairResult(contact, number, [patch for patch in self.patches if patch.contact == number])
+            for number in range(n_contacts)
+            if contact is not None
+        ]
+
+    @property
+    def rubbing(self) -> list[PairResult]:
+        """The contacts with friction."""
+        return [pair for pair in self.pairs if pair.contact.friction_coefficient]
+
+    @property
+    def theory(self) -> LineContact | None:
+        """Hertz's solution, where the case has one."""
+        return self.case.theory_of(self)
+
+    @property
+    def reactions(self) -> list[SupportForce]:
+        """Force of each support on its body, in the order of the tables; none where it has not converged.
+
+        Supports that fix the same component of a node share its reaction.
+        """
+        if self.model is None or not self.status.converged:
+            return []
+        rows = {name: iter(self._reactions(name)) for name in self.bodies}
+        return [SupportForce(n, body, next(rows[body])) for n, body in enumerate(self.model.supported, 1)]
+
+    def _reactions(self, name: str) -> list[list[float]]:
+        """Force of each support of a body, x and y."""
+        assert self.model is not None
+        body, result = self.model.bodies[name], self.bodies[name]
+        supports = body.problem.prescribed
+        if not supports:
+            return []
+        n_nodes = body.problem.space.n_nodes
+        forces = np.zeros((n_nodes, 2))
+        if body.part is not None and self.contact is not None:
+            forces = result.placement.inverse().vectors(self.contact.nodal_forces(body.part))
+        residual = nodal_residual(result.field, forces)[:n_nodes]
+        fixed = np.zeros((len(supports), n_nodes, 2))  # 1 where a support fixes a component of a node
+        for row, support in zip(fixed, supports, strict=True):
+            row[body.problem.support_nodes(support)] = [support.x is not None, support.y is not None]
+        of_supports = (fixed * (residual / np.maximum(fixed.sum(axis=0), 1))).sum(axis=1)
+        rows: list[list[float]] = result.placement.vectors(of_supports).tolist()
+        return rows
+
+    def shift(self, name: str) -> Floats:
+        """Shift of the supports of a body in contact beyond its given motions, mm, shape (2,)."""
+        assert self.model is not None
+        part = self.model.bodies[name].part
+        assert part is not None
+        placement = part.placement
+        for leg in self.model.legs:
+            placement = leg.get(part, Placement()).after(placement)
+        return np.subtract(self.bodies[name].placement.translation, placement.translation)
+
+    @property
+    def pushed_mm(self) -> float | None:
+        """How far a push moved its body along the force; None without a push."""
+        push = None if self.model is None else self.model.push
+        return None if push is None else float(self.shift(push.parts[0].name) @ push.directions[0])
 
     def at_step(self, step: LoadStep) -> dict[str, BodyResult]:
         """Displacements of all bodies at one of the load steps of `contact`; those in no contact carry its share."""
         share = min(step.share, 1.0)
         assert self.contact is not None
-        found = {
+        results = {
             name: BodyResult(ElasticField(body.field.problem, share * body.field.displacements), body.placement)
             for name, body in self.bodies.items()
         }
-        there = replace(self.contact, state=step.state)
-        for part in there.system.parts:
-            found[part.name] = BodyResult(there.field(part), there.placement(part))
-        return found
+        solution = replace(self.contact, state=step.state)
+        for part in solution.system.parts:
+            results[part.name] = BodyResult(solution.field(part), solution.placement(part))
+        return results
 
 
 class BodiesCase(RunnableCase):
     """A case of bodies, in contact or not."""
 
     @abstractmethod
-    def run(self, progress: Progress = lambda _: None) -> BodiesRun:
-        """See `RunnableCase.run`."""
+    def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
+        """Return the numbers that the case is about, shown first."""
 
-
-def summarise_bodies(
-    case: Case,
-    status: Status,
-    bodies: Mapping[str, BodyResult],
-    contact: ContactSolution | None,
-    timings_s: Mapping[str, float],
-    *,
-    results: Mapping[str, Any],
-    forces: Sequence[ForcesSummary] = (),
-    supports: Sequence[ReactionRow] = (),
-    notices: Sequence[str] = (),
-) -> BodiesSummary:
-    """Return the summary of such a case.
-
-    - `bodies`: displacements by the names of the bodies.
-    - `contact`: the contacts, if there are any.
-    - `timings_s`: seconds by stage.
-    - `results`: what this case is about, shown first.
-    - `forces`, `supports`: forces on the bodies in contact, and of the supports.
-    - `notices`: what the reader should know.
-    """
-    return BodiesSummary(
-        status=StatusSummary(status.converged, status.message),
-        results=dict(results),
-        forces=forces,
-        contacts=[] if contact is None else _contacts(contact),
-        friction=[] if contact is None else _friction(contact),
-        bodies=[_body(name, body) for name, body in bodies.items()],
-        supports=supports,
-        notices=notices,
-        timings_s=dict(timings_s),
-        case={"name": case.name, **case.model_dump()},
-    )
-
-
-def _body(name: str, body: BodyResult) -> BodySummary:
-    problem, values = body.field.problem, body.field.displacements
-    space = problem.space
-    of = cell_stresses if space.order == 1 else corner_stresses
-    stresses = of(problem, values)
-    return BodySummary(
-        name=name,
-        elements=space.mesh.n_cells,
-        unknowns=2 * space.n_nodes,
-        max_displacement_mm=np.hypot(*body.moved(space.nodes, values[: space.n_nodes]).T).max(),
-        max_von_mises_MPa=stresses.von_mises.max(),
-        min_principal_MPa=stresses.principal[:, 2].min(),
-        max_in_plane_shear_MPa=stresses.in_plane_shear.max(),
-    )
-
-
-def _contacts(contact: ContactSolution) -> list[PairSummary]:
-    patches = pressure_patches(contact.system, contact.state)
-    rows = []
-    for number, each in enumerate(contact.system.contacts):
-        mine = [
-            PatchSummary(
-                *(patch.centre.tolist(), patch.half_width, patch.pressures.max(), patch.remark),
-                *(patch.force.tolist(), patch.at_edge),
-            )
-            for patch in patches
-            if patch.contact == number
-        ]
-        most = max(mine, key=lambda patch: patch.max_pressure_MPa, default=None)
-        rows.append(
-            PairSummary(
-                secondary=each.secondary.part.name,
-                primary=each.primary.part.name,
-                force_on_secondary_N=contact.forces[number].tolist(),
-                initial_penetration_mm=contact.initial_penetration[number],
-                max_pressure_MPa=0.0 if most is None else most.max_pressure_MPa,
-                max_pressure_remark=None if most is None else most.max_pressure_remark,
-                patches=mine,
-            )
-        )
-    return rows
-
-
-def _friction(contact: ContactSolution) -> list[FrictionSummary]:
-    table = {name: np.asarray(values) for name, values in contact.friction_table.columns.items()}
-    rows, works = [], contact.dissipated_by_contact
-    for number, each in enumerate(contact.system.contacts):
-        if not each.friction_coefficient:
-            continue
-        mine = table["contact"] == number
-        lengths = np.divide(table["normal_force"], table["pressure"])[mine]
-        rows.append(
-            FrictionSummary(
-                secondary=each.secondary.part.name,
-                primary=each.primary.part.name,
-                coefficient=each.friction_coefficient,
-                tangential_force_N=float(table["tangential_force"][mine].sum()),
-                max_traction_MPa=float(np.abs(table["traction"][mine]).max(initial=0.0)),
-                max_slip_in_step_mm=float(np.abs(table["slip"][mine]).max(initial=0.0)),
-                sticking_share=float(lengths[table["sticks"][mine]].sum() / max(lengths.sum(), 1e-300)),
-                dissipated_N_mm=float(works[number]),
-            )
-        )
-    return rows
-
-
-def support_reactions_of(
-    case: BodiesInputs, model: BodiesModel, results: Mapping[str, BodyResult], contact: ContactSolution | None
-) -> list[ReactionRow]:
-    """Force of each support on its body in space, in the order of the case's tables.
-
-    Supports that fix the same component of a node share its reaction.
-    """
-    reactions = {name: iter(_reactions(body, results[name], contact)) for name, body in model.bodies.items()}
-    return [ReactionRow(n, table.body, next(reactions[table.body])) for n, table in enumerate(case.supports, 1)]
-
-
-def _reactions(body: BodyModel, result: BodyResult, contact: ContactSolution | None) -> list[list[float]]:
-    """Force of each support of a body, x and y."""
-    problem = body.problem
-    if not problem.prescribed:
-        return []
-    forces = np.zeros((problem.space.n_nodes, 2))
-    if body.part is not None and contact is not None:
-        forces = result.placement.inverse().vectors(contact.nodal_forces(body.part))
-    residual = nodal_residual(result.field, forces)[: problem.space.n_nodes]
-    fixed = np.array([_fixed_by(body, support) for support in problem.prescribed])
-    forces_of = fixed * (residual / np.maximum(fixed.sum(axis=0), 1))
-    rows: list[list[float]] = result.placement.vectors(forces_of.sum(axis=1)).tolist()
-    return rows
-
-
-def _fixed_by(body: BodyModel, support: PrescribedDisplacement) -> Floats:
-    """Which components of which nodes a support fixes: 1 or 0, shape (n_nodes, 2)."""
-    fixed = np.zeros((body.problem.space.n_nodes, 2))
-    fixed[body.problem.support_nodes(support)] = [support.x is not None, support.y is not None]
-    return fixed
+    def theory_of(self, run: BodiesRun) -> LineContact | None:  # noqa: ARG002 (cases without Hertz's solution)
+        """Return Hertz's solution for the force of a run, where the case has one."""
+        return None

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.cases.bodies.bodies_tables import BodyTable, DiscTable, FineTable, PlaceTable
-from flangeway.cases.case import Box, closest
+from flangeway.cases.case import Box, require_known
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, read_section
 from flangeway.formats.outline_files import ENDINGS
@@ -17,15 +17,13 @@ from flangeway.formats.outline_toml import outline_region
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, rectangle
 from flangeway.geometry.arrays import Point
 from flangeway.geometry.region import Region
-from flangeway.geometry.segments import Segment
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
 from flangeway.problems import LinearBody
-from flangeway.types import Floats
 
-UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
+UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}  # lengths of the units
 SHAPES = ("rectangle", "disc", "outline", "file")
-DIAGONAL_PER_SIZE = 20.0
-MOST_EDGES = 100_000
+DIAGONAL_PER_SIZE = 20.0  # diagonal of a shape per default edge length of its triangles
+MAX_EDGES = 100_000  # along a side of an outline: more is a mistake in a size
 RIM, ARC, CUT = "rim", "arc", "cut"
 
 
@@ -36,13 +34,13 @@ class BodyShape:
     mesh: PolyMesh  # the mesh
     loops: tuple[Outline, ...] = ()  # its outlines; none of a mesh file
 
-    def curve(self, names: Sequence[str] | None, points: NDArray[np.float64]) -> Contour | None:
+    def curve(self, names: str | Sequence[str] | None, points: NDArray[np.float64]) -> Contour | None:
         """Drawn curve along points (n, 2) of one outline; of named sides alone where these are one chain."""
         if not self.loops:
             return None
         loop = min(self.loops, key=lambda each: float(each.closest(points)[2].max()))
         try:
-            return loop if names is None else loop.part([name for name in names if name in loop.names])
+            return loop if names is None else loop.part([name for name in _listed(names) if name in loop.names])
         except InputError:
             return loop
 
@@ -67,26 +65,20 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
     for name, value in (("cells", body.cells), ("materials", body.materials or None)):
         if value is not None:
             raise InputError(f"{key}.{name} = {value!r} of an outline", "cell sets of a mesh file", f"leave {name} out")
-    region, factor = _region(body, key, notices)
-    outline, holes = region.loops[0], region.loops[1:]
-    diagonal = float(np.hypot(*np.ptp(outline.bounds(), axis=0)))
-    size = diagonal / DIAGONAL_PER_SIZE if body.size_mm is None else body.size_mm / factor
-    fine = [_refinement(each, f"{key}.fine[{n}]", region, factor) for n, each in enumerate(body.fine, 1)]
-    triangles = _scaled(triangulate(outline, size=size, holes=holes, refinements=fine), factor)
-    mesh = dual(triangles) if body.method == "vem" else triangles
+    region = _region(body, key, notices)
+    diagonal = float(np.hypot(*np.ptp(region.outer.bounds(), axis=0)))
+    fine = [_refinement(each, f"{key}.fine[{n}]", region) for n, each in enumerate(body.fine, 1)]
+    size = body.size_mm or diagonal / DIAGONAL_PER_SIZE
+    mesh = triangulate(region.outer, size=size, holes=region.holes, refinements=fine)
+    mesh = dual(mesh) if body.method == "vem" else mesh
     if body.halved_side is not None:
-        if body.halved_side not in mesh.edge_sets:
-            known = sorted(mesh.edge_sets)
-            raise InputError(
-                f"{key}.halved_side = {body.halved_side!r}", ", ".join(known), closest(body.halved_side, known)
-            )
+        require_known(f"{key}.halved_side", body.halved_side, sorted(mesh.edge_sets))
         mesh = edges_halved(mesh, body.halved_side)
-    mesh = mesh.placed(placement)
-    return BodyShape(mesh, tuple(_scaled_outline(loop, factor).transformed(placement) for loop in region.loops))
+    return BodyShape(mesh.placed(placement), region.transformed(placement).loops)
 
 
-def _region(body: BodyTable, key: str, notices: list[str]) -> tuple[Region, float]:
-    """Region and the length of its unit in mm."""
+def _region(body: BodyTable, key: str, notices: list[str]) -> Region:
+    """Region in mm."""
     if body.file is not None:
         drawn = read_section(body.file, unit=body.unit)
         if len(drawn.section.regions) != 1:
@@ -94,15 +86,16 @@ def _region(body: BodyTable, key: str, notices: list[str]) -> tuple[Region, floa
                 f"{key}.file = {body.file!r} with {len(drawn.section.regions)} parts", "one part", "make each a body"
             )
         notices += [f"{body.name}: {notice}" for notice in drawn.notices]
-        return drawn.section.regions[0], UNITS_MM[drawn.unit]
+        outer, *holes = [_in_mm(loop, UNITS_MM[drawn.unit]) for loop in drawn.section.regions[0].loops]
+        return Region(outer, tuple(holes))
     if body.unit is not None:
         raise InputError(f"{key}.unit = {body.unit!r} without file", "a file's unit", "leave it out, and give mm")
     if body.rectangle is not None:
         shape = body.rectangle
-        return Region(rectangle(shape.width_mm, shape.height_mm, shape.centre_mm)), 1.0
+        return Region(rectangle(shape.width_mm, shape.height_mm, shape.centre_mm))
     if body.disc is not None:
-        return Region(disc_outline(body.disc)), 1.0
-    return outline_region(body.outline or {}, f"{key}.outline: ", notices), 1.0
+        return Region(disc_outline(body.disc))
+    return outline_region(body.outline or {}, f"{key}.outline: ", notices)
 
 
 def disc_outline(disc: DiscTable) -> Outline:
@@ -124,37 +117,31 @@ def disc_outline(disc: DiscTable) -> Outline:
     return Outline.from_segments([Line(last, first), *arcs], [CUT, *names])
 
 
-def _refinement(fine: FineTable, key: str, region: Region, factor: float) -> Refinement:
-    size = fine.size_mm / factor
-    if (fine.edges is None) == (fine.at_mm is None):
-        given = "neither edges nor at_mm" if fine.edges is None else "both edges and at_mm"
-        raise InputError(f"{key} with {given}", "one of them", "give one of both")
+def _refinement(fine: FineTable, key: str, region: Region) -> Refinement:
+    """Where a mesh is finer: along a polyline, or along sides of the outline by points four edges apart."""
+    given = [name for name in ("edges", "at_mm") if getattr(fine, name) is not None]
+    if len(given) != 1:
+        raise InputError(f"{key} with {' and '.join(given) or 'no position'}", "edges, or at_mm", "give one of both")
     if not (fine.at_mm or fine.edges):
-        raise InputError(
-            f"{key}.{'edges' if fine.at_mm is None else 'at_mm'} = []",
-            "one position or more",
-            f"give positions, or remove {key}",
-        )
+        raise InputError(f"{key}.{given[0]} = []", "one position or more", f"give positions, or remove {key}")
     if fine.at_mm is not None:
-        return Refinement(np.array(fine.at_mm).reshape(-1, 2) / factor, size, fine.growth)
-    wanted = [fine.edges] if isinstance(fine.edges, str) else list(fine.edges or [])
-    known = sorted({name for loop in region.loops for name in loop.names})
-    points = []
+        return Refinement(np.array(fine.at_mm).reshape(-1, 2), fine.size_mm, fine.growth)
+    sides = [(name, side) for loop in region.loops for name, side in zip(loop.names, loop.segments, strict=True)]
+    wanted = _listed(fine.edges)
     for name in wanted:
-        if name not in known:
-            raise InputError(f"{key}.edges = {name!r}", ", ".join(known), closest(name, known))
-        for loop in region.loops:
-            for segment, label in zip(loop.segments, loop.names, strict=True):
-                if label == name:
-                    if segment.length > MOST_EDGES * size:
-                        raise InputError(
-                            f"{key}.size_mm = {fine.size_mm:g} along {segment.length * factor:g} mm",
-                            f"at most {MOST_EDGES} edges along a side",
-                            "take a larger size",
-                        )
-                    along = np.linspace(0.0, 1.0, int(np.ceil(segment.length / (4.0 * size))) + 1)
-                    points.append(segment.point(along))
-    return Refinement(np.vstack(points), size, fine.growth)
+        require_known(f"{key}.edges", name, sorted({name for name, _ in sides}))
+    chosen = [side for name, side in sides if name in wanted]
+    longest = max(side.length for side in chosen)
+    if longest > MAX_EDGES * fine.size_mm:
+        raise InputError(
+            f"{key}.size_mm = {fine.size_mm:g} along {longest:g} mm",
+            f"at most {MAX_EDGES} edges along a side",
+            "take a larger size",
+        )
+    points = [
+        side.point(np.linspace(0.0, 1.0, int(np.ceil(side.length / (4.0 * fine.size_mm))) + 1)) for side in chosen
+    ]
+    return Refinement(np.vstack(points), fine.size_mm, fine.growth)
 
 
 def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
@@ -165,14 +152,12 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
     read = read_mesh(str(body.file), merge_points=body.cells is None)
     found, mesh = list(read.notices), read.mesh
     if body.cells is not None:
-        known = sorted(mesh.cell_sets)
-        wanted = [body.cells] if isinstance(body.cells, str) else body.cells
+        wanted = _listed(body.cells)
+        what = "cell sets of the file"
         if not wanted:
-            raise InputError(f"{key}.cells = []", f"cell sets of the file: {', '.join(known)}", "leave cells out")
+            raise InputError(f"{key}.cells = []", f"{what}: {', '.join(sorted(mesh.cell_sets))}", "leave cells out")
         for name in wanted:
-            if name not in known:
-                sets = f"cell sets of the file: {', '.join(known) or 'it has none'}"
-                raise InputError(f"{key}.cells = {name!r}", sets, closest(name, known) if known else "leave cells out")
+            require_known(f"{key}.cells", name, sorted(mesh.cell_sets), what)
         joined = read.part(*wanted)
         found += [f"body {body.name}: {notice}" for notice in joined.notices]
         mesh = joined.mesh
@@ -184,34 +169,33 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
             'triangles for "fem", any polygons for "vem"',
             'set method = "vem"',
         )
-    return _scaled(mesh, UNITS_MM[body.unit or "mm"])
+    factor = UNITS_MM[body.unit or "mm"]
+    return PolyMesh(mesh.points * factor, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets)
 
 
-def _scaled_outline(outline: Outline, factor: float) -> Outline:
+def _in_mm(outline: Outline, factor: float) -> Outline:
+    """Outline times the length of its unit in mm."""
+
     def scaled(point: Point) -> Point:
         return factor * point[0], factor * point[1]
 
-    segments: list[Segment] = []
-    for each in outline.segments:
-        start, end = scaled(each.start), scaled(each.end)
-        if isinstance(each, Line):
-            segments.append(Line(start, end))
-        else:
-            segments.append(Arc(start, end, scaled(each.centre), each.counter_clockwise))
+    segments = [
+        Line(scaled(each.start), scaled(each.end))
+        if isinstance(each, Line)
+        else Arc(scaled(each.start), scaled(each.end), scaled(each.centre), each.counter_clockwise)
+        for each in outline.segments
+    ]
     return Outline.from_segments(segments, outline.names)
 
 
-def _scaled(mesh: PolyMesh, factor: float) -> PolyMesh:
-    if factor == 1.0:
-        return mesh
-    return PolyMesh(mesh.points * factor, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets)
+def _listed(names: str | Sequence[str] | None) -> list[str]:
+    return [names] if isinstance(names, str) else list(names or ())
 
 
 Ints = NDArray[np.int32]
 
 Where = str | tuple[float, float]
 
-FREE = 1e-9  # singular value of the supports on rigid motions over the maximum, below which a motion is free
 ON_LINE = 1e-6  # distance over the size of the mesh up to which a point lies on a line or in a box
 
 
@@ -220,14 +204,9 @@ def keys_of_place(table: PlaceTable) -> list[str]:
     return [name for name in ("edges", "at_x_mm", "at_y_mm", "box_mm") if getattr(table, name) is not None]
 
 
-def edge_middles(points: Floats, pairs: Ints) -> Floats:
-    """Middles of edges, pairs of points: nodes of elements of order 2; shape (n, 2)."""
-    return 0.5 * (points[pairs[:, 0]] + points[pairs[:, 1]])
-
-
 def point_at(mesh: PolyMesh, order: int, body: str, point: tuple[float, float], key: str) -> tuple[float, float]:
     """Exact position of a point of a mesh, for order 2 also of the middle of an edge; an error names the nearest."""
-    spots = mesh.points if order == 1 else np.vstack((mesh.points, edge_middles(mesh.points, mesh.edges)))
+    spots = mesh.points if order == 1 else np.vstack((mesh.points, mesh.points[mesh.edges].mean(axis=1)))
     apart = np.hypot(*(spots - point).T)
     nearest = spots[apart.argmin()]
     if apart.min() > ON_LINE * float(np.hypot(*np.ptp(mesh.points, axis=0))):
@@ -258,19 +237,12 @@ def edges_at(
     """
     pairs = mesh.boundary_edges
     if names is not None:
-        chosen = [names] if isinstance(names, str) else list(names)
+        chosen, what = _listed(names), f"edge sets of {body!r}"
         known = sorted(name for name in mesh.edge_sets if "[" not in name)
         if not chosen:
-            raise InputError(
-                f"{key}.{which} = []", f"edge sets of {body!r}: {', '.join(known) or 'none'}", f"leave {which} out"
-            )
+            raise InputError(f"{key}.{which} = []", f"{what}: {', '.join(known) or 'none'}", f"leave {which} out")
         for name in chosen:
-            if name not in known:
-                raise InputError(
-                    f"{key}.{which} = {name!r}",
-                    f"edge sets of {body!r}: {', '.join(known) or 'none'}",
-                    closest(name, known) if known else "take at_x_mm, at_y_mm or box_mm instead",
-                )
+            require_known(f"{key}.{which}", name, known, what)
         pairs = np.vstack([mesh.edge_sets[name] for name in chosen])
     slack = ON_LINE * float(np.hypot(*np.ptp(mesh.points, axis=0)))
     ends = mesh.points[pairs]

@@ -6,6 +6,7 @@ from pydantic import Field
 
 from flangeway.cases.case import Box, Case, Pair, Table
 from flangeway.contact import NodeToSegment
+from flangeway.contact.node_to_segment import OVERHANG
 from flangeway.materials import Elastic, Hypothesis
 
 # ruff: noqa: N815 (units in names)
@@ -123,6 +124,7 @@ class PlaceTable(Table):
     """A part of a body's boundary: the edges that all the given keys allow, or a point."""
 
     body: str = Field(description="name of the body")
+    point_mm: Pair | None = Field(None, description="a point of the mesh instead of edges")
     edges: str | list[str] | None = Field(None, description="names of edge sets")
     at_x_mm: float | None = Field(None, description="boundary edges on the line of this x")
     at_y_mm: float | None = Field(None, description="boundary edges on the line of this y")
@@ -132,7 +134,6 @@ class PlaceTable(Table):
 class SupportTable(PlaceTable):
     """A support, with or without a prescribed displacement."""
 
-    point_mm: Pair | None = Field(None, description="a point of the mesh instead of edges")
     hold: Literal["x", "y", "xy"] = Field("xy", description="fixed components")
     x_mm: float = Field(0.0, description="prescribed displacement of a fixed x component")
     y_mm: float = Field(0.0, description="prescribed displacement of a fixed y component")
@@ -141,7 +142,6 @@ class SupportTable(PlaceTable):
 class SpringTable(PlaceTable):
     """An elastic support, whose other end is fixed, or moves with the body's supports."""
 
-    point_mm: Pair | None = Field(None, description="a point of the mesh instead of edges")
     x_MPa_mm: float | None = Field(None, ge=0.0, description="stiffness of edges in x, pressure per displacement")
     y_MPa_mm: float | None = Field(None, ge=0.0, description="the same in y")
     x_N_mm: float | None = Field(None, ge=0.0, description="stiffness of a point in x, force per displacement")
@@ -151,7 +151,6 @@ class SpringTable(PlaceTable):
 class LoadTable(PlaceTable):
     """A load: one of the last seven keys."""
 
-    point_mm: Pair | None = Field(None, description="a point of the mesh, for force_N")
     cells: str | None = Field(
         None, description="cell set for body_force_N_mm3 and temperature_K (default: the whole body)"
     )
@@ -206,7 +205,7 @@ class ContactTable(Table):
     nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
     penetration_mm: float = Field(1e-5, gt=0.0, description="tolerated penetration of augmented-lagrange")
     weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
-    slack: float = Field(NodeToSegment.slack, gt=0.0, le=NodeToSegment.overhang, description=SLACK_MEANING)
+    slack: float = Field(NodeToSegment.slack, gt=0.0, le=OVERHANG, description=SLACK_MEANING)
 
 
 class StepsTable(Table):

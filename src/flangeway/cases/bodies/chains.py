@@ -3,18 +3,20 @@
 import itertools
 import math
 from abc import abstractmethod
+from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.bodies.bodies_run import BodiesRun
+from flangeway.cases.bodies.bodies_run import XY, BodiesRun
 from flangeway.cases.bodies.bodies_tables import EnforcementName
-from flangeway.cases.bodies.presets import CONTACT_KEYS, BodiesPreset
+from flangeway.cases.bodies.presets import CONTACT_KEYS, BodiesPreset, max_pressure_of
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
+from flangeway.quantities import Quantity
 
 # ruff: noqa: N815 (units in names)
 
@@ -50,18 +52,35 @@ class ChainPreset(BodiesPreset):
         given = {"thickness_mm": self.thickness_mm, "steps": {"number": self.n_steps}}
         return TwoBodiesCase.from_values({**given, **tables})
 
-    def _forces(self, run: BodiesRun) -> dict[str, Any]:
-        """Force of each contact on its secondary body."""
-        assert run.contact is not None
-        pairs = zip(run.summary.contacts, run.contact.forces.tolist(), strict=True)
-        return {f"force_on_{each.secondary}_by_{each.primary}_N".replace("-", "_"): force for each, force in pairs}
 
-    def _moved(self, run: BodiesRun, name: str) -> dict[str, Any]:
-        """How far the middle of a floating body has moved, and how far it has turned."""
-        placement, points = run.bodies[name].placement, run.bodies[name].field.problem.space.mesh.points
+def forces_of_contacts(run: BodiesRun) -> list[Quantity[BodiesRun]]:
+    """Force of each contact on its secondary body."""
+    return [_force(*pair.sides, pair.number) for pair in run.pairs]
+
+
+def _force(on: str, by: str, number: int) -> Quantity[BodiesRun]:
+    key = f"force_on_{on}_by_{by}".replace("-", "_")
+    return Quantity(key, f"force on {on} by {by}", lambda r: r.pairs[number].solution.forces[number], "N", "z.6g", XY)
+
+
+def motion_of(name: str) -> list[Quantity[BodiesRun]]:
+    """How far the middle of a floating body has moved, and how far it has turned."""
+
+    def shift(run: BodiesRun) -> list[float]:
+        points = run.bodies[name].field.problem.space.mesh.points
         middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
-        shift = (placement.points([middle])[0] - middle).tolist()
-        return {f"{name}_shift_mm": shift, f"{name}_rotation_deg": math.degrees(placement.rotation_rad)}
+        moved: list[float] = (run.bodies[name].placement.points([middle])[0] - middle).tolist()
+        return moved
+
+    return [
+        Quantity(f"{name}_shift", f"{name}: shift", shift, "mm", "z.6g", XY),
+        Quantity(
+            *(f"{name}_rotation", f"{name}: rotation"),
+            lambda run: math.degrees(run.bodies[name].placement.rotation_rad),
+            "deg",
+            "z.6g",
+        ),
+    ]
 
 
 class StackCase(ChainPreset):
@@ -101,9 +120,9 @@ class StackCase(ChainPreset):
             ],
         }
 
-    def results(self, run: BodiesRun) -> dict[str, Any]:
-        """See `BodiesPreset.results`."""
-        return {**self._forces(run), **self._moved(run, "middle")}
+    def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
+        """Forces of the contacts, and the motion of the block between."""
+        return [*forces_of_contacts(run), *motion_of("middle")]
 
 
 class RollerBetweenPlatesCase(ChainPreset):
@@ -181,11 +200,15 @@ class RollerBetweenPlatesCase(ChainPreset):
             ],
         }
 
-    def results(self, run: BodiesRun) -> dict[str, Any]:
-        """See `BodiesPreset.results`."""
-        most = max((float(patch.pressures.max()) for patch in run.patches), default=0.0)
-        hertz = {"max_pressure_MPa": most, "hertz_max_pressure_MPa": self.theory(self.force_N).max_pressure}
-        return {**self._forces(run), **self._moved(run, "roller"), **hertz}
+    def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
+        """Forces of the contacts, the motion of the roller, and the pressure beside Hertz's."""
+        hertz = self.theory(self.force_N).max_pressure
+        return [
+            *forces_of_contacts(run),
+            *motion_of("roller"),
+            Quantity("max_pressure", "maximum pressure", max_pressure_of, "MPa", ".6g"),
+            Quantity("hertz_max_pressure", "maximum pressure, Hertz", lambda _: hertz, "MPa", ".6g"),
+        ]
 
 
 class BearingRingCase(ChainPreset):
@@ -247,9 +270,9 @@ class BearingRingCase(ChainPreset):
             "motions": [{"body": "shaft", "push_N": (0.0, -self.force_N)}],
         }
 
-    def results(self, run: BodiesRun) -> dict[str, Any]:
-        """See `BodiesPreset.results`."""
-        return {**self._forces(run), "shaft_sinks_mm": run.summary.results.get("pushed_mm")}
+    def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
+        """Forces of the rollers, and how far the shaft sinks."""
+        return [*forces_of_contacts(run), Quantity("shaft_sinks", "shaft sinks", "pushed_mm", "mm", ".6g")]
 
 
 class ShrinkFitCase(ChainPreset):
@@ -303,17 +326,17 @@ class ShrinkFitCase(ChainPreset):
             "supports": [{"body": name, "edges": axis, "hold": axis} for name in ("shaft", "hub") for axis in "xy"],
         }
 
-    def results(self, run: BodiesRun) -> dict[str, Any]:
-        """See `BodiesPreset.results`."""
-        exact, force = self.lame_pressure_MPa, run.summary.contacts[0].force_on_secondary_N
-        length = self.fit_radius_mm * self.thickness_mm  # over which a uniform pressure has each component of force
-        mean = float(np.mean(force)) / length
-        return {
-            "mean_pressure_MPa": mean,
-            "max_pressure_MPa": run.summary.contacts[0].max_pressure_MPa,
-            "lame_pressure_MPa": exact,
-            "pressure_difference": mean / exact - 1.0,
-        }
+    def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
+        """Mean pressure, from the force of a quarter, and the maximum beside Lame's pressure."""
+        assert run.contact is not None
+        exact, length = self.lame_pressure_MPa, self.fit_radius_mm * self.thickness_mm
+        mean = float(run.contact.forces[0].mean()) / length  # each component of the force acts on this length
+        return (
+            Quantity("mean_pressure", "mean pressure", lambda _: mean, "MPa", ".6g"),
+            Quantity("max_pressure", "maximum pressure", max_pressure_of, "MPa", ".6g"),
+            Quantity("lame_pressure", "Lamé's pressure", lambda _: exact, "MPa", ".6g"),
+            Quantity("pressure_difference", "relative difference", lambda _: mean / exact - 1.0, form=".3g"),
+        )
 
 
 def _ring(inner: float, outer: float, inside: str, outside: str) -> dict[str, Any]:

@@ -1,14 +1,14 @@
 """Cook's membrane (Moherdaui 2021, 5.2.2): the case, its meshes, its solutions, and its adaptive refinement."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.bodies.bodies_run import BodiesCase, BodiesRun, BodyResult, summarise_bodies
+from flangeway.cases.bodies.bodies_run import BodiesCase, BodiesRun, BodyResult
 from flangeway.cases.case import Progress
 from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
 from flangeway.elements.lagrange import HIGHEST_ORDER
@@ -18,6 +18,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, rectangle_grid, refined, triangulate
 from flangeway.post import displacements_at
 from flangeway.problems import Elasticity, Traction, fixed
+from flangeway.quantities import Quantity
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 
@@ -156,9 +157,8 @@ def cook_grid(n: int) -> PolyMesh:
 def solve_cook(space: Space, poisson: float = 1.0 / 3.0) -> ElasticitySolution:
     """Plane strain, held on the left, with a shear traction upwards on the right."""
     material = Elastic(YOUNG, poisson)
-    return solve_elasticity(
-        Elasticity(space, material, loads=[Traction("right", (0.0, TRACTION))], supports=[fixed("left")])
-    )
+    load = Traction("right", (0.0, TRACTION))
+    return solve_elasticity(Elasticity(space, material, 1.0, [load], [fixed("left")], "membrane"))
 
 
 def cook_row(code: CookCode, poisson: float = 1.0 / 3.0) -> CookRow:
@@ -199,16 +199,21 @@ class CookCase(BodiesCase):
         space = code.space()
         progress(f"solving for {2 * space.n_dofs} unknowns")
         solution = solve_cook(space, self.poisson)
-        middle, corner = displacements_at(solution, [MIDDLE, CORNER])[:, 1].tolist()
-        results = {
-            "code": str(code),
-            "middle_vertical_mm": middle,
-            "upper_corner_vertical_mm": corner,
-            "strain_energy_N_mm_per_mm": solution.energy,
-        }
-        if self.poisson == PUBLISHED_POISSON:
-            results["energy_norm_error"] = max(1.0 - solution.energy / ENERGY, 0.0) ** 0.5
-        bodies = {"membrane": BodyResult(solution)}
         timings = {"total": time.perf_counter() - start}
-        summary = summarise_bodies(self, solution.status, bodies, None, timings, results=results)
-        return BodiesRun(self, solution.status, summary, bodies)
+        return BodiesRun(self, solution.status, {"membrane": BodyResult(solution)}, timings)
+
+    def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
+        """Displacements of the loaded side, and the energy, beside the exact one where that is known."""
+        solution = run.bodies["membrane"].field
+        assert isinstance(solution, ElasticitySolution)
+        middle, corner = displacements_at(solution, [MIDDLE, CORNER])[:, 1].tolist()
+        rows: list[Quantity[BodiesRun]] = [
+            Quantity("code", "code", lambda _: str(CookCode(LETTERS[self.method], self.level, self.order))),
+            Quantity("middle_vertical", "vertical displacement of the middle", lambda _: middle, "mm", ".6g"),
+            Quantity("upper_corner_vertical", "vertical displacement of the corner", lambda _: corner, "mm", ".6g"),
+            Quantity("strain_energy", "strain energy", lambda _: solution.energy, "N mm/mm", ".6g"),
+        ]
+        if self.poisson == PUBLISHED_POISSON:
+            error = max(1.0 - solution.energy / ENERGY, 0.0) ** 0.5
+            rows.append(Quantity("energy_norm_error", "relative error in the energy norm", lambda _: error, form=".6g"))
+        return rows

@@ -2,6 +2,7 @@
 
 import math
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
@@ -22,22 +23,25 @@ from flangeway.cases.bodies.bodies_tables import (
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.cases.case import Progress
 from flangeway.contact import NodeToSegment
+from flangeway.contact.node_to_segment import OVERHANG
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
+from flangeway.post import PressurePatch
+from flangeway.quantities import Quantity
 
 # ruff: noqa: N815 (units in names)
 
 METHOD_MEANING = "fem: triangles; vem: polygons with virtual elements; vem-triangles: triangles with virtual elements"
 CONTACT_KEYS = set(ContactTable.model_fields)  # keys of a preset that are those of its contact
 ZONE_OF_LENS = 0.85
-"""Half width of the candidate zone over that of the overlap of the rigid bodies; elastic contact takes about half."""
-ZONE_OF_HERTZ = 1.6  # the same over Hertz's half width, where the force is given
-ZONE_EDGES = 3.0
-MOST_EDGES = 10_000
-MAX_RADIUS = 1e6  # radius over the elements' size above which a half disc is not meshed
-LEAST_PIECES = 17  # minimum number of pieces of the polyline along a fine arc
-WIDEST_ZONE = 0.75  # maximum half width of the zone over the radius: wider ones do not fit half discs
+"""Half width of the fine zone relative to that of the overlap of the rigid bodies; elastic contact takes about half."""
+ZONE_OF_HERTZ = 1.6  # the same relative to Hertz's half width, where the force is given
+ZONE_EDGES = 3.0  # edges of the mesh that the fine zone is wider
+MAX_EDGES = 10_000  # on half of the fine zone: more is a mistake in a size
+MAX_RADIUS = 1e6  # radius relative to the elements' size above which a half disc is not meshed
+MIN_PIECES = 17  # minimum number of pieces of the polyline along a fine arc
+MAX_ZONE = 0.75  # half width of the fine zone relative to the radius: wider ones do not fit half discs
 
 
 class BodiesPreset(BodiesCase):
@@ -47,24 +51,50 @@ class BodiesPreset(BodiesCase):
     def bodies(self) -> TwoBodiesCase:
         """Return the same as a general case."""
 
-    @abstractmethod
-    def results(self, run: BodiesRun) -> dict[str, Any]:
-        """Return the numbers that the case is about."""
-
-    def theory_of(self, run: BodiesRun) -> LineContact | None:  # noqa: ARG002 (presets without Hertz's solution)
-        """Return Hertz's solution for the force of a run, where the case has one."""
-        return None
-
     def check(self) -> None:
         """See `RunnableCase.check`."""
         self.bodies().check()
 
     def run(self, progress: Progress = lambda _: None) -> BodiesRun:
         """See `RunnableCase.run`."""
-        run = self.bodies().run(progress)
-        run = replace(run, case=self, theory=self.theory_of(run))
-        case = {"name": self.name, **self.model_dump()}
-        return replace(run, summary=replace(run.summary, case=case, results=self.results(run)))
+        return replace(self.bodies().run(progress), case=self)
+
+
+def max_pressure_of(run: BodiesRun) -> float:
+    """Maximum pressure of all contacts, MPa; 0 where nothing touches."""
+    return max((float(patch.pressures.max()) for patch in run.patches), default=0.0)
+
+
+def _fullest(run: BodiesRun) -> PressurePatch:
+    """Region with the maximum force."""
+    return max(run.patches, key=lambda patch: float(patch.normal_forces.sum()))
+
+
+def _hertz(run: BodiesRun) -> LineContact:
+    assert run.theory is not None
+    return run.theory
+
+
+HERTZ: tuple[Quantity[BodiesRun], ...] = (
+    Quantity(
+        *("max_pressure", "maximum pressure"), lambda run: _fullest(run).pressures.max(), "MPa", ".6g",
+        remark=lambda run: _fullest(run).remark,
+    ),
+    Quantity("max_pressure_remark", "", lambda run: _fullest(run).remark, meaning="why it is approximate"),
+    Quantity("hertz_max_pressure", "maximum pressure, Hertz", lambda run: _hertz(run).max_pressure, "MPa", ".6g"),
+    Quantity(
+        *("max_pressure_difference", "maximum pressure, relative difference"),
+        lambda run: _fullest(run).pressures.max() / _hertz(run).max_pressure - 1.0, form=".3g",
+    ),
+    Quantity("half_width", "half width of contact", lambda run: _fullest(run).half_width, "mm", ".6g"),
+    Quantity("hertz_half_width", "half width of contact, Hertz", lambda run: _hertz(run).half_width, "mm", ".6g"),
+    Quantity(
+        *("half_width_difference", "half width, relative difference"),
+        lambda run: _fullest(run).half_width / _hertz(run).half_width - 1.0, form=".3g",
+    ),
+    Quantity("reaches_an_end", "reaches an end of the surface", lambda run: _fullest(run).at_edge),
+)  # fmt: skip
+"""Numbers of a contact beside Hertz's solution."""
 
 
 class HertzCase(BodiesPreset):
@@ -111,7 +141,7 @@ class HertzCase(BodiesPreset):
     stabilisation: StabilisationName = Field("default", description=STABILISATION_MEANING)
     weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
     nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
-    slack: float = Field(NodeToSegment.slack, gt=0.0, le=NodeToSegment.overhang, description=SLACK_MEANING)
+    slack: float = Field(NodeToSegment.slack, gt=0.0, le=OVERHANG, description=SLACK_MEANING)
     curved: bool = Field(True, description="whether gaps are measured between the circles, not between straight edges")
     n_steps: int = Field(1, ge=1, le=1000, description="number of equal load steps")
 
@@ -174,26 +204,25 @@ class HertzCase(BodiesPreset):
             raise InputError("halved_edges without fine_arc_deg", "both", "give the angle of the fine arc")
         if self.fine_arc_deg is not None:
             self._refuse_narrow(self.fine_arc_deg)
-        size = min(self.size_mm, self.lower_mesh_size)
-        if max(radius, below) > MAX_RADIUS * size:
-            key = "radius_mm" if radius >= below else "lower_radius_mm"
-            raise InputError(
-                f"{key} = {max(radius, below):g} with elements of size_mm = {size:g}",
-                f"radii up to {MAX_RADIUS:g} times size_mm",
-                'make it smaller; lower = "block" is flat',
-            )
-        zone = self._zone()
+        zone, size = self._zone(), min(self.size_mm, self.lower_mesh_size)
+        for key, value in (("radius_mm", radius), ("lower_radius_mm", below)):
+            if value > MAX_RADIUS * size:
+                raise InputError(
+                    f"{key} = {value:g} with elements of size_mm = {size:g}",
+                    f"radii up to {MAX_RADIUS:g} times size_mm",
+                    'make it smaller; lower = "block" is flat',
+                )
         smallest = radius if self.lower == "block" else min(radius, below)
-        if zone > WIDEST_ZONE * smallest:
+        if zone > MAX_ZONE * smallest:
             raise InputError(
                 f"a contact that may reach {zone:.3g} mm to either side on a radius of {smallest:g} mm",
-                f"up to {WIDEST_ZONE:g} of the radius",
+                f"up to {MAX_ZONE:g} of the radius",
                 "make size_mm and the indentation or the force smaller",
             )
-        if zone > MOST_EDGES * size:
+        if zone > MAX_EDGES * size:
             raise InputError(
                 f"size_mm = {size:g} for a contact that may reach {zone:.3g} mm to either side",
-                f"at most {MOST_EDGES} edges on that length",
+                f"at most {MAX_EDGES} edges on that length",
                 "make size_mm larger",
             )
 
@@ -218,7 +247,7 @@ class HertzCase(BodiesPreset):
         xs = [zone * i / n for i in range(-n, n + 1)]
         if self.fine_arc_deg is not None:
             angle = math.radians(self.fine_arc_deg) / 2.0
-            n = max(math.ceil(angle * abs(radius) / (2.0 * size)), LEAST_PIECES)
+            n = max(math.ceil(angle * abs(radius) / (2.0 * size)), MIN_PIECES)
             xs = [abs(radius) * math.sin(angle * (2 * i / n - 1.0)) for i in range(n + 1)]
         flat = not upper and self.lower == "block"
         heights = [0.0 if flat else radius - math.copysign(math.sqrt(radius**2 - x**2), radius) for x in xs]
@@ -257,29 +286,15 @@ class HertzCase(BodiesPreset):
             return ZONE_OF_HERTZ * self.theory(self.force_N).half_width + edges
         return ZONE_OF_LENS * math.sqrt(2.0 * self.indentation_mm / self._curvature) + edges
 
-    def results(self, run: BodiesRun) -> dict[str, Any]:
-        """See `BodiesPreset.results`."""
+    def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
+        """Force and indentation, and the contact beside Hertz's solution."""
         assert run.contact is not None
-        theory = run.theory
-        found: dict[str, Any] = {
-            "force_N": float(run.contact.forces[0, 1]),
-            "indentation_mm": run.summary.results.get("pushed_mm", self.indentation_mm),
-        }
-        if theory is None or not run.patches:
-            return found
-        patch = max(run.patches, key=lambda patch: float(patch.normal_forces.sum()))
-        maximum = float(patch.pressures.max())
-        return {
-            **found,
-            "max_pressure_MPa": maximum,
-            "max_pressure_remark": patch.remark,
-            "hertz_max_pressure_MPa": theory.max_pressure,
-            "max_pressure_difference": maximum / theory.max_pressure - 1.0,
-            "half_width_mm": patch.half_width,
-            "hertz_half_width_mm": theory.half_width,
-            "half_width_difference": patch.half_width / theory.half_width - 1.0,
-            "reaches_an_end": patch.at_edge,
-        }
+        force, pushed = float(run.contact.forces[0, 1]), run.pushed_mm
+        return (
+            Quantity("force", "force", lambda _: force, "N", ".6g"),
+            Quantity("indentation", "indentation", lambda _: self.indentation_mm if pushed is None else pushed, "mm"),
+            *(HERTZ if run.theory is not None and run.patches else ()),
+        )
 
 
 class ContactPatchCase(BodiesPreset):
@@ -313,16 +328,17 @@ class ContactPatchCase(BodiesPreset):
     weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
     rotation_deg: float = Field(0.0, ge=-90.0, le=90.0, description="rotation of everything, counter-clockwise")
 
-    def results(self, run: BodiesRun) -> dict[str, Any]:
-        """See `BodiesPreset.results`."""
+    def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
+        """Minimum and maximum pressure beside the exact one."""
         exact = self.exact_pressure_MPa
         pressures = np.concatenate([patch.pressures for patch in run.patches]) if run.patches else np.zeros(1)
-        return {
-            "exact_pressure_MPa": exact,
-            "min_pressure_MPa": float(pressures.min()),
-            "max_pressure_MPa": float(pressures.max()),
-            "maximum_difference": float(np.abs(pressures / exact - 1.0).max()),
-        }
+        difference = np.abs(pressures / exact - 1.0).max()
+        return (
+            Quantity("exact_pressure", "exact pressure", lambda _: exact, "MPa", ".6g"),
+            Quantity("min_pressure", "minimum pressure", lambda _: pressures.min(), "MPa", ".6g"),
+            Quantity("max_pressure", "maximum pressure", lambda _: pressures.max(), "MPa", ".6g"),
+            Quantity("maximum_difference", "maximum relative difference", lambda _: difference, form=".3g"),
+        )
 
     @property
     def exact_pressure_MPa(self) -> float:  # noqa: N802 (the unit megapascal)

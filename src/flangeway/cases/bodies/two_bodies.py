@@ -5,31 +5,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
 
-import numpy as np
-
 from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel, build_bodies
-from flangeway.cases.bodies.bodies_run import (
-    BodiesCase,
-    BodiesRun,
-    BodyResult,
-    ForcesSummary,
-    summarise_bodies,
-    support_reactions_of,
-)
+from flangeway.cases.bodies.bodies_run import XY, BodiesCase, BodiesRun, BodyResult
 from flangeway.cases.bodies.bodies_tables import BodiesInputs, ContactTable
 from flangeway.cases.case import Progress
 from flangeway.contact import ContactSolution, press
 from flangeway.errors import InputError
-from flangeway.geometry import Placement
 from flangeway.post import check_contact, cut_zones, pressure_patches, relative_nodal_residual
-from flangeway.problems import Part
+from flangeway.quantities import Quantity
 from flangeway.solve import ElasticitySolution, Status, StepSettings, solve_elasticity
-from flangeway.types import Floats
 
 MAX_NODAL_RESIDUAL = 1e-6  # see `relative_nodal_residual`; a correct solution has round-off, below 1e-9
 
-SMALLEST_STEP = 1.0 / 1024.0
-"""Share of all loads and motions below which a step is not halved any more."""
+MIN_STEP = 1.0 / 1024.0  # fraction of all loads and motions below which a step is not halved any more
+ROUND_OFF = 1e-9  # overlap relative to the size of a body that is no overlap
 
 
 class TwoBodiesCase(BodiesInputs, BodiesCase):
@@ -84,37 +73,50 @@ class TwoBodiesCase(BodiesInputs, BodiesCase):
         model = build_bodies(self)
         meshed = time.perf_counter()
         alone = {name: _alone(body, progress) for name, body in model.bodies.items() if body.part is None}
-        results = {name: BodyResult(solution) for name, solution in alone.items()}
         status = _worst([solution.status for solution in alone.values()])
         contact: ContactSolution | None = None
-        checks: tuple[str, ...] = ()
+        notices = list(model.notices)
         if model.contacts:
             contact = self._pressed(model, progress)
-            in_contact, checks = checked_bodies(contact, model)
+            in_contact, warnings = checked_bodies(contact, model)
             status = _worst([in_contact, status])
-            for name, body in model.bodies.items():
-                if body.part is not None:
-                    results[name] = BodyResult(contact.field(body.part), contact.placement(body.part))
-        in_order = {name: results[name] for name in model.bodies}
-        summary = summarise_bodies(
-            self,
-            status,
-            in_order,
-            contact,
-            {"meshing": meshed - start, "total": time.perf_counter() - start},
-            results={} if contact is None else _moved_by_forces(contact, model),
-            forces=[] if contact is None else _forces(contact, model),
-            supports=support_reactions_of(self, model, in_order, contact) if status.converged else [],
-            notices=[*model.notices, *_notices(contact, self.contacts), *checks],
+            notices += [*_overlaps(contact, self.contacts), *warnings]
+        results = {}
+        for name, body in model.bodies.items():
+            if body.part is None or contact is None:
+                results[name] = BodyResult(alone[name])
+            else:
+                force = contact.nodal_forces(body.part).sum(axis=0)
+                results[name] = BodyResult(contact.field(body.part), contact.placement(body.part), force, body.load)
+        timings = {"meshing": meshed - start, "total": time.perf_counter() - start}
+        return BodiesRun(self, status, results, timings, contact, model, notices)
+
+    def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
+        """How far a push, or loads, moved a body along what its supports leave free."""
+        if run.model is None or run.contact is None:
+            return ()
+        push = run.model.push
+        if push is not None:
+            return (
+                Quantity("pushed_body", "pushed body", lambda _: push.parts[0].name),
+                Quantity("push", "push", lambda _: push.load[:2], "N", "z.6g", XY),
+                Quantity("pushed", "displacement by the push", "pushed_mm", "mm", ".6g"),
+            )
+        bodies = [part.body for part in run.contact.system.parts]
+        sliding = [body.name for body in bodies if len(body.freedom.axes) == 1 and body.supported.any()]
+        if len(sliding) != 1:
+            return ()
+        return (
+            Quantity("sliding_body", "sliding body", lambda _: sliding[0]),
+            Quantity("slid", "its displacement", lambda r: r.shift(sliding[0]), "mm", "z.6g", XY),
         )
-        return BodiesRun(self, status, summary, in_order, contact)
 
     def _pressed(self, model: BodiesModel, progress: Progress) -> ContactSolution:
         progress("condensing the bodies to their surfaces")
         sizes, given = None, self.steps.number
         if given is not None or not any(each.friction_coefficient for each in model.contacts):
             step = 1.0 / (given or 1)
-            sizes = StepSettings(step, step, min(step, SMALLEST_STEP))
+            sizes = StepSettings(step, step, min(step, MIN_STEP))
         handles = [] if model.push is None else [model.push]
         legs, loads = list(model.legs), model.body_loads
         return press(model.contacts, legs, body_loads=loads, handles=handles, steps=sizes, progress=progress)
@@ -138,44 +140,14 @@ def _alone(body: BodyModel, progress: Progress) -> ElasticitySolution:
     return solve_elasticity(body.problem)
 
 
-def _notices(contact: ContactSolution | None, tables: Sequence[ContactTable]) -> list[str]:
-    if contact is None:
-        return []
+def _overlaps(contact: ContactSolution, tables: Sequence[ContactTable]) -> list[str]:
+    """Warnings about overlaps before any motion that are not intended."""
     return [
         f"{each.secondary.part.name} on {each.primary.part.name}: the surfaces overlapped by {depth:.3g} mm before any "
         "motion; the overlap is removed as an interference fit, which interference = true calls intended."
         for each, depth, table in zip(contact.system.contacts, contact.initial_penetration, tables, strict=True)
-        if depth > 1e-9 * contact.system.parts[0].body.elasticity.size and not table.interference
+        if depth > ROUND_OFF * contact.system.parts[0].body.elasticity.size and not table.interference
     ]
-
-
-def _moved_by_forces(contact: ContactSolution, model: BodiesModel) -> dict[str, Any]:
-    """How far a push, or loads, moved a body along what its supports leave free."""
-    if model.push is not None:
-        (part,), load = model.push.parts, model.push.load[:2]
-        moved = float(_moved(contact, part, model) @ model.push.directions[0])
-        return {"pushed_body": part.name, "push_N": load.tolist(), "pushed_mm": moved}
-    sliding = [part for part in contact.system.parts if len(part.body.freedom.axes) == 1 and part.body.supported.any()]
-    if len(sliding) != 1:
-        return {}
-    return {"sliding_body": sliding[0].name, "slid_mm": _moved(contact, sliding[0], model).tolist()}
-
-
-def _moved(contact: ContactSolution, part: Part, model: BodiesModel) -> Floats:
-    """Shift (2,) of a part's supports beyond its given motions."""
-    given = part.placement
-    for leg in model.legs:
-        given = leg.get(part, Placement()).after(given)
-    return np.subtract(contact.placement(part).translation, given.translation)
-
-
-def _forces(contact: ContactSolution, model: BodiesModel) -> list[ForcesSummary]:
-    rows = []
-    for body in model.bodies.values():
-        if body.part is not None:
-            on_body, loads = contact.nodal_forces(body.part).sum(axis=0), body.load_N
-            rows.append(ForcesSummary(body.name, on_body.tolist(), loads.tolist(), (-on_body - loads).tolist()))
-    return rows
 
 
 def checked_bodies(contact: ContactSolution, model: BodiesModel) -> tuple[Status, tuple[str, ...]]:

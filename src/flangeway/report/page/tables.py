@@ -44,7 +44,7 @@ def table_of(
 ) -> SummaryTable:
     """Return a table with a row for each object and a number in each cell; missing values are dashes."""
     objects = list(objects)
-    found = [_cells(column, objects, units) for column in columns]
+    found = [_cells(column, objects, units) for column in _shown(columns)]
     heads = tuple(head for heads, _ in found for head in heads)
     rows = zip(*(cells for _, lines in found for cells in lines), strict=True)
     return SummaryTable(caption, heads, tuple(rows), note=note)
@@ -59,9 +59,27 @@ def table_across(
     units: Units = "metric",
 ) -> SummaryTable:
     """Return a table with a column for each object, headed by its name, and a row for each number of a quantity."""
-    found = [_cells(quantity, objects, units) for quantity in quantities]
+    found = [_cells(quantity, objects, units) for quantity in _shown(quantities)]
     rows = tuple((head, *cells) for heads, lines in found for head, cells in zip(heads, lines, strict=True))
     return SummaryTable(caption, ("", *names), rows, note=note)
+
+
+def rows_of(
+    quantities: Iterable[Quantity[Any]], of: Any, units: Units = "metric", owner: str = ""
+) -> list[tuple[str, str]]:
+    """Return names and texts of the numbers of one object, a row each, the names after that of an owner."""
+    table = table_across("", ("",), [of], quantities, units=units)
+    return [(f"{owner}: {name}" if owner else name, text) for name, text in table.rows]
+
+
+def fact(quantity: Quantity[Any], of: Any, units: Units = "metric", owner: str = "") -> tuple[str, str]:
+    """Return the text of a number with its unit, and what it is, and of which owner, for the top of the page."""
+    text, label = quantity.fact(of, units)
+    return marked(text, quantity.remark(of)), f"{label}, {owner}" if owner else label
+
+
+def _shown(columns: Iterable[Column]) -> list[Column]:
+    return [column for column in columns if not isinstance(column, Quantity) or column.label]
 
 
 def with_whole(

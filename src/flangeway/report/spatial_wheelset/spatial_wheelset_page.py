@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
 from flangeway.cases.wheelset.wheelset_summary import AXES as WHEELSET_AXES
-from flangeway.railway.spatial.whole_sections import whole_sections
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES
+from flangeway.railway.wheelset.whole_sections import whole_sections
 from flangeway.report.figures.series import write_collection
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
@@ -124,7 +124,7 @@ def spatial_wheelset_record(run: SpatialWheelsetRun) -> Record:
         FILES,
         subtitle=f"Wheel {problem.wheelset.wheel.title} on rail {problem.track.rail.title}; axle load "
         f"{problem.load.vertical_N / 1e3:g} kN",
-        facts=_facts(summary),
+        facts=wheelset_facts(summary),
         results=results_table(summary),
         sentences=[summary.position.reference],
         warnings=summary.warnings,
@@ -172,7 +172,8 @@ def _files(run: SpatialWheelsetRun) -> dict[str, Writer]:
     return writers
 
 
-def _facts(summary: SpatialWheelsetSummary) -> list[tuple[str, str]]:
+def wheelset_facts(summary: SpatialWheelsetSummary) -> list[tuple[str, str]]:
+    """Return the most important numbers with units, and what they are."""
     patches = [(each, f"{each.side} {each.region}") for each in summary.patches]
     return wheelset_page.wheelset_facts(summary, f"{summary.position.lateral_mm:z.2f} mm", patches)
 

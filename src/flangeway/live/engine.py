@@ -1,0 +1,269 @@
+"""What the live page asks for: profiles, rigid contact over the lateral position, and positions with their patches.
+
+The same inputs go through the same case as ``flangeway run wheelset``, so that the numbers are the same to the last
+digit. Sections and their compliance are kept between positions, as in a campaign.
+"""
+
+import threading
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flangeway.cases.case import GivenText, grouped
+from flangeway.cases.rigid.rigid_case import GeometryCase
+from flangeway.cases.wheelset.spatial_wheelset_case import ROLLING_KEYS, SpatialWheelsetCase, SpatialWheelsetRun
+from flangeway.errors import FlangewayError, InputError
+from flangeway.railway.profiles.bundled import REFERENCE_RAIL, REFERENCE_WHEELS, SECTIONS, WHEELS
+from flangeway.railway.profiles.profile_file import READABLE, ReadOptions, read_profile
+from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.report.case_outputs import case_record
+from flangeway.report.figures.drawing import png
+from flangeway.report.page.case_text import case_text, command_line
+from flangeway.report.page.html_page import report_page
+from flangeway.report.spatial_wheelset.spatial_wheelset_page import results_table, wheelset_facts
+from flangeway.report.spatial_wheelset.wheelset_patches import patch_map
+from flangeway.types import Floats
+
+POSITION_KEYS = (
+    *("units", "lateral_mm", "vertical_mm", "roll_rad", "axle_load_kN", "car_mass_t", "n_axles", "lateral_force_kN"),
+    *("speed_km_h", "curve_radius_m", "superelevation_mm", "cant_deficiency_mm", "superelevation_base_mm", "yaw_mrad"),
+    *("friction", *ROLLING_KEYS),
+)
+"""Inputs that leave the bodies as they are."""
+PROFILE_INPUTS = ("wheel", "rail", "left_wheel", "left_rail")
+LATERAL_MM, STEP_MM = 12.0, 0.05
+"""Lateral positions of the rigid contact: how far to both sides, and their distance; the page interpolates between."""
+AMPLITUDES_MM = np.arange(0.5, 8.01, 0.25)
+"""Amplitudes of the conicity; those beyond the reach of the wheelset are left out."""
+GEOMETRY_KEYS = tuple(
+    name
+    for name in SpatialWheelsetCase.model_fields
+    if name in GeometryCase.model_fields and name not in ("units", "axle_load_kN", "young_MPa", "poisson")
+)
+"""Inputs that the rigid contact depends on."""
+OUTLINE_MM = 0.05
+"""Deviation of the drawn outlines from arcs, which is less than a pixel."""
+VARIED = ("units", "lateral_mm")
+LATERAL_POSITIONS = "lateral_mm = { from = -6, to = 6, n = 25 }"
+"""VARIED, LATERAL_POSITIONS: inputs that a saved campaign has not from the page, and the positions that it computes."""
+MAX_BODIES = 3
+"""Prepared pairs of bodies that are kept; each takes some hundred megabytes."""
+MAX_FILE_BYTES = 20_000_000
+"""Size of a dropped file: measured profiles have some hundred kilobytes, files of slices a few megabytes."""
+
+
+class SupersededError(FlangewayError):
+    """A newer request has made a computation useless."""
+
+
+@dataclass(eq=False)
+class LiveEngine:
+    """Answers of the page, as plain numbers and texts.
+
+    Parameters
+    ----------
+    folder
+        Where dropped files are kept, only as long as the page is served.
+    files
+        Profiles that the user gave, by the names that the page uses for them; no other file is read.
+
+    """
+
+    folder: Path
+    files: dict[str, Path] = field(default_factory=dict)
+    _newest: int = 0
+    _computing: threading.Lock = field(default_factory=threading.Lock)
+    _bodies: "OrderedDict[str, SpatialWheelset]" = field(default_factory=OrderedDict)
+    _geometries: "OrderedDict[str, dict[str, Any]]" = field(default_factory=OrderedDict)
+
+    def form(self) -> dict[str, Any]:
+        """Return the inputs by groups, each with its name, default, what is allowed and meaning; and the profiles."""
+        rows = SpatialWheelsetCase.tables_of_inputs()[0][1]
+        names = {"wheel": [*WHEELS, *REFERENCE_WHEELS], "rail": [*SECTIONS, REFERENCE_RAIL]}
+        return {"groups": list(grouped(rows).items()), "profiles": names, "files": list(self.files)}
+
+    def add_profile(self, name: str, content: bytes, options: Mapping[str, Any]) -> dict[str, Any]:
+        """Keep a dropped file, and return how it is read: kind, orientation, notices, and its points for a picture."""
+        base = Path(name.replace("\\", "/")).name
+        if Path(base).suffix.lower() not in READABLE:
+            raise InputError(f"the file {base!r}", f"a profile: {', '.join(READABLE)}", "drop a file of one of these")
+        if content:
+            self.files[base] = self.folder / base
+            self.files[base].write_bytes(content)
+        try:
+            measured = read_profile(self._path(base), ReadOptions(**options))
+        except InputError:
+            if content:
+                del self.files[base]
+            raise
+        surface = measured.surface.sampled(max_deviation=OUTLINE_MM)
+        return {
+            "name": base,
+            "kind": measured.kind,
+            "title": measured.title,
+            "format": measured.format,
+            "notices": list(measured.notices),
+            "measured": _rounded(measured.points),
+            "surface": _rounded(surface),
+        }
+
+    def case(self, inputs: Mapping[str, str]) -> SpatialWheelsetCase:
+        """Return the case of the inputs of the form, texts by key; files by the names that the page has for them."""
+        values: dict[str, Any] = {key: GivenText(text.strip()) for key, text in inputs.items() if text.strip()}
+        for key in PROFILE_INPUTS:
+            if key in values and Path(values[key]).suffix.lower() in READABLE:
+                values[key] = str(self._path(values[key]))
+            elif "/" in values.get(key, "") or "\\" in values.get(key, ""):
+                raise InputError(f"{key} = {values[key]}", "a bundled profile or a file of this page", "drop the file")
+        return SpatialWheelsetCase.from_values(values)
+
+    def geometry(self, inputs: Mapping[str, str]) -> dict[str, Any]:
+        """Return outlines, and rigid contact over the lateral position: points, radii, angles, conicity."""
+        case = self.case(inputs)
+        key = repr([getattr(case, name) for name in GEOMETRY_KEYS])
+        if key not in self._geometries:
+            self._geometries[key] = _geometry(case)
+            while len(self._geometries) > 4 * MAX_BODIES:
+                self._geometries.popitem(last=False)
+        return self._geometries[key]
+
+    def position(self, inputs: Mapping[str, str]) -> dict[str, Any]:
+        """Return a position with its patches; `SupersededError` if a newer request comes meanwhile."""
+        with self._alone() as progress:
+            run = self._run(self.case(inputs), progress)
+        result, table = run.result, results_table(run.summary)
+        return {
+            "converged": result.status.converged,
+            "message": result.status.message,
+            "warnings": list(result.warnings),
+            "facts": wheelset_facts(run.summary),
+            "table": {"header": table.header, "rows": table.rows},
+            "patches": _patches(run),
+            "lateral_mm": result.equilibrium.position.lateral_mm,
+            "max_pressure_MPa": max((patch.ellipse.max_pressure for patch in result.patches), default=None),
+            "t_gamma_N": sum(patch.t_gamma_N for patch in result.rolling) if result.rolling else None,
+        }
+
+    def report(self, inputs: Mapping[str, str]) -> str:
+        """Return the report of a position, one page of HTML."""
+        with self._alone() as progress:
+            record = case_record(self._run(self.case(inputs), progress))
+            return report_page(record, [(picture, png(picture.draw())) for picture in record.pictures])
+
+    def saved(self, inputs: Mapping[str, str]) -> dict[str, str]:
+        """Return what computes the position again: a case file, a command, and a campaign over the lateral position."""
+        case = self.case(inputs)
+        text, command = case_text(case), command_line(case)
+        for name, path in self.files.items():  # beside the files of the user, by their names
+            text, command = text.replace(str(path), name), command.replace(str(path), name)
+        shared = [line for line in text.splitlines() if line.split(" = ")[0] not in ("flangeway", "case", *VARIED)]
+        campaign = "\n".join(('case = "wheelset"', "", "[inputs]", *shared, "", "[vary]", LATERAL_POSITIONS, ""))
+        return {"case": text, "command": command, "campaign": campaign}
+
+    def cancel(self) -> None:
+        """Stop what is computed."""
+        self._newest += 1
+
+    @property
+    def computing(self) -> bool:
+        """Whether a position or a report is being computed."""
+        return self._computing.locked()
+
+    @contextmanager
+    def _alone(self) -> Iterator[Any]:
+        """Wait for the computation before, which stops at its next step; the value raises once a newer one is there."""
+        self._newest += 1
+        number = self._newest
+
+        def progress(_: str) -> None:
+            if number != self._newest:
+                raise SupersededError("a newer position was asked for")
+
+        with self._computing:
+            progress("")
+            yield progress
+
+    def _run(self, case: SpatialWheelsetCase, progress: Any) -> SpatialWheelsetRun:
+        key = repr([getattr(case, name) for name in type(case).model_fields if name not in POSITION_KEYS])
+        if key not in self._bodies:
+            self._bodies[key] = case.prepared(progress)
+            while len(self._bodies) > MAX_BODIES:
+                self._bodies.popitem(last=False)
+        self._bodies.move_to_end(key)
+        return case.run_on(self._bodies[key], progress)
+
+    def _path(self, name: str) -> Path:
+        try:
+            return self.files[str(name)]
+        except KeyError as reason:
+            raise InputError(f"the file {name}", "files that were given to this page", "drop the file") from reason
+
+
+def _geometry(case: SpatialWheelsetCase) -> dict[str, Any]:
+    track, wheelset = case.track(), case.wheelset()
+    rigid = RigidGeometry.of(track, wheelset, 1e-3 * case.yaw_mrad)
+    low, high = rigid.limits(LATERAL_MM)
+    first, last = np.ceil(max(low, -LATERAL_MM) / STEP_MM), np.floor(min(high, LATERAL_MM) / STEP_MM)
+    lateral = STEP_MM * np.arange(first, last + 1.0)
+    locus = rigid.locus(lateral)
+    reach = min(-lateral[0], lateral[-1])
+    amplitudes = AMPLITUDES_MM[reach > AMPLITUDES_MM]
+    conicity = equivalent_conicity(RollingRadiusDifference.of(locus), amplitudes) if len(amplitudes) else amplitudes
+    sides = {}
+    for side in SIDES:
+        at = locus.side(side)
+        rail, wheel = track.rail_of(side), wheelset.wheel_of(side)
+        sides[side] = {
+            "rail": _rounded(track.placement(side).points(rail.outline.sampled(max_deviation=OUTLINE_MM))),
+            "wheel": _rounded(wheelset.placement(side).points(wheel.outline.sampled(max_deviation=OUTLINE_MM))),
+            "points": _rounded(at.points_mm[:, 0]),
+            "angles": _rounded(np.degrees(at.contact_angles_rad[:, 0])),
+            "radii": _rounded(at.rolling_radii_mm[:, 0]),
+            "titles": {"rail": rail.title, "wheel": wheel.title},
+        }
+    return {
+        "lateral": _rounded(lateral),
+        "vertical": _rounded(locus.vertical_mm),
+        "roll": locus.roll_rad.tolist(),
+        "difference": _rounded(locus.rolling_radius_difference_mm),
+        "conicity": [_rounded(amplitudes), np.asarray(conicity).tolist()],
+        "axle_height": wheelset.tape_radius_mm,
+        "sides": sides,
+    }
+
+
+def _patches(run: SpatialWheelsetRun) -> dict[str, Any]:
+    """Pressures of the cells of both sides from above, with their places to the right and ahead, in mm."""
+    found: dict[str, Any] = {}
+    for side in SIDES:
+        shown, cells = patch_map(run.result, side), run.result.equilibrium.state.sides[side].cells
+        loaded = cells.pressures > 0.0
+        if not loaded.any():
+            continue
+        rows, strips = (np.flatnonzero(loaded.any(axis=axis)) for axis in (1, 0))
+        part = slice(max(rows[0] - 1, 0), rows[-1] + 2), slice(max(strips[0] - 1, 0), strips[-1] + 2)
+        tractions = run.result.tractions_of(side)
+        found[side] = {
+            "across": _rounded(shown.across(cells.cells[part[0]])),
+            "along": _rounded(cells.z[part[1]]),
+            "strip": cells.strip,
+            "pressures": _rounded(cells.pressures[part], 1),
+            # along the rail's surface to the right, and ahead
+            "tractions": None
+            if tractions is None
+            else _rounded(tractions[part] * np.array([-SIDE_SIGN[side], 1.0]), 1),
+        }
+    return found
+
+
+def _rounded(values: Floats, digits: int = 4) -> list[Any]:
+    """Lists of numbers with some decimals: a tenth of a micrometre is more than a picture shows."""
+    return np.round(np.asarray(values, dtype=np.float64), digits).tolist()

@@ -1,0 +1,529 @@
+"use strict";
+// State: inputs of the form by key, rigid contact of the pair (and of one to compare with), the last elastic position.
+const $ = id => document.getElementById(id);
+const state = { inputs: {}, lateral: 0, yaw: 0, free: false, rigid: null, other: null, elastic: null, sweep: [],
+  number: 0, sweeping: false, frames: [], reading: null };
+const WAIT_MS = 120;  // standing still before a position is computed
+
+async function ask(name, body) {
+  const response = await fetch(name, { method: "POST", body: JSON.stringify(body) });
+  const answer = await response.json().catch(() => ({ error: "the server has stopped" }));
+  if (!response.ok) throw Object.assign(new Error(answer.error), { status: response.status });
+  return answer;
+}
+
+// ---- inputs -------------------------------------------------------------------------------------------------------
+const SLIDERS = ["lateral_mm", "yaw_mrad", "wheel", "rail", "units", "model"];
+
+function inputsNow(changes = {}) {
+  const inputs = { ...state.inputs, wheel: $("wheel").value, rail: $("rail").value, ...changes };
+  if (state.yaw) inputs.yaw_mrad = String(state.yaw);
+  if (!state.free && !("lateral_mm" in changes)) inputs.lateral_mm = String(state.lateral);
+  return inputs;
+}
+
+function makeForm(form) {
+  for (const [caption, rows] of form.groups) {
+    const shown = rows.filter(([key]) => !SLIDERS.includes(key));
+    if (!shown.length) continue;
+    const group = document.createElement("details"), grid = document.createElement("div");
+    group.innerHTML = "<summary></summary>";
+    group.firstChild.textContent = caption;
+    group.open = caption === "Load and curve";
+    grid.className = "grid";
+    for (const [key, initial, allowed, meaning] of shown) {
+      const label = document.createElement("label"), words = allowed.split(" or ");
+      const choice = words.length > 1 && words.every(word => /^[a-z][\w.-]*$/i.test(word)) && words.includes(initial);
+      const input = document.createElement(choice ? "select" : "input");
+      if (choice) for (const word of words) input.add(new Option(word, word === initial ? "" : word));
+      else input.placeholder = initial;
+      input.id = `input-${key}`;
+      label.title = `${meaning}; ${allowed}`;
+      label.append(key, input);
+      input.addEventListener("change", () => {
+        if (input.value.trim()) state.inputs[key] = input.value; else delete state.inputs[key];
+        input.classList.toggle("changed", Boolean(input.value.trim()));
+        loadGeometry();
+      });
+      grid.append(label);
+    }
+    group.append(grid);
+    $("form").append(group);
+  }
+}
+
+function fillProfiles(form) {
+  for (const [id, kind, none] of [["wheel", "wheel"], ["rail", "rail"], ["other-wheel", "wheel", "no other wheel"],
+    ["other-rail", "rail", "no other rail"]]) {
+    const select = $(id), before = select.value;
+    select.replaceChildren();
+    if (none) select.add(new Option(none, ""));
+    for (const name of [...form.profiles[kind], ...(form.own || {})[kind] || []]) select.add(new Option(name, name));
+    if ([...select.options].some(option => option.value === before)) select.value = before;
+  }
+}
+
+// ---- files --------------------------------------------------------------------------------------------------------
+const own = { wheel: [], rail: [] };
+
+async function readFile(name, content, options = {}) {
+  const query = new URLSearchParams({ name, options: JSON.stringify(options) });
+  $("file-error").hidden = true;
+  try {
+    const response = await fetch(`profile?${query}`, { method: "POST", body: content });
+    const answer = await response.json();
+    if (!response.ok) throw new Error(answer.error);
+    if (!own[answer.kind].includes(answer.name)) own[answer.kind].push(answer.name);
+    fillProfiles({ ...state.form, own });
+    $(answer.kind).value = answer.name;
+    showReading(answer);
+    await loadGeometry();
+  } catch (error) {
+    $("file-error").textContent = error.message;
+    $("file-error").hidden = false;
+  }
+}
+
+function showReading(answer) {
+  state.reading = answer;
+  $("read").hidden = false;
+  $("tape-label").hidden = answer.kind !== "wheel";
+  $("read-words").textContent =
+    `${answer.name}: ${answer.kind}, ${answer.format}, ${answer.measured.length} points. ${answer.notices.join(". ")}`;
+  drawReading();
+}
+
+function drawReading() {
+  if (!state.reading) return;
+  const { context, width, height } = fresh($("read-picture"));
+  const { measured, surface } = state.reading, all = measured.concat(surface);
+  const [x0, x1] = span(all.map(p => p[0])), [y0, y1] = span(all.map(p => p[1]));
+  const scale = Math.min((width - 20) / (x1 - x0 || 1), (height - 20) / (y1 - y0 || 1));
+  const at = p => [width / 2 + scale * (p[0] - (x0 + x1) / 2), height / 2 - scale * (p[1] - (y0 + y1) / 2)];
+  line(context, surface.map(at), colour("--focus"), 2);
+  context.fillStyle = colour("--other");
+  for (const p of measured.map(at)) context.fillRect(p[0] - 1, p[1] - 1, 2, 2);
+}
+
+// the switches change how the case reads the file, and how it is shown here
+function readAgain() {
+  const { name, kind } = state.reading, options = {};
+  if ($("mirror").checked) options.mirror = true;
+  if ($("unit").value) options.unit = $("unit").value;
+  if (kind === "wheel" && $("tape").value.trim()) options.tape_mm = Number($("tape").value.replace(",", "."));
+  for (const option of ["mirror", "unit", "tape_mm"]) {
+    const key = `${kind}_${option}`;
+    if (option in options) state.inputs[key] = String(options[option]); else delete state.inputs[key];
+  }
+  return readFile(name, new Blob([]), options);
+}
+
+async function dropped(list) {
+  for (const file of list) await readFile(file.name, file);
+}
+
+// ---- rigid contact ------------------------------------------------------------------------------------------------
+let geometryNumber = 0;
+async function loadGeometry() {
+  const number = ++geometryNumber;
+  stale();
+  try {
+    const inputs = inputsNow();
+    delete inputs.lateral_mm;
+    const rigid = await ask("geometry", inputs);
+    const second = { wheel: $("other-wheel").value, rail: $("other-rail").value };
+    const changed = Object.fromEntries(Object.entries(second).filter(([, value]) => value));
+    const other = Object.keys(changed).length ? await ask("geometry", { ...inputs, ...changed }) : null;
+    if (number !== geometryNumber) return;
+    Object.assign(state, { rigid, other, sweep: [] });
+    const low = rigid.lateral[0], high = rigid.lateral.at(-1);
+    Object.assign($("lateral"), { min: low, max: high });
+    state.lateral = Math.min(Math.max(state.lateral, low), high);
+    $("pair").textContent = `${rigid.sides.right.titles.wheel} on ${rigid.sides.right.titles.rail}`;
+    $("error").hidden = true;
+    moved();
+  } catch (error) {
+    if (number === geometryNumber) failed(error);
+  }
+}
+
+// linear interpolation of a table over the lateral position
+function interpolated(table, values, lateral) {
+  const x = table.lateral, step = x[1] - x[0];
+  const place = Math.min(Math.max((lateral - x[0]) / step, 0), x.length - 1.000001), i = Math.floor(place), t = place - i;
+  const a = values[i], b = values[i + 1];
+  return Array.isArray(a) ? a.map((v, k) => v + t * (b[k] - v)) : a + t * (b - a);
+}
+
+function positionAt(table, lateral) {
+  const of = values => interpolated(table, values, lateral);
+  return { lateral, vertical: of(table.vertical), roll: of(table.roll), difference: of(table.difference),
+    left: { point: of(table.sides.left.points), angle: of(table.sides.left.angles), radius: of(table.sides.left.radii) },
+    right: { point: of(table.sides.right.points), angle: of(table.sides.right.angles),
+      radius: of(table.sides.right.radii) } };
+}
+
+let timer = 0;
+function moved() {
+  $("lateral").value = state.lateral;
+  $("yaw").value = state.yaw;
+  $("lateral-text").textContent = `${state.lateral.toFixed(2)} mm`;
+  $("yaw-text").textContent = `${state.yaw.toFixed(1)} mrad`;
+  requestAnimationFrame(drawRigid);
+  stale();
+  clearTimeout(timer);
+  timer = setTimeout(loadPosition, WAIT_MS);
+}
+
+// ---- elastic position -----------------------------------------------------------------------------------------------
+function stale() {
+  state.number += 1;
+  for (const id of ["facts", "patches", "tables"]) $(id).classList.add("stale");
+}
+
+async function loadPosition() {
+  if (!state.rigid || state.sweeping) return;
+  const number = ++state.number;
+  status("busy", "computing …");
+  try {
+    const elastic = await ask("position", inputsNow());
+    if (number !== state.number) return;
+    state.elastic = elastic;
+    if (state.free) { state.lateral = elastic.lateral_mm; $("lateral").value = state.lateral;
+      $("lateral-text").textContent = `${state.lateral.toFixed(2)} mm`; }
+    showElastic();
+    await showCommand();
+  } catch (error) {
+    if (number === state.number && error.status !== 409) failed(error);
+  }
+}
+
+function failed(error) {
+  $("error").textContent = error.message;
+  $("error").hidden = false;
+  status("failed", "no result");
+}
+
+function status(kind, words) {
+  $("state").className = `status ${kind}`;
+  $("state").textContent = words;
+}
+
+function showElastic() {
+  const { elastic } = state;
+  $("error").hidden = true;
+  status(!elastic.converged ? "failed" : elastic.warnings.length ? "warned" : "good",
+    `${elastic.converged ? "converged" : "not converged"}, ${elastic.message}`);
+  $("warnings").replaceChildren(...elastic.warnings.map(words => element("li", words)));
+  $("facts").replaceChildren(...elastic.facts.map(([value, name]) => fact(name, value)));
+  const shown = element("table"), head = element("tr");
+  head.append(...elastic.table.header.map(words => element("th", words)));
+  shown.append(head);
+  for (const [name, ...cells] of elastic.table.rows) {
+    const row = element("tr");
+    row.append(element("th", name), ...cells.map(cell => element("td", cell)));
+    shown.append(row);
+  }
+  $("tables").replaceChildren(shown);
+  for (const id of ["facts", "patches", "tables"]) $(id).classList.remove("stale");
+  drawRigid();
+  drawPatches();
+}
+
+async function showCommand() {
+  try { $("command").textContent = (await ask("saved", inputsNow())).command; } catch (error) { failed(error); }
+}
+
+// ---- drawing --------------------------------------------------------------------------------------------------------
+const colour = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const span = values => values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+function element(kind, text = "") { const made = document.createElement(kind); made.textContent = text; return made; }
+function fact(name, value) { const made = element("div"); made.append(element("dt", name), element("dd", value)); return made; }
+
+function fresh(canvas) {
+  const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
+  if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio))
+    Object.assign(canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
+  const context = canvas.getContext("2d");
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  context.font = "12px system-ui, sans-serif";
+  return { context, width, height };
+}
+
+function line(context, points, stroke, width = 1, fill = null, dash = []) {
+  context.beginPath();
+  points.forEach((p, i) => i ? context.lineTo(p[0], p[1]) : context.moveTo(p[0], p[1]));
+  if (fill) { context.closePath(); context.fillStyle = fill; context.fill(); }
+  context.setLineDash(dash);
+  context.strokeStyle = stroke;
+  context.lineWidth = width;
+  context.stroke();
+  context.setLineDash([]);
+}
+
+const HALF_VIEW_MM = 55;
+let drag = null, scaleOfView = 1;
+
+function drawRigid() {
+  if (!state.rigid) return;
+  const begun = performance.now(), { context, width, height } = fresh($("view"));
+  const now = positionAt(state.rigid, state.lateral);
+  const steel = colour("--steel"), steel2 = colour("--steel2"), ink = colour("--ink");
+  ["left", "right"].forEach((side, k) => {
+    const sign = k ? 1 : -1, middle = [k ? 0.75 * width : 0.25 * width, height / 2];
+    const scale = scaleOfView = Math.min(width / 2, 1.25 * height) / (2 * HALF_VIEW_MM);
+    const table = state.rigid.sides[side], top = table.rail.reduce((a, p) => p[1] > a[1] ? p : a);
+    const at = p => [middle[0] + scale * (p[0] - top[0] + sign * 8), middle[1] - scale * (p[1] + 5)];
+    context.save();
+    context.beginPath();
+    context.rect(k ? width / 2 + 1 : 0, 0, width / 2 - 1, height);
+    context.clip();
+    const placed = (points, pose, table_) => points.map(([x, y]) => {
+      const c = Math.cos(pose.roll), s = Math.sin(pose.roll), h = y - table_.axle_height;
+      return [c * x - s * h + pose.lateral, s * x + c * h + table_.axle_height + pose.vertical];
+    });
+    line(context, table.rail.map(at), ink, 1, steel2);
+    line(context, placed(table.wheel, now, state.rigid).map(at), ink, 1, steel);
+    if (state.other) {
+      const pose = positionAt(state.other, Math.min(Math.max(state.lateral, state.other.lateral[0]),
+        state.other.lateral.at(-1))), second = state.other.sides[side];
+      for (const points of [second.rail, placed(second.wheel, pose, state.other)])
+        line(context, points.map(at), colour("--other"), 1.5, null, [5, 4]);
+    }
+    const [x, y] = at(now[side].point), normal = sign * now[side].angle * Math.PI / 180;
+    context.fillStyle = colour("--pressure");
+    context.beginPath();
+    context.arc(x, y, 5, 0, 2 * Math.PI);
+    context.fill();
+    line(context, [[x, y], [x + 45 * -Math.sin(normal), y - 45 * Math.cos(normal)]], colour("--pressure"), 2);
+    context.fillStyle = colour("--soft");
+    context.fillText(`${side} wheel on ${side} rail`, k ? width / 2 + 10 : 10, 18);
+    context.restore();
+  });
+  const numbers = [["rolling radius difference", now.difference.toFixed(3), "mm"],
+    ["contact angle, left", now.left.angle.toFixed(2), "°"], ["contact angle, right", now.right.angle.toFixed(2), "°"],
+    ["rolling radius, left", now.left.radius.toFixed(3), "mm"],
+    ["rolling radius, right", now.right.radius.toFixed(3), "mm"],
+    ["roll", (1e3 * now.roll).toFixed(3), "mrad"], ["equivalent conicity at 3 mm", conicity(state.rigid), ""]];
+  $("rigid").replaceChildren(...numbers.map(([name, value, unit]) => fact(name, `${value} ${unit}`)));
+  drawCurves();
+  state.frames.push(performance.now() - begun);
+}
+
+function conicity(table) {
+  const at = table.conicity[0].indexOf(3);
+  return at < 0 ? "–" : table.conicity[1][at].toFixed(3);
+}
+
+function drawPatches() {
+  const { context, width, height } = fresh($("patches")), sides = state.elastic.patches;
+  const names = Object.keys(sides);
+  if (!names.length) return;
+  const highest = Math.max(...names.map(side => Math.max(...sides[side].pressures.flat())));
+  const boxes = names.map(side => [span(sides[side].across.flat()), span(sides[side].along)]);
+  const scale = Math.min(...boxes.map(([[a, b], [c, d]]) => Math.min((width / 2 - 30) / (b - a), (height - 50) / (d - c))));
+  names.forEach((side, k) => {
+    const { across, along, strip, pressures, tractions } = sides[side], [[a, b], [c, d]] = boxes[k];
+    const x = v => width * (side === "left" ? 0.25 : 0.75) + scale * (v - (a + b) / 2);
+    const y = v => height / 2 + 5 - scale * (v - (c + d) / 2);
+    for (const [first, last] of runs(across)) {
+      const image = picture(pressures.slice(first, last), highest, across[0][0] < across[1][0]);
+      const [left, right] = [x(across[first][0]), x(across[last - 1][1])].sort((u, v) => u - v);
+      const low = y(along[0] - strip / 2), high = y(along.at(-1) + strip / 2);
+      context.drawImage(image, left, high, right - left, low - high);
+    }
+    if (tractions) {
+      const most = Math.max(...tractions.flat().map(t => Math.hypot(t[0], t[1]))) || 1;
+      const every = Math.max(1, Math.round(pressures.length / 12));
+      tractions.forEach((row, i) => row.forEach((t, j) => {
+        if (i % every || j % every || pressures[i][j] <= 0) return;
+        const px = x((across[i][0] + across[i][1]) / 2), py = y(along[j]), f = 16 / most;
+        line(context, [[px, py], [px + f * t[0], py - f * t[1]]], colour("--ink"), 1.2);
+      }));
+    }
+    context.fillStyle = colour("--soft");
+    context.fillText(`${side} rail, ${(b - a).toFixed(1)} × ${(d - c).toFixed(1)} mm shown`, (side === "left" ? 0 : width / 2) + 8, 14);
+  });
+  context.fillStyle = colour("--soft");
+  context.fillText(`pressure from above, ahead is up; maximum ${highest.toFixed(0)} MPa`
+    + (names.some(side => sides[side].tractions) ? "; lines: tractions on the wheel" : ""), 8, height - 6);
+}
+
+// rows of cells without gaps between them
+function runs(across) {
+  const found = [];
+  let first = 0;
+  for (let i = 1; i <= across.length; i += 1) {
+    const width = Math.abs(across[i - 1][1] - across[i - 1][0]);
+    const joined = i < across.length && Math.abs(across[i][0] - across[i - 1][1]) < 0.01 * width;
+    if (!joined) { found.push([first, i]); first = i; }
+  }
+  return found;
+}
+
+// one pixel a cell, which the canvas scales smoothly; without pressure it is transparent
+function picture(pressures, highest, rising) {
+  const n = pressures.length, m = pressures[0].length, made = element("canvas");
+  Object.assign(made, { width: n, height: m });
+  const context = made.getContext("2d"), data = context.createImageData(n, m);
+  pressures.forEach((row, i) => row.forEach((p, j) => {
+    const at = 4 * ((m - 1 - j) * n + (rising ? i : n - 1 - i));
+    data.data.set([...heat(p / highest), p > 0 ? 255 : 0], at);
+  }));
+  context.putImageData(data, 0, 0);
+  return made;
+}
+
+function heat(t) {  // from pale yellow over red to dark violet
+  const stops = [[252, 243, 191], [251, 176, 90], [226, 75, 67], [140, 30, 110], [45, 10, 70]];
+  const place = Math.min(t, 0.9999) * (stops.length - 1), i = Math.floor(place), f = place - i;
+  return stops[i].map((v, k) => Math.round(v + f * (stops[i + 1][k] - v)));
+}
+
+const CURVES = [
+  ["Rolling radius difference, mm", table => [table.lateral, table.difference], true],
+  ["Contact angle, right, °", table => [table.lateral, table.sides.right.angles], true],
+  ["Contact position on the right rail, mm", table => [table.lateral, table.sides.right.points.map(p => p[0])], true],
+  ["Equivalent conicity over the amplitude, mm", table => table.conicity, false],
+  ["Maximum pressure, MPa", () => [state.sweep.map(p => p.lateral_mm), state.sweep.map(p => p.max_pressure_MPa)], true],
+  ["T-gamma, N", () => [state.sweep.map(p => p.lateral_mm), state.sweep.map(p => p.t_gamma_N)], true],
+];
+
+function drawCurves() {
+  const holder = $("curves");
+  while (holder.children.length < CURVES.length) {
+    const canvas = element("canvas");
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", CURVES[holder.children.length][0]);
+    holder.append(canvas);
+  }
+  CURVES.forEach(([title, data, overLateral], number) => {
+    const [xs, ys] = data(state.rigid), given = ys.filter(v => v !== null);
+    const canvas = holder.children[number];
+    canvas.hidden = !given.length;
+    if (!given.length) return;
+    const second = state.other && number < 4 ? data(state.other) : null;
+    const { context, width, height } = fresh(canvas);
+    const [x0, x1] = overLateral ? [state.rigid.lateral[0], state.rigid.lateral.at(-1)] : span(xs);
+    let [y0, y1] = span(second ? given.concat(second[1]) : given);
+    if (y1 - y0 < 1e-9) [y0, y1] = [y0 - 1, y1 + 1];
+    const at = (x, y) => [44 + (width - 54) * (x - x0) / (x1 - x0), height - 22 - (height - 48) * (y - y0) / (y1 - y0)];
+    context.fillStyle = colour("--soft");
+    context.fillText(title, 8, 15);
+    for (const [value, text] of [[y0, y0], [y1, y1]]) context.fillText(text.toPrecision(3), 2, at(x0, value)[1] + 4);
+    for (const value of [x0, x1]) context.fillText(value.toFixed(1), at(value, y0)[0] - (value === x1 ? 24 : 4), height - 6);
+    if (overLateral) line(context, [at(state.lateral, y0), at(state.lateral, y1)], colour("--line"), 1);
+    if (second) line(context, second[0].map((x, i) => at(x, second[1][i])), colour("--other"), 1.5, null, [5, 4]);
+    const points = xs.map((x, i) => ys[i] === null ? null : at(x, ys[i])).filter(Boolean);
+    line(context, points, colour("--focus"), 1.8);
+    if (number > 3) { context.fillStyle = colour("--focus"); for (const p of points) context.fillRect(p[0] - 2, p[1] - 2, 4, 4); }
+  });
+}
+
+// ---- positions one after the other ---------------------------------------------------------------------------------
+async function sweep() {
+  state.sweeping = true;
+  state.sweep = [];
+  $("sweep").disabled = true;
+  $("stop").disabled = $("progress").hidden = false;
+  const reach = Math.min(-state.rigid.lateral[0], state.rigid.lateral.at(-1), 6), n = 25;
+  for (let k = 0; k < n && state.sweeping; k += 1) {
+    const lateral = Number((-reach + 2 * reach * k / (n - 1)).toFixed(3));
+    $("progress").value = k / n;
+    $("progress-text").textContent = `${lateral.toFixed(2)} mm, ${k} of ${n}`;
+    try {
+      const found = await ask("position", inputsNow({ lateral_mm: String(lateral) }));
+      if (found.converged && state.sweeping) state.sweep.push(found);
+    } catch (error) { if (error.status === 409) break; }
+    drawCurves();
+  }
+  state.sweeping = false;
+  $("sweep").disabled = $("progress").hidden = false;
+  $("stop").disabled = $("progress").hidden = true;
+  $("progress-text").textContent = `${state.sweep.length} positions`;
+}
+
+// ---- what can be run again ------------------------------------------------------------------------------------------
+function download(name, text, kind = "text/plain") {
+  const link = element("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: kind }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+async function take(work) {
+  try { await work(); } catch (error) { failed(error); }
+}
+
+// ---- start ----------------------------------------------------------------------------------------------------------
+function listen() {
+  $("lateral").addEventListener("input", () => { state.lateral = Number($("lateral").value); $("free").checked = state.free = false; moved(); });
+  $("yaw").addEventListener("input", () => { state.yaw = Number($("yaw").value); moved(); });
+  $("yaw").addEventListener("change", loadGeometry);
+  $("free").addEventListener("change", () => { state.free = $("free").checked; moved(); });
+  for (const id of ["wheel", "rail", "other-wheel", "other-rail"]) $(id).addEventListener("change", loadGeometry);
+  const view = $("view");
+  view.addEventListener("pointerdown", event => { drag = [event.clientX, state.lateral]; view.setPointerCapture(event.pointerId); });
+  view.addEventListener("pointermove", event => {
+    if (!drag) return;
+    $("free").checked = state.free = false;
+    shift(drag[1] + (event.clientX - drag[0]) / scaleOfView);
+  });
+  for (const name of ["pointerup", "pointercancel"]) view.addEventListener(name, () => { drag = null; });
+  view.addEventListener("keydown", event => {
+    const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    if (!steps) return;
+    event.preventDefault();
+    if (steps[0]) shift(state.lateral + (event.shiftKey ? 1 : 0.1) * steps[0]);
+    else { state.yaw = Math.round(10 * (state.yaw + (event.shiftKey ? 1 : 0.1) * steps[1])) / 10; loadGeometry(); }
+  });
+  const drop = $("drop");
+  drop.addEventListener("dragover", event => { event.preventDefault(); drop.classList.add("over"); });
+  drop.addEventListener("dragleave", () => drop.classList.remove("over"));
+  drop.addEventListener("drop", event => { event.preventDefault(); drop.classList.remove("over"); dropped(event.dataTransfer.files); });
+  drop.addEventListener("click", () => $("files").click());
+  drop.addEventListener("keydown", event => { if (event.key === "Enter" || event.key === " ") $("files").click(); });
+  $("files").addEventListener("change", () => dropped($("files").files));
+  $("read-again").addEventListener("click", readAgain);
+  $("form").addEventListener("submit", event => event.preventDefault());
+  $("sweep").addEventListener("click", sweep);
+  $("stop").addEventListener("click", () => { state.sweeping = false; ask("cancel", {}); });
+  $("save").addEventListener("click", () => take(async () => download("wheelset.toml", (await ask("saved", inputsNow())).case)));
+  $("campaign").addEventListener("click", () => take(async () => download("campaign.toml", (await ask("saved", inputsNow())).campaign)));
+  $("report").addEventListener("click", () => take(async () => download("report.html", (await ask("report", inputsNow())).html, "text/html")));
+  $("copy").addEventListener("click", () => take(async () => {
+    await showCommand();
+    await navigator.clipboard.writeText($("command").textContent).catch(() => getSelection().selectAllChildren($("command")));
+  }));
+  $("theme").addEventListener("click", () => {
+    const dark = document.documentElement.dataset.theme ? document.documentElement.dataset.theme === "dark"
+      : matchMedia("(prefers-color-scheme: dark)").matches;
+    document.documentElement.dataset.theme = dark ? "light" : "dark";
+    redraw();
+  });
+  addEventListener("resize", redraw);
+}
+
+function shift(lateral) {
+  const { rigid } = state;
+  if (!rigid) return;
+  state.lateral = Math.min(Math.max(Math.round(100 * lateral) / 100, rigid.lateral[0]), rigid.lateral.at(-1));
+  $("free").checked = state.free = false;
+  moved();
+}
+
+function redraw() { drawRigid(); if (state.elastic) drawPatches(); drawReading(); }
+
+async function start() {
+  state.form = await ask("form", {});
+  fillProfiles(state.form);
+  makeForm(state.form);
+  $("wheel").value = "S1002";
+  $("rail").value = "60E1";
+  listen();
+  for (const name of state.form.files) await readFile(name, new Blob([]));
+  await loadGeometry();
+}
+start().catch(failed);

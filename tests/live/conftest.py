@@ -1,0 +1,35 @@
+"""A live page on a free port of this machine, with coarse bodies, and profiles that a user could drop."""
+
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+from flangeway.live import LiveServer
+
+
+@pytest.fixture(scope="session")
+def profiles(tmp_path_factory):
+    """MiniProf files of an S1002 and a 60E1, as an instrument writes them."""
+    folder = tmp_path_factory.mktemp("profiles")
+    for name, file in (("S1002", "my-wheel.whl"), ("60E1", "my-rail.ban")):
+        command = [sys.executable, "-m", "flangeway", "profile", name, "--to", str(folder / file)]
+        subprocess.run(command, check=True, capture_output=True)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def served():
+    """A server without files of its own, in a thread of this process."""
+    server = LiveServer([])
+    thread = threading.Thread(target=server.run, daemon=True)
+    thread.start()
+    while not server.server.started:
+        time.sleep(0.02)
+    yield server
+    server.server.should_exit = True
+    thread.join(timeout=20)
+    assert not thread.is_alive()
+    assert not server.engine.folder.exists()

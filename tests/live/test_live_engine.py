@@ -1,0 +1,113 @@
+"""The live page's engine computes what the commands compute."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from flangeway.campaign import Campaign
+from flangeway.cases import load_case
+from flangeway.cases.case_file import read_case
+from flangeway.errors import InputError
+from flangeway.live.engine import LiveEngine, SupersededError
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
+from flangeway.report.spatial_wheelset.spatial_wheelset_page import results_table
+
+COARSE = {"size_scale": "3", "wheel": "S1002", "rail": "60E1"}
+STATES = [
+    {"lateral_mm": "2.5"},
+    {"lateral_mm": "-1", "yaw_mrad": "3", "axle_load_kN": "160"},
+    {"friction": "0.3", "speed_km_h": "80", "rolling_theory": "fastsim"},
+]
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory):
+    """One engine, so that its bodies are shared by the states."""
+    return LiveEngine(tmp_path_factory.mktemp("dropped"))
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_a_position_has_the_numbers_of_a_run(engine, state):
+    """The table of the page is that of ``flangeway run wheelset`` to the last digit, with bodies of other states."""
+    found = engine.position(COARSE | state)
+    run = load_case("wheelset", **engine.case(COARSE | state).model_dump(exclude_unset=True)).run()
+    assert found["converged"]
+    assert found["table"]["rows"] == results_table(run.summary).rows
+    assert found["max_pressure_MPa"] == max(patch.ellipse.max_pressure for patch in run.result.patches)
+    assert found["lateral_mm"] == run.result.equilibrium.position.lateral_mm
+
+
+def test_patches_of_the_picture_carry_the_load(engine):
+    """Pressures times areas of the cells that are drawn sum to the normal forces."""
+    found = engine.position(COARSE | STATES[0])
+    run = load_case("wheelset", size_scale=3.0, lateral_mm=2.5).run()
+    for side, patch in found["patches"].items():
+        widths = np.abs(np.diff(patch["across"], axis=1))
+        force = float(np.sum(np.array(patch["pressures"]) * widths) * patch["strip"])
+        normal = run.result.equilibrium.state.sides[side].forces.sum()
+        assert force == pytest.approx(normal, rel=1e-3)  # numbers of pictures are rounded
+
+
+def test_rigid_contact_is_that_of_the_geometry(engine):
+    """Contact points, angles, radii and conicity are those of the rigid geometry of the same track and wheelset."""
+    inputs = COARSE | {"yaw_mrad": "5"}
+    found, case = engine.geometry(inputs), engine.case(inputs)
+    geometry = RigidGeometry.of(case.track(), case.wheelset(), 5e-3)
+    locus = geometry.locus(np.array(found["lateral"])[::40])
+    right = found["sides"]["right"]
+    assert np.array(right["points"])[::40] == pytest.approx(locus.right.points_mm[:, 0], abs=1e-4)
+    assert np.radians(right["angles"])[::40] == pytest.approx(locus.right.contact_angles_rad[:, 0], abs=1e-5)
+    assert np.array(found["difference"])[::40] == pytest.approx(locus.rolling_radius_difference_mm, abs=1e-4)
+
+
+def test_what_is_saved_computes_the_same_case(engine, tmp_path):
+    """The saved file is the case of the page; the saved campaign has its inputs at 25 lateral positions."""
+    inputs = COARSE | {"lateral_mm": "1.25", "axle_load_kN": "180"}
+    saved = engine.saved(inputs)
+    (tmp_path / "case.toml").write_text(saved["case"])
+    assert read_case(tmp_path / "case.toml") == engine.case(inputs)
+    assert "lateral_mm=1.25" in saved["command"]
+    (tmp_path / "campaign.toml").write_text(saved["campaign"])
+    rows = Campaign.from_file(tmp_path / "campaign.toml").rows
+    assert [row.case.lateral_mm for row in rows] == pytest.approx(np.linspace(-6.0, 6.0, 25))
+    assert {row.case.axle_load_kN for row in rows} == {180.0}
+
+
+def test_a_newer_position_stops_the_one_before(engine):
+    """Of twenty positions asked for at once the last one is answered, and the others are not kept waiting for."""
+    answers = {}
+
+    def ask(number):
+        try:
+            answers[number] = engine.position(COARSE | {"lateral_mm": f"{0.1 * number:g}"})["lateral_mm"]
+        except SupersededError:
+            answers[number] = None
+
+    threads = [threading.Thread(target=ask, args=(number,)) for number in range(20)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sum(answer is not None for answer in answers.values()) == 1
+
+
+@pytest.mark.parametrize("name", ["../secret.whl", "/etc/passwd", "other.prr", "a/b.ban"])
+def test_only_files_that_were_given_are_read(engine, name):
+    """A path that the user did not give is refused before anything is opened."""
+    with pytest.raises(InputError, match=r"wheel|file"):
+        engine.case({"wheel": name})
+
+
+def test_a_bad_file_has_the_message_of_the_command(engine, tmp_path):
+    """A dropped file that is no profile is refused as ``flangeway profile`` refuses it, and is not kept."""
+    from flangeway.railway.profiles.profile_file import read_profile  # noqa: PLC0415
+
+    content = b"no numbers here\n"
+    (tmp_path / "bad.whl").write_bytes(content)
+    with pytest.raises(InputError) as expected:
+        read_profile(tmp_path / "bad.whl")
+    with pytest.raises(InputError) as given:
+        engine.add_profile("bad.whl", content, {})
+    assert (given.value.allowed, given.value.advice) == (expected.value.allowed, expected.value.advice)
+    assert "bad.whl" not in engine.files

@@ -1,0 +1,100 @@
+"""The live page in a browser: files are dropped, the wheelset is dragged, and numbers are those of a run."""
+
+import statistics
+
+import pytest
+
+from flangeway.cases import load_case
+from flangeway.report.spatial_wheelset.spatial_wheelset_page import results_table
+
+STANDS = "document.querySelector('#state').className.match(/good|warned/) && !document.querySelector('#tables.stale')"
+
+
+@pytest.fixture
+def page(browser, served):
+    """The page with coarse bodies, and the requests and errors of the browser."""
+    # the tests look into the page by texts of code, which its own policy forbids
+    context = browser.new_context(viewport={"width": 1400, "height": 900}, bypass_csp=True)
+    page = context.new_page()
+    page.requested, page.wrong = [], []
+    page.on("request", lambda request: page.requested.append(request.url))
+    page.on("pageerror", lambda error: page.wrong.append(str(error)))
+    page.goto(served.address)
+    page.wait_for_function("state.rigid !== null", timeout=120_000)
+    page.evaluate("state.inputs.size_scale = '3'; loadGeometry()")
+    yield page
+    assert page.wrong == []
+    context.close()
+
+
+def test_dropped_profiles_dragged_give_the_numbers_of_a_run(page, served, profiles):
+    """Two files are dropped and the wheelset is dragged: the table is that of the case with the same inputs."""
+    page.set_input_files("#files", [profiles / "my-wheel.whl", profiles / "my-rail.ban"])
+    page.wait_for_function("$('wheel').value === 'my-wheel.whl' && $('rail').value === 'my-rail.ban'", timeout=60_000)
+    assert "MiniProf" in page.inner_text("#read-words")
+    page.wait_for_function(STANDS, timeout=120_000)
+    box = page.locator("#view").bounding_box()
+    page.mouse.move(box["x"] + 200, box["y"] + 100)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 215, box["y"] + 100, steps=5)
+    page.mouse.up()
+    page.wait_for_function(
+        f"state.lateral > 1 && state.elastic.lateral_mm === state.lateral && {STANDS}", timeout=60_000
+    )
+    lateral = page.evaluate("state.lateral")
+    files = {"wheel": str(profiles / "my-wheel.whl"), "rail": str(profiles / "my-rail.ban")}
+    run = load_case("wheelset", size_scale=3.0, lateral_mm=lateral, **files).run()
+    cells = page.locator("#tables tr").evaluate_all(
+        "rows => rows.slice(1).map(row => [...row.children].map(c => c.textContent))"
+    )
+    assert [tuple(row) for row in cells] == [tuple(row) for row in results_table(run.summary).rows]
+    assert "lateral_mm" in page.inner_text("#command")
+
+
+def test_fifty_quick_changes_leave_the_last_one(page, served):
+    """After fifty moves in a row the page shows the last position, and nothing else is computed."""
+    page.wait_for_function(STANDS, timeout=120_000)
+    page.evaluate("for (let k = 0; k <= 50; k += 1) setTimeout(() => shift(0.04 * k), 15 * k)")
+    page.wait_for_function(f"state.lateral === 2 && state.elastic.lateral_mm === 2 && {STANDS}", timeout=120_000)
+    assert not served.engine.computing
+
+
+def test_the_slider_follows_and_no_request_leaves_this_machine(page):
+    """The rigid numbers follow each of 100 positions of the slider; all requests go to the loopback address."""
+    page.evaluate("state.frames = []")
+    for number in range(100):
+        page.evaluate(f"$('lateral').value = {-5 + 0.1 * number}; $('lateral').dispatchEvent(new Event('input'))")
+        page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    shown = page.inner_text("#rigid")
+    expected = page.evaluate("positionAt(state.rigid, state.lateral).difference.toFixed(3)")
+    assert expected in shown
+    frames = page.evaluate("state.frames")
+    print(f"time of a frame, ms: median {statistics.median(frames):.1f}, of {len(frames)}")
+    assert len(frames) >= 90
+    assert all(url.startswith(("http://127.0.0.1:", "data:", "blob:")) for url in page.requested)
+
+
+def test_a_bad_file_shows_its_message(page, tmp_path):
+    """What is wrong with a dropped file stands below it, and the profile stays."""
+    (tmp_path / "bad.whl").write_text("no numbers here\n")
+    chosen = page.input_value("#wheel")
+    page.set_input_files("#files", tmp_path / "bad.whl")
+    page.wait_for_function("!$('file-error').hidden", timeout=60_000)
+    assert "bad.whl" in page.inner_text("#file-error")
+    assert page.input_value("#wheel") == chosen
+
+
+def test_keys_move_the_wheelset(page):
+    """Arrow keys on the picture move by 0.1 mm, with Shift by 1 mm."""
+    page.focus("#view")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Shift+ArrowLeft")
+    assert page.evaluate("state.lateral") == pytest.approx(-0.9)
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_the_page_fits_its_window(page, width):
+    """Nothing is wider than the window."""
+    page.set_viewport_size({"width": width, "height": 900})
+    page.wait_for_function(STANDS, timeout=120_000)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
