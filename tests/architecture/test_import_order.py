@@ -30,7 +30,6 @@ ORDER = (
     "railway.track",
     "railway.rigid",
     "railway.wheelset",
-    "railway.spatial",
     "railway.damage",
     "cases",
     "campaign",

@@ -42,7 +42,7 @@ Lateral = Annotated[
 Yaw = Annotated[str, typer.Option("--yaw", metavar="VALUES", help="Yaw in mrad, as --lateral.")]
 Load = Annotated[str, typer.Option("--load", metavar="VALUES", help="Axle loads in kN, as --lateral.")]
 Tolerance = Annotated[
-    float, typer.Option("--tolerance", metavar="SHARE", help="Error over the limit of friction to refine up to.")
+    float, typer.Option("--tolerance", metavar="SHARE", help="Refinement tolerance, relative to mu N.")
 ]
 TableWorkers = Annotated[
     int | None,

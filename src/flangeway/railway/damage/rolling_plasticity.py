@@ -223,7 +223,7 @@ class RollingLine:
         matrix = self._behind.reshape(shape)
         column = np.repeat(np.arange(n_x), n_z)
         layer = np.tile(np.arange(n_z), n_x)
-        radius, scale, three = np.sqrt(2.0), 2.0, np.arange(3)
+        radius, scale, three = np.sqrt(2.0), 1.0, np.arange(3)
         increments = np.zeros_like(known) if start is None else start.reshape(-1, 3).copy()
         for number in range(1, MAX_NEWTON + 1):
             used = np.flatnonzero(increments.any(axis=1))

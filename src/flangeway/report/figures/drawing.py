@@ -138,10 +138,10 @@ def png(figure: Figure, dpi: int = DPI) -> bytes:
 
 QUANTITIES = {
     "ahead_mm": "ahead of the axle",
-    "head_lateral_mm": "top of the head to the right",
+    "head_lateral_mm": "railhead lateral displacement",
     "head_vertical_mm": "top of the head, up",
     "head_roll_rad": "roll of the head",
-    "gauge_outward_mm": "gauge face outwards",
+    "gauge_outward_mm": "gauge-face deflection (outwards)",
     "lateral_mm": "lateral displacement to the right",
     "lateral_over_vertical": "L/V",
     "long_semi_axis_mm": "longer semi-axis",
@@ -300,11 +300,6 @@ def boundary_loops(mesh: PolyMesh) -> list[NDArray[np.int64]]:
             loop.append(after.pop(loop[-1]))
         loops.append(np.array(loop))
     return loops
-
-
-def cell_corners(mesh: PolyMesh, points: Floats) -> list[Floats]:
-    """Corners of each cell at the given positions of the mesh's points, each (n_vertices, 2)."""
-    return np.split(points[mesh.cell_points], mesh.cell_offsets[1:-1])
 
 
 def triangles(mesh: PolyMesh) -> NDArray[np.int32]:

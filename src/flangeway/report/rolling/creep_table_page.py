@@ -85,7 +85,7 @@ def _results(table: CreepTable) -> SummaryTable:
         ("patches", str(_n_patches(table))),
         ("exact solutions", str(checks["exact_solutions"])),
         ("  not converged", str(checks["not_converged"])),
-        ("intervals of lateral positions in which patches jump", str(len(checks["jumps"]))),
+        ("intervals with a contact-point jump", str(len(checks["jumps"]))),
     ]
     for kind in ("creepages", "positions"):
         found = checks[f"between_{kind}"]
