@@ -10,7 +10,7 @@ from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingStee
 from flangeway.railway.damage.surface_wear import patch_loads, row_wear
 from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, UsfdLaw
 from flangeway.railway.damage.worn_surface import WornSurface
-from flangeway.railway.spatial.spatial_result import solve_spatial
+from flangeway.railway.wheelset.spatial_result import solve_spatial
 from flangeway.types import Floats
 from studies.study import Curves, Limit, Row, Run, Study
 
