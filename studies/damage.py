@@ -8,7 +8,7 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.railway.damage.rolling_fatigue import DangVan, surface_fatigue_index, t_gamma_damage
 from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
 from flangeway.railway.damage.surface_wear import patch_loads, row_wear
-from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, UsfdLaw
+from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, UsfdLaw, WearLaw
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.wheelset.spatial_result import solve_spatial
 from flangeway.types import Floats
@@ -53,7 +53,7 @@ def wear_rows() -> Iterator[Row]:
     row_integral = P0_MPa * np.pi * A_MM / 2.0  # of the pressure along rolling in the middle, N/mm
     width = y[1] - y[0]
     usfd = 5.3e-3 / 7800.0 * FRICTION * CREEPAGE * row_integral
-    exact = {
+    exact: dict[str, tuple[WearLaw, float]] = {
         "Archard": (
             ArchardLaw(HARDNESS_MPa, WEAR_COEFFICIENT),
             WEAR_COEFFICIENT / HARDNESS_MPa * CREEPAGE * row_integral,
@@ -132,9 +132,9 @@ def wheelset_rows(run: Run) -> Iterator[Row]:
             t_gamma = patch_loads(patch).t_gamma_N
             value = patch.power_W / patch.speed_m_s
             yield Row("curve", f"{theory}, patch {number}", "T-gamma of the cells", "N", t_gamma, value, POWER_LIMIT)
-        profiles = {"wheel": result.problem.wheelset.wheel, "rail": result.problem.track.rail}
+        wheel, rail = result.problem.wheelset.wheel, result.problem.track.rail
         for row in row_wear(result, {"wheel": UsfdLaw(), "rail": UsfdLaw()}):
-            surface = WornSurface(profiles[row.role])
+            surface = WornSurface(wheel if row.role == "wheel" else rail)
             area = float((surface.deposited(row.ends, row.areas) * surface.worn_lengths).sum())
             value = float(row.areas.sum())
             yield Row("curve", f"{theory}, {row.side} {row.role}", "worn area", "mm^2", area, value, ROUND_OFF)
