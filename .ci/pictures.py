@@ -36,7 +36,7 @@ PICTURES = {
     "geometry s1002-60e1": {"contact_locus.png": ("gallery-contact-locus", 800)},
     "run hertz --method vem --order 2": {"stresses.png": ("gallery-hertz", 900)},
     "section 136RE": {"prandtl.png": ("gallery-prandtl", 700)},
-    "reproduce elasticity --quick": {"elasticity/nearly_incompressible.png": ("elasticity-nearly-incompressible", 900)},
+    "reproduce elasticity": {"elasticity/cook.png": ("elasticity-nearly-incompressible", 900)},
 }
 """Files of each command: the name that they get here, and their width."""
 
