@@ -21,7 +21,7 @@ from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingStee
 from flangeway.railway.damage.surface_wear import row_wear
 from flangeway.railway.damage.wear_laws import UsfdLaw
 from flangeway.railway.damage.worn_surface import WornSurface
-from flangeway.railway.spatial.spatial_result import solve_spatial
+from flangeway.railway.wheelset.spatial_result import solve_spatial
 
 ASKED_STEP_S = 8.0
 VERDICTS = {3.95: "shakedown", 4.05: "ratchetting"}

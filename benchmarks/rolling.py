@@ -29,8 +29,8 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
 from flangeway.materials import Elastic
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.system.disk_cache import Cache
 from flangeway.tables.creep_sampling import DIRECTIONS, SampledPatch, check, random_points, sample
 from studies.rolling.rolling_cases import elliptic, published

@@ -22,8 +22,8 @@ from benchmarks.measurement import NO_PEER, Measurement, timed
 from benchmarks.samples import resident_mb, sample
 from benchmarks.spatial import contact_of
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.report.case_outputs import write_case
 from flangeway.system.disk_cache import Cache
 

@@ -7,8 +7,8 @@ import numpy as np
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import FIRST, STEADY, roll
 from flangeway.contact.rolling.friction import Friction
-from flangeway.railway.spatial.rolling.patch_rolling import rolling_contact_of
-from flangeway.railway.spatial.wheel_patch import SpatialPatch
+from flangeway.railway.wheelset.rolling.patch_rolling import rolling_contact_of
+from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from studies.published_numbers import ReproducedNumber, compare
 from studies.rolling.rolling_cases import Energy
 from studies.wheelset3d.manchester import TABLE, BenchmarkPosition

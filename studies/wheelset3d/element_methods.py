@@ -9,11 +9,11 @@ import numpy as np
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.contact.patch.contact_ellipse import ContactEllipse
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_patch import spatial_patch
-from flangeway.railway.spatial.spatial_result import SpatialResult, solve_position
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.placements import SIDES
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.wheel_patch import spatial_patch
 from flangeway.railway.wheelset.wheelset_model import build_model
 from studies.published_numbers import ReproducedNumber, compare
 from studies.wheelset3d.one_wheel import FIXED, pressed_wheel

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from studies.published_numbers import ReproducedNumber, compare, published_rows
 from studies.wheelset3d.one_wheel import FIXED, PressedWheel, as_half_spaces, pressed_wheel
 

@@ -8,13 +8,12 @@ import numpy as np
 from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.contact.patch.elastic_surface import ElasticSurface
 from flangeway.errors import InputError
-from flangeway.railway.spatial.running_surfaces import SpatialModel
-from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces
-from flangeway.railway.spatial.side_newton import solve_side
-from flangeway.railway.spatial.spatial_contact import pose_of
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset, finer
-from flangeway.railway.spatial.wheel_gap import wheel_gap
 from flangeway.railway.track.placements import SIDE_SIGN, Side, WheelsetPosition
+from flangeway.railway.wheelset.running_surfaces import SpatialModel
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces, wheel_gap
+from flangeway.railway.wheelset.side_newton import solve_side
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset, finer
+from flangeway.railway.wheelset.wheelset_newton import pose_of
 from flangeway.types import Floats
 
 FORCE_TOLERANCE = 1e-8

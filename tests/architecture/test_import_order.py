@@ -31,7 +31,6 @@ ORDER = (
     "railway.track",
     "railway.rigid",
     "railway.wheelset",
-    "railway.spatial",
     "railway.damage",
     "railway",
     "cases",

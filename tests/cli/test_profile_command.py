@@ -35,22 +35,22 @@ def test_a_measured_head_on_a_rail(call, files, tmp_path):
     """Unit, origin, noise, smoothing and joints are printed back; pictures, summary and conversion are written."""
     status, out, err = call("profile", "worn.csv", "--unit", "in", "--join", "136RE", "--to", "new/rail.dxf")
     assert status == 0, err
-    for words in ("rail, CSV", "in   given", "top   from the numbers", "deviation, maximum, μm"):
+    for words in ("rail, CSV", "in (given)", "top (from the numbers)", "deviation, maximum, μm"):
         assert " ".join(words.split()) in " ".join(out.split())
-    assert "transition, gauge, gap, mm" in out
+    assert "gap to the nominal outline" in out
     folder = tmp_path / "out" / "profile-worn"
     assert {path.name for path in folder.iterdir()} == FILES | {"joined.png"}
     for path in folder.glob("*.png"):
         assert min(imread(path).shape[:2]) > 400
     summary = json.loads((folder / "profile.json").read_text(encoding="utf-8"))
-    assert summary["read_as"]["unit"] == "in"
-    assert 2.0 < summary["smoothing"]["noise_um"] < 4.0
-    assert summary["smoothing"]["maximum_deviation_um"] <= summary["smoothing"]["limit_um"] < 25.0
+    assert summary["unit"] == "in (given)"
+    assert 2.0 < summary["noise_um"] < 4.0
+    assert summary["maximum_deviation_um"] <= summary["limit_um"] < 25.0
     assert summary["area_mm2"] == pytest.approx(8602.42, abs=3.0)
     assert summary["peak_memory_MB"] > 10.0
     again = run_profile("new/rail.dxf")
     assert again.summary["area_mm2"] == pytest.approx(summary["area_mm2"], rel=1e-9)
-    assert again.summary["kind"] == "rail"
+    assert again.profile.kind == "rail"
 
 
 @pytest.mark.parametrize("ending", ["prw", "whl", "txt", "csv"])

@@ -111,7 +111,7 @@ def test_derivatives_of_the_mean_slip_of_a_segment(order: int) -> None:
     def slides(numbers: np.ndarray):
         points, n = numbers.reshape(1, -1, 2), order + 1
         pieces = find_pieces(points[:, :n], points[:, n:], (np.array([0]), np.array([0])), 9.0, 9.0)
-        found = integrate(pieces, points[:, :n], points[:, n:], np.array([3.0]), second=True).points
+        found = integrate(pieces, points[:, :n], points[:, n:], np.array([3.0])).points
         return found.slips(before[:, :n], before[:, n:]), found.turns(factors)[0]
 
     (_, rates, _), turns = slides(now.ravel())

@@ -160,8 +160,6 @@ def test_a_motion_without_contact_says_so(press) -> None:
         ),
         (lambda s, p: Contact(s, p, NodeToSegment(), Multiplier(), friction=-0.3), "a number >= 0"),
         (lambda s, _: Contact(s, s, NodeToSegment(), Multiplier()), "with itself"),
-        (lambda _s, _p: SegmentToSegment(reach=-1.0), "positive length"),
-        (lambda _s, _p: SegmentToSegment(depth=0.0), "positive length"),
         (lambda _s, _p: SegmentToSegment(weighting="lumped"), "'standard' or 'dual'"),
         (lambda _s, _p: AugmentedLagrange(1e5, "length", 0.0), "positive length"),
         (lambda _s, _p: Penalty(-1.0, per="length"), "positive number"),

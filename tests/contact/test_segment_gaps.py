@@ -43,14 +43,14 @@ def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int], r
     both = np.concatenate((own, other), axis=1)
     width = own.shape[1]
 
-    def evaluate(positions: np.ndarray, *, second: bool):
+    def evaluate(positions: np.ndarray):
         # the ends of pieces move with the nodes
         a, b = positions[:, :width], positions[:, width:]
         starts = np.where(pieces.start_is_foot, closest_parameters(b[:, -1], a), pieces.starts)
         ends = np.where(pieces.end_is_foot, closest_parameters(b[:, 0], a), pieces.ends)
-        return integrate(replace(pieces, starts=starts, ends=ends), a, b, lengths, second=second, radii=radii)
+        return integrate(replace(pieces, starts=starts, ends=ends), a, b, lengths, radii)
 
-    exact = evaluate(both, second=True)
+    exact = evaluate(both)
     hessians = [exact.points.hessians(np.broadcast_to(factors, (len(pieces), 2))) for factors in np.eye(2)]
     step = 1e-5
     for variable in range(both[0].size):
@@ -58,7 +58,7 @@ def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int], r
         for sign in (1.0, -1.0):
             positions = both.copy()
             positions.reshape(len(both), -1)[:, variable] += sign * step
-            moved.append(evaluate(positions, second=False))
+            moved.append(evaluate(positions))
         for hat in range(2):
             slope = (moved[0].gaps - moved[1].gaps)[:, hat] / (2 * step)
             bend = (moved[0].gradients - moved[1].gradients)[:, hat] / (2 * step)

@@ -57,9 +57,9 @@ def test_b2_the_profiles_summary_reports_the_side(tmp_path):
     done = CliRunner().invoke(app, ["profile", str(path), "--no-mirror", "--out", str(tmp_path / "out")])
     assert done.exit_code == 0
     assert "worn more at" in done.output
-    side = json.loads((tmp_path / "out" / "profile.json").read_text(encoding="utf-8"))["worn_side"]
-    assert side["name"] == "field side"
-    assert side["more_mm"] == pytest.approx(1.9, abs=0.3)
+    side = json.loads((tmp_path / "out" / "profile.json").read_text(encoding="utf-8"))["worn_more_at"]
+    assert side.startswith("field side, by ")
+    assert float(side.split()[3]) == pytest.approx(1.9, abs=0.3)
 
 
 @pytest.mark.parametrize("case", [WheelsetTangentCase, WheelsetCurveCase, GeometryCase])

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from flangeway.contact.rolling.friction import Friction
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_result import solve_position
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.placements import SIDE_SIGN
-from flangeway.railway.wheelset.residual import loads_of
-from tests.railway.spatial.conftest import coarse_case
+from flangeway.railway.wheelset.equilibrium import loads_of
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_result import solve_position
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from tests.railway.wheelset.conftest import coarse_case
 
 
 @lru_cache(maxsize=8)

@@ -16,9 +16,8 @@ from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidSide
-from flangeway.railway.spatial.rail_supports import RailSupport
-from flangeway.railway.spatial.supported_rail import supported_rail
 from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.wheelset.supported_rail import RailSupport, supported_rail
 
 GAUGE = {"gauge_mm": 1435.0, "rail_inclination": 0.025, "gauge_depth_mm": 14.0}
 
@@ -73,7 +72,7 @@ def test_g6_points_at_a_joint_far_from_contact_are_projected(tmp_path):
 def test_g7_an_overhang_beyond_the_tread_is_left_out_and_said(tmp_path):
     """An upright rim, beyond which the body juts out, is left out of contact; a note has the file's own coordinates."""
     path = saved(tmp_path, tread(), "rim.whl")
-    profile = wheel_named(path, None, "heavy-haul")
+    profile = wheel_named(path, "heavy-haul")
     (note,) = [each for each in profile.notices if each.startswith("Beyond")]
     x, y = 70.0 + tread()[-80, 0], -tread()[-80, 1]
     assert f"x = {x:.4g}" in note

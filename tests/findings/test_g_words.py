@@ -10,7 +10,7 @@ from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE, shakedown_limits, shakedown_state
 from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_load import superelevation_angle
-from flangeway.railway.wheelset.residual import RelativeResiduals
+from flangeway.railway.wheelset.equilibrium import RelativeResiduals
 
 CURVE = {"curve_radius_m": 500.0, "speed_km_h": 80.0}
 

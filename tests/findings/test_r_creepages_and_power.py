@@ -11,7 +11,7 @@ from flangeway.contact.rolling.fastsim import fastrip, fastsim
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.materials import Elastic
-from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch
 
 STEEL = Elastic(210000.0, 0.3)
 FORCE, FRICTION = 80000.0, 0.3

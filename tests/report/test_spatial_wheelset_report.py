@@ -18,8 +18,8 @@ from flangeway.cli.app import app
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
-from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch, rolling_contact_of
 from flangeway.railway.track.placements import SIDE_SIGN
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rolling_contact_of
 from flangeway.report.case_outputs import case_files, case_record, write_case
 from flangeway.report.page import html_page
 from flangeway.report.page.record import print_record

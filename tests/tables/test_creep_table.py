@@ -8,9 +8,9 @@ import pytest
 
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.rolling.wheelset_creep import WheelsetCreep
-from flangeway.railway.spatial.side_contact import WheelPose
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep
+from flangeway.railway.wheelset.side_contact import WheelPose
 from flangeway.tables.creep_table import FORMAT, MIRROR, OF_PATCH, CreepTable
 
 ANGLES = np.linspace(0.0, np.pi, 9)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from studies.published_numbers import published_rows
 from studies.rolling.manchester_rolling import creep_numbers
 from studies.rolling.rolling_cases import Energy
@@ -22,7 +22,7 @@ def position() -> BenchmarkPosition:
     """A position of the benchmark on a coarse mesh: the half-spaces are not meshed."""
     problem = SpatialWheelsetCase.from_values(CASE | {"order": 1, "size_scale": 6.0}).problem()
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("flangeway.railway.spatial.running_surfaces.CELL_MM", 6.0)
+        patched.setattr("flangeway.railway.wheelset.running_surfaces.CELL_MM", 6.0)
         real = running_surfaces(problem, FIXED)
     half = {side: as_half_spaces(each) for side, each in real.items()}
     values = {name: float(value) for name, value in published_rows("manchester_a22_left.csv")[ROW].items()}

@@ -3,21 +3,17 @@
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flangeway.campaign.campaign import Campaign, Row
-from flangeway.campaign.chunk import Chunk, Lost, Outcome, Workers, compute
+from flangeway.campaign.chunk import Chunk, Outcome, compute
 from flangeway.campaign.columns import RowResult
 from flangeway.campaign.database import WAITING, CampaignDatabase
-from flangeway.campaign.workers import ClusterWorkers, LocalWorkers
+from flangeway.campaign.workers import ClusterWorkers, LocalWorkers, Workers, computed
 from flangeway.errors import InputError
 from flangeway.system.operating_system import number_of_cores
 from flangeway.system.versions import versions
-
-MOST_LOSSES = 3  # number of workers that may end during a row before its status is failed
-PATIENCE_S = 1.0
 
 
 @dataclass(frozen=True)
@@ -98,21 +94,14 @@ def run_campaign(
         run = _Run(campaign, store, progress)
         if run.chunks:
             n_workers = min(workers if workers is not None else number_of_cores(), len(run.chunks))
-            with closing(
-                _Stopped(ClusterWorkers(scheduler) if scheduler else LocalWorkers(n_workers, compute))
-            ) as held:
-                run.go(held.workers)
+            held: Workers[Chunk, Outcome] = (
+                ClusterWorkers(scheduler, compute) if scheduler else LocalWorkers(n_workers, compute)
+            )
+            try:
+                run.go(held)
+            finally:
+                held.stop()
         return run.report()
-
-
-@dataclass(frozen=True)
-class _Stopped:
-    """Workers that are stopped at the end of a block."""
-
-    workers: Workers
-
-    def close(self) -> None:
-        self.workers.stop()
 
 
 class _Run:
@@ -130,21 +119,22 @@ class _Run:
         self._counts = Counter(store.counts())
         self.report()
 
-    def go(self, workers: Workers) -> None:
-        """Have all chunks computed and stored."""
-        n_running = 0
-        while self.chunks or n_running:
-            while self.chunks and workers.n_free:
-                workers.start(self.chunks.popleft())
-                n_running += 1
-            found = workers.finished(PATIENCE_S)
-            n_running -= len(found)
-            done = [(chunk, outcome) for chunk, outcome in found if isinstance(outcome, Outcome)]
-            for chunk, outcome in found:
-                if isinstance(outcome, Lost):
-                    self._try_again(chunk, outcome)
-            if done:
-                self._keep(done)
+    def go(self, workers: Workers[Chunk, Outcome]) -> None:
+        """Have all chunks computed and stored; of one that its worker dies of the rows alone, and such a row fails."""
+        own = versions()["flangeway"]
+        for chunk, outcome in computed(workers, self.chunks):
+            if isinstance(outcome, Outcome):
+                if outcome.version != own:
+                    raise InputError(
+                        f"a worker with flangeway {outcome.version}",
+                        f"workers with flangeway {own}, as here",
+                        "install the same version on all machines, and start the workers again",
+                    )
+                self._keep(chunk.rows, outcome.results)
+            elif len(chunk.rows) > 1:
+                self.chunks.extendleft(replace(chunk, rows=(row,)) for row in reversed(chunk.rows))
+            else:
+                self._keep(chunk.rows, [RowResult("failed", f"the worker died that computed this row: {outcome}")])
 
     def report(self) -> CampaignProgress:
         """Report the progress."""
@@ -156,31 +146,7 @@ class _Run:
         self._progress(now)
         return now
 
-    def _keep(self, done: list[tuple[Chunk, Outcome]]) -> None:
-        own = versions()["flangeway"]
-        for _, outcome in done:
-            if outcome.version != own:
-                raise InputError(
-                    f"a worker with flangeway {outcome.version}",
-                    f"workers with flangeway {own}, as here",
-                    "install the same version on all machines, and start the workers again",
-                )
-        rows = [row for chunk, _ in done for row in chunk.rows]
-        self._store_results(rows, [result for _, outcome in done for result in outcome.results])
-
-    def _try_again(self, chunk: Chunk, lost: Lost) -> None:
-        """Put a lost chunk at the front, row by row if it is lost again; a row that is lost too often has failed."""
-        losses = chunk.losses + lost.workers
-        if losses < MOST_LOSSES - 1 or (losses < MOST_LOSSES and len(chunk.rows) == 1):
-            self.chunks.appendleft(replace(chunk, losses=losses))
-        elif len(chunk.rows) > 1:
-            alone = [replace(chunk, rows=(row,), losses=MOST_LOSSES - 1) for row in chunk.rows]
-            self.chunks.extendleft(reversed(alone))
-        else:
-            reason = f"{losses} workers died while they computed this row; the last one: {lost.reason}"
-            self._store_results(chunk.rows, [RowResult("failed", reason)])
-
-    def _store_results(self, rows: Sequence[Row], results: Sequence[RowResult]) -> None:
+    def _keep(self, rows: Sequence[Row], results: Sequence[RowResult]) -> None:
         for status in self._store.store(rows, results):
             self._counts[WAITING] -= 1
             self._counts[status] += 1

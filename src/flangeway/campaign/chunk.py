@@ -1,4 +1,4 @@
-"""Rows that one worker computes together, and what the coordinator expects of its workers."""
+"""Rows that one worker computes together."""
 
 import threading
 import time
@@ -6,7 +6,6 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Protocol
 
 from flangeway.campaign.campaign import Row
 from flangeway.campaign.columns import RowResult, spatial_row, summary_row, wheelset_row
@@ -14,12 +13,12 @@ from flangeway.cases.case import RunnableCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import FlangewayError, MissingLibraryError, unforeseen
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_result import solve_position
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_result import solve_position
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheelset_model import build_model
 from flangeway.railway.wheelset.wheelset_result import solve_condensed, solve_wheelset
 from flangeway.system.disk_cache import Cache
@@ -37,12 +36,10 @@ class Chunk:
 
     - `prepared_for`: for positions of the same bodies, which are prepared once: the first row of all with these bodies.
       None: each row is computed alone.
-    - `losses`: how many workers have died of it.
     """
 
     rows: tuple[Row, ...]
     prepared_for: Row | None = None
-    losses: int = 0
 
 
 @dataclass(frozen=True)
@@ -54,37 +51,6 @@ class Outcome:
 
     results: tuple[RowResult, ...]
     version: str
-
-
-@dataclass(frozen=True)
-class Lost:
-    """A worker died while it computed a chunk.
-
-    - `workers`: how many died of it.
-    """
-
-    reason: str
-    workers: int = 1
-
-
-class Workers(Protocol):
-    """Those who compute chunks."""
-
-    @property
-    def n_free(self) -> int:
-        """How many chunks may be started now."""
-
-    def start(self, chunk: Chunk) -> None:
-        """Have a chunk computed."""
-
-    def finished(self, seconds: float) -> list[tuple[Chunk, Outcome | Lost]]:
-        """Wait for chunks that are done or lost, at most some seconds.
-
-        A `MissingLibraryError` if the system of a worker lacks a library.
-        """
-
-    def stop(self) -> None:
-        """End all that still runs; what it computes is dropped."""
 
 
 def compute(chunk: Chunk) -> Outcome:

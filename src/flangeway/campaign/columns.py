@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from flangeway.cases.summary import Summary
-from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
-from flangeway.railway.spatial.spatial_result import SpatialResult
-from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.placements import SIDES, Side
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch
+from flangeway.railway.wheelset.spatial_result import SpatialResult
+from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 

@@ -5,137 +5,152 @@ import multiprocessing
 import os
 import signal
 import threading
+from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from multiprocessing import resource_tracker
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
+from multiprocessing.connection import wait as wait_for
 from typing import Any, Generic, TypeVar
 
-from flangeway.campaign.chunk import Chunk, Lost, Outcome, compute
 from flangeway.errors import FlangewayError, InputError, MissingLibraryError
 from flangeway.system.operating_system import interrupts_blocked, worker_start_method
 
 Work = TypeVar("Work")
 Found = TypeVar("Found")
 
-READY = "ready"
 # read when NumPy and the core are imported: one thread each, or processes wait for each other's
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1", "RAYON_NUM_THREADS": "1"}
-STOP_S = 2.0
-CONNECT_S = 10.0
-CHUNKS_A_THREAD = 2
-"""Chunks that wait at each thread of a worker, so that none is idle while the coordinator stores results."""
-MOST_FAILED_STARTS = 3
+CONNECT_S = 10.0  # time for a scheduler to answer
+CLOSE_S = 2.0  # time to part from a scheduler
+POLL_S = 1.0  # time between two looks at a cluster, whose workers come and go
+CHUNKS_PER_THREAD = 2
+"""Chunks that wait at each thread of a cluster, so that none is idle while the coordinator stores results."""
 
 
-@dataclass(eq=False)
-class _Worker(Generic[Work]):
-    """A process, the connection to it, and its chunk."""
+class LostWorkerError(Exception):
+    """A worker died; `certain` if it is known that it died of this work, not of what another worker computed."""
 
-    process: BaseProcess
-    line: Connection
-    ready: bool = False
-    chunk: Work | None = None
+    def __init__(self, reason: str, *, certain: bool) -> None:
+        super().__init__(reason)
+        self.certain = certain
 
 
-class LocalWorkers(Generic[Work, Found]):
-    """Processes of this machine, each with its own connection.
+class Workers(ABC, Generic[Work, Found]):
+    """Those who compute."""
 
-    So it is known which chunk a process computed that died. The processes end when this one does, however it ends.
+    @property
+    @abstractmethod
+    def n_at_once(self) -> int:
+        """How many works may be under way; an `InputError` if the workers cannot be reached any more."""
+
+    @abstractmethod
+    def submit(self, work: Work) -> "Future[Found]":
+        """Have a work computed."""
+
+    @abstractmethod
+    def result(self, future: "Future[Found]") -> Found:
+        """Return a result, or raise `LostWorkerError`."""
+
+    @abstractmethod
+    def stop(self) -> None:
+        """End all that still runs; what it computes is dropped."""
+
+
+def computed(workers: Workers[Work, Found], queue: deque[Work]) -> Iterator[tuple[Work, Found | LostWorkerError]]:
+    """Have all works of a queue computed, and yield them with their results in the order in which these come.
+
+    Where a worker dies, all that was under way is computed again, each alone: so it is known of which it dies. That one
+    comes with the error. The caller may put works into the queue meanwhile.
+    """
+    running: dict[Future[Found], Work] = {}
+    suspects: deque[Work] = deque()
+    is_alone = False
+    while queue or suspects or running:
+        if suspects and not running:
+            work, is_alone = suspects.popleft(), True
+            running[workers.submit(work)] = work
+        while queue and not suspects and not (is_alone and running) and len(running) < workers.n_at_once:
+            is_alone = False
+            work = queue.popleft()
+            running[workers.submit(work)] = work
+        workers.n_at_once  # noqa: B018 (refuses to wait for a scheduler that is gone)
+        for future in wait(running, timeout=POLL_S, return_when=FIRST_COMPLETED).done:
+            work = running.pop(future)
+            result: Found | LostWorkerError
+            try:
+                result = workers.result(future)
+            except LostWorkerError as reason:
+                if not (is_alone or reason.certain):
+                    suspects.append(work)
+                    continue
+                result = reason
+            yield work, result
+
+
+class LocalWorkers(Workers[Work, Found]):
+    """Processes of this machine, which end when this one does, however it ends.
 
     - `n_workers`: how many, one or more.
-    - `compute`: what they do with a chunk, a function of a module.
+    - `compute`: what they do with a work, a function of a module.
     """
 
     def __init__(self, n_workers: int, compute: Callable[[Work], Found]) -> None:
-        self._compute = compute
+        self._n_workers, self._compute = n_workers, compute
         # forks of a fresh process that has imported what is needed: nothing of this one comes along, and a new worker
         # is there at once
         self._context: Any = multiprocessing.get_context(worker_start_method())
-        self._workers: list[_Worker[Work]] = []
-        self._failed_starts = 0
         if worker_start_method() == "forkserver":
             self._context.set_forkserver_preload([compute.__module__])
             resource_tracker.ensure_running()  # it would unblock SIGINT while it starts
+        self._others = set(multiprocessing.active_children())
+        self._pool = self._new()
         try:
-            for _ in range(n_workers):
-                self._workers.append(self._new())
+            self._started(_ready).result()
+        except BrokenProcessPool as reason:
+            raise InputError(
+                "worker processes that ended before they began",
+                "a script that does nothing when it is imported",
+                'put what your script does below a line: if __name__ == "__main__":',
+            ) from reason
         except BaseException:
             self.stop()
             raise
 
     @property
-    def n_free(self) -> int:
+    def n_at_once(self) -> int:
         """See `Workers`."""
-        return sum(worker.ready and worker.chunk is None for worker in self._workers)
+        return self._n_workers
 
-    def start(self, chunk: Work) -> None:
+    def submit(self, work: Work) -> "Future[Found]":
         """See `Workers`."""
-        worker = next(worker for worker in self._workers if worker.ready and worker.chunk is None)
-        worker.chunk = chunk
-        with suppress(OSError):  # it has ended: reported by `finished`
-            worker.line.send(chunk)
+        try:
+            return self._started(self._compute, work)
+        except BrokenProcessPool:
+            self._pool = self._new()
+            return self._started(self._compute, work)
 
-    def finished(self, seconds: float) -> list[tuple[Work, Found | Lost]]:
+    def result(self, future: "Future[Found]") -> Found:
         """See `Workers`."""
-        found: list[tuple[Work, Found | Lost]] = []
-        waiting = {worker.line: worker for worker in self._workers}
-        for line in wait(list(waiting), timeout=seconds):
-            worker = waiting[line]  # type: ignore[index]
-            try:
-                message = worker.line.recv()
-            except (EOFError, OSError):
-                found += self._replaced(worker)
-                continue
-            if isinstance(message, FlangewayError):
-                raise message
-            if message == READY:
-                worker.ready, self._failed_starts = True, 0
-            elif worker.chunk is not None:
-                found.append((worker.chunk, message))
-                worker.chunk = None
-        return found
+        try:
+            return future.result()
+        except BrokenProcessPool as reason:
+            raise LostWorkerError("its process was killed, for example for lack of memory", certain=False) from reason
 
     def stop(self) -> None:
         """See `Workers`."""
-        for worker in self._workers:
-            worker.process.kill()
-        for worker in self._workers:
-            worker.process.join(STOP_S)
-            worker.line.close()  # closed before, a worker that starts would print a traceback
-        self._workers.clear()
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        for process in set(multiprocessing.active_children()) - self._others:
+            process.kill()
 
-    def _new(self) -> _Worker[Work]:
-        mine, its = self._context.Pipe()
-        process = self._context.Process(target=_serve, args=(its, self._compute), daemon=True)
-        with _environment():
-            process.start()
-        its.close()  # else it would stay open when the process dies
-        return _Worker(process, mine)
+    def _new(self) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(self._n_workers, mp_context=self._context, initializer=_begin)
 
-    def _replaced(self, worker: _Worker[Work]) -> Iterator[tuple[Work, Lost]]:
-        """Replace a process that ended, and return its chunk as lost."""
-        worker.line.close()
-        worker.process.join()
-        self._failed_starts += not worker.ready
-        if self._failed_starts >= MOST_FAILED_STARTS:
-            raise InputError(
-                f"{self._failed_starts} worker processes that ended before they began, the last one "
-                f"{_ending(worker.process.exitcode)}",
-                "a script that does nothing when it is imported",
-                'put what your script does below a line: if __name__ == "__main__":',
-            )
-        self._workers[self._workers.index(worker)] = self._new()
-        if worker.chunk is not None:
-            yield worker.chunk, Lost(_ending(worker.process.exitcode))
-
-
-def _ending(code: int | None) -> str:
-    if code is not None and code < 0:
-        return f"killed by signal {-code}, {signal.Signals(-code).name}"
-    return f"ended with status {code}"
+    def _started(self, work: Callable[..., Any], *arguments: Any) -> "Future[Any]":
+        with _environment():  # a process may begin here
+            return self._pool.submit(work, *arguments)
 
 
 @contextmanager
@@ -151,82 +166,63 @@ def _environment() -> Iterator[None]:
             os.environ.pop(name, None)
 
 
-def _serve(line: "Connection[Any, Any]", compute: Callable[[Any], Any]) -> None:
-    """Compute what comes over the line until it ends; the life of a worker."""
+def _begin() -> None:
+    """Begin the life of a worker."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the coordinator
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    with suppress(EOFError, ConnectionError):  # the coordinator has ended
-        line.send(READY)
-        while True:
-            chunk = line.recv()
-            try:
-                line.send(compute(chunk))
-            except FlangewayError as reason:
-                line.send(reason)
+
+
+def _ready() -> None:
+    """Show that a worker has begun."""
 
 
 def _end_with_parent() -> None:
     parent = multiprocessing.parent_process()
     if parent is not None:
-        wait([parent.sentinel])
+        wait_for([parent.sentinel])
         os._exit(1)
 
 
-class ClusterWorkers:
+class ClusterWorkers(Workers[Work, Found]):
     """Workers of a scheduler of `dask.distributed`; they may come and go while the campaign runs.
 
     A `MissingLibraryError` if the library is not installed. An `InputError` if nothing answers at the address.
 
     - `address`: where the scheduler listens: ``tcp://host:8786``.
+    - `compute`: what they do with a work, a function of a module.
     """
 
-    def __init__(self, address: str) -> None:
-        self._dask = _distributed()
-        self._address = address
+    def __init__(self, address: str, compute: Callable[[Work], Found]) -> None:
+        self._dask, self._address, self._compute = _distributed(), address, compute
         try:
             self._client = self._dask.Client(address, timeout=CONNECT_S, set_as_default=False)
         except (OSError, ValueError, TypeError) as reason:
             raise self._unreachable(f"{reason}".partition("\n")[0]) from reason
-        self._chunks: dict[Any, Chunk] = {}
-        self._done = threading.Event()
+        # not pure: the name of a task is not made of what it computes, a lost work may come again
+        self._executor = self._client.get_executor(pure=False)
 
     @property
-    def n_free(self) -> int:
+    def n_at_once(self) -> int:
         """See `Workers`."""
-        try:
-            threads = sum(self._client.nthreads().values())
-        except OSError as reason:
-            raise self._unreachable("it is gone") from reason
-        return max(CHUNKS_A_THREAD * threads - len(self._chunks), 0)
-
-    def start(self, chunk: Chunk) -> None:
-        """See `Workers`."""
-        # not pure: the name of a task is not made of what it computes, a lost chunk may come again
-        future = self._client.submit(compute, chunk, pure=False)
-        self._chunks[future] = chunk
-        future.add_done_callback(lambda _: self._done.set())
-
-    def finished(self, seconds: float) -> list[tuple[Chunk, Outcome | Lost]]:
-        """See `Workers`."""
-        if self._done.wait(seconds):
-            self._done.clear()
         if self._client.status != "running":
             raise self._unreachable("it is gone")
-        return [(self._chunks.pop(future), self._outcome(future)) for future in list(self._chunks) if future.done()]
-
-    def stop(self) -> None:
-        """See `Workers`."""
-        if self._client.status == "running":
-            self._client.cancel(list(self._chunks), force=True)
-        self._chunks.clear()
-        self._client.close(timeout=2.0)
-
-    def _outcome(self, future: Any) -> Outcome | Lost:
         try:
-            outcome = future.result()
+            return CHUNKS_PER_THREAD * sum(self._client.nthreads().values())
+        except OSError as reason:
+            raise self._unreachable("it is gone") from reason
+
+    def submit(self, work: Work) -> "Future[Found]":
+        """See `Workers`."""
+        future: Future[Found] = self._executor.submit(self._compute, work)
+        return future
+
+    def result(self, future: "Future[Found]") -> Found:
+        """See `Workers`; the scheduler itself has tried again until it is certain."""
+        try:
+            return future.result()
         except self._dask.KilledWorker as reason:
-            return Lost(f"{reason}".partition("\n")[0], workers=reason.allowed_failures + 1)
-        except self._dask.CancelledError as reason:
+            raise LostWorkerError(f"{reason}".partition("\n")[0], certain=True) from reason
+        except CancelledError as reason:
             raise self._unreachable("it is gone") from reason
         except FlangewayError:
             raise
@@ -236,9 +232,12 @@ class ClusterWorkers:
                 "workers with the same flangeway, and your own cases, as here",
                 "install them there, and start the workers again",
             ) from reason
-        if not isinstance(outcome, Outcome):
-            raise TypeError("a worker gives an outcome")
-        return outcome
+
+    def stop(self) -> None:
+        """See `Workers`."""
+        if self._client.status == "running":
+            self._executor.shutdown(wait=False)
+        self._client.close(timeout=CLOSE_S)
 
     def _unreachable(self, reason: str) -> InputError:
         return InputError(

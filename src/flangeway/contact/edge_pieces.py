@@ -7,7 +7,7 @@ they are weighted with its undeformed radius, linear along an edge as the hats. 
 those of the pieces' ends included. The sum over the pieces is invariant to rigid motions, so the forces on both sides
 are in equilibrium to round-off.
 
-**Quadrature, edges of any order.** At a parameter xi of the secondary edge, with its point x, unit tangent t, outward
+At a parameter xi of the secondary edge, with its point x, unit tangent t, outward
 normal n and ``m = |dx/dxi|``, the gap g and the opposite point y(eta) of the primary satisfy ``y(eta) = x + g n``. A
 dot is the rate of change when the nodes move, xi with them (points of quadrature are fixed parts of a piece, whose ends
 are feet that move); with ``D = t . y'``, ``k = n . y' / D`` and ``P(a) = (n - k t) . a``, which does not depend on the
@@ -22,14 +22,6 @@ where y_dot is the rate at fixed eta and x_dot that of the moving point. Second 
 rates. Those of a piece are one product of two matrices with few rows: the rates and their factors. Derivatives by
 nodes' positions are complex numbers, their parts those by x and by y: the rate is the real part of
 ``conj(derivative) velocity``.
-
-**Closed form, straight edges.** The gap is linear over a piece. In the axes of the secondary edge (t along it, n its
-outward normal) the ends of the primary edge are at ``(a_t, a_n)`` and ``(b_t, b_n)``, their feet at the parameters
-``A = a_t / L`` and ``B = b_t / L``, and
-
-    g(xi) = a_n h_a(xi) + b_n h_b(xi),   h_a = (B - xi) / (B - A),   h_b = (xi - A) / (B - A),
-
-whose derivatives by ``a_n, b_n, A, B`` are ``h_a, h_b, -m h_a, -m h_b`` with the slope ``m = (b_n - a_n) / (B - A)``.
 """
 
 from copy import copy
@@ -161,7 +153,7 @@ class PieceIntegrals:
     primary_shapes
         ``int phi_r N_a ds`` with the primary edge's functions at the opposite point, shape (p, 2, order + 1).
     points
-        The points of quadrature, for second derivatives; None if these are not wanted.
+        The points of quadrature, for second derivatives.
 
     """
 
@@ -169,17 +161,11 @@ class PieceIntegrals:
     gradients: Floats
     lengths: Floats
     primary_shapes: Floats
-    points: "PiecePoints | None"
+    points: "PiecePoints"
 
 
 def integrate(
-    pieces: Pieces,
-    secondary: Floats,
-    primary: Floats,
-    edge_lengths: Floats,
-    *,
-    second: bool,
-    radii: Floats | None = None,
+    pieces: Pieces, secondary: Floats, primary: Floats, edge_lengths: Floats, radii: Floats | None = None
 ) -> PieceIntegrals:
     """Integrate the gap over pieces.
 
@@ -191,19 +177,15 @@ def integrate(
         Current positions of each piece's edges' nodes, shapes (p, order + 1, 2).
     edge_lengths
         Undeformed length of each piece's secondary edge, shape (p,).
-    second
-        Whether second derivatives are wanted; without them straight edges have a closed form.
     radii
         Undeformed radius of the ends of each piece's secondary edge, with which all integrals of bodies of revolution
         are weighted, shape (p, 2); None in the plane.
 
     """
-    given = (pieces.starts, pieces.ends), (pieces.start_is_foot, pieces.end_is_foot), secondary, primary, edge_lengths
-    if not second and radii is None and secondary.shape[1] == primary.shape[1] == 2:
-        return _straight_integrals(*given)
-    points = PiecePoints(*given, radii)
+    limits, feet = (pieces.starts, pieces.ends), (pieces.start_is_foot, pieces.end_is_foot)
+    points = PiecePoints(limits, feet, secondary, primary, edge_lengths, radii)
     hats = points.hats
-    return PieceIntegrals(*points.gaps(), hats.sum(axis=-1), hats @ points.other_values, points if second else None)
+    return PieceIntegrals(*points.gaps(), hats.sum(axis=-1), hats @ points.other_values, points)
 
 
 def _distances(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
@@ -459,56 +441,3 @@ def _beside(secondary: Floats, primary: Floats) -> Floats:
 def _components(derivatives: Complex) -> Floats:
     """Derivatives by the components x and y of the nodes in turn, shape (..., 2 d), from complex ones (..., d)."""
     return np.ascontiguousarray(derivatives).view(np.float64)
-
-
-def _straight_integrals(
-    limits: Pair, feet: tuple[Bools, Bools], secondary: Floats, primary: Floats, edge_lengths: Floats
-) -> PieceIntegrals:
-    """Integrals over pieces of straight edges in closed form; arguments as in `PiecePoints`."""
-    chord = secondary[:, 1] - secondary[:, 0]
-    length = np.hypot(chord[:, 0], chord[:, 1])
-    tx, ty = chord[:, 0] / length, chord[:, 1] / length
-    (a_t, a_n), (b_t, b_n) = (_local(primary[:, end] - secondary[:, 0], tx, ty) for end in range(2))
-    foot_a, foot_b = a_t / length, b_t / length
-    start, end = limits
-
-    width = end - start
-    middle = (start + end) / 2.0
-    spread = width**2 / 12.0  # of a parameter's square about its mean, by the width
-    reach = foot_b - foot_a
-    slope = (b_n - a_n) / reach
-    # means over the piece of the hats phi_1 = xi, phi_0 = 1 - xi and of their products with h_a and h_b
-    mean_b = (middle - foot_a) / reach
-    with_b = np.stack(((1.0 - middle) * mean_b - spread / reach, middle * mean_b + spread / reach))
-    hats = np.stack((1.0 - middle, middle))
-    scale = width * edge_lengths
-    lengths = hats * scale
-    by_b = with_b * scale
-    by_a = lengths - by_b
-    values = by_a * a_n + by_b * b_n
-
-    at_a = np.where(feet[1], edge_lengths * a_n, 0.0)
-    at_b = np.where(feet[0], edge_lengths * b_n, 0.0)
-    foot_a_by = np.stack(((1.0 - foot_a) * at_a, foot_a * at_a)) - slope * by_a
-    foot_b_by = -np.stack(((1.0 - foot_b) * at_b, foot_b * at_b)) - slope * by_b
-    along_a, along_b = foot_a_by / length, foot_b_by / length
-    turn = by_a * a_t + by_b * b_t - along_a * a_n - along_b * b_n
-    gradient = np.empty((*values.shape, 4, 2))
-    _into(gradient[:, :, 2], along_a, by_a, tx, ty)
-    _into(gradient[:, :, 3], along_b, by_b, tx, ty)
-    _into(gradient[:, :, 1], -(along_a * foot_a + along_b * foot_b), -turn / length, tx, ty)
-    gradient[:, :, 0] = -gradient[:, :, 1:].sum(axis=2)  # a translation of all nodes changes no gap
-    shapes = np.stack((by_a, by_b), axis=-1).swapaxes(0, 1)
-    gradients = np.stack(tuple(gradient.reshape(*values.shape, 8)), axis=1)
-    return PieceIntegrals(np.stack(tuple(values), axis=1), gradients, lengths.T, shapes, None)
-
-
-def _local(vector: Floats, tx: Floats, ty: Floats) -> tuple[Floats, Floats]:
-    """Components along t and along ``n = (t_y, -t_x)``."""
-    return vector[:, 0] * tx + vector[:, 1] * ty, vector[:, 0] * ty - vector[:, 1] * tx
-
-
-def _into(target: Floats, along: Floats, across: Floats, tx: Floats, ty: Floats) -> None:
-    """Put a vector of components along t and n into the axes of space."""
-    target[..., 0] = along * tx + across * ty
-    target[..., 1] = along * ty - across * tx

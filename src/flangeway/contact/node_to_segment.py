@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from flangeway.checks import are_finite, check_positive
+from flangeway.checks import is_finite
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps, shape_functions
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import leads_out, nearest_edges
@@ -15,7 +15,8 @@ from flangeway.errors import InputError, short
 from flangeway.types import Bools, Floats, Ints
 
 SLACK, OVERHANG = 1e-3, 0.1
-"""Parts of an edge beyond its ends within which a node behind it may be, and an open one; see `NodeToSegment`."""
+"""Parts of an edge beyond its ends within which the foot of a node behind it may be, and that of an open node: the
+latter bridges the dead angle at convex corners, where an open node is beyond the ends of both edges."""
 CONCAVE = 0.5
 """The same at a concave joint, behind which points are beyond the ends of both edges."""
 
@@ -88,34 +89,18 @@ class NodeToSegment(Pairing):
 
     Parameters
     ----------
-    reach
-        Nodes whose gap is larger are ignored; None: twice the mean length of the primary edges. It must exceed the
-        gaps that an iteration can close.
     slack
         How far beyond its edge, in parts of the edge, a node stays paired with the edge it faced before. It prevents
         nodes from changing between two edges; within this width the answer depends on the path.
-    overhang
-        How far beyond the nearest edge, in parts of the edge, the foot of an open node may lie, and that of any node
-        at the end of the surface. It bridges the dead angle at convex corners, where an open node is beyond the ends of
-        both edges.
 
     """
 
     averages: ClassVar[bool] = False
-    reach: float | None = None
     slack: float = SLACK
-    overhang: float = OVERHANG
 
     def __post_init__(self) -> None:
-        if self.reach is not None:
-            check_positive("NodeToSegment", "reach", self.reach, "a positive length or None", "leave it out")
-        widths = self.slack, self.overhang
-        if not (are_finite(widths, 2) and 0.0 < widths[0] <= widths[1] < 0.5):
-            raise InputError(
-                f"NodeToSegment(slack={short(self.slack)}, overhang={short(self.overhang)})",
-                "0 < slack <= overhang < 0.5",
-                "leave them out",
-            )
+        if not (is_finite(self.slack) and 0.0 < self.slack <= OVERHANG):
+            raise InputError(f"NodeToSegment(slack={short(self.slack)})", f"0 < slack <= {OVERHANG}", "leave it out")
 
     def pair(
         self,
@@ -127,7 +112,7 @@ class NodeToSegment(Pairing):
         *,
         settle: bool = False,
     ) -> NodePairs:
-        """See `Pairing.pair`; ``settle``: pairs are kept within ``overhang`` of their edge, not within ``slack``."""
+        """See `Pairing.pair`; ``settle``: pairs are kept within `OVERHANG` of their edge, not within ``slack``."""
         positions = positions[: len(secondary.nodes)]
         given = positions, secondary.edge_places, primary_edges, kept
         nodes, edges, kinematics = self.find(*given, primary.corners, settle=settle)
@@ -152,15 +137,15 @@ class NodeToSegment(Pairing):
 
         ``edge_places`` is the secondary surface's, ``corners`` the primary's `Surface.corners` (left out: none).
         """
-        stay = self.overhang if settle else self.slack
+        stay = OVERHANG if settle else self.slack
         corners = np.zeros(len(primary_edges), dtype=np.bool_) if corners is None else corners
-        at_end = np.where(corners, SLACK, self.overhang)
+        at_end = np.where(corners, SLACK, OVERHANG)
         margins = np.stack((np.roll(at_end, 1), at_end), axis=1)
         smooth = ~corners & (primary_edges[:, -1] == np.roll(primary_edges[:, 0], -1, axis=0)).all(axis=1)
         normals, every = node_normals(positions, edge_places), np.arange(len(positions))
         given = positions, edge_places, primary_edges, every, normals, kept
-        nodes, edges, gaps = facing_pairs(*given, stay, margins, self.overhang, smooth)
-        reach = self.reach or 2.0 * float(np.linalg.norm(primary_edges[:, -1] - primary_edges[:, 0], axis=1).mean())
+        nodes, edges, gaps = facing_pairs(*given, stay, margins, OVERHANG, smooth)
+        reach = 2.0 * float(np.linalg.norm(primary_edges[:, -1] - primary_edges[:, 0], axis=1).mean())
         near = gaps.gaps < reach
         return nodes[near], edges[near], gaps.take(near)
 

@@ -3,14 +3,13 @@
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from flangeway.checks import are_finite, refused
 from flangeway.contact.contact_pair import Contact
-from flangeway.contact.kinematics import as_complex, as_vectors
 from flangeway.contact.overlap import BodyOverlap, body_overlaps, passages
 from flangeway.contact.solution_checks import check_solution
 from flangeway.contact.system import ContactLinearisation, ContactSystem
@@ -32,7 +31,6 @@ from flangeway.solve import (
     solve_contact,
 )
 from flangeway.solve.body_loads import BodyLoad, loads_on
-from flangeway.solve.body_response import LoadedBodies
 from flangeway.types import Floats
 
 MOST_DENSE_BYTES = 4e9
@@ -43,10 +41,6 @@ ITERATION_COPIES = 8
 
 FRICTION_ERROR = 1e-4
 """Error of a step with friction, see `StepSettings`, where nothing else is said."""
-
-STRAINED = 0.5
-"""Change of an edge's vector over its length (turn in rad, or stretch) from which a failure is said to be beyond small
-strains."""
 
 Load = tuple[float | None, float | None, float | None]
 """Force x, y and moment; None: no motion of this kind."""
@@ -228,12 +222,7 @@ class ContactSolution(Result):
         return part.body.unknowns(self._fields[self._number(part)])
 
     def _number(self, part: Part) -> int:
-        if part not in self.system.parts:
-            raise InputError(
-                f"part {part.name!r}",
-                f"a part of these contacts: {', '.join(known.name for known in self.system.parts)}",
-                "take a part whose surfaces are in contact",
-            )
+        _refuse_without_contact(self.system, part, "a result")
         return self.system.parts.index(part)
 
     @cached_property
@@ -313,14 +302,20 @@ def press(
     """
     system, on_bodies = ContactSystem(contacts), body_loads or {}
     motions = [motion] if isinstance(motion, Mapping) else list(motion)
-    _refuse_bad_motions(system, motions)
-    _refuse_bad_loads(system, motions, loads or {})
-    _refuse_bad_body_loads(system, on_bodies)
-    _refuse_bad_handles(system, motions, [*(loads or {})], handles)
+    _refuse_bad_inputs(system, motions, loads or {}, on_bodies, handles)
+    handle_of = {part: handle for handle in handles for part in handle.parts}
+    handle_of |= {part: alone for part in system.parts if (alone := _handle_of(part, (loads or {}).get(part)))}
+
+    def handles_at(placements: Sequence[Placement], share: float) -> list[Handle | None]:
+        """Handle of each part at placements, with a share of its load."""
+        at_parts = dict(zip(system.parts, placements, strict=True))
+        moved = {handle: _carried(handle, at_parts, share) for handle in handle_of.values()}
+        return [moved[handle_of[part]] if part in handle_of else None for part in system.parts]
+
     settings_of = _step_settings(system, len(motions), steps)
     if not isinstance(settings, NewtonSettings | None):
         raise refused("press", "settings", settings, "NewtonSettings(...)", "leave it out")
-    path = _usual_path(system, floating=bool(loads or handles)) if path is None else path
+    path = _usual_path(system, floating=bool(handle_of)) if path is None else path
     if not isinstance(path, str) or path not in PATHS:
         raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
     bodies = response or PATHS[path](system.surface_nodes)
@@ -342,8 +337,8 @@ def press(
         ) -> ContactState:
             placements = _moved(system.parts, placed, leg, share)
             growth = min(number + share, 1.0)
-            own = _handles_at(system.parts, placements, growth, loads or {}, handles)
-            loaded = LoadedBodies(bodies, displaced, placements, growth) if any(displaced) else bodies
+            own = handles_at(placements, growth)
+            loaded = bodies.loaded(displaced, placements, growth) if any(displaced) else bodies
             state = solve_contact(
                 loaded, system, placements, handles=own, start=start, keep_guards=False, settings=settings,
                 origin=origin,
@@ -356,16 +351,16 @@ def press(
             progress(f"{100.0 * share:.4g} % of {which}: {state.status.message}")
             return state
 
-        reached = follow(solve_at, reached, sizes, partial(_append_step, done, number))
+        def keep(share: float, state: ContactState, number: int = number) -> None:
+            done.append(LoadStep(number + share, state))
+
+        reached = follow(solve_at, reached, sizes, keep)
         placed = _moved(system.parts, placed, leg, 1.0)
         if not reached.status.converged:
             break
     assert reached is not None
     state = reached
-    if not state.status.converged and done:
-        more = _strained(system, done[-1].state, done[-1].share)
-        state = replace(state, status=replace(state.status, message=state.status.message + more))
-    elif state.status.converged and not state.nodal_forces.any():
+    if state.status.converged and not state.nodal_forces.any():
         state = replace(state, status=replace(state.status, message=f"{state.status.message}; nothing touches"))
     elif state.status.converged:
         undeformed = state.positions - state.displacements
@@ -375,8 +370,7 @@ def press(
     solution = ContactSolution(system, bodies, state, tuple(done), depths)
     if not state.status.converged:
         return solution
-    handles_of = _handles_at(system.parts, placed, 1.0, loads or {}, handles)
-    return solution.checked(list(zip(placed, handles_of, strict=True)))
+    return solution.checked(list(zip(placed, handles_at(placed, 1.0), strict=True)))
 
 
 def _errors_of_step(
@@ -407,38 +401,12 @@ def _step_settings(
     return settings_of
 
 
-def _append_step(steps: list[LoadStep], leg: int, share: float, state: ContactState) -> None:
-    steps.append(LoadStep(leg + share, state))
-
-
 def _usual_path(system: ContactSystem, *, floating: bool) -> Literal["condensed", "sparse"]:
-    """The path where nothing else is said, see `press`; `floating`: whether a load moves a part that is held."""
+    """The path where nothing else is said, see `press`; `floating`: whether a part is on a handle."""
     needed = condensed_bytes(system.surface_nodes)
-    floating = floating or any(part.body.freedom.n_motions for part in system.parts)
     if any(each.friction_coefficient for each in system.contacts) and not floating:
         needed += 8 * ITERATION_COPIES * sum(2 * len(each.nodes) for each in system.surface_nodes) ** 2
     return "condensed" if needed <= MOST_DENSE_BYTES else "sparse"
-
-
-def _strained(system: ContactSystem, state: ContactState, share: float) -> str:
-    """Words for the edge of a surface that a solution turns or stretches most, where that is not small."""
-    worst, words = STRAINED, ""
-    for surface in (each for contact in system.contacts for each in (contact.secondary, contact.primary)):
-        drawn = state.placements[system.parts.index(surface.part)].points(surface.part.body.nodes[surface.nodes])
-        at = state.positions[system.nodes_of(surface)]
-        before, after = (as_complex(points[surface.edge_places[:, [0, -1]]]) for points in (drawn, at))
-        gradients = (after[:, 1] - after[:, 0]) / (before[:, 1] - before[:, 0])
-        edge = int(np.abs(gradients - 1.0).argmax())
-        if (size := abs(gradients[edge] - 1.0)) > worst:
-            x, y = as_vectors(after[edge].mean())
-            turn, stretch = np.rad2deg(np.angle(gradients[edge])), 100.0 * (abs(gradients[edge]) - 1.0)
-            worst = size
-            words = (
-                f"; in the last solution, at {share:.4g} of the path, the surface of {surface.part.name!r} is turned "
-                f"by {turn:.0f} deg and its length changed by {stretch:+.0f} % at ({x:.4g}, {y:.4g}): bodies are "
-                "linear, for small strains, and may have no equilibrium beyond; take a smaller load or less friction"
-            )
-    return words
 
 
 def _moved(
@@ -449,6 +417,32 @@ def _moved(
         _share_of(motion[part], share).after(before) if part in motion else before
         for part, before in zip(parts, placed, strict=True)
     )
+
+
+def _refuse_bad_inputs(
+    system: ContactSystem,
+    motions: Sequence[Mapping[Part, Placement]],
+    loads: Mapping[Part, Load],
+    body_loads: Mapping[Part, Sequence[BodyLoad]],
+    handles: Sequence[Handle],
+) -> None:
+    _refuse_bad_motions(system, motions)
+    _refuse_bad_loads(system, motions, loads)
+    for part, items in body_loads.items():
+        _refuse_without_contact(system, part, "loads on the body")
+        if not isinstance(items, list | tuple):
+            raise refused("press", "body_loads", body_loads, "lists of loads by part", "write {part: [load]}")
+    _refuse_bad_handles(system, motions, list(loads), handles)
+
+
+def _refuse_without_contact(system: ContactSystem, part: Part, what: str) -> None:
+    """Raise `InputError` if a part has no contact, or is none."""
+    if part not in system.parts:
+        raise InputError(
+            f"{what} of part {part.name if isinstance(part, Part) else short(part)!r}, which has no contact",
+            f"parts in contact: {', '.join(known.name for known in system.parts)}",
+            "add a contact of this part, or leave it out",
+        )
 
 
 def _refuse_bad_motions(system: ContactSystem, motions: Sequence[Mapping[Part, Placement]]) -> None:
@@ -465,12 +459,7 @@ def _refuse_bad_motions(system: ContactSystem, motions: Sequence[Mapping[Part, P
                 "a Placement by its Part",
                 "write {part: Placement(angle, (x, y))}",
             )
-        if part not in system.parts:
-            raise InputError(
-                f"a motion of part {part.name!r}, which has no contact",
-                f"parts in contact: {', '.join(known.name for known in system.parts)}",
-                "add a contact of this part or leave its motion out",
-            )
+        _refuse_without_contact(system, part, "a motion")
         if moved.mirrored:
             raise InputError(
                 f"a mirrored motion of part {part.name!r}",
@@ -484,12 +473,7 @@ def _refuse_bad_loads(
     system: ContactSystem, motions: Sequence[Mapping[Part, Placement]], loads: Mapping[Part, Load]
 ) -> None:
     for part, load in loads.items():
-        if part not in system.parts:
-            raise InputError(
-                f"a load on {part.name if isinstance(part, Part) else short(part)!r}, which has no contact",
-                f"parts in contact: {', '.join(known.name for known in system.parts)}",
-                "add a contact of this part or leave its load out",
-            )
+        _refuse_without_contact(system, part, "a load")
         numbers = [value for value in load if value is not None] if isinstance(load, tuple | list) else []
         if not numbers or len(load) != 3 or not are_finite(numbers, len(numbers)):
             raise InputError(
@@ -519,20 +503,6 @@ def _refuse_bad_loads(
             )
 
 
-def _refuse_bad_body_loads(system: ContactSystem, body_loads: Mapping[Part, Sequence[BodyLoad]]) -> None:
-    for part, items in body_loads.items():
-        if part not in system.parts:
-            raise InputError(
-                f"loads on the body of {part.name if isinstance(part, Part) else short(part)!r}, which has no contact",
-                f"parts in contact: {', '.join(known.name for known in system.parts)}",
-                "add a contact of this part, or solve for it alone with solve_elasticity",
-            )
-        if not isinstance(items, list | tuple):
-            raise InputError(
-                f"body_loads={{{part.name!r}: {short(items)}}}", "a list of loads", "write [Gravity((0.0, -9810.0))]"
-            )
-
-
 def _refuse_bad_handles(
     system: ContactSystem,
     motions: Sequence[Mapping[Part, Placement]],
@@ -545,9 +515,7 @@ def _refuse_bad_handles(
     for handle, part in ((each, part) for each in handles for part in each.parts):
         named, body = f"a handle of part {part.name!r}", part.body
         along_axis = len(handle.directions) == 1 and handle.directions[0, 0] == 0.0 and not handle.turns
-        if part not in system.parts:
-            known = ", ".join(known.name for known in system.parts)
-            raise InputError(f"{named}, which has no contact", f"parts in contact: {known}", "leave the part out")
+        _refuse_without_contact(system, part, "a handle")
         if part in with_handle:
             raise InputError(f"{named}, which has another, or a load", "one handle for each part", "put the load on it")
         if body.freedom.n_motions:
@@ -569,28 +537,15 @@ def _refuse_bad_handles(
         with_handle.append(part)
 
 
-def _handles_at(
-    parts: Sequence[Part],
-    placements: Sequence[Placement],
-    share: float,
-    loads: Mapping[Part, Load],
-    handles: Sequence[Handle],
-) -> list[Handle | None]:
-    """Handle of each part at placements, with a share of all loads."""
-    at_parts = dict(zip(parts, placements, strict=True))
-    shared = {part: now for each in handles for now in [_carried(each, at_parts, share)] for part in each.parts}
-    return [shared.get(part) or _handle_of(part, at, share, loads.get(part)) for part, at in at_parts.items()]
-
-
-def _handle_of(part: Part, placement: Placement, share: float, load: Load | None) -> Handle | None:
-    """Handle of a part alone, at a placement, with a share of its load; None if it is where it is placed."""
-    freedom = part.body.freedom
+def _handle_of(part: Part, load: Load | None) -> Handle | None:
+    """Handle of a part alone where it is placed, with its load; None if it only moves as motions say."""
+    freedom, placement = part.body.freedom, part.placement
     if load is not None:
         held = part.body.nodes[part.body.supported.any(axis=1)]
         (pivot,) = placement.points([(held.min(axis=0) + held.max(axis=0)) / 2.0])
         free = [value is not None for value in load]
-        given = share * np.array([value or 0.0 for value in load])
-        return Handle((part,), pivot, np.eye(2)[free[:2]], free[2], given, soft_motions="kept")
+        forces = np.array([value or 0.0 for value in load])
+        return Handle((part,), pivot, np.eye(2)[free[:2]], free[2], forces, soft_motions="kept")
     if freedom.n_motions == 0:
         return None
     axes = placement.vectors(np.eye(2)[["xy".index(axis) for axis in freedom.axes]].reshape(-1, 2))
@@ -600,11 +555,12 @@ def _handle_of(part: Part, placement: Placement, share: float, load: Load | None
 def _carried(handle: Handle, placements: Mapping[Part, Placement], share: float) -> Handle:
     """A handle with a share of its load, where motions took it: its parts are at placements."""
     part = handle.parts[0]
-    motion = placements[part].after(part.placement.inverse())
-    point = handle.load_point
+    motion, point = placements[part].after(part.placement.inverse()), handle.load_point
     return replace(
         handle,
         pivot=motion.points([handle.pivot])[0],
+        # the axes along which a body slides are its own, those of a handle that of space
+        directions=motion.vectors(handle.directions) if part.body.freedom.n_motions else handle.directions,
         load=share * handle.load,
         load_point=None if point is None else motion.points([point])[0],
     )

@@ -11,7 +11,8 @@ from flangeway.contact.surface import Surface
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.problems import Body, Part
-from flangeway.problems.nonlinear_body import ForceVector, LinearisedBody, MaterialByCells, NonlinearBody
+from flangeway.problems.loads import GivenForces
+from flangeway.problems.nonlinear_body import LinearisedBody, MaterialByCells, NonlinearBody
 from flangeway.types import Floats
 
 
@@ -70,7 +71,7 @@ def press_nonlinear(
             now[part] = replace(part, body=linear)
             offset = linear.elasticity.stiffness().times(fields[part].ravel()).reshape(-1, 2) - forces
             if offset.any():
-                loads[now[part]] = [ForceVector(offset)]
+                loads[now[part]] = [GivenForces(offset)]
         moved = [replace(each, secondary=_on(each.secondary, now), primary=_on(each.primary, now)) for each in contacts]
         motions = {now.get(part, part): placement for part, placement in motion.items()}
         solution = press(moved, motions, body_loads=loads, path="sparse")

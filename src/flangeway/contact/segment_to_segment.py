@@ -67,17 +67,12 @@ class SegmentPairs(Pairs):
         """Pieces under load, and their second derivatives by forces on the two hats."""
         on_hats = np.einsum("pr,prs->ps", forces[self.rows], self.weights)
         loaded = np.flatnonzero(on_hats.any(axis=1))
-        return loaded, second(self._points.take(loaded), on_hats[loaded])
-
-    @property
-    def _points(self) -> PiecePoints:
-        assert self.integrals.points is not None
-        return self.integrals.points
+        return loaded, second(self.integrals.points.take(loaded), on_hats[loaded])
 
     def slides(self, points: Floats, before: Floats) -> Slides:  # noqa: ARG002 (the pieces know where they are)
         """See `Pairs.slides`."""
         n_secondary = self.secondary_members.shape[1]
-        values, rates, directions = self._points.slips(before[:, :n_secondary], before[:, n_secondary:])
+        values, rates, directions = self.integrals.points.slips(before[:, :n_secondary], before[:, n_secondary:])
         slips = np.zeros(len(self.keys))
         np.add.at(slips, self.rows, np.einsum("prs,ps->pr", self.weights, values))
         turns = partial(self._on_terms, second=PiecePoints.turns)
@@ -103,8 +98,6 @@ class SegmentToSegment(Pairing):
 
     Parameters
     ----------
-    reach
-        Pieces with a larger gap are ignored; None: twice the mean length of the primary edges.
     depth
         Pieces that penetrate deeper are ignored; None: half the extent of the smaller surface. A step that moves a
         surface deeper than this into the other loses the contact.
@@ -115,14 +108,12 @@ class SegmentToSegment(Pairing):
     """
 
     averages: ClassVar[bool] = True
-    reach: float | None = None
     depth: float | None = None
     weighting: Literal["standard", "dual"] = "standard"
 
     def __post_init__(self) -> None:
-        for name, value in (("reach", self.reach), ("depth", self.depth)):
-            if value is not None:
-                check_positive("SegmentToSegment", name, value, "a positive length or None", "leave it out")
+        if self.depth is not None:
+            check_positive("SegmentToSegment", "depth", self.depth, "a positive length or None", "leave it out")
         if self.weighting not in ("standard", "dual"):
             raise InputError(
                 f"SegmentToSegment(weighting={short(self.weighting)})", "'standard' or 'dual'", "choose one of these"
@@ -149,10 +140,10 @@ class SegmentToSegment(Pairing):
         *,
         settle: bool = False,  # noqa: ARG002 (the same)
     ) -> SegmentPairs:
-        """Find the pieces within reach; see `Pairing.pair`."""
+        """Find the pieces that are open by less than two mean primary edges; see `Pairing.pair`."""
         hats = secondary.hats
         chords = primary_edges[:, -1] - primary_edges[:, 0]
-        reach = self.reach or 2.0 * float(np.linalg.norm(chords, axis=1).mean())
+        reach = 2.0 * float(np.linalg.norm(chords, axis=1).mean())
         edges = positions[secondary.contact_places]
         depth = (
             self.depth or min(float(np.linalg.norm(np.ptp(side, axis=(0, 1)))) for side in (edges, primary_edges)) / 2.0
@@ -202,7 +193,7 @@ def _integrals(pieces: Pieces, edges: Floats, primary_edges: Floats, secondary: 
     lengths = secondary.edge_lengths[pieces.edges]
     radii = None if secondary.radii is None else secondary.radii[pieces.edges]
     both = edges[pieces.edges], primary_edges[pieces.partners]
-    return integrate(pieces, *both, lengths, second=True, radii=radii)
+    return integrate(pieces, *both, lengths, radii)
 
 
 def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> Bools:

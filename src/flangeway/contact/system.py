@@ -16,6 +16,7 @@ from flangeway.contact.surface import Surface
 from flangeway.errors import InputError
 from flangeway.problems import Part
 from flangeway.solve import Linearisation, SurfaceNodes
+from flangeway.solve.linearisation import Sliding
 from flangeway.types import Bools, Floats, Ints
 
 BETWEEN_NODES = 1e-3
@@ -65,7 +66,7 @@ class ContactLinearisation:
         """Sum of ``force * second derivative of the gap`` over the constraints."""
         return self._second([pairs.curvatures for pairs in self.pairs], forces)
 
-    def slides(self, positions: Floats, before: Floats) -> "ContactSlides":
+    def slides(self, positions: Floats, before: Floats) -> Sliding:
         """Slips since earlier positions (n_nodes, 2) of the surface nodes, which are at others now."""
         now, was = self.points(positions), self.points(before)
         found = []
@@ -80,7 +81,7 @@ class ContactLinearisation:
             for each in ([slides.rates for slides in found], [slides.directions for slides in found])
         )
         slips = np.concatenate([slides.slips for slides in found])
-        return ContactSlides(slips, jacobian, directions, partial(self._second, [slides.turns for slides in found]))
+        return Sliding(slips, jacobian, directions, partial(self._second, [slides.turns for slides in found]))
 
     def _second(self, seconds: Sequence[Callable[[Floats], tuple[Ints, Floats]]], forces: Floats) -> sp.csr_array:
         """Sum of ``force * second derivative`` by a function of each contact, which has those of its terms."""
@@ -105,16 +106,6 @@ class ContactLinearisation:
         """Positions of the touched points by those of all surface nodes (n_nodes, 2), shape (n, 2)."""
         touched = positions[self.nodes]
         return touched if self.spread is None else (self.spread @ touched.ravel()).reshape(-1, 2)
-
-
-@dataclass(frozen=True, eq=False)
-class ContactSlides:
-    """Slips of all contacts; see `flangeway.solve.linearisation.Sliding`."""
-
-    slips: Floats
-    jacobian: sp.csr_array
-    directions: sp.csr_array
-    curvature: Callable[[Floats], sp.csr_array]
 
 
 class ContactSystem:

@@ -22,8 +22,8 @@ from flangeway.railway.profiles.bundled import REFERENCE_RAIL, REFERENCE_WHEELS,
 from flangeway.railway.profiles.profile_file import READABLE, ReadOptions, read_profile
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.case_text import case_text, command_line

@@ -247,14 +247,6 @@ class Elasticity:
         result *= self._depth_factor
         return result.reshape(2 * len(result), 2 * len(result), -1)
 
-    def cell_stabilisation(self, batch: CellBatch) -> Floats:
-        """The stabilisation alone, shape as `cell_stiffness`; zero for elements without one."""
-        consistency, stabilisation = self._cell_parts(batch)
-        result = np.zeros_like(consistency)
-        if stabilisation is not None:
-            result[:, 0, :, 0] = result[:, 1, :, 1] = self._depth_factor * stabilisation
-        return result.reshape(2 * len(result), 2 * len(result), -1)
-
     def _cell_parts(self, batch: CellBatch) -> tuple[Floats, Floats | None]:
         """Consistency (n_local, 2, n_local, 2, n_cells), and stabilisation of a component (n_local, n_local, n_cells).
 

@@ -19,27 +19,12 @@ from flangeway.materials.material import bulk_limited
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.problems.body import Body
 from flangeway.problems.elasticity_problem import Elasticity
-from flangeway.problems.loads import Load, LoadedProblem
 from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Support
 from flangeway.space import CellBatch, Space
 from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
 
 MaterialByCells = NonlinearMaterial | Mapping[str, NonlinearMaterial]
-
-
-@dataclass(frozen=True)
-class ForceVector(Load):
-    """Forces on all unknowns, (n_dofs, 2)."""
-
-    values: Floats
-
-    def check(self, problem: LoadedProblem) -> None:
-        """See `Load.check`."""
-
-    def forces(self, problem: LoadedProblem) -> Floats:  # noqa: ARG002
-        """See `Load.forces`."""
-        return self.values
 
 
 @dataclass(frozen=True, eq=False)

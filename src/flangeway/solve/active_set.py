@@ -201,19 +201,10 @@ class Laws:
         signs = np.ones(self.m, dtype=np.int64)
         if self.friction:
             limits = self.coefficients * np.maximum(trial[: self.m], 0.0)
-            at_limit = np.abs(trial[self.m :]) > limits
+            at_limit = np.abs(trial[self.m :]) > (1.0 - AT_LIMIT) * limits
             signs = np.where(at_limit, np.sign(trial[self.m :]), 0.0).astype(np.int64)
             signs[self.coefficients == 0.0] = 1
         return Guess(trial[: self.m] > 0.0, signs, normal)
-
-    def guess_of_forces(self, forces: Floats) -> Guess:
-        """The same by forces (k,) alone."""
-        normal, signs = forces[: self.m], np.ones(self.m, dtype=np.int64)
-        if self.friction:
-            at_limit = np.abs(forces[self.m :]) >= (1.0 - AT_LIMIT) * self.coefficients * normal
-            signs = np.where(at_limit, np.sign(forces[self.m :]), 0.0).astype(np.int64)
-            signs[self.coefficients == 0.0] = 1
-        return Guess(normal > 0.0, signs, normal if normal.any() else np.full(self.m, np.inf))
 
     def linearised_barriers(self, normal: Floats) -> tuple[Floats, Floats]:
         """Compliance c and gap ``h - c p`` of the barriers about normal forces, each (m,)."""
@@ -255,7 +246,7 @@ def solve(laws: Laws, solved: Callable[[Guess], Answer | None], forces: Floats) 
         stuck sticks first.
 
     """
-    answer = solved(laws.guess_of_forces(forces))
+    answer = solved(laws.guess(Answer(forces, np.zeros(len(forces)), np.zeros(0))))
     if answer is None:
         return None
     errors = [laws.error(answer)]

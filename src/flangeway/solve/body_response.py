@@ -9,7 +9,9 @@ axes of space.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import scipy.sparse as sp
@@ -75,32 +77,66 @@ class BodyResponse(ABC):
         self.offsets: Ints = np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
         self.body_of_node: Ints = np.repeat(np.arange(len(counts)), counts)
         self.n_nodes = int(self.offsets[-1])
+        self._loads: dict[int, tuple[BodyLoads, Floats, float]] = {}
 
     def rotations(self, placements: Sequence[Placement]) -> Floats:
         """Matrix of each surface node's body, shape (n_nodes, 2, 2)."""
         matrices = np.stack([placement.matrix for placement in placements])
         return matrices[self.body_of_node]
 
+    def loaded(self, loads: Sequence[BodyLoads | None], placements: Sequence[Placement], share: float) -> Self:
+        """The same bodies with a share of loads, which displace them before any contact force acts.
+
+        The bodies are linear, so displacements by loads and by contact forces add: the contact meets surfaces that the
+        loads have moved. ``loads`` are those of each body, None for none, at ``placements`` before handles moved it.
+        """
+        result = copy(self)
+        result._loads = {
+            number: (load, placement.matrix, share)
+            for number, (load, placement) in enumerate(zip(loads, placements, strict=True))
+            if load is not None
+        }
+        return result
+
+    def _by_loads(self, number: int, matrix: Floats, constant: float = 1.0) -> Floats:
+        """Displacements (n_dofs, 2) of a body by its loads, in its frame; arguments as of `BodyLoads.weights`."""
+        load, given, share = self._loads[number]
+        return share * load.field(load.weights(matrix, given, constant))
+
     def reference(self, placements: Sequence[Placement]) -> Floats:
-        """Positions of the surface nodes before deformation, shape (n_nodes, 2)."""
-        parts = [placement.points(surface.points) for surface, placement in zip(self.surfaces, placements, strict=True)]
+        """Positions of the surface nodes before contact deforms the bodies, shape (n_nodes, 2)."""
+        parts = []
+        for number, (surface, placement) in enumerate(zip(self.surfaces, placements, strict=True)):
+            parts.append(placement.points(surface.points))
+            if number in self._loads:
+                moved = self._by_loads(number, placement.matrix)[surface.nodes]
+                parts[-1] = parts[-1] + placement.vectors(moved)
         return np.concatenate(parts)
 
-    def resultant(self, number: int, placement: Placement, pivot: Floats) -> Floats:  # noqa: ARG002 (no loads)
+    def resultant(self, number: int, placement: Placement, pivot: Floats) -> Floats:
         """Force x, y and moment about a point of space of a placed body's loads, and its derivative by the angle."""
-        return np.zeros(4)
+        if number not in self._loads:
+            return np.zeros(4)
+        load, given, share = self._loads[number]
+        return load.resultant(load.weights(placement.matrix, given), share, placement, pivot)
 
-    def problem(self, number: int, placement: Placement) -> Elasticity:  # noqa: ARG002 (no loads)
+    def problem(self, number: int, placement: Placement) -> Elasticity:
         """Elastic problem behind a body, with its loads as they act in its frame."""
-        return self.surfaces[number].body.elasticity
+        if number not in self._loads:
+            return self.surfaces[number].body.elasticity
+        load, given, share = self._loads[number]
+        return load.problem(load.weights(placement.matrix, given), share)
 
-    def turning(self, number: int, placement: Placement) -> Floats | None:  # noqa: ARG002 (no loads)
+    def turning(self, number: int, placement: Placement) -> Floats | None:
         """What a turn by 1 rad adds to the displacements by loads of a body's surface nodes, in space; None: nothing.
 
         Shape (n, 2). Times contact forces it is the moment of the loads at arms that are the displacements by these
         forces (Maxwell's and Betti's theorem).
         """
-        return None
+        if number not in self._loads:
+            return None
+        field = self._by_loads(number, np.array([[0.0, -1.0], [1.0, 0.0]]) @ placement.matrix, 0.0)
+        return placement.vectors(field[self.surfaces[number].nodes])
 
     @abstractmethod
     def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
@@ -167,9 +203,8 @@ class BodyResponse(ABC):
 
         """
 
-    @abstractmethod
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
-        """Displacements of all nodes of each body in its own frame, each (n_dofs, 2).
+        """Displacements of all nodes of each body in its own frame, by forces and loads, each (n_dofs, 2).
 
         Parameters
         ----------
@@ -179,6 +214,14 @@ class BodyResponse(ABC):
             Forces on all surface nodes, shape (n_nodes, 2).
 
         """
+        result = self._fields_by_forces(rotations, forces)
+        for number in self._loads:
+            result[number] = result[number] + self._by_loads(number, rotations[self.offsets[number]])
+        return result
+
+    @abstractmethod
+    def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:
+        """Those of `fields` by the forces alone."""
 
     @property
     @abstractmethod
@@ -199,100 +242,3 @@ def turning(rotations: Floats) -> sp.csr_array:
     columns = np.repeat(np.arange(2 * n).reshape(n, 1, 2), 2, axis=1)
     starts = np.arange(0, 4 * n + 1, 2)
     return sp.csr_array((rotations.ravel(), columns.ravel(), starts), shape=(2 * n, 2 * n))
-
-
-def components(nodes: Ints) -> Ints:
-    """Numbers of the two components of nodes, one node after the other, shape (2 n,)."""
-    return (2 * nodes[:, None] + np.arange(2)).ravel()
-
-
-class LoadedBodies(BodyResponse):
-    """Placed bodies with loads, which displace them before any contact force acts.
-
-    The bodies are linear, so displacements by loads and by contact forces add: the contact meets surfaces that the
-    loads have moved.
-
-    Parameters
-    ----------
-    unloaded
-        The bodies.
-    loads
-        Loads of each body, None for none.
-    placements
-        Placement of each body before handles moved it.
-    share
-        Factor on all loads.
-
-    """
-
-    def __init__(
-        self,
-        unloaded: BodyResponse,
-        loads: Sequence[BodyLoads | None],
-        placements: Sequence[Placement],
-        share: float = 1.0,
-    ) -> None:
-        super().__init__(unloaded.surfaces)
-        self.unloaded, self.share, self.digits = unloaded, share, unloaded.digits
-        self._loads, self._given = tuple(loads), [placement.matrix for placement in placements]
-
-    @property
-    def n_unknowns(self) -> int:
-        """See `BodyResponse.n_unknowns`."""
-        return self.unloaded.n_unknowns
-
-    def reference(self, placements: Sequence[Placement]) -> Floats:
-        """See `BodyResponse.reference`; with the displacements by the loads."""
-        result = self.unloaded.reference(placements)
-        for i, (load, placement) in enumerate(zip(self._loads, placements, strict=True)):
-            if load is not None:
-                field = self.share * load.field(load.weights(placement.matrix, self._given[i]))
-                nodes = slice(*self.offsets[i : i + 2].tolist())
-                result[nodes] += placement.vectors(field[self.surfaces[i].nodes])
-        return result
-
-    def resultant(self, number: int, placement: Placement, pivot: Floats) -> Floats:
-        """See `BodyResponse.resultant`."""
-        if (load := self._loads[number]) is None:
-            return np.zeros(4)
-        weights = load.weights(placement.matrix, self._given[number])
-        return load.resultant(weights, self.share, placement, pivot)
-
-    def turning(self, number: int, placement: Placement) -> Floats | None:
-        """See `BodyResponse.turning`."""
-        if (load := self._loads[number]) is None:
-            return None
-        turned = np.array([[0.0, -1.0], [1.0, 0.0]]) @ placement.matrix
-        field = self.share * load.field(load.weights(turned, self._given[number], 0.0))
-        moved: Floats = placement.vectors(field[self.surfaces[number].nodes])
-        return moved
-
-    def problem(self, number: int, placement: Placement) -> Elasticity:
-        """See `BodyResponse.problem`."""
-        if (load := self._loads[number]) is None:
-            return super().problem(number, placement)
-        return load.problem(load.weights(placement.matrix, self._given[number]), self.share)
-
-    def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
-        """See `BodyResponse.displacements`; those by the loads are in the bodies' reference."""
-        return self.unloaded.displacements(rotations, touched, forces)
-
-    def respond(
-        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array, *, symmetric: bool = True
-    ) -> Floats:
-        """See `BodyResponse.respond`."""
-        return self.unloaded.respond(rotations, touched, geometric, loads, symmetric=symmetric)
-
-    def constrained(
-        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, laws: Constrained
-    ) -> tuple[Callable[[Ints, sp.csr_array], tuple[Floats, Floats]], Floats] | None:
-        """See `BodyResponse.constrained`."""
-        return self.unloaded.constrained(rotations, touched, geometric, laws)
-
-    def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
-        """See `BodyResponse.fields`; with the displacements by the loads."""
-        found = self.unloaded.fields(rotations, forces)
-        for i, load in enumerate(self._loads):
-            if load is not None:
-                found[i] = found[i] + self.share * load.field(load.weights(rotations[self.offsets[i]], self._given[i]))
-        return found

@@ -12,7 +12,8 @@ from scipy.linalg import cho_factor, cho_solve
 from flangeway._core import Cholesky
 from flangeway.errors import InputError
 from flangeway.problems import LinearBody
-from flangeway.solve.body_response import BodyResponse, SurfaceNodes, components
+from flangeway.solve.body_response import BodyResponse, SurfaceNodes
+from flangeway.solve.constraints import components
 from flangeway.solve.linear import digits_left, factorise, indefinite, relative_maximum
 from flangeway.solve.status import MIN_DIGITS, Status
 from flangeway.system.disk_cache import Cache, content_key
@@ -159,37 +160,45 @@ class CondensedBodies(BodyResponse):
         return np.matmul(rotations, result[..., None])[..., 0]
 
     def respond(
-        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array, *, symmetric: bool = True
+        self,
+        rotations: Floats,
+        touched: Ints,
+        geometric: sp.csr_array,
+        loads: sp.csr_array,
+        *,
+        symmetric: bool = True,  # noqa: ARG002 (either)
     ) -> Floats:
         """See `BodyResponse.respond`.
 
-        With the flexibility F the solution is ``(I + F G)^-1 F loads``. G lives on the few unknowns of loaded pairs,
-        so by Woodbury's formula only a system of their number is solved, and one for each group of bodies that G links:
-        both sides of a track yield apart. F is symmetric.
+        With the flexibility F the solution is ``(I + F G)^-1 F loads``. G lives on the few unknowns b of loaded pairs,
+        so by Woodbury's formula it is ``F loads - F[:, b] (I + G F)[b, b]^-1 (G F loads)[b]``, for each group of bodies
+        that G links: both sides of a track yield apart. F is symmetric.
         """
-        free = np.zeros(loads.shape)
+        result = np.zeros(loads.shape)
         blocks = self._blocks(rotations, touched)
         for here, flexibility in blocks:
-            free[here] = (_rows_transposed(loads, here) @ flexibility).T
+            result[here] = (sp.csc_array(loads[here].T) @ flexibility).T
         bent = np.flatnonzero(np.diff(geometric.indptr))
-        if len(bent) == 0:
-            return free
-        place = np.zeros(len(free), dtype=np.int64)
-        place[bent] = np.arange(len(bent))
-        starts = np.append(0, geometric.indptr[bent + 1])
-        inner = sp.csr_array((geometric.data, place[geometric.indices], starts), shape=(len(bent), len(bent)))
         owner = np.searchsorted([here.stop for here, _ in blocks], bent, side="right")
-        links = sp.coo_array((np.ones(inner.nnz), (np.repeat(owner, np.diff(inner.indptr)), owner[inner.indices])))
-        links.resize((len(blocks), len(blocks)))
-        _, groups = sp.csgraph.connected_components(links, directed=False)
+        inner = sp.coo_array(geometric[bent][:, bent])
+        links = sp.coo_array((np.ones(inner.nnz), (owner[inner.row], owner[inner.col])), shape=(len(blocks),) * 2)
+        groups = sp.csgraph.connected_components(links, directed=False)[1]
+        inner = sp.csr_array(inner)
         for group in np.unique(groups[owner]):
-            linked = [blocks[number] for number in np.flatnonzero(groups == group)]
-            mine = np.flatnonzero(groups[owner] == group)
-            _bend(free, linked, bent[mine], inner[mine][:, mine], loads, symmetric=symmetric)
-        return free
+            own = np.flatnonzero(groups[owner] == group)
+            columns = np.flatnonzero(result[bent[own]].any(axis=0))
+            stiffness, matrix, bodies = inner[own][:, own], np.eye(len(own)), []
+            for here, flexibility in (blocks[number] for number in np.flatnonzero(groups == group)):
+                mine = slice(*np.searchsorted(bent[own], (here.start, here.stop)).tolist())
+                among = bent[own][mine] - here.start
+                matrix[:, mine] += stiffness[:, mine] @ flexibility[np.ix_(among, among)]
+                bodies.append((here, mine, flexibility[among]))
+            bend = np.linalg.solve(matrix, stiffness @ result[np.ix_(bent[own], columns)])
+            for here, mine, rows in bodies:  # each body yields to its own forces alone
+                result[here, columns] -= rows.T @ bend[mine]
+        return result
 
-    def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
-        """See `BodyResponse.fields`."""
+    def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:
         local = np.matmul(forces[:, None], rotations)[:, 0]
         return [
             body.field(local[self.offsets[number] : self.offsets[number + 1]])
@@ -215,45 +224,6 @@ class CondensedBodies(BodyResponse):
                     flexibility = self._condensed[number].flexibility[np.ix_(dofs, dofs)]
                     self._kept.append((slice(2 * first, 2 * last), _turned(flexibility, turn)))
         return self._kept
-
-
-def _bend(
-    free: Floats,
-    blocks: Sequence[tuple[slice, Floats]],
-    bent: Ints,
-    inner: sp.csr_array,
-    loads: sp.csr_array,
-    *,
-    symmetric: bool,
-) -> None:
-    """Subtract from displacements ``free = F loads`` of linked bodies ``F G (I + F G)^-1 F loads``.
-
-    `bent` are the unknowns of G, of which `inner` has the entries, and `blocks` the places and flexibilities of bodies.
-    """
-    columns = np.unique(np.concatenate([_entries(loads, here)[1] for here, _ in blocks]))
-    matrix, transposed = np.eye(len(bent)), inner if symmetric else sp.csr_array(inner.T)
-    bodies = []
-    for here, flexibility in blocks:
-        mine = slice(*np.searchsorted(bent, (here.start, here.stop)).tolist())
-        among = bent[mine] - here.start
-        rows = flexibility[among]
-        matrix[:, mine] += _rows_transposed(transposed, mine) @ rows[:, among]
-        bodies.append((here, mine, rows))
-    bend = np.linalg.solve(matrix, inner @ free[np.ix_(bent, columns)])
-    for here, mine, rows in bodies:  # each body yields to its own forces alone
-        free[here, columns] -= rows.T @ bend[mine]
-
-
-def _entries(matrix: sp.csr_array, rows: slice) -> tuple[Floats, Ints]:
-    """Values and columns of the entries of some rows of a matrix."""
-    entries = slice(matrix.indptr[rows.start], matrix.indptr[rows.stop])
-    return matrix.data[entries], matrix.indices[entries]
-
-
-def _rows_transposed(matrix: sp.csr_array, rows: slice) -> sp.csc_array:
-    """Transpose of some rows of a matrix."""
-    starts = matrix.indptr[rows.start : rows.stop + 1] - matrix.indptr[rows.start]
-    return sp.csc_array((*_entries(matrix, rows), starts), shape=(matrix.shape[1], rows.stop - rows.start))
 
 
 def _turned(flexibility: Floats, turn: Floats) -> Floats:

@@ -18,6 +18,11 @@ AXIS = -1
 """Stands for the number of a support in constraints that keep nodes on the axis of revolution."""
 
 
+def components(nodes: Ints) -> Ints:
+    """Numbers of the two components of nodes, one node after the other, shape (2 n,)."""
+    return (2 * nodes[:, None] + np.arange(2)).ravel()
+
+
 @dataclass(frozen=True, eq=False)
 class Rows:
     """Constraints ``direction . motion = value`` of nodes (2 motions) or of one handle (3 motions)."""
@@ -117,7 +122,7 @@ def find_constraints(problem: Elasticity) -> SupportConstraints:
         shift[handle.nodes] = handle.arms @ motion
         columns = np.arange(n_free, n_free + basis.shape[1])
         values = handle.arms @ basis
-        at = (2 * handle.nodes[:, None] + np.arange(2)).ravel()
+        at = components(handle.nodes)
         entries.append((np.repeat(at, len(columns)), np.tile(columns, len(at)), values.ravel()))
         groups.append(np.full(len(columns), space.n_nodes + number))
         n_free += len(columns)
@@ -255,8 +260,8 @@ def _resolve_nodes(
     entries.append((plain, np.arange(len(plain)), np.ones(len(plain))))
     oblique = np.flatnonzero(sliding & ~along_axis)
     columns = len(plain) + np.arange(len(oblique))
-    at = 2 * nodes[oblique][:, None] + np.arange(2)
-    entries.append((at.ravel(), np.repeat(columns, 2), left[oblique].ravel()))
+    at = components(nodes[oblique])
+    entries.append((at, np.repeat(columns, 2), left[oblique].ravel()))
     return len(plain) + len(oblique), nodes[oblique]
 
 

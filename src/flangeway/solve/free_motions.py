@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.linalg import splu
 
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import point_text
 from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement
-from flangeway.problems.supports import axes
-from flangeway.solve.constraints import SupportConstraints, find_constraints
+from flangeway.solve.constraints import SupportConstraints, components, find_constraints
 from flangeway.types import Floats, Ints
 
 ENERGY = 1e-13
@@ -25,19 +25,12 @@ FREE = 1e-9
 def refuse_free_motions(problem: Elasticity, constraints: SupportConstraints) -> None:
     """Raise `InputError` with the motion that nothing holds, found from the constraints before anything is factorised.
 
-    The mesh's pieces (cells joined by edges) and the rigid handles have two translations and a rotation each; they are
-    tied by common points, by handles' nodes and by the supports.
+    The mesh's pieces (cells joined by edges) have two translations and a rotation each; they are tied by common points
+    and by the supports.
     """
     pieces, n_pieces = _pieces(problem)
-    nodes, owners = _nodes_of_pieces(problem, pieces)
     centre = problem.space.mesh.points.mean(axis=0)
-    matrix = _Rows(problem, centre, n_pieces + len(constraints.handles))
-    _add_hinges(matrix, nodes, owners)
-    _add_supports(matrix, problem, constraints, nodes, owners)
-    _add_handles(matrix, problem, constraints, nodes, owners, n_pieces)
-    motions = matrix.null_space()
-    if motions.shape[1] == 0:
-        return
+    motions = _unheld(problem, constraints, pieces, n_pieces, centre)
     for piece in range(n_pieces):
         described = described_motions(motions[3 * piece : 3 * piece + 3], centre, problem.size)
         if described:
@@ -46,9 +39,43 @@ def refuse_free_motions(problem: Elasticity, constraints: SupportConstraints) ->
                 "supports that hold both translations and the rotation of every piece of the mesh",
                 "add a support against this motion (in Python a spring will do as well)",
             )
-    raise InputError(
-        f"a rigid handle of body `{problem.name}` that moves on its own", "handles on the body", "check its edges"
+
+
+def _unheld(
+    problem: Elasticity, constraints: SupportConstraints, pieces: Ints, n_pieces: int, centre: Floats
+) -> Floats:
+    """Rigid motions of the pieces that nothing resists, rotations times the size, shape (3 n_pieces, n_free).
+
+    With the velocities M of the nodes by the motions c, ``(I - T T^+) M c`` is what supports forbid, of which T is the
+    transform, and what springs resist is ``K M c`` with their stiffness; pieces that share a point move it alike.
+    """
+    nodes, owners = _nodes_of_pieces(problem, pieces)
+    arms = (problem.space.nodes[nodes] - centre) / problem.size
+    zero, one = np.zeros(len(nodes)), np.ones(len(nodes))
+    # M_(n i)(p j): component i of a node's velocity by motion j of its piece
+    velocities = np.array([[one, zero, -arms[:, 1]], [zero, one, arms[:, 0]]]).transpose(2, 0, 1)
+    columns = np.broadcast_to(3 * owners[:, None, None] + np.arange(3), velocities.shape)
+    rows = np.broadcast_to(np.arange(2 * len(nodes)).reshape(-1, 2, 1), velocities.shape)
+    of_pairs = sp.csr_array((velocities.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * len(nodes), 3 * n_pieces))
+    new = np.diff(nodes, prepend=-1) > 0
+    first, later = (components(np.flatnonzero(each)) for each in (new, ~new))
+    n = 2 * problem.space.n_nodes
+    at_nodes = sp.csr_array(
+        (np.ones(len(first)), (components(nodes[new]), np.arange(len(first)))), shape=(n, len(first))
     )
+    moved = at_nodes @ of_pairs[first]
+    transform = sp.csc_array(constraints.transform)
+    allowed = np.zeros((n, 3 * n_pieces))
+    if transform.shape[1]:
+        allowed = transform @ splu(sp.csc_array(transform.T @ transform)).solve((transform.T @ moved).toarray())
+    conditions = [moved - allowed, (of_pairs[later] - of_pairs[later - 2]).toarray()]
+    for spring in problem.springs:
+        unit = problem.spring_stiffness(replace(spring, x=float(spring.x > 0.0), y=float(spring.y > 0.0)))
+        conditions.append((unit @ moved).toarray() / abs(unit).max())
+    if problem.axisymmetric:  # a body of revolution only moves along its axis
+        conditions.append(np.eye(3 * n_pieces)[np.arange(3 * n_pieces) % 3 != 1])
+    _, values, vectors = np.linalg.svd(np.linalg.qr(np.concatenate(conditions), mode="r"))
+    return np.asarray(vectors[values <= FREE * max(values.max(), 1.0)].T)
 
 
 def refuse_floating(body: LinearBody) -> None:
@@ -118,51 +145,6 @@ def _refuse_without_energy(body: LinearBody) -> None:
             )
 
 
-class _Rows:
-    """Rows of conditions on the rigid motions of several rigid parts, scaled to lengths of one."""
-
-    def __init__(self, problem: Elasticity, centre: Floats, n_parts: int) -> None:
-        self._problem, self._centre, self._n_parts = problem, centre, n_parts
-        self._rows: list[Floats] = []
-
-    def velocities(self, nodes: Ints) -> Floats:
-        """Displacements of nodes by the motions x, y and the scaled rotation about the centre, (n, 2, 3)."""
-        arm = (self._problem.space.nodes[nodes] - self._centre) / self._problem.size
-        result = np.zeros((len(nodes), 2, 3))
-        result[:, 0, 0] = result[:, 1, 1] = 1.0
-        result[:, 0, 2], result[:, 1, 2] = -arm[:, 1], arm[:, 0]
-        return result
-
-    def add(self, parts: Ints, coefficients: Floats) -> None:
-        """Add ``coefficients . motion of the part = 0``, (n,) and (n, 3); compressed at once to few rows."""
-        for part in np.unique(parts):
-            rows = np.zeros((int((parts == part).sum()), 3 * self._n_parts))
-            rows[:, 3 * part : 3 * part + 3] = coefficients[parts == part]
-            self._rows.append(_compressed(rows))
-
-    def tie(self, first: Ints, second: Ints, of_first: Floats, of_second: Floats) -> None:
-        """Add ``of_first . motion of first = of_second . motion of second``, (n,) and (n, 3)."""
-        rows = np.zeros((len(first), 3 * self._n_parts))
-        columns = np.arange(3)
-        at = np.arange(len(first))[:, None]
-        rows[at, 3 * first[:, None] + columns] += of_first
-        rows[at, 3 * second[:, None] + columns] -= of_second
-        self._rows.append(_compressed(rows))
-
-    def null_space(self) -> Floats:
-        """Motions that satisfy all rows, shape (3 n_parts, n_free), with the rotation in radians times the size."""
-        n = 3 * self._n_parts
-        rows = np.vstack(self._rows) if self._rows else np.zeros((1, n))
-        rows = np.vstack((rows, np.zeros((max(0, n - len(rows)), n))))
-        _, values, vectors = np.linalg.svd(_compressed(rows))
-        return vectors[values <= FREE * max(values.max(), 1.0)].T
-
-
-def _compressed(rows: Floats) -> Floats:
-    """At most as many rows as columns with the same null space and singular values."""
-    return rows if len(rows) <= rows.shape[1] else np.asarray(np.linalg.qr(rows, mode="r"))
-
-
 def _pieces(problem: Elasticity) -> tuple[Ints, int]:
     """Number of each cell's piece, and how many there are."""
     mesh = problem.space.mesh
@@ -180,52 +162,6 @@ def _nodes_of_pieces(problem: Elasticity, pieces: Ints) -> tuple[Ints, Ints]:
         keys.append(np.unique(outer.astype(np.int64) * (pieces.max() + 1) + pieces[batch.cells]))
     nodes, owners = np.divmod(np.unique(np.concatenate(keys)), pieces.max() + 1)
     return nodes, owners
-
-
-def _add_hinges(matrix: _Rows, nodes: Ints, owners: Ints) -> None:
-    """Tie pieces that share a point."""
-    same = np.flatnonzero(nodes[1:] == nodes[:-1])
-    velocities = matrix.velocities(nodes[same])
-    for component in range(2):
-        at = velocities[:, component]
-        matrix.tie(owners[same], owners[same + 1], at, at)
-
-
-def _first_owner(nodes: Ints, owners: Ints, wanted: Ints) -> Ints:
-    return owners[np.searchsorted(nodes, wanted)]
-
-
-def _add_supports(
-    matrix: _Rows, problem: Elasticity, constraints: SupportConstraints, nodes: Ints, owners: Ints
-) -> None:
-    """Add prescribed displacements, springs, and that a body of revolution only moves along its axis."""
-    rows = constraints.node_rows
-    coefficients = np.einsum("ni,nij->nj", rows.directions, matrix.velocities(rows.nodes))
-    matrix.add(_first_owner(nodes, owners, rows.nodes), coefficients)
-    for spring in problem.springs:
-        at = problem.support_nodes(spring)
-        for direction, stiffness in zip(axes(spring.angle), (spring.x, spring.y), strict=True):
-            if stiffness > 0.0:
-                matrix.add(_first_owner(nodes, owners, at), np.einsum("i,nij->nj", direction, matrix.velocities(at)))
-    if problem.axisymmetric:
-        parts = np.unique(owners)
-        for motion in (0, 2):
-            matrix.add(parts, np.broadcast_to(np.eye(3)[motion], (len(parts), 3)))
-
-
-def _add_handles(
-    matrix: _Rows, problem: Elasticity, constraints: SupportConstraints, nodes: Ints, owners: Ints, n_pieces: int
-) -> None:
-    """Tie pieces to handles and add the handles' own constraints; handles turn about their pivots."""
-    for number, handle in enumerate(constraints.handles):
-        own = np.full(len(handle.nodes), n_pieces + number)
-        arms = handle.arms / np.array([1.0, 1.0, problem.size])
-        velocities = matrix.velocities(handle.nodes)
-        for component in range(2):
-            pieces = _first_owner(nodes, owners, handle.nodes)
-            matrix.tie(pieces, own, velocities[:, component], arms[:, component])
-        scaled = handle.rows.directions / np.array([1.0, 1.0, problem.size])
-        matrix.add(np.full(len(scaled), n_pieces + number), scaled / np.linalg.norm(scaled, axis=1, keepdims=True))
 
 
 def _which(problem: Elasticity, pieces: Ints, piece: int, n_pieces: int) -> str:

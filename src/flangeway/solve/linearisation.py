@@ -1,5 +1,7 @@
 """What the contact solver asks of a system of contacts, and what it measures of two linearisations and forces."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -55,23 +57,28 @@ class Linearisation(Protocol):
         """Slips from earlier positions (n_nodes, 2) of the surface nodes to those of the linearisation."""
 
 
-class Sliding(Protocol):
-    """Slips of the constraints of a linearisation about its positions, and the directions of tangential forces."""
+@dataclass(frozen=True, eq=False)
+class Sliding:
+    """Slips of the constraints of a linearisation about its positions, and the directions of tangential forces.
 
-    @property
-    def slips(self) -> Floats:
-        """Slips, shape (m,)."""
+    Parameters
+    ----------
+    slips
+        Slips, shape (m,).
+    jacobian
+        Derivatives of the slips, shape (m, 2 n_touched).
+    directions
+        Nodal forces of unit tangential forces, which do the work of the slips, shape (m, 2 n_touched).
+    curvature
+        Called with tangential forces (m,): derivatives of their nodal forces, not symmetric, (2 n_touched,
+        2 n_touched).
 
-    @property
-    def jacobian(self) -> sp.csr_array:
-        """Derivatives of the slips, shape (m, 2 n_touched)."""
+    """
 
-    @property
-    def directions(self) -> sp.csr_array:
-        """Nodal forces of unit tangential forces, which do the work of the slips, shape (m, 2 n_touched)."""
-
-    def curvature(self, forces: Floats) -> sp.csr_array:
-        """Derivatives of the nodal forces of tangential forces (m,), not symmetric, (2 n_touched, 2 n_touched)."""
+    slips: Floats
+    jacobian: sp.csr_array
+    directions: sp.csr_array
+    curvature: Callable[[Floats], sp.csr_array]
 
 
 class Constraints(Protocol):

@@ -9,8 +9,8 @@ import scipy.sparse as sp
 from flangeway.checks import SMALLEST, as_numbers
 from flangeway.errors import InputError
 from flangeway.problems import ElasticField, Elasticity
+from flangeway.problems.loads import GivenForces
 from flangeway.problems.nonlinear_body import (
-    ForceVector,
     Linearised,
     MaterialByCells,
     MaterialState,
@@ -149,7 +149,7 @@ def _solved(
             problem.space,
             problem.material,
             problem.thickness,
-            [ForceVector(unbalanced)],
+            [GivenForces(unbalanced)],
             supports,
             problem.name,
             tangents,

@@ -1,7 +1,6 @@
 """Linear bodies on all their unknowns: the reference for the condensed way."""
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -9,7 +8,8 @@ from scipy.sparse.linalg import splu
 
 from flangeway._core import Ldlt
 from flangeway.problems import Body
-from flangeway.solve.body_response import BodyResponse, Constrained, SurfaceNodes, components, turning
+from flangeway.solve.body_response import BodyResponse, Constrained, SurfaceNodes, turning
+from flangeway.solve.constraints import components
 from flangeway.solve.free_motions import refuse_floating
 from flangeway.solve.linear import NO_UNKNOWNS, factorise, ldlt
 from flangeway.space import SymmetricMatrix
@@ -59,6 +59,7 @@ class SparseBodies(BodyResponse):
             groups.append(first + surface.body.free_nodes)
             first += len(surface.body.free) // 2
         self._groups = np.concatenate(groups).astype(np.int32)
+        self._undeformed = self._factor(self._stiffness)
 
     @property
     def n_unknowns(self) -> int:
@@ -121,8 +122,7 @@ class SparseBodies(BodyResponse):
         own = YIELDING * np.asarray(jacobian.power(2) @ (1.0 / self._stiffness.diagonal()))
         return solved, own + laws.compliances
 
-    def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
-        """See `BodyResponse.fields`."""
+    def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:
         solution = self._solve(turning(rotations).T @ forces.ravel())
         return [
             surface.body.field(solution[start:end])
@@ -131,10 +131,6 @@ class SparseBodies(BodyResponse):
 
     def _factor(self, matrix: sp.sparray) -> Ldlt:
         return ldlt(SymmetricMatrix.from_full(matrix), self._groups)
-
-    @cached_property
-    def _undeformed(self) -> Ldlt:
-        return self._factor(self._stiffness)
 
     def _solve(self, at_nodes: Floats) -> Floats:
         rhs = np.zeros(self.n_unknowns + 1)

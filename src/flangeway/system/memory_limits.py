@@ -11,13 +11,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import psutil
 
 from flangeway.errors import InputError, OutOfMemoryError
 from flangeway.system.operating_system import system_module
 
 LIMIT = "FLANGEWAY_MEMORY_GB"
 GB = 1e9
-UNLIMITED = 2**63 - 1
 SMALL = 10_000_000  # bytes that every machine has: to ask the system takes longer than small work
 
 
@@ -53,28 +53,30 @@ def out_of_memory(work: str, needed: int | None) -> OutOfMemoryError:
 
 def peak_memory_bytes() -> int:
     """Most memory that this process has held at a time, in bytes; 0 where the system does not report it."""
-    resident = _status("VmHWM")
-    if resident is not None:
-        return resident
+    # the process's own: what `resource` reports begins with that of the process that started it
+    peak = re.search(r"^VmHWM:\s+(\d+) kB", _text(Path("/proc/self/status")), re.MULTILINE)
+    if peak:
+        return 1024 * int(peak[1])
     resource = system_module("resource")
-    unit = 1 if sys.platform == "darwin" else 1024
-    return 0 if resource is None else int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * unit
+    if resource is None:
+        return int(getattr(psutil.Process().memory_info(), "peak_wset", 0))  # Windows
+    return int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * (1 if sys.platform == "darwin" else 1024)
 
 
 def _bounds() -> Iterator[tuple[int, str]]:
     """Bytes left by each limit, and in words what limits."""
-    yield UNLIMITED, "since the system does not report it"
-    held = _status("VmRSS") or 0
+    memory = psutil.Process().memory_info()
+    held = memory.rss
     given = os.environ.get(LIMIT, "")
     if given:
         limit = _limit(given)
         yield limit - held, f"what {LIMIT} or --memory ({limit / GB:g} GB) leaves beside {_size(held)} in use"
     else:
-        yield from _machine(held)
+        yield psutil.virtual_memory().available, "what this machine has left"
         yield from ((left, "what the control group of this process has left") for left in _control_groups(Path("/")))
-    address_space = _address_space()
-    if address_space is not None:
-        yield address_space, "what the limit of the address space (ulimit -v) leaves"
+    resource = system_module("resource")
+    if resource is not None and (most := resource.getrlimit(resource.RLIMIT_AS)[0]) != resource.RLIM_INFINITY:
+        yield int(most) - memory.vms, "what the limit of the address space (ulimit -v) leaves"
 
 
 def _limit(given: str) -> int:
@@ -85,15 +87,6 @@ def _limit(given: str) -> int:
     if not (np.isfinite(gigabytes) and gigabytes > 0.0):
         raise InputError(f"{LIMIT}={given}", "a positive number of gigabytes", "correct it, or leave it out")
     return int(GB * gigabytes)
-
-
-def _machine(held: int) -> Iterator[tuple[int, str]]:
-    found = re.search(r"^MemAvailable:\s+(\d+) kB", _text(Path("/proc/meminfo")), re.MULTILINE)
-    if found:
-        yield 1024 * int(found[1]), "what this machine has left"
-    elif hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
-        total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-        yield total - held, "what this machine has beside what is in use"
 
 
 def _control_groups(root: Path) -> Iterator[int]:
@@ -110,19 +103,6 @@ def _control_groups(root: Path) -> Iterator[int]:
             if limit.isdigit() and used.isdigit():
                 cached = re.search(r"^(?:total_)?inactive_file (\d+)", _text(group / "memory.stat"), re.MULTILINE)
                 yield int(limit) - int(used) + (int(cached[1]) if cached else 0)
-
-
-def _address_space() -> int | None:
-    resource = system_module("resource")
-    if resource is None or (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) == resource.RLIM_INFINITY:
-        return None
-    return int(limit) - (_status("VmSize") or 0)
-
-
-def _status(name: str) -> int | None:
-    """Bytes of an entry of Linux's table of this process."""
-    found = re.search(rf"^{name}:\s+(\d+) kB", _text(Path("/proc/self/status")), re.MULTILINE)
-    return 1024 * int(found[1]) if found else None
 
 
 def _text(path: Path) -> str:

@@ -2,18 +2,17 @@
 
 import itertools
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from flangeway.campaign.chunk import Lost
-from flangeway.campaign.workers import LocalWorkers
+from flangeway.campaign.workers import LocalWorkers, LostWorkerError, computed
 from flangeway.cases.wheelset.spatial_wheelset_case import ROLLING_KEYS, SpatialWheelsetCase
 from flangeway.errors import InputError
-from flangeway.railway.spatial.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.system.disk_cache import Cache
 from flangeway.system.operating_system import number_of_cores
 from flangeway.system.versions import versions
@@ -28,8 +27,6 @@ N_POINTS, N_BETWEEN = 12, 3
 MOST_POSITIONS = 2000
 MOST_PASSES = 4
 """Passes in which lateral positions are added where the table is not within its tolerance."""
-PATIENCE_S = 1.0
-MOST_LOSSES = 2
 REPORT_S = 2.0
 POSITION_KEYS = ("lateral_mm", "yaw_mrad", "axle_load_kN", "vertical_mm", "roll_rad", "car_mass_t", "friction")
 """Inputs of a wheelset that the axes of a table replace, and friction, which is free."""
@@ -185,8 +182,16 @@ class _Build:
         if self.n_workers == 1 or len(tasks) < 2:
             yield from ((task, compute_position(task)) for task in tasks)
             return
-        with closing(_Pool(min(self.n_workers, len(tasks)))) as pool:
-            yield from pool.results(tasks)
+        workers: LocalWorkers[PositionTask, Arrays] = LocalWorkers(min(self.n_workers, len(tasks)), compute_position)
+        try:
+            for task, found in computed(workers, deque(tasks)):
+                if isinstance(found, LostWorkerError):
+                    raise InputError(
+                        f"position {task.position}: {found}", "a machine with enough memory", "give fewer workers"
+                    )
+                yield task, found
+        finally:
+            workers.stop()
 
     def _locate_jumps(self) -> None:
         """Add the lateral positions on both sides of each jump of the patches."""
@@ -344,33 +349,3 @@ def _sizes(errors: Any) -> dict[str, Any]:
     if not values.size:
         return {"n": 0, "max": None, "rms": None}
     return {"n": values.size, "max": float(values.max()), "rms": float(np.sqrt((values**2).mean()))}
-
-
-class _Pool:
-    """Processes of this machine."""
-
-    def __init__(self, n_workers: int) -> None:
-        self._workers: LocalWorkers[PositionTask, Arrays] = LocalWorkers(n_workers, compute_position)
-
-    def close(self) -> None:
-        """Stop them."""
-        self._workers.stop()
-
-    def results(self, tasks: list[PositionTask]) -> Iterable[tuple[PositionTask, Arrays]]:
-        """Results in the order in which they come; a position whose worker died is computed again, at most twice."""
-        waiting, lost, n_left = list(reversed(tasks)), dict.fromkeys(tasks, 0), len(tasks)
-        while n_left:
-            while waiting and self._workers.n_free:
-                self._workers.start(waiting.pop())
-            for task, found in self._workers.finished(PATIENCE_S):
-                if not isinstance(found, Lost):
-                    n_left -= 1
-                    yield task, found
-                elif lost[task] == MOST_LOSSES:
-                    raise InputError(
-                        f"position {task.position}: its worker was {found.reason}", "a machine with enough memory",
-                        "give fewer workers",
-                    )  # fmt: skip
-                else:
-                    lost[task] += 1
-                    waiting.append(task)

@@ -12,13 +12,13 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
-from flangeway.railway.spatial.rolling.patch_rolling import rolling_contact_of
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.spatial_result import solve_position
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
-from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed
+from flangeway.railway.wheelset.rolling.patch_rolling import rolling_contact_of
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_result import solve_position
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache, content_key
 from flangeway.tables import creep_sampling

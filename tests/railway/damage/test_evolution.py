@@ -14,7 +14,7 @@ from flangeway.railway.damage.surface_wear import patch_damage, patch_loads, row
 from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.spatial.spatial_result import solve_spatial
+from flangeway.railway.wheelset.spatial_result import solve_spatial
 
 COARSE = {
     "size_scale": 6.0,

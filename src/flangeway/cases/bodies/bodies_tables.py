@@ -6,6 +6,7 @@ from pydantic import Field
 
 from flangeway.cases.case import Box, Case, Pair, Table
 from flangeway.contact import NodeToSegment
+from flangeway.contact.node_to_segment import OVERHANG
 from flangeway.materials import Elastic, Hypothesis
 
 # ruff: noqa: N815 (units in names)
@@ -204,7 +205,7 @@ class ContactTable(Table):
     nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
     penetration_mm: float = Field(1e-5, gt=0.0, description="tolerated penetration of augmented-lagrange")
     weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
-    slack: float = Field(NodeToSegment.slack, gt=0.0, le=NodeToSegment.overhang, description=SLACK_MEANING)
+    slack: float = Field(NodeToSegment.slack, gt=0.0, le=OVERHANG, description=SLACK_MEANING)
 
 
 class StepsTable(Table):

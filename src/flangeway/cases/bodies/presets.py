@@ -23,6 +23,7 @@ from flangeway.cases.bodies.bodies_tables import (
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.cases.case import Progress
 from flangeway.contact import NodeToSegment
+from flangeway.contact.node_to_segment import OVERHANG
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
@@ -38,6 +39,7 @@ ZONE_OF_LENS = 0.85
 ZONE_OF_HERTZ = 1.6  # the same relative to Hertz's half width, where the force is given
 ZONE_EDGES = 3.0  # edges of the mesh that the fine zone is wider
 MAX_EDGES = 10_000  # on half of the fine zone: more is a mistake in a size
+MAX_RADIUS = 1e6  # radius relative to the elements' size above which a half disc is not meshed
 MIN_PIECES = 17  # minimum number of pieces of the polyline along a fine arc
 MAX_ZONE = 0.75  # half width of the fine zone relative to the radius: wider ones do not fit half discs
 
@@ -139,7 +141,7 @@ class HertzCase(BodiesPreset):
     stabilisation: StabilisationName = Field("default", description=STABILISATION_MEANING)
     weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
     nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
-    slack: float = Field(NodeToSegment.slack, gt=0.0, le=NodeToSegment.overhang, description=SLACK_MEANING)
+    slack: float = Field(NodeToSegment.slack, gt=0.0, le=OVERHANG, description=SLACK_MEANING)
     curved: bool = Field(True, description="whether gaps are measured between the circles, not between straight edges")
     n_steps: int = Field(1, ge=1, le=1000, description="number of equal load steps")
 
@@ -203,6 +205,13 @@ class HertzCase(BodiesPreset):
         if self.fine_arc_deg is not None:
             self._refuse_narrow(self.fine_arc_deg)
         zone, size = self._zone(), min(self.size_mm, self.lower_mesh_size)
+        for key, value in (("radius_mm", radius), ("lower_radius_mm", below)):
+            if value > MAX_RADIUS * size:
+                raise InputError(
+                    f"{key} = {value:g} with elements of size_mm = {size:g}",
+                    f"radii up to {MAX_RADIUS:g} times size_mm",
+                    'make it smaller; lower = "block" is flat',
+                )
         smallest = radius if self.lower == "block" else min(radius, below)
         if zone > MAX_ZONE * smallest:
             raise InputError(

@@ -1,8 +1,9 @@
 """A profile from a file or by name, checked, measured, joined and converted, as ``flangeway profile`` does it."""
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,8 @@ import numpy as np
 
 from flangeway.cases.wheelset.wheelset_profiles import with_body
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, Contour, Outline
+from flangeway.geometry import Contour, Outline
+from flangeway.quantities import Quantity, values
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.joining import BUNDLED_NAMES, Joined, joined, nominal_profile
@@ -40,8 +42,8 @@ FRAMES = {
 }
 """Meaning of the coordinates, by the origin of the frame."""
 
-NO_MEASURES = ("read_as", "versions", "peak_memory_MB", "timings_s")
-"""Keys of the summary that say nothing of the profile."""
+VERTICAL = {True: "up", False: "down"}
+MIN_CURVATURE_PER_MM = 1e-9  # below it a curve is straight
 TOP_OFF_MM = 0.05  # height of a rail's top from the file's y = 0 above which the frame says where it is
 
 _SPACING_MM = 0.25
@@ -50,18 +52,150 @@ _DEVIATION_MM = 2e-4
 
 @dataclass(frozen=True, eq=False)
 class ProfileRun(Result):
-    """A profile with its body, joints and summary."""
+    """A profile with its body and joints."""
 
     profile: MeasuredProfile  # running surface, or whole outline, as it was read
-    body: RailProfile | WheelProfile | None
+    body: RailProfile | WheelProfile | None = None
     """Whole rail or wheel: bundled, from a closed outline, or joined; None for a running surface alone."""
-    join: Joined | None  # how it was joined, None if it was not
-    summary: dict[str, Any] = field(default_factory=dict)  # content of ``profile.json``
+    join: Joined | None = None  # how it was joined, None if it was not
+
+    @cached_property
+    def running(self) -> Contour:
+        """The running surface, of a whole rail in the frame of its base."""
+        return self.profile.surface if self.body is None or self.join is not None else self.body.running_surface
+
+    @cached_property
+    def measures(self) -> dict[str, float]:
+        """Gauge measures of the running surface."""
+        return measures(self.running, self.profile.kind)
+
+    @property
+    def frame(self) -> str:
+        """Meaning of the coordinates; a file's origin need not be on the head's top."""
+        # the origin of a whole rail is on its base, also if that of its file was at the top
+        if self.profile.kind == "rail" and self.body is not None:
+            return FRAMES["base"]
+        origin, top = frame_origin(self.profile), float(self.profile.surface.bounds()[1, 1])
+        if self.profile.kind == "wheel" or origin == "base" or abs(top) <= TOP_OFF_MM:
+            return FRAMES[origin]
+        return FRAMES[origin].replace(
+            "at the top of the rail, up", f"where the file has it, up: the rail's top lies at {top:.3f}"
+        )
+
+    @property
+    def notices(self) -> list[str]:
+        """Sentences on what was left out, bridged, smoothed or assumed."""
+        return list(dict.fromkeys((*self.profile.notices, *(self.body.notices if self.body else ()))))
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """Content of ``profile.json``."""
+        taken, body = self.profile.orientation, self.body
+        return {
+            "title": self.profile.title,
+            **values(QUANTITIES, self),
+            "how": dict(taken.how),
+            "order_reversed": taken.reversed_order,
+            "shift_mm": list(taken.shift_mm),
+            "frame": self.frame,
+            "joints": [vars(joint) for joint in self.join.joints] if self.join else [],
+            "certainty": body.certainty if body else "",
+            "source": body.source if body else "",
+            "notices": self.notices,
+            "peak_memory_MB": peak_memory_bytes() / 1e6,
+            "versions": versions(),
+        }
 
     @property
     def table(self) -> ResultTable:
         """Its measures."""
-        return ResultTable.of_numbers({key: self.summary[key] for key in self.summary if key not in NO_MEASURES})
+        return ResultTable.of_numbers(values(QUANTITIES, self))
+
+
+def _how(key: str, read: Callable[[Orientation], str]) -> Callable[[ProfileRun], str]:
+    """Return how a property of the file was interpreted, and where that comes from."""
+    return lambda run: f"{read(run.profile.orientation)} ({run.profile.orientation.how[key]})"
+
+
+def _of_smoothing(read: Callable[[Smoothing], Any]) -> Callable[[ProfileRun], Any]:
+    return lambda run: run.profile.smoothing and read(run.profile.smoothing)
+
+
+def _measure(name: str) -> Callable[[ProfileRun], float | None]:
+    return lambda run: run.measures.get(name)
+
+
+def _radius(run: ProfileRun, sign: float) -> float | None:
+    curvature = max(sign * segment.curvature for segment in run.running.segments)
+    return 1.0 / curvature if curvature > MIN_CURVATURE_PER_MM else None
+
+
+def _worn_more_at(run: ProfileRun) -> str | None:
+    if run.profile.kind == "wheel":
+        return None
+    points = _along(run.running)
+    face, side = only_face(points), worn_side(points)
+    if face is not None:
+        return f"not seen: only the face of the {face} is measured"
+    return "neither" if side is None else f"{side.name}, by {side.more_mm:.2f} mm ({side.measure})"
+
+
+MEASURES: tuple[Quantity[ProfileRun], ...] = tuple(
+    Quantity(key, label, _measure(f"{key}_mm"), "mm", ".3f")
+    for key, label in {
+        "flange_height": "flange height Sh",
+        "flange_thickness": "flange thickness Sd",
+        "flange_slope": "flange slope measure qR",
+        "head_width": "width of the head, 14 mm below its top",
+        "gauge_drop": "drop 25 mm from the middle, gauge side",
+        "field_drop": "drop 25 mm from the middle, field side",
+        "gauge_half_width": "half width 14 mm below the top, gauge side",
+        "field_half_width": "half width 14 mm below the top, field side",
+    }.items()
+)
+"""Gauge measures of wheels (EN 15313) and of heads."""
+QUANTITIES: tuple[Quantity[ProfileRun], ...] = (
+    Quantity("kind", "kind", _how("kind", lambda taken: taken.kind)),
+    Quantity("format", "format", lambda run: run.profile.format),
+    Quantity("unit", "unit of the file", _how("unit", lambda taken: taken.unit)),
+    Quantity("vertical_axis", "vertical axis in the file", _how("up", lambda t: f"positive {VERTICAL[t.upwards]}")),
+    Quantity("mirrored", "mirrored", _how("side", lambda taken: "yes" if taken.mirrored else "no")),
+    Quantity("origin", "origin of the file", _how("origin", lambda taken: taken.origin)),
+    Quantity("tape", "tape line from the flange's back", lambda run: run.profile.orientation.tape_mm, "mm", "g"),
+    Quantity("points", "points", lambda run: len(run.profile.points), form="d"),
+    Quantity("arcs", "lines and arcs", lambda run: run.profile.surface.n_segments, form="d"),
+    Quantity("length", "arc length", lambda run: run.running.length, "mm", ".3f"),
+    Quantity("minimum", "minimum", lambda run: run.running.bounds()[0], "mm", "z.3f", ("x", "y")),
+    Quantity("maximum", "maximum", lambda run: run.running.bounds()[1], "mm", "z.3f", ("x", "y")),
+    Quantity("minimum_convex_radius", "minimum convex radius", lambda run: _radius(run, 1.0), "mm"),
+    Quantity("minimum_concave_radius", "minimum concave radius", lambda run: _radius(run, -1.0), "mm"),
+    *MEASURES,
+    Quantity("worn_more_at", "worn more at", _worn_more_at),
+    Quantity("noise", "noise of the points", _of_smoothing(lambda of: of.noise_um), "μm", ".3g"),
+    Quantity("wavelength", "smoothed by a wavelength of", _of_smoothing(lambda of: of.wavelength_mm), "mm", "g"),
+    Quantity("rms_deviation", "deviation, root mean square", _of_smoothing(lambda of: of.rms_um), "μm", ".2f"),
+    Quantity("maximum_deviation", "deviation, maximum", _of_smoothing(lambda of: of.maximum_um), "μm", ".2f"),
+    Quantity("limit", "limit of the deviation", _of_smoothing(lambda of: of.limit_um), "μm", ".3g"),
+    Quantity("points_at_limit", "points at the limit", _of_smoothing(lambda of: of.n_held), form="d"),
+    Quantity("joined_to", "joined to", lambda run: run.join and run.join.nominal.title),
+    Quantity(
+        "gap",
+        "gap to the nominal outline",
+        lambda run: run.join and [joint.gap_mm for joint in run.join.joints],
+        "mm",
+        ".3f",
+        ("first end", "second end"),
+    ),
+    Quantity(
+        "worn_area",
+        "worn area",
+        lambda run: run.join and run.join.nominal.outline.area - run.join.profile.outline.area,
+        "mm²",
+        ".1f",
+    ),
+    Quantity("area", "area of the whole section", lambda run: run.body and run.body.outline.area, "mm²", ".1f"),
+)
+"""What is reported of a profile; what there is not is None."""
 
 
 def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str | None = None) -> ProfileRun:
@@ -85,7 +219,7 @@ def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str
         body = whole_profile(profile)
     if join is None:
         profile = replace(profile, notices=(*profile.notices, *_as_cases_see_it(profile, name_or_file)))
-    return ProfileRun(profile, body, done, _summary(profile, body, done))
+    return ProfileRun(profile, body, done)
 
 
 def _as_cases_see_it(profile: MeasuredProfile, name: str) -> tuple[str, ...]:
@@ -117,7 +251,7 @@ def run_profiles(names: Sequence[str], options: ReadOptions, join: str | None = 
 
 
 def _renamed(run: ProfileRun, title: str) -> ProfileRun:
-    return replace(run, profile=replace(run.profile, title=title), summary={**run.summary, "title": title})
+    return replace(run, profile=replace(run.profile, title=title))
 
 
 def converted(run: ProfileRun, ending: str) -> str:
@@ -165,85 +299,4 @@ def _bundled(name: str) -> ProfileRun:
     taken = Orientation(kind, "mm", True, False, False, origin, tape, (0.0, 0.0), how)
     surface = body.running_surface
     profile = MeasuredProfile(body.title, "bundled", taken, _along(surface), surface, None)
-    return ProfileRun(profile, body, None, _summary(profile, body, None))
-
-
-def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, join: Joined | None) -> dict[str, Any]:
-    taken, surface = profile.orientation, profile.surface
-    running = body.running_surface if body is not None and join is None else surface
-    low, high = running.bounds()
-    curvatures = np.array([segment.curvature for segment in running.segments])
-    arcs = sum(isinstance(segment, Arc) for segment in surface.segments)
-    # the origin of a whole rail is on its base, also if that of its file was at the top
-    on_base = profile.kind == "rail" and body is not None
-    return {
-        "title": profile.title,
-        "format": profile.format,
-        "kind": profile.kind,
-        "read_as": {
-            "unit": taken.unit,
-            "second_coordinate_up": taken.upwards,
-            "mirrored": taken.mirrored,
-            "order_reversed": taken.reversed_order,
-            "origin": taken.origin,
-            "tape_line_from_flange_back_mm": taken.tape_mm,
-            "shift_mm": list(taken.shift_mm),
-            "how": dict(taken.how),
-        },
-        "frame": FRAMES["base"] if on_base else _frame(profile),
-        "points": len(profile.points),
-        "length_mm": running.length,
-        "lower_left_mm": low.tolist(),
-        "upper_right_mm": high.tolist(),
-        "lines": surface.n_segments - arcs,
-        "arcs": arcs,
-        "smallest_convex_radius_mm": _radius(curvatures.max(initial=0.0)),
-        "smallest_hollow_radius_mm": _radius(-curvatures.min(initial=0.0)),
-        "measures": measures(running, profile.kind),
-        "worn_side": None if profile.kind == "wheel" or (side := worn_side(_along(running))) is None else vars(side),
-        "only_face": None if profile.kind == "wheel" else only_face(_along(running)),
-        "smoothing": None if profile.smoothing is None else _smoothing_summary(profile.smoothing),
-        "join": None if join is None else _join_summary(join),
-        "area_mm2": body.outline.area if body is not None else None,
-        "certainty": body.certainty if body is not None else "",
-        "source": body.source if body is not None else "",
-        "notices": list(dict.fromkeys((*profile.notices, *(body.notices if body is not None else ())))),
-        "peak_memory_MB": peak_memory_bytes() / 1e6,
-        "versions": versions(),
-    }
-
-
-def _smoothing_summary(smoothing: Smoothing) -> dict[str, Any]:
-    return {
-        "noise_um": smoothing.noise_um,
-        "wavelength_mm": smoothing.wavelength_mm,
-        "rms_deviation_um": smoothing.rms_um,
-        "maximum_deviation_um": smoothing.maximum_um,
-        "limit_um": smoothing.limit_um,
-        "points_held_to_limit": smoothing.n_held,
-    }
-
-
-def _join_summary(join: Joined) -> dict[str, Any]:
-    return {
-        "nominal": join.nominal.title,
-        "area_less_than_nominal_mm2": join.nominal.outline.area - join.profile.outline.area,
-        "joints": [
-            {"name": j.name, "end_mm": list(j.end), "landing_mm": list(j.landing), "gap_mm": j.gap_mm}
-            for j in join.joints
-        ],
-    }
-
-
-def _frame(profile: MeasuredProfile) -> str:
-    """Return the meaning of the coordinates; a file's origin need not be on the head's top."""
-    text, top = FRAMES[frame_origin(profile)], float(profile.surface.bounds()[1, 1])
-    if profile.kind == "rail" and frame_origin(profile) != "base" and abs(top) > TOP_OFF_MM:
-        text = text.replace(
-            "at the top of the rail, up", f"where the file has it, up: the rail's top lies at {top:.3f}"
-        )
-    return text
-
-
-def _radius(curvature: float) -> float | None:
-    return 1.0 / curvature if curvature > 1e-9 else None
+    return ProfileRun(profile, body)

@@ -5,7 +5,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -14,8 +14,9 @@ from flangeway.cases.case import Case, Progress
 from flangeway.cases.rigid.rigid_case import GEOMETRY_CASES, GeometryCase
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes, side_warnings
 from flangeway.errors import InputError
-from flangeway.exact import contact_modulus
+from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
+from flangeway.quantities import Quantity, values
 from flangeway.railway.profiles.measures import conforming
 from flangeway.railway.rigid.conicity import (
     REFERENCE_AMPLITUDE_MM,
@@ -29,7 +30,6 @@ from flangeway.railway.rigid.rigid_equilibrium import (
     RigidContactPoint,
     RigidEquilibrium,
     RigidPosition,
-    held_ratios,
     rigid_equilibrium,
 )
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
@@ -130,15 +130,15 @@ class ConicityCase(Case):
     )
 
 
-def run_conicity(file: Path, values: Mapping[str, Any]) -> ConicityRun:
+def run_conicity(file: Path, inputs: Mapping[str, Any]) -> ConicityRun:
     """Read a rolling radius difference and compute its conicity.
 
     It is an `InputError` if the file cannot be read as a rolling radius difference, or an input is wrong.
     - `file`: see `flangeway.railway.rigid.conicity.read_rolling_radius_difference`.
-    - `values`: inputs of a `ConicityCase`.
+    - `inputs`: inputs of a `ConicityCase`.
     """
     start = time.perf_counter()
-    case = ConicityCase.from_values(values)
+    case = ConicityCase.from_values(inputs)
     difference = read_rolling_radius_difference(file, case.unit)
     conicities = conicities_of(difference, case.maximum_amplitude_mm)
     summary = {
@@ -154,29 +154,57 @@ def run_conicity(file: Path, values: Mapping[str, Any]) -> ConicityRun:
     return ConicityRun(difference, conicities, summary)
 
 
-FLANGE_ROOT_RADII_MM = (10.0, 12.0, 14.2875, 17.4625, 20.0)
-"""Radii of the narrow arc of the flange root that the figure compares."""
-
-WIDE_FLANGE_ROOT_RADII_MM = (30.0, 34.0, 38.1, 44.0, 50.0)
-"""Radii of the wide arc of the flange root that the figure compares."""
-
 _FURTHER_MM = 4.0  # beyond the maximum amplitude: an asymmetric wheelset oscillates about another position
 
 
-@dataclass(frozen=True, eq=False)
-class FlangeRootEffect:
-    """Lateral displacement in equilibrium over the radii of the flange root."""
+class LoadedContact(NamedTuple):
+    """A point of contact in equilibrium, and Hertz's line contact there; None between conforming curves."""
 
-    narrow_mm: Floats
-    lateral_narrow_mm: Floats
-    wide_mm: Floats  # narrow_mm, wide_mm: radii of the narrow and of the wide arc, (n,) and (m,)
-    lateral_wide_mm: Floats
-    """lateral_narrow_mm, lateral_wide_mm: lateral displacement in equilibrium for each, the other radius as it is; nan
-    without equilibrium."""
-    ratios: tuple[Floats, ...]
-    laterals_mm: tuple[Floats, ...]
-    """ratios, laterals_mm: for each narrow radius: lateral force over weight, and the lateral displacement in
-    equilibrium under it."""
+    point: RigidContactPoint
+    hertz: LineContact | None
+
+
+CONTACT_QUANTITIES: tuple[Quantity[LoadedContact], ...] = (
+    Quantity("side", "side", lambda at: at.point.side),
+    Quantity("normal_force", "normal force", lambda at: at.point.normal_force_N, "kN", ".2f", factor=1e-3),
+    Quantity("contact_angle", "contact angle", lambda at: math.degrees(at.point.contact_angle_rad), "deg", ".2f"),
+    Quantity("wheel_point", "point of the wheel", lambda at: at.point.wheel_point_mm, "mm", "z.2f", ("x", "y")),
+    Quantity("rail_point", "point of the rail", lambda at: at.point.rail_point_mm, "mm", "z.2f", ("x", "y")),
+    Quantity("rolling_radius", "rolling radius", lambda at: at.point.rolling_radius_mm, "mm", ".2f"),
+    Quantity("ahead_of_axle", "ahead of the axle", lambda at: at.point.ahead_mm, "mm", "z.2f"),
+    Quantity("relative_curvature", "relative curvature", lambda at: at.point.relative_curvature_per_mm, "1/mm"),
+    Quantity("hertz_half_width", "Hertz: half width", lambda at: at.hertz and at.hertz.half_width, "mm"),
+    Quantity("hertz_max_pressure", "Hertz: maximum pressure", lambda at: at.hertz and at.hertz.max_pressure, "MPa"),
+)
+"""Numbers of a point of contact."""
+POSITION_QUANTITIES: tuple[Quantity[RigidPosition], ...] = (
+    Quantity("lateral", "lateral position", lambda at: at.motion_in_space.lateral_mm, "mm", "z.3f"),
+    Quantity("vertical", "vertical position", lambda at: at.motion_in_space.vertical_mm, "mm", "z.4f"),
+    Quantity("roll", "roll", lambda at: at.motion_in_space.roll_rad, "mrad", "z.4f", factor=1e3),
+    Quantity(
+        "lateral_over_vertical",
+        "L/V",
+        lambda at: [at.lateral_over_vertical(side) for side in SIDES],
+        form="z.3f",
+        parts=SIDES,
+    ),
+)
+"""Numbers of a position in equilibrium."""
+CONICITY_QUANTITIES: tuple[Quantity["GeometryRun | ConicityRun"], ...] = (
+    Quantity(
+        "conicity_integration",
+        f"equivalent conicity at {REFERENCE_AMPLITUDE_MM:g} mm",
+        lambda run: (run.conicities.at_reference() or {}).get("integration"),
+        form=".4f",
+    ),
+    Quantity(
+        "conicity_regression",
+        "  by linear regression",
+        lambda run: (run.conicities.at_reference() or {}).get("regression"),
+        form=".4f",
+    ),
+)
+"""Numbers of a rolling radius difference."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,9 +218,7 @@ class GeometryRun(Result):
     jumps: tuple[ContactJump, ...]  # where they jump
     conicities: Conicities  # equivalent conicity over the amplitude
     equilibrium: RigidEquilibrium  # equilibria under the load
-    flange_root: FlangeRootEffect | None
-    """Effect of the flange root's radii on the equilibrium; None for wheels without that parameter, without lateral
-    force or without equilibrium."""
+    contacts: tuple[LoadedContact, ...]  # points of contact in equilibrium
     summary: dict[str, Any]  # content of ``geometry.json``
 
     @property
@@ -209,15 +235,11 @@ class GeometryRun(Result):
             at = locus.side(side)
             columns |= {
                 f"{side}_wheel_x_mm": at.wheel_points_mm[:, 0, 0],
-                f"{side}_wheel_y_mm": at.wheel_points_mm[:, 0, 1],
                 f"{side}_rail_x_mm": at.rail_points_mm[:, 0, 0],
-                f"{side}_rail_y_mm": at.rail_points_mm[:, 0, 1],
                 f"{side}_contact_angle_deg": np.degrees(at.contact_angles_rad[:, 0]),
                 f"{side}_rolling_radius_mm": at.rolling_radii_mm[:, 0],
                 f"{side}_ahead_mm": at.ahead_mm[:, 0],
-                f"{side}_relative_curvature_per_m": 1e3 * at.relative_curvatures_per_mm[:, 0],
                 f"{side}_next_gap_mm": at.gaps_mm[:, 1],
-                f"{side}_next_wheel_x_mm": at.wheel_points_mm[:, 1, 0],
             }
         return ResultTable(columns)
 
@@ -234,9 +256,9 @@ def run_geometry(
     track, axle = case.track(), case.wheelset()
     geometry = RigidGeometry.of(track, axle, case.yaw_rad)
     remarks = list(notices)
-    progress("lowering the wheelset on the rails")
+    progress("finding contact points")
     reach = max(case.maximum_lateral_mm, case.maximum_amplitude_mm + _FURTHER_MM)
-    whole = _scanned(geometry, case, reach)
+    whole = geometry.scanned(reach, case.step_mm, roll=case.roll == "free")
     wanted = math.floor(case.maximum_lateral_mm / case.step_mm + 1e-9) * case.step_mm
     shown = np.abs(whole.lateral_mm) < wanted + 0.5 * case.step_mm
     first, last = np.flatnonzero(shown)[[0, -1]]
@@ -246,99 +268,34 @@ def run_geometry(
             f"the scan of {case.maximum_lateral_mm:g} mm stops at lateral displacements of {locus.lateral_mm[0]:.2f} "
             f"and {locus.lateral_mm[-1]:.2f} mm: beyond, a flange climbs or a running surface ends"
         )
-    progress("narrowing the jumps of the points of contact")
+    progress("locating contact jumps")
     jumps = geometry.jumps(float(np.abs(locus.lateral_mm).max())) if case.roll == "free" else ()
     progress("integrating the kinematic motion")
     conicities = conicities_of(RollingRadiusDifference.of(whole), case.maximum_amplitude_mm)
     remarks += conicities.notices
     progress("finding the equilibrium under the load")
     equilibrium = rigid_equilibrium(geometry, case.load())
-    flange_root = None
-    if case.wheel == "AAR-1B" and case.lateral_force_kN != 0.0 and equilibrium.position is not None:
-        progress("varying the radii of the flange root")
-        flange_root = flange_root_effect(case)
+    contacts = _loaded_contacts(equilibrium, case, track, axle)
     remarks += [*side_warnings(track), *case.derived(), *profile_notes(track, axle)]
-    summary = _summary(name, case, jumps, conicities, equilibrium, remarks)
-    _leave_out_conforming(summary, track, axle)
-    summary["timings_s"] = {"total": time.perf_counter() - start}
-    summary["peak_memory_MB"] = peak_memory_bytes() / 1e6
-    return GeometryRun(name, case, geometry, locus, jumps, conicities, equilibrium, flange_root, summary)
-
-
-def _leave_out_conforming(summary: dict[str, Any], track: Track, axle: Wheelset) -> None:
-    """Leave out Hertz's estimates of contacts that conform, see `flangeway.railway.profiles.measures.conforming`."""
-    for row in (summary["equilibrium"] or {"contacts": ()})["contacts"]:
-        wheel, rail, width = axle.wheel_of(row["side"]), track.rail_of(row["side"]), row["hertz_half_width_mm"]
-        if width is not None and conforming(wheel, row["wheel_point_mm"], rail, row["rail_point_mm"], width):
-            row["hertz_half_width_mm"] = row["hertz_max_pressure_MPa"] = None
-
-
-def _scanned(geometry: RigidGeometry, case: GeometryCase, reach: float) -> ContactLocus:
-    """Positions to both sides as far as the wheels touch inside the running surfaces and no flange climbs."""
-    rolls = case.roll == "free"
-    low, high = geometry.limits(reach, roll=rolls)
-    numbers = np.arange(math.ceil(max(low, -reach) / case.step_mm), math.floor(min(high, reach) / case.step_mm) + 1)
-    return geometry.locus(numbers * case.step_mm, roll=rolls)
-
-
-def flange_root_effect(case: GeometryCase) -> FlangeRootEffect:
-    """Lateral displacement in equilibrium for several radii of the AAR-1B's flange root.
-
-    It is an `InputError` if the case's wheel is another one.
-    """
-    if case.wheel != "AAR-1B":
-        raise InputError(f"flange root radii of {case.wheel}", "AAR-1B", "choose the wheel with this parameter")
-    load = case.load()
-
-    def varied(name: str, radii: tuple[float, ...]) -> tuple[list[RigidGeometry], Floats]:
-        found = [case.model_copy(update={name: radius}).geometry() for radius in radii]
-        positions = [rigid_equilibrium(each, load, reached_only=True).position for each in found]
-        laterals = [math.nan if each is None else each.motion_in_space.lateral_mm for each in positions]
-        return found, np.array(laterals)
-
-    geometries, lateral_narrow = varied("flange_root_radius_mm", FLANGE_ROOT_RADII_MM)
-    lateral_wide = varied("wide_flange_root_radius_mm", WIDE_FLANGE_ROOT_RADII_MM)[1]
-    ratios, laterals = [], []
-    for each in geometries:
-        path = each.path(25.0)
-        lateral = each.axle_lateral(path)
-        outward = (path.rail_level >= 0.0) & (np.arange(len(lateral)) <= int(np.argmax(lateral)))
-        ratios.append(held_ratios(each, path)[outward])
-        laterals.append(lateral[outward])
-    return FlangeRootEffect(
-        np.array(FLANGE_ROOT_RADII_MM),
-        lateral_narrow,
-        np.array(WIDE_FLANGE_ROOT_RADII_MM),
-        lateral_wide,
-        tuple(ratios),
-        tuple(laterals),
-    )
-
-
-def _summary(
-    name: str,
-    case: GeometryCase,
-    jumps: tuple[ContactJump, ...],
-    conicities: Conicities,
-    equilibrium: RigidEquilibrium,
-    notices: list[str],
-) -> dict[str, Any]:
     status, position = equilibrium.status, equilibrium.position
-    return {
+    summary = {
         "case": name,
         "title": _title(name, case),
         "status": {"converged": status.converged, "message": status.message},
         "inputs": case.model_dump(),
         "load_lateral_over_vertical": equilibrium.load_ratio,
-        "equilibrium": None if position is None else _position_rows(position, case),
-        "number_of_equilibria": len(equilibrium.positions),
+        "equilibrium": position
+        and {
+            **values(POSITION_QUANTITIES, position),
+            "contacts": [values(CONTACT_QUANTITIES, contact) for contact in contacts],
+        },
         "all_equilibria": [
             {
-                "lateral_mm": each.motion_in_space.lateral_mm,
-                "stable": each.stable,
-                "neutral_between_mm": each.neutral_mm,
+                "lateral_mm": other.motion_in_space.lateral_mm,
+                "stable": other.stable,
+                "neutral_between_mm": other.neutral_mm,
             }
-            for each in equilibrium.positions
+            for other in equilibrium.positions
         ],
         "jumps": [
             {
@@ -350,47 +307,34 @@ def _summary(
             for jump in jumps
         ],
         "equivalent_conicity": conicities.at_reference(),
-        "notices": notices,
+        "notices": remarks,
         "versions": versions(),
+        "timings_s": {"total": time.perf_counter() - start},
+        "peak_memory_MB": peak_memory_bytes() / 1e6,
     }
+    return GeometryRun(name, case, geometry, locus, jumps, conicities, equilibrium, contacts, summary)
+
+
+def _loaded_contacts(
+    equilibrium: RigidEquilibrium, case: GeometryCase, track: Track, axle: Wheelset
+) -> tuple[LoadedContact, ...]:
+    """Points of contact with Hertz's estimates where the bodies do not conform, see `conforming`."""
+    steel = Elastic(case.young_MPa, case.poisson).plane_modulus
+    modulus = contact_modulus(steel, steel)
+    contacts = []
+    for point in equilibrium.position.contacts if equilibrium.position else ():
+        hertz = point.hertz(case.thickness_mm, modulus)
+        bodies = axle.wheel_of(point.side), point.wheel_point_mm, track.rail_of(point.side), point.rail_point_mm
+        conforms = hertz is not None and conforming(*bodies, hertz.half_width)
+        contacts.append(LoadedContact(point, None if conforms else hertz))
+    return tuple(contacts)
 
 
 def _title(name: str, case: GeometryCase) -> str:
     """Return the title of a case with the inputs that are changed."""
     if name not in GEOMETRY_CASES:
         return name
-    title, values = GEOMETRY_CASES[name]
-    usual = GeometryCase.from_values(values).model_dump()
+    title, changes = GEOMETRY_CASES[name]
+    usual = GeometryCase.from_values(changes).model_dump()
     changed = [f"{key} = {value}" for key, value in case.model_dump(exclude={"units"}).items() if value != usual[key]]
     return f"{title}; changed: {', '.join(changed)}" if changed else title
-
-
-def _position_rows(position: RigidPosition, case: GeometryCase) -> dict[str, Any]:
-    steel = Elastic(case.young_MPa, case.poisson).plane_modulus
-    modulus = contact_modulus(steel, steel)
-    return {
-        "lateral_mm": position.motion_in_space.lateral_mm,
-        "vertical_mm": position.motion_in_space.vertical_mm,
-        "roll_rad": position.motion_in_space.roll_rad,
-        "stable": position.stable,
-        "neutral_between_mm": position.neutral_mm,
-        "residual": position.residual,
-        "lateral_over_vertical": {side: position.lateral_over_vertical(side) for side in SIDES},
-        "contacts": [_contact_row(point, case.thickness_mm, modulus) for point in position.contacts],
-    }
-
-
-def _contact_row(point: RigidContactPoint, thickness_mm: float, modulus: float) -> dict[str, Any]:
-    hertz = point.hertz(thickness_mm, modulus)
-    return {
-        "side": point.side,
-        "normal_force_kN": 1e-3 * point.normal_force_N,
-        "contact_angle_deg": math.degrees(point.contact_angle_rad),
-        "rolling_radius_mm": point.rolling_radius_mm,
-        "ahead_of_axle_mm": point.ahead_mm,
-        "wheel_point_mm": point.wheel_point_mm,
-        "rail_point_mm": point.rail_point_mm,
-        "relative_curvature_per_mm": point.relative_curvature_per_mm,
-        "hertz_half_width_mm": None if hertz is None else hertz.half_width,
-        "hertz_max_pressure_MPa": None if hertz is None else hertz.max_pressure,
-    }

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from flangeway.cases.summary import SummaryPart
-from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.track.placements import SIDES
+from flangeway.railway.wheelset.spatial_result import SpatialResult
 
 # ruff: noqa: N815 (units in names)
 

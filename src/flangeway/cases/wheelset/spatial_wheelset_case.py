@@ -17,16 +17,16 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.theories import Theory
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
-from flangeway.railway.spatial.axle import Axle
-from flangeway.railway.spatial.rail_supports import RailSupport
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.running_surfaces import PATCH_CELLS, SpatialModel, running_surfaces
-from flangeway.railway.spatial.spatial_result import SpatialResult, solve_position, solve_spatial
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
-from flangeway.railway.spatial.whole_wheel import WheelDisc
 from flangeway.railway.track.discretisation import Discretisation, Method
 from flangeway.railway.track.placements import RUNNING_CIRCLES_MM
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.railway.wheelset.axle import Axle
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.running_surfaces import PATCH_CELLS, SpatialModel, running_surfaces
+from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position, solve_spatial
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.supported_rail import RailSupport
+from flangeway.railway.wheelset.whole_wheel import WheelDisc
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 

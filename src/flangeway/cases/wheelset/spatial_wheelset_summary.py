@@ -20,11 +20,11 @@ from flangeway.cases.wheelset.wheelset_summary import (
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, Rolling
 from flangeway.post.patch_stresses import StressMaximum
-from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
-from flangeway.railway.spatial.spatial_result import SpatialResult
-from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES, Side
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch
+from flangeway.railway.wheelset.spatial_result import SpatialResult
+from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.types import Floats
 
 # ruff: noqa: N815 (units in names)

@@ -10,7 +10,6 @@ from flangeway.cases.wheelset.wheelset_profiles import position_key, rail_named,
 from flangeway.cases.wheelset.wheelset_summary import PublishedPosition
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import WheelProfile
-from flangeway.railway.profiles.flange_root import with_wide_flange_root
 from flangeway.railway.profiles.profile_file import ReadOptions
 from flangeway.railway.track.placements import USUAL_GAUGES, Track, Wheelset, usual_gauge
 from flangeway.railway.track.wheelset_load import (
@@ -42,14 +41,6 @@ class WheelsetInputs(Case):
     wheel: str = Field(
         "AAR-1B",
         description="wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file",
-    )
-    flange_root_radius_mm: float | None = Field(
-        None, gt=0.0, description="radius of the AAR-1B's flange root beside the flange (default: the bundled one)"
-    )
-    wide_flange_root_radius_mm: float | None = Field(
-        None,
-        gt=0.0,
-        description="radius of the wide arc between the AAR-1B's flange root and tread (default: the bundled one)",
     )
     left_rail: str | None = Field(None, description="rail of the left side, a name or a file (default: rail)")
     left_wheel: str | None = Field(None, description="wheel of the left side, a name or a file (default: wheel)")
@@ -300,14 +291,7 @@ class WheelsetInputs(Case):
     def _wheel(self, key: Literal["wheel", "left_wheel"]) -> WheelProfile:
         name, read = str(getattr(self, key)), self._reading(key)
         other = self.left_wheel if key == "wheel" else self.wheel
-        if name != "AAR-1B" and other == "AAR-1B":
-            return wheel_named(name, None, self.wheel_body, other, read, key)
-        found = wheel_named(name, self.flange_root_radius_mm, self.wheel_body, other, read, key)
-        return (
-            found
-            if self.wide_flange_root_radius_mm is None
-            else with_wide_flange_root(found, self.wide_flange_root_radius_mm)
-        )
+        return wheel_named(name, self.wheel_body, other, read, key)
 
     def wheelset(self) -> Wheelset:
         """Return the wheels on their axle."""

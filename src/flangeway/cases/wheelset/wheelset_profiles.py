@@ -72,7 +72,6 @@ def rail_named(
 
 def wheel_named(
     name: str,
-    flange_root_radius_mm: float | None,
     body: str | None = None,
     other: str | None = None,
     options: ReadOptions = READ_AS_IT_IS,
@@ -83,12 +82,8 @@ def wheel_named(
         _refuse_other_kind(name, "wheel")
         _refuse_options(name, options, key)
         if name == IDENTIFIED:
-            if flange_root_radius_mm is not None:
-                raise InputError(
-                    f"flange_root_radius_mm = {flange_root_radius_mm:g} for {name}", "AAR-1B", "leave it out"
-                )
             return identified_wheel()
-        return wheel(name, flange_root_radius_mm=flange_root_radius_mm)
+        return wheel(name)
     found = _from_file(name, "wheel", body, other, options, key)
     if not isinstance(found, WheelProfile):
         raise TypeError("a wheel's file gives a wheel")

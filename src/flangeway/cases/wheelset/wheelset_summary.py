@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from flangeway.cases.summary import StatusSummary, Summary, SummaryPart
-from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.track.wheelset_load import WheelsetLoad
+from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
 # ruff: noqa: N815 (units in names)

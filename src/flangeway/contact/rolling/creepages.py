@@ -69,6 +69,10 @@ class Creepages:
         """The same with changes of the creepages."""
         return replace(self, along=self.along + along, across=self.across + across)
 
+    def about(self, s: float, z: float) -> Self:
+        """The same motion about a place at (s, z) from the origin, which becomes the origin."""
+        return replace(self, along=self.along + self.spin * s, across=self.across - self.spin * z)
+
     def mean(self, s: Floats, weights: Floats) -> Self:
         """Numbers for all rows at places s with weights whose sum is 1."""
         along, across, spin = (np.broadcast_to(each[:, 0], s.shape) for each in self._rows(len(s)))

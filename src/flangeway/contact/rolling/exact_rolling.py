@@ -147,6 +147,43 @@ def derivatives(found: Rolling) -> Floats:
     return np.stack([step.resultants(step.outside(each)) for each in columns], axis=1)
 
 
+def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Floats, Floats]:
+    """Derivatives of the sum of tangential forces times values, by rigid slip and normal forces of the cells.
+
+    The law of friction is linearised at the result: cells that stick go on to stick, others to slip.
+
+    Parameters
+    ----------
+    found
+        Steady rolling by `roll`.
+    values
+        On the cells, (n_cells, 2, n_strips).
+    tolerance
+        Residual of the linear equations over their right-hand side.
+
+    Returns
+    -------
+    tuple[Floats, Floats]
+        By the rigid slip over the distance rolled (`Creepages.rigid`), (n_cells, 2, n_strips), and by the normal
+        forces, (n_cells, n_strips).
+
+    """
+    assert found.problem is not None
+    assert found.state is not None
+    step = _Step(found.contact, found.motion, None, found.contact)
+    rows, strips = step.inside
+    by_slip, by_limits = found.problem.adjoint(found.state, step.turned(values)[rows, :, strips], tolerance)
+    pressing = step.cells(found.contact.normal_forces)
+    by_normal = by_limits * found.problem.limits / np.where(pressing > 0.0, pressing, 1.0)
+    by_normal = step.outside(np.stack((by_normal, by_normal), axis=1))[:, 0]
+    if found.contact.coupled:  # normal forces move the surfaces along t and z: by reciprocity these the normals
+        forces = np.zeros((len(by_normal), 2, by_normal.shape[1] + 2 * BEYOND))
+        for k, weight in enumerate(step.weights):
+            forces[rows, :, strips.start + BEYOND + k : strips.stop + BEYOND + k] += weight * by_slip
+        by_normal = by_normal + found.contact.raised_by(step.turned(forces))
+    return step.distance * step.outside(by_slip), by_normal
+
+
 @dataclass(frozen=True, eq=False)
 class _Step:
     """One state to be found: of steady rolling, or from one before, at pressures that are known.
@@ -194,6 +231,10 @@ class _Step:
         rows, strips = self.contact.box
         n = self.contact.grid.n_strips
         return rows, strips if self.motion.speed >= 0.0 else slice(n - strips.stop, n - strips.start)
+
+    def cells(self, values: Floats) -> Floats:
+        """Numbers of the cells (n_cells, n_strips) in the box, in the direction of rolling."""
+        return np.asarray((values if self.motion.speed >= 0.0 else values[:, ::-1])[self.inside])
 
     def rigid(self, along: Floats | float, across: Floats | float, spin: Floats | float) -> Floats:
         """Rigid slip in the box over the distance."""
@@ -309,8 +350,7 @@ class _Step:
     ) -> tuple[FrictionProblem, FrictionState, Status]:
         """Forces at creepages, and at limits that may fall with the slip velocity."""
         rows, strips = self.inside
-        friction, pressing = self.contact.friction, self.turned(self.contact.normal_forces[:, None])
-        pressing = np.abs(pressing[rows, 0, strips])
+        friction, pressing = self.contact.friction, self.cells(self.contact.normal_forces)
         static = friction.limits[0][:, None]
         rigid = self.rigid(motion.along, motion.across, motion.spin) + self.known_slip
         operator = self.contact.operator(self.weights if self.steady else self.weights[:1])

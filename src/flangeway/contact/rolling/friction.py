@@ -71,6 +71,14 @@ class Friction:
         static, kinetic = (np.atleast_1d(as_numbers("coefficients of friction", each)) for each in given)
         return static, kinetic
 
+    def of_rows(self, rows: slice) -> "Friction":
+        """The same on some of the rows of cells."""
+        static, kinetic = self.limits
+        if max(len(static), len(kinetic)) == 1:
+            return self
+        static, kinetic = (each if len(each) == 1 else each[rows] for each in (static, kinetic))
+        return Friction(static, kinetic, self.decay)
+
     @property
     def constant(self) -> bool:
         """Whether the coefficient does not depend on the slip velocity."""

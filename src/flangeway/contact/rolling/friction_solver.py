@@ -7,6 +7,7 @@ monotone, so there is one solution. Newton's method for this equation solves ``S
 tangential part of the law on the others.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -17,6 +18,8 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from flangeway.contact.patch.normal_contact import Convolution
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
+
+Linear = Callable[[Floats], Floats]
 
 MOST_STEPS = 60
 FORCING = (1e-2, 0.1)
@@ -76,6 +79,14 @@ class SlipOperator:
             bands = np.repeat(np.array(self.weights)[::-1, None], self.shape[2], axis=1)
             found = solve_banded((0, len(bands) - 1), bands, found.T, check_finite=False).T
         return found.reshape(self.shape)
+
+    @cached_property
+    def reversed(self) -> "SlipOperator":
+        """The transposed operator on strips in reversed order, which is that of rolling the other way.
+
+        Of ``B_ij = b(i - j)`` the transpose is ``b(j - i)^T``.
+        """
+        return SlipOperator(self.coefficients.swapaxes(1, 2), self.weights, self.shape[2])
 
     @cached_property
     def coarser(self) -> "SlipOperator":
@@ -201,44 +212,62 @@ class FrictionProblem:
 
     def solved(self, state: FrictionState, right: Floats, tolerance: float) -> Floats:
         """Solve the linearised law for a change of the residual."""
-        shape, scale, slipping = right.shape, self.operator.scale, self.loaded & ~state.sticks
-        ratio, n = np.where(slipping, state.share, 0.0), state.direction
+        sticks, scale, ratio, n = state.sticks, self.operator.scale, self._ratio(state), state.direction
+        weight, along = self._sticking(state)
 
-        def law(vector: Floats) -> Floats:
-            forces = vector.reshape(shape)
+        def law(forces: Floats) -> Floats:
             moved = scale * self.operator(np.where(self.loaded, forces, 0.0))
             # where it slips: df - ratio (1 - n n') (df - r dS)
-            other = forces - ratio * (forces - moved)
-            other += n * (ratio * np.sum(n * (forces - moved), axis=1, keepdims=True))
-            return np.where(state.sticks, moved, np.where(slipping, other, forces)).ravel()
+            return np.where(sticks, moved, forces - ratio * _across(n, forces - moved))
 
-        # across the slip a cell that hardly slips is as one that sticks, and one that slips far is by itself
-        weight = np.where(state.sticks, 1.0, np.clip(3.0 * ratio - 1.0, 0.0, 1.0))
-        along = np.where(state.sticks, 0.0, n)
+        def near(values: Floats) -> Floats:
+            across = weight * _across(along, values)
+            return values + weight * _across(along, self.operator.preconditioned(across / scale) - across)
+
+        return np.where(self.loaded, _solved(law, near, right, tolerance), 0.0)
+
+    def adjoint(self, state: FrictionState, values: Floats, tolerance: float) -> tuple[Floats, Floats]:
+        """Derivatives of the sum of the forces times values, by the rigid slip and by the limits.
+
+        - `values`: (n_cells, 2, n_strips).
+        - `tolerance`: residual of the linear equations over their right-hand side.
+
+        Returned: (n_cells, 2, n_strips) and (n_cells, n_strips).
+        """
+        # of df = -J^-1 (D r dg - n dm) and J = 1 - D + D r B with D the matrix of the cells, the transpose
+        sticks, scale, ratio, n = state.sticks, self.operator.scale, self._ratio(state), state.direction
+        (weight, along), other = self._sticking(state), self.operator.reversed
+
+        def law(vector: Floats) -> Floats:
+            inside = np.where(sticks, vector, ratio * _across(n, vector))
+            moved = other((scale * inside)[..., ::-1])[..., ::-1]
+            return vector - inside + np.where(self.loaded, moved, 0.0)
 
         def near(vector: Floats) -> Floats:
-            values = vector.reshape(shape)
-            across = values - along * np.sum(along * values, axis=1, keepdims=True)
-            inside = self.operator.preconditioned(weight * across / scale) - weight * across
-            return (values + weight * (inside - along * np.sum(along * inside, axis=1, keepdims=True))).ravel()
+            across = weight * _across(along, vector)
+            inside = other.preconditioned(across[..., ::-1])[..., ::-1] / scale
+            return vector + weight * _across(along, inside - across)
 
-        whole = (right.size, right.size)
-        found, _ = gmres(
-            LinearOperator(whole, law, dtype=np.float64),
-            right.ravel(),
-            M=LinearOperator(whole, near, dtype=np.float64),
-            rtol=tolerance,
-            restart=RESTART,
-            maxiter=CYCLES,
-        )
-        return np.where(self.loaded, found.reshape(shape), 0.0)
+        found = _solved(law, near, np.where(self.loaded, values, 0.0), tolerance)
+        by_slip = -scale * np.where(sticks, found, ratio * _across(n, found))
+        return by_slip, np.sum(n * found, axis=1) * (self.loaded & ~sticks)[:, 0]
+
+    def _ratio(self, state: FrictionState) -> Floats:
+        return np.where(self.loaded & ~state.sticks, state.share, 0.0)
+
+    def _sticking(self, state: FrictionState) -> tuple[Floats, Floats]:
+        """How far cells are as those that stick, and in which direction they are not.
+
+        Across the slip a cell that hardly slips is as one that sticks, and one that slips far is by itself.
+        """
+        weight = np.where(state.sticks, 1.0, np.clip(3.0 * self._ratio(state) - 1.0, 0.0, 1.0))
+        return weight, np.where(state.sticks, 0.0, state.direction)
 
     def derivative(self, state: FrictionState, rigid: Floats, tolerance: float = 1e-4) -> Floats:
         """Change of the forces by a change of the rigid slip."""
-        n, ratio = state.direction, np.where(self.loaded & ~state.sticks, state.share, 0.0)
         scaled = self.operator.scale * rigid
-        across = scaled - n * np.sum(n * scaled, axis=1, keepdims=True)
-        return -self.solved(state, np.where(state.sticks, scaled, ratio * across), tolerance)
+        slipping = self._ratio(state) * _across(state.direction, scaled)
+        return -self.solved(state, np.where(state.sticks, scaled, slipping), tolerance)
 
     def _within(self, forces: Floats) -> Floats:
         """Forces cut at the limits."""
@@ -264,3 +293,20 @@ class FrictionProblem:
         share = state.forces / np.maximum(limits, np.finfo(float).tiny)[:, None]
         fine = np.repeat(np.repeat(share, 2, axis=0), 2, axis=-1)[:n_cells, :, :n_strips]
         return np.asarray(fine * self.limits[:, None])
+
+
+def _across(directions: Floats, values: Floats) -> Floats:
+    """Parts of values across directions, (n_cells, 2, n_strips) each."""
+    return np.asarray(values - directions * np.sum(directions * values, axis=1, keepdims=True))
+
+
+def _solved(law: Linear, near: Linear, right: Floats, tolerance: float) -> Floats:
+    """Solve linear equations by GMRES, with an operator that is near to the inverse."""
+
+    def flat(operator: Linear) -> LinearOperator:
+        return LinearOperator(
+            (right.size, right.size), lambda vector: operator(vector.reshape(right.shape)).ravel(), dtype=np.float64
+        )
+
+    found, _ = gmres(flat(law), right.ravel(), M=flat(near), rtol=tolerance, restart=RESTART, maxiter=CYCLES)
+    return np.asarray(found.reshape(right.shape))

@@ -214,9 +214,11 @@ class RollingContact:
         """Rows and strips of the cells under pressure."""
         return box_of(self.pressures > 0.0)
 
-    def under(self, pressures: Floats, near: "RollingContact | None" = None) -> "RollingContact":
+    def under(
+        self, pressures: Floats, near: "RollingContact | None" = None, friction: Friction | None = None
+    ) -> "RollingContact":
         """The same cells under other pressures; operators are shared, and the box holds that of a near contact too."""
-        found = replace(self, pressures=pressures)
+        found = replace(self, pressures=pressures, friction=friction or self.friction)
         object.__setattr__(found, "_operators", self._operators)
         if near is not None:
             pairs = zip(near.box, found.box, strict=True)
@@ -271,6 +273,12 @@ class RollingContact:
         forces = np.zeros((len(tangential), 3, tangential.shape[2]))
         forces[:, ::2] = tangential
         return self._displacements(forces)
+
+    def raised_by(self, tangential: Floats) -> Floats:
+        """Displacements along n on the cells by forces (t, z) on `BEYOND` more strips at each end."""
+        forces = np.zeros((len(tangential), 3, tangential.shape[2]))
+        forces[:, ::2] = tangential
+        return np.asarray(self._beyond(forces.reshape(3 * len(forces), -1)).reshape(forces.shape)[:, 1, BEYOND:-BEYOND])
 
     def _displacements(self, forces: Floats) -> Floats:
         padded = np.pad(forces, ((0, 0), (0, 0), (BEYOND, BEYOND)))

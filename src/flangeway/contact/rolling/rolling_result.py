@@ -1,7 +1,8 @@
 """What rolling with friction gives: creep forces, and tractions, slip and power of the cells."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.friction_solver import FrictionProblem, FrictionState
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.solve import Status
-from flangeway.types import Floats, Ints
+from flangeway.types import Bools, Floats, Ints
 
 NO_CONTACT, STICKS, SLIPS = 0, 1, 2
 """Values of `Rolling.states`."""
@@ -120,6 +121,28 @@ class Rolling(CreepForces):
         rigid = self.motion.rigid(s, z).swapaxes(1, 2)
         of_creepages = -float(np.sum(self.tractions * self.contact.areas[:, :, None] * rigid))
         return of_creepages + self.rolling_power / (abs(self.motion.speed) or 1.0)
+
+    def part(self, inside: Bools) -> Self:
+        """The forces of some of the cells, (n_cells, n_strips), about the centre of their own pressure.
+
+        What pressures do as tractions raise the surfaces is shared by the normal force.
+        """
+        contact = self.contact.under(np.where(inside, self.contact.pressures, 0.0))
+        s, z = contact.places
+        forces = np.where(inside[..., None], self.tractions * self.contact.areas[..., None], 0.0)
+        return replace(
+            self,
+            motion=self.motion.about(self.contact.places[0][0] - s[0], self.contact.places[1][0] - z[0]),
+            contact=contact,
+            along=float(forces[..., 1].sum()),
+            across=float(forces[..., 0].sum()),
+            moment=float(np.sum(s[:, None] * forces[..., 1]) - np.sum(z * forces[..., 0])),
+            tractions=forces / contact.areas[..., None],
+            slip_velocities=np.where(inside[..., None], self.slip_velocities, 0.0),
+            states=np.where(inside, self.states, NO_CONTACT),
+            power_density=np.where(inside, self.power_density, 0.0),
+            rolling_power=self.rolling_power * contact.force / self.contact.force,
+        )
 
     @property
     def coefficient(self) -> float:

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
-from flangeway.railway.spatial.running_surfaces import SpatialModel
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import Side
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.wheelset.running_surfaces import SpatialModel
 
 SHARES_TOLERANCE = 1e-6
 """Difference of the sum of the shares from 1 that is rounding."""
@@ -23,7 +23,7 @@ class RunningState:
 
     - `name`: for reports.
     - `share`: of the distance (wheels) or of the axles (rails), > 0.
-    - `problem`, `model`: the wheelset with friction, as for `flangeway.railway.spatial.spatial_result.solve_spatial`.
+    - `problem`, `model`: the wheelset with friction, as for `flangeway.railway.wheelset.spatial_result.solve_spatial`.
     """
 
     name: str

@@ -18,12 +18,12 @@ from flangeway.railway.damage.profile_limits import check_limits, reached, worn_
 from flangeway.railway.damage.surface_wear import PatchDamage, patch_damage, row_wear
 from flangeway.railway.damage.wear_laws import WearLaw
 from flangeway.railway.damage.worn_surface import FILTER_MM, SPACING_MM, WornSurface
-from flangeway.railway.spatial.running_surfaces import running_surfaces
-from flangeway.railway.spatial.side_contact import SideSurfaces
-from flangeway.railway.spatial.spatial_result import SpatialResult, solve_position
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import Side
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.side_contact import SideSurfaces
+from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.system.disk_cache import Cache
 from flangeway.system.versions import versions
 from flangeway.types import Floats

@@ -10,10 +10,10 @@ from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.errors import InputError
 from flangeway.railway.damage.rolling_fatigue import shakedown_index, surface_fatigue_index, t_gamma_damage
 from flangeway.railway.damage.wear_laws import CellLoads, WearLaw
-from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
-from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import Side
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch
+from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.types import Floats
 
 THEORIES_WITH_CELLS = "exact, fastsim, fastrip"

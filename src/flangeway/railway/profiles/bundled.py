@@ -6,12 +6,10 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from flangeway.errors import InputError
 from flangeway.formats import DrawnSection
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, Region, Section, Segment
-from flangeway.geometry.arrays import Point, as_point
+from flangeway.geometry.arrays import Point
 from flangeway.railway.profiles.wheel_contours import (
     DATA,
     FINE_TOLERANCE_MM,
@@ -48,8 +46,7 @@ SECTIONS = {
 }
 """Rail and radius of its crown in inches by the name of the section; None for the usual one."""
 
-_CUT_HEIGHTS_MM = (20.0, 100.0)
-_FLANGE_ROOT_RADII_MM = (10.0, 20.0)
+CUT_HEIGHT_MM = 50.0  # height above the tape line of the straight cut that closes a rim
 
 _RUNNING = (
     "flange_back",
@@ -213,52 +210,36 @@ _EN_TEXTS = (
 """Certainty and source of the rails of EN 13674-1."""
 
 
-def wheel(
-    name: str = "AAR-1B", *, cut_height_mm: float = 50.0, flange_root_radius_mm: float | None = None
-) -> WheelProfile:
+def wheel(name: str = "AAR-1B") -> WheelProfile:
     """Return the lower part of a wheel's rim.
 
     Parameters
     ----------
     name
         One of `WHEELS` or `REFERENCE_WHEELS`; other spellings are understood, see `bundled_name`.
-    cut_height_mm
-        Height above the tape line of the straight cut that closes the region, 20 to 100 mm
-        (30 to 100 mm for the heavy-haul wheel, whose rim's edge is higher).
-    flange_root_radius_mm
-        Radius of the arc between the flange's face and the wider arc of the flange root of the AAR-1B, 10 to
-        20 mm; that of the file (14.2875 mm, inferred) by default. The arc stays tangent to both.
 
     Raises
     ------
     InputError
-        If the name is unknown or a length is out of range.
+        If the name is unknown.
     """
     name = bundled_name(name)
     if name not in (*WHEELS, *REFERENCE_WHEELS):
         advice = _advice("wheel", name, (*WHEELS, *REFERENCE_WHEELS))
         known = ", ".join((*WHEELS, *REFERENCE_WHEELS))
         raise InputError(f"wheel '{name}'", f"one of {known}, or a file of a profile", advice)
-    _refuse_outside("cut_height_mm", cut_height_mm, _CUT_HEIGHTS_MM, "50 mm is usual")
     if name not in _WHEEL_FILES:
-        if flange_root_radius_mm is not None:
-            raise InputError(f"flange_root_radius_mm = {flange_root_radius_mm:g} for {name}", "AAR-1B", "leave it out")
         if name in REFERENCE_WHEELS:
             return _wheel_below(
-                reference_contour(name), cut_height_mm, title=name, certainty=_REFERENCE_CERTAINTY,
+                reference_contour(name), title=name, certainty=_REFERENCE_CERTAINTY,
                 source=_REFERENCE_SOURCE,
             )  # fmt: skip
-        return _s1002(cut_height_mm) if name == "S1002" else _heavy_haul(cut_height_mm)
+        return _s1002() if name == "S1002" else _heavy_haul()
     # the file's axes point towards the flange and away from the axle: half a turn, without rounding
     contour = _read_segments(_WHEEL_FILES[name], "y{}", "z{}", sign=-1.0)
-    if flange_root_radius_mm is not None:
-        _refuse_outside(
-            "flange_root_radius_mm", flange_root_radius_mm, _FLANGE_ROOT_RADII_MM, "leave it out for the file's"
-        )
-        contour |= _rounded_flange_root(contour, flange_root_radius_mm)
     outer, back = contour["outer_face"], contour["back_face"]
-    contour["outer_face"] = Line((outer.end[0], cut_height_mm), outer.end)
-    contour["back_face"] = Line(back.start, (back.start[0], cut_height_mm))
+    contour["outer_face"] = Line((outer.end[0], CUT_HEIGHT_MM), outer.end)
+    contour["back_face"] = Line(back.start, (back.start[0], CUT_HEIGHT_MM))
     contour["cut"] = Line(contour["back_face"].end, contour["outer_face"].start)
     outline = Outline.from_segments(contour.values(), contour.keys())
     return WheelProfile(
@@ -308,10 +289,9 @@ def _reference_rail() -> RailProfile:
     )
 
 
-def _s1002(cut_height: float) -> WheelProfile:
+def _s1002() -> WheelProfile:
     found = _wheel_below(
         s1002_contour(),
-        cut_height,
         title="S1002",
         certainty=(
             "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.001 micrometres, to "
@@ -322,11 +302,9 @@ def _s1002(cut_height: float) -> WheelProfile:
     return replace(found, fine=s1002_contour(FINE_TOLERANCE_MM))
 
 
-def _heavy_haul(cut_height: float) -> WheelProfile:
-    _refuse_outside("cut_height_mm", cut_height, (30.0, 100.0), "50 mm is usual")
+def _heavy_haul() -> WheelProfile:
     return _wheel_below(
         heavy_haul_contour(),
-        cut_height,
         title="heavy-haul wheel of nine arcs",
         certainty=(
             "The arcs are exact. The source does not say where the tape line is: it is taken "
@@ -336,10 +314,10 @@ def _heavy_haul(cut_height: float) -> WheelProfile:
     )
 
 
-def _wheel_below(running: Contour, cut_height: float, *, title: str, certainty: str, source: str) -> WheelProfile:
+def _wheel_below(running: Contour, *, title: str, certainty: str, source: str) -> WheelProfile:
     """Close a running surface by vertical faces and a straight cut."""
     back, outer = running.segments[0].start, running.segments[-1].end
-    high_back, high_outer = (back[0], cut_height), (outer[0], cut_height)
+    high_back, high_outer = (back[0], CUT_HEIGHT_MM), (outer[0], CUT_HEIGHT_MM)
     segments = [*running.segments, Line(outer, high_outer), Line(high_outer, high_back), Line(high_back, back)]
     outline = Outline.from_segments(segments, [*running.names, "outer_face", "cut", "back_face"])
     return WheelProfile(
@@ -351,39 +329,6 @@ def _wheel_below(running: Contour, cut_height: float, *, title: str, certainty: 
         certainty=certainty,
         source=source,
     )
-
-
-def _refuse_outside(name: str, value: float, limits: tuple[float, float], advice: str) -> None:
-    low, high = limits
-    if not low <= value <= high:
-        raise InputError(f"{name} = {value}", f"{low:g} to {high:g}", advice)
-
-
-def _rounded_flange_root(contour: Mapping[str, Segment], radius: float) -> dict[str, Segment]:
-    """Return flange root and flange face for another radius of the arc between them.
-
-    The arc is tangent to the line of the face and, from inside, to the circle of the wider arc:
-    its centre is `radius` off the line and the difference of the radii from the other's centre.
-    """
-    face, wide = contour["flange_face_75deg"], contour["flange_root_R2"]
-    if not isinstance(wide, Arc):
-        raise TypeError("the flange root of a wheel file is made of arcs")
-    # from tread to flange the wheel is on the right: the centres of its hollow arcs are on the left
-    along, off = face.tangent(0.0)[0], -face.normal(0.0)[0]
-    start, other = np.array(face.start), np.array(wide.centre)
-    ray = start + radius * off - other
-    shift = float(along @ ray)
-    half = math.sqrt((wide.radius - radius) ** 2 - float(ray @ ray) + shift**2)
-    # of both solutions the one on the side of the tread
-    foot = start - (shift + half) * along
-    centre = foot + radius * off
-    outward = (centre - other) / np.hypot(*(centre - other))
-    junction = as_point(other + wide.radius * outward)
-    return {
-        "flange_root_R2": Arc(wide.start, junction, wide.centre, wide.counter_clockwise),
-        "flange_root_R1": Arc(junction, as_point(foot), as_point(centre), wide.counter_clockwise),
-        "flange_face_75deg": Line(as_point(foot), face.end),
-    }
 
 
 def _read_segments(file: str, first: str, second: str, *, sign: float = 1.0) -> dict[str, Segment]:

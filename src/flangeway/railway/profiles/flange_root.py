@@ -89,7 +89,7 @@ def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfi
     if profile.title == IDENTIFIED or not (
         isinstance(narrow, Arc) and isinstance(wide, Arc) and isinstance(tread, Line)
     ):
-        raise InputError(f"wide_flange_root_radius_mm for {profile.title}", "AAR-1B", "leave it out")
+        raise InputError(f"a wide arc of the flange root for {profile.title}", "AAR-1B", "leave it out")
     along, off = tread.tangent(0.0)[0], tread.normal(0.0)[0]
     # the outline has the wheel on its left: the flange root's hollow arcs have their centres on its right
     arm = np.array(narrow.centre) - np.array(tread.start)
@@ -97,7 +97,7 @@ def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfi
     square = (radius_mm - narrow.radius) ** 2 - (radius_mm - depth) ** 2
     if radius_mm <= narrow.radius or square <= 0.0:
         raise InputError(
-            f"wide_flange_root_radius_mm = {radius_mm:g}",
+            f"a wide arc of {radius_mm:g} mm",
             f"more than {0.5 * (narrow.radius + depth):.1f} mm",
             "leave it out for 38.1 mm",
         )

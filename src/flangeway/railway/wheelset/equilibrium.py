@@ -1,14 +1,136 @@
 """An equilibrium of a wheelset (Moherdaui 2021, 7.2.1)."""
 
+import math
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from flangeway.railway.track.placements import WheelsetPosition
-from flangeway.railway.wheelset.residual import RelativeResiduals
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.solve import Status
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
+
+LATERAL_REFERENCE_N = 28.4e3
+"""Reference of the lateral residual in both situations: the centrifugal force of the curve (Moherdaui 2021, 7.2.2)."""
+
+TOLERANCE = 1e-9
+"""Equilibrium residual up to which a position is in equilibrium; a single one is iterated further, to round-off."""
+
+MAX_STEP = np.array([0.3, 0.3, 3e-4])
+"""Step limits in mm, mm and rad: the lateral stiffness jumps when a flange touches."""
+
+
+@dataclass(frozen=True, eq=False)
+class AxleLoads:
+    """Loads of one wheelset or of many, each shape (...).
+
+    - `along`, `onto`: force in the track's plane, to the right, and force onto it, in N; they act at the centre of
+      gravity.
+    - `weight`: reference of the vertical residual in N.
+    - `height`: height of the centre of gravity above the axle in mm.
+    - `arm`: arm of the weight in the reference moment in mm: half of the distance between the wheels.
+    """
+
+    along: Floats
+    onto: Floats
+    weight: Floats
+    height: float
+    arm: float
+
+    @classmethod
+    def of(cls, problem: WheelsetProblem, along: ArrayLike, onto: ArrayLike, weight: ArrayLike) -> "AxleLoads":
+        """Loads on the wheelset of a problem."""
+        wheelset = problem.wheelset
+        forces = [np.asarray(each, dtype=np.float64) for each in (along, onto, weight)]
+        return cls(
+            forces[0], forces[1], forces[2], wheelset.centre_of_gravity_height_mm, wheelset.back_to_back_mm / 2.0
+        )
+
+    def on_axle(self, roll: ArrayLike) -> Floats:
+        """Forces in the track's axes and moment about the axle's middle at a roll (...), shape (..., 3)."""
+        x, y = -self.height * np.sin(roll), self.height * np.cos(roll)
+        return np.stack((self.along, -self.onto, -x * self.onto - y * self.along), axis=-1)
+
+    def moment_by_roll(self, roll: ArrayLike) -> Floats:
+        """Derivative of that moment, shape (...)."""
+        derivative: Floats = self.height * (np.cos(roll) * self.onto + np.sin(roll) * self.along)
+        return derivative
+
+    def relative(self, residual: Floats) -> Floats:
+        """Residual (..., 3) over its references."""
+        lateral = np.full_like(self.weight, LATERAL_REFERENCE_N)
+        return residual / np.stack((lateral, self.weight, self.weight * self.arm), axis=-1)
+
+
+def residual_norm(relative: Floats, free: Bools) -> Floats:
+    """Root of the sum of squares of what is free of a relative residual (..., 3), shape (...)."""
+    norm: Floats = np.sqrt(np.sum(np.where(free, relative, 0.0) ** 2, axis=-1))
+    return norm
+
+
+@dataclass(frozen=True)
+class RelativeResiduals:
+    """Relative residuals of the equilibrium (Moherdaui 2021, 7.2.2).
+
+    - `vertical_residual`: residual of the vertical force over the weight.
+    - `lateral_residual`: residual of the lateral force over 28.4 kN.
+    - `moment_residual`: residual of the moment about the axle's middle over the weight times half of the distance
+      between the wheels.
+    - `free`: which of lateral and vertical displacement and roll are found; the others are prescribed, and their
+      residuals are what holds the wheelset.
+    - `torque_residual`: with friction, residual of the torque about the axle over the weight times the wheel's radius.
+    - `yaw_residual`: with friction and a yaw that is found, residual of the yaw moment over the weight times half of
+      the distance between the wheels.
+    """
+
+    vertical_residual: float
+    lateral_residual: float
+    moment_residual: float
+    free: tuple[bool, bool, bool] = (True, True, True)
+    torque_residual: float = 0.0
+    yaw_residual: float = 0.0
+
+    @property
+    def equilibrium_residual(self) -> float:
+        """Root of the sum of squares of the residuals of what is free."""
+        found = self.norm_of(np.array(self.free))
+        return math.hypot(found, self.torque_residual, self.yaw_residual)
+
+    def norm_of(self, free: Bools) -> float:
+        """Root of the sum of squares of some, in the order of lateral and vertical displacement and roll."""
+        relative = np.array([self.lateral_residual, self.vertical_residual, self.moment_residual])
+        return float(residual_norm(relative, free))
+
+
+def with_loads(
+    problem: WheelsetProblem, position: WheelsetPosition, on_axle: Floats
+) -> tuple[Floats, RelativeResiduals]:
+    """Residual and relative residuals by the contact's force on the wheels and moment about the axle's middle (3,)."""
+    loads = loads_of(problem)
+    residual: Floats = on_axle + loads.on_axle(position.roll_rad)
+    lateral, vertical, moment = loads.relative(residual).tolist()
+    free = tuple(value is None for value in problem.prescribed.components)
+    return residual, RelativeResiduals(vertical, lateral, moment, (free[0], free[1], free[2]))
+
+
+def is_stable(problem: WheelsetProblem, jacobian: Floats) -> bool:
+    """Whether a wheelset in equilibrium comes back after a small push: contact and load have a potential.
+
+    - `problem`: the wheelset, nothing prescribed.
+    - `jacobian`: derivatives of the residual at the equilibrium.
+    """
+    # in units of one length, so that the roll has the weight of the translations
+    scale = np.diag([1.0, 1.0, 1.0 / problem.wheelset.back_to_back_mm])
+    stiffness = -scale @ jacobian @ scale
+    return bool(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T)).min() > 0.0)
+
+
+def loads_of(problem: WheelsetProblem) -> AxleLoads:
+    """Load of a problem."""
+    return AxleLoads.of(problem, *problem.load.in_track, problem.load.vertical_N)
+
 
 MAX_WAY = np.array([30.0, 30.0, 0.05])
 """Displacement in mm, mm and rad from where the search started, beyond which the wheelset has left the track."""

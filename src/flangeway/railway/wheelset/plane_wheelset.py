@@ -13,8 +13,7 @@ from flangeway.geometry import Placement
 from flangeway.railway.rigid.elastic_start import rigid_start
 from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
-from flangeway.railway.wheelset.equilibrium import MAX_WAY, Equilibrium
-from flangeway.railway.wheelset.residual import with_loads
+from flangeway.railway.wheelset.equilibrium import MAX_WAY, Equilibrium, with_loads
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.solve import BodyResponse, CondensedBodies, ContactState, Handle, Status, solve_contact
 from flangeway.system.disk_cache import Cache

@@ -302,11 +302,6 @@ def boundary_loops(mesh: PolyMesh) -> list[NDArray[np.int64]]:
     return loops
 
 
-def cell_corners(mesh: PolyMesh, points: Floats) -> list[Floats]:
-    """Corners of each cell at the given positions of the mesh's points, each (n_vertices, 2)."""
-    return np.split(points[mesh.cell_points], mesh.cell_offsets[1:-1])
-
-
 def triangles(mesh: PolyMesh) -> NDArray[np.int32]:
     """Polygons as fans of triangles about their first corner, shape (n, 3)."""
     fans = []

@@ -12,7 +12,7 @@ from flangeway.cases.profile.profile_run import ProfileRun
 from flangeway.geometry import Contour, Outline, Placement
 from flangeway.railway.profiles.formats.raw_profile import KINDS
 from flangeway.railway.profiles.joining import Joined
-from flangeway.report.figures.drawing import GREY, HALO, INK, SERIES, new_figure
+from flangeway.report.figures.drawing import GREY, INK, SERIES, new_figure
 from flangeway.types import Floats
 
 BLUE, ORANGE = SERIES[:2]
@@ -20,11 +20,10 @@ TITLE_LETTERS = 70
 OVERLAY_SPACING_MM, MOST_NAMED = 0.25, 8
 DRAWN_DEVIATION_MM = 0.01
 MAX_CURVATURE_PER_MM = 0.2
-SHOWN_DEVIATION_MM = 4.0  # height at which the maximum deviation is drawn beside the shape
 
 
 def shape_figure(run: ProfileRun) -> Figure:
-    """Draw the profile with one scale: points, curve, and the points' deviations enlarged."""
+    """Draw the profile with one scale: points and curve."""
     profile = run.profile
     figure = new_figure(8.5, 6.0)
     figure.set_layout_engine("compressed")
@@ -37,7 +36,6 @@ def shape_figure(run: ProfileRun) -> Figure:
         axes.plot(*_line(profile.surface).T, color=BLUE, lw=1.6, label="curve", zorder=3)
     if profile.smoothing is not None:
         axes.plot(*profile.points.T, ".", ms=2.0, color=INK, label=f"{len(profile.points)} points", zorder=4)
-        _draw_deviations(axes, run)
     axes.plot(0.0, 0.0, "+", color=ORANGE, ms=12, mew=1.6, label="origin", zorder=5)
     axes.set_title(f"{_title(profile.title)}\n{profile.kind}, {profile.format}", fontsize=10)
     _equal(axes)
@@ -50,10 +48,7 @@ def curvature_figure(run: ProfileRun) -> Figure:
     smoothing = run.profile.smoothing
     figure = new_figure(8.5, 6.0 if smoothing is not None else 3.6)
     rows = figure.subplots(2 if smoothing is not None else 1, 1, sharex=True, squeeze=False)[:, 0]
-    body = run.body
-    surface = run.profile.surface
-    if body is not None and run.join is None:
-        surface = body.running_surface
+    surface = run.running
     lengths = np.concatenate([[0.0], np.cumsum([segment.length for segment in surface.segments])])
     curvatures = np.array([segment.curvature for segment in surface.segments])
     rows[0].stairs(curvatures, lengths, color=BLUE, lw=1.0, baseline=None)
@@ -74,38 +69,18 @@ def curvature_figure(run: ProfileRun) -> Figure:
 
 
 def join_figure(joined: Joined) -> Figure:
-    """Draw the measured surface on the nominal outline, both transitions enlarged, and deviations along the normal."""
-    figure = new_figure(11.0, 8.6)
-    grid = figure.add_gridspec(3, 2, width_ratios=(1.3, 1.0), height_ratios=(1.0, 1.0, 0.65))
-    whole = figure.add_subplot(grid[:2, 0])
-    for axes in (whole, *(figure.add_subplot(grid[i, 1]) for i in (0, 1))):
-        axes.plot(*_closed(joined.nominal.outline).T, color=GREY, lw=1.0, ls=(0, (5, 3)), label="nominal")
-        axes.plot(*_closed(joined.profile.outline).T, color=INK, lw=1.0, label="joined")
-        axes.plot(*_line(joined.measured).T, color=BLUE, lw=2.0, label="measured", zorder=3)
-        for joint in joined.joints:
-            ends = np.array([joint.end, joint.landing])
-            axes.plot(*ends.T, color=ORANGE, lw=2.0, label="transition", zorder=4)
-            axes.plot(*np.array([joint.end, joint.foot]).T, color=ORANGE, lw=0.8, ls=":", zorder=4)
-        _equal(axes)
-        if axes is not whole:
-            joint = joined.joints[figure.axes.index(axes) - 1]
-            _zoom(axes, joint.end, joint.landing)
-            axes.set_title(
-                f"{joint.name.replace('_', ', ')}: end {joint.gap_mm:.3f} mm from the nominal outline", fontsize=9
-            )
-            for letter, place, apart in (
-                ("measured end", joint.end, (8, 6)),
-                ("nearest nominal point", joint.foot, (8, -14)),
-                ("junction", joint.landing, (8, 4)),
-            ):
-                text = axes.annotate(letter, place, xytext=apart, textcoords="offset points", fontsize=8, zorder=6)
-                text.set_path_effects([HALO])
-                axes.plot(*place, "o", ms=4, color=ORANGE, zorder=5)
-    handles, labels = whole.get_legend_handles_labels()
-    kept = dict(zip(labels, handles, strict=True))
-    whole.legend(kept.values(), kept.keys(), fontsize=8, frameon=False, loc="best")
+    """Draw the measured surface on the nominal outline with both transitions, and deviations along the normal."""
+    figure = new_figure(8.5, 8.6)
+    whole, below = figure.subplots(2, 1, height_ratios=(2.2, 1.0))
+    whole.plot(*_closed(joined.nominal.outline).T, color=GREY, lw=1.0, ls=(0, (5, 3)), label="nominal")
+    whole.plot(*_closed(joined.profile.outline).T, color=INK, lw=1.0, label="joined")
+    whole.plot(*_line(joined.measured).T, color=BLUE, lw=2.0, label="measured", zorder=3)
+    for joint, label in zip(joined.joints, ("transition", None), strict=True):
+        whole.plot(*np.array([joint.end, joint.landing]).T, color=ORANGE, lw=2.0, label=label, zorder=4)
+    _equal(whole)
+    whole.legend(fontsize=8, frameon=False, loc="best")
     whole.set_title(_title(joined.profile.title), fontsize=10)
-    _draw_wear(figure.add_subplot(grid[2, :]), joined)
+    _draw_wear(below, joined)
     return figure
 
 
@@ -186,20 +161,6 @@ def deviations(reference: Contour, points: Floats) -> Floats:
     return off
 
 
-def _draw_deviations(axes: Axes, run: ProfileRun) -> None:
-    """Draw the deviations across the curve, enlarged so that the maximum is visible."""
-    smoothing = run.profile.smoothing
-    if smoothing is None or smoothing.maximum_um * 1e-3 < 1e-6:
-        return
-    factor = SHOWN_DEVIATION_MM / (1e-3 * smoothing.maximum_um)
-    points = smoothing.points
-    along = np.gradient(points, axis=0)
-    normals = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
-    moved = points + normals * (1e-3 * factor * smoothing.deviations_um)[:, None]
-    label = f"deviations, {factor:.0f} x (maximum {smoothing.maximum_um:.1f} μm)"
-    axes.plot(*moved.T, color=ORANGE, lw=0.7, label=label, zorder=2)
-
-
 def _draw_residuals(axes: Axes, run: ProfileRun) -> None:
     smoothing = run.profile.smoothing
     if smoothing is None:
@@ -222,13 +183,6 @@ def _draw_residuals(axes: Axes, run: ProfileRun) -> None:
 def _equal(axes: Axes) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x in mm", ylabel="y in mm")
-
-
-def _zoom(axes: Axes, first: tuple[float, float], second: tuple[float, float]) -> None:
-    middle = 0.5 * (np.array(first) + np.array(second))
-    half = 1.2 * max(float(np.hypot(*(np.array(first) - np.array(second)))), 2.0)
-    axes.set_aspect("equal", adjustable="box")
-    axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
 
 
 def _line(contour: Contour) -> Floats:

@@ -1,49 +1,26 @@
 """Record and files of ``flangeway profile``."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-from flangeway.cases.profile.profile_run import ProfileRun, converted
+from flangeway.cases.profile.profile_folder import FOLDER_QUANTITIES, ProfileFolder
+from flangeway.cases.profile.profile_run import MEASURES, QUANTITIES, ProfileRun, converted
 from flangeway.errors import InputError
+from flangeway.quantities import Quantity, columns, values
 from flangeway.report.page.record import REPORT, Again, Picture, Record
-from flangeway.report.page.tables import SummaryTable, number
+from flangeway.report.page.tables import SummaryTable, table_across, table_of
 from flangeway.report.profile.profile_figures import curvature_figure, join_figure, overlay_figure, shape_figure
-from flangeway.results import ResultTable
 from flangeway.system.output_folder import refuse_unwritable
+from flangeway.system.versions import versions
 
 SUMMARY, SHAPE, CURVATURE, JOIN = "profile.json", "profile.png", "curvature.png", "joined.png"
 NAMES = (SHAPE, CURVATURE, JOIN, REPORT, SUMMARY)
 TABLE, OVERLAY, BATCH_SUMMARY = "profiles.csv", "profiles.png", "profiles.json"
 BATCH_NAMES = (TABLE, OVERLAY, REPORT, BATCH_SUMMARY)
-MEASURES = {
-    "flange_height_mm": "flange height Sh, mm",
-    "flange_thickness_mm": "flange thickness Sd, 10 mm from the tread, mm",
-    "flange_slope_mm": "flange slope measure qR, mm",
-    "head_width_mm": "width of the head 14 mm below its top, mm",
-    "gauge_drop_mm": "drop 25 mm from the middle, gauge side, mm",
-    "field_drop_mm": "  field side, mm",
-    "gauge_half_width_mm": "half width 14 mm below the top, gauge side, mm",
-    "field_half_width_mm": "  field side, mm",
-}
-
-TILES = {
-    "flange_height_mm": "flange height Sh",
-    "flange_thickness_mm": "flange thickness Sd",
-    "flange_slope_mm": "flange slope measure qR",
-    "head_width_mm": "width of the head, 14 mm below its top",
-    "gauge_drop_mm": "drop 25 mm from the middle, gauge side",
-}
+BATCH = ("format", "points", "length", "minimum_convex_radius", "minimum_concave_radius", "noise")  # of all in CSV
 SHAPE_SHOWN = "The profile with its points, lines and arcs."
 CURVATURE_SHOWN = "Curvature along the profile."
-SHORT = {
-    "flange_height_mm": "Sh", "flange_thickness_mm": "Sd", "flange_slope_mm": "qR",
-    "head_width_mm": "width", "gauge_drop_mm": "gauge drop", "field_drop_mm": "field drop",
-}  # fmt: skip
-SHORT_NOTE = (
-    "Sh, Sd, qR: height, thickness and slope measure of the flange; width of the head 14 mm below its top; drop 25 mm "
-    "from its middle."
-)
 OVERLAY_SHOWN = "All profiles, and the distance of each from the first."
 JOIN_SHOWN = "The profile joined to the body of the nominal one."
 
@@ -67,32 +44,30 @@ def check_profile_folder(run: ProfileRun, folder: Path, to: Path | None) -> str:
 
 def profile_record(run: ProfileRun, command: str) -> Record:
     """Return what was read and measured of a profile; `command` reads it again."""
-    found, join = run.summary, run.join
+    summary, join = run.summary, run.join
     pictures = [
         Picture(SHAPE, lambda: shape_figure(run), SHAPE_SHOWN),
         Picture(CURVATURE, lambda: curvature_figure(run), CURVATURE_SHOWN),
     ]
     if join is not None:
         pictures.insert(1, Picture(JOIN, lambda: join_figure(join), JOIN_SHOWN))
-    facts = [(f"{value:.2f} mm", TILES[key]) for key, value in found["measures"].items() if key in TILES]
-    if found["area_mm2"] is not None:
-        facts.append((f"{found['area_mm2']:.0f} mm²", "area of the whole section"))
+    there = [quantity for quantity in QUANTITIES if quantity.value(run) is not None]
     return Record(
-        name=found["title"],
-        title=found["title"],
-        subtitle=f"{found['kind']}, {found['format']}; {found['frame']}",
+        name=run.profile.title,
+        title=run.profile.title,
+        subtitle=f"{run.profile.kind}, {run.profile.format}; {run.frame}",
         converged=True,
         success="read",
-        message=f"{found['points']} points, {found['lines']} lines and {found['arcs']} arcs",
-        facts=facts,
-        results=SummaryTable("Profile", ("", "value", "how"), tuple(profile_rows(found)), of_words=True),
-        summary=found,
+        message=f"{len(run.profile.points)} points, {run.profile.surface.n_segments} lines and arcs",
+        facts=[quantity.fact(run) for quantity in there if quantity in MEASURES[:5] or quantity.key == "area"],
+        results=replace(table_across("Profile", ("value",), [run], there), of_words=True),
+        summary=summary,
         summary_file=SUMMARY,
         again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
-        versions=found["versions"],
+        versions=summary["versions"],
         notes=[
-            *found["notices"],
-            *(f"{key.capitalize()}: {found[key]}" for key in ("certainty", "source") if found[key]),
+            *run.notices,
+            *(f"{key.capitalize()}: {summary[key]}" for key in ("certainty", "source") if summary[key]),
         ],
         pictures=pictures,
     )
@@ -100,21 +75,10 @@ def profile_record(run: ProfileRun, command: str) -> Record:
 
 def profiles_record(runs: Sequence[ProfileRun], command: str) -> Record:
     """Return the measures of several profiles side by side; `command` reads them again."""
-    found = [run.summary for run in runs]
-    rows = [
-        {
-            **{key: summary[key] for key in ("title", "kind", "format", "points", "length_mm")},
-            **summary["measures"],
-            **{f"{key}_radius_mm": summary[f"{key}_radius_mm"] for key in ("smallest_convex", "smallest_hollow")},
-            "noise_um": (summary["smoothing"] or {}).get("noise_um"),
-        }
-        for summary in found
-    ]
-    keys = [key for key in SHORT if any(key in summary["measures"] for summary in found)]
-    cells = [
-        (summary["title"], *(number(summary["measures"].get(key), 3) for key in keys), f"{summary['length_mm']:.2f}")
-        for summary in found
-    ]
+    title: Quantity[ProfileRun] = Quantity("title", "", lambda run: run.profile.title)
+    kind: Quantity[ProfileRun] = Quantity("kind", "kind", lambda run: run.profile.kind)
+    chosen = [quantity for quantity in QUANTITIES if quantity.key in BATCH]
+    shown = [quantity for quantity in MEASURES[:6] if any(quantity.value(run) is not None for run in runs)]
     return Record(
         name=f"{len(runs)} profiles",
         title=f"{len(runs)} profiles",
@@ -122,109 +86,59 @@ def profiles_record(runs: Sequence[ProfileRun], command: str) -> Record:
         converged=True,
         success="read",
         message="",
-        results=SummaryTable(
-            "Profiles", ("", *(f"{SHORT[key]}, mm" for key in keys), "length, mm"), tuple(cells), note=SHORT_NOTE
-        ),
-        summary={"profiles": found},
+        results=table_of("Profiles", runs, [title, *shown]),
+        summary={"profiles": [run.summary for run in runs]},
         summary_file=BATCH_SUMMARY,
         again=Again(command, files=f"The table is in `{TABLE}`, all numbers of each profile are in `{BATCH_SUMMARY}`."),
-        versions=found[0]["versions"],
-        notes=_notes(found),
+        versions=runs[0].summary["versions"],
+        notes=_notes(runs),
         pictures=[Picture(OVERLAY, lambda: overlay_figure(runs), OVERLAY_SHOWN)],
-        files=lambda: {TABLE: ResultTable.of_rows(rows).to_csv},
+        files=lambda: {TABLE: columns((title, kind, *chosen, *MEASURES), runs).to_csv},
     )
 
 
-def _notes(found: Sequence[dict[str, Any]]) -> list[str]:
+def _notes(runs: Sequence[ProfileRun]) -> list[str]:
     """Return the notices of several profiles, each once, with the titles of those that have it unless all do."""
     by_notice: dict[str, list[str]] = {}
-    for summary in found:
-        for notice in summary["notices"]:
-            by_notice.setdefault(notice, []).append(summary["title"])
+    for run in runs:
+        for notice in run.notices:
+            by_notice.setdefault(notice, []).append(run.profile.title)
     return [
-        notice if len(titles) == len(found) else f"{notice} ({', '.join(titles)})"
+        notice if len(titles) == len(runs) else f"{notice} ({', '.join(titles)})"
         for notice, titles in by_notice.items()
     ]
 
 
-def profile_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """Name with unit, value, and where it comes from, of everything that is shown."""
-    taken = summary["read_as"]
-    how = taken["how"]
-    rows = [
-        ("what", f"{summary['kind']}, {summary['format']}", how["kind"]),
-        ("unit of the file", taken["unit"], how["unit"]),
-        ("vertical axis in the file", f"positive {'up' if taken['second_coordinate_up'] else 'down'}", how["up"]),
-        ("mirrored", "yes" if taken["mirrored"] else "no", how["side"]),
-        ("its origin", taken["origin"], how["origin"]),
-    ]
-    if taken["tape_line_from_flange_back_mm"] is not None:
-        tape = f"{taken['tape_line_from_flange_back_mm']:g}"
-        rows.append(("tape line from the flange's back, mm", tape, how["tape line"]))
-    if any(taken["shift_mm"]):
-        rows += _point("moved by {}, mm", taken["shift_mm"])
-    rows += [
-        ("points", f"{summary['points']}", "in reverse" if taken["order_reversed"] else ""),
-        ("lines", f"{summary['lines']}", ""),
-        ("arcs", f"{summary['arcs']}", ""),
-        ("arc length, mm", f"{summary['length_mm']:.3f}", ""),
-        *_point("{} min, mm", summary["lower_left_mm"]),
-        *_point("{} max, mm", summary["upper_right_mm"]),
-    ]
-    for key, name in (("convex", "minimum convex radius, mm"), ("hollow", "minimum concave radius, mm")):
-        value = summary[f"smallest_{key}_radius_mm"]
-        rows.append((name, "none" if value is None else f"{value:.4g}", ""))
-    rows += [
-        (name, f"{summary['measures'][key]:.3f}", "") for key, name in MEASURES.items() if key in summary["measures"]
-    ]
-    if summary["kind"] == "rail":
-        side = summary["worn_side"]
-        rows.append(("worn more at", *_worn(side, summary["only_face"])))
-    return rows + _smoothing_rows(summary) + _join_rows(summary)
-
-
-def _point(name: str, point: Sequence[float]) -> list[tuple[str, str, str]]:
-    return [(name.format(axis), f"{value:z.3f}", "") for axis, value in zip("xy", point, strict=True)]
-
-
-def _worn(side: dict[str, Any] | None, only_face: str | None) -> tuple[str, str]:
-    if only_face is not None:
-        return "not seen", f"only the face of the {only_face} is measured"
-    return ("neither", "") if side is None else (side["name"], f"by {side['more_mm']:.2f} mm: {side['measure']}")
-
-
-def _smoothing_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
-    smoothing = summary["smoothing"]
-    if smoothing is None:
-        return []
-    rows = [("noise of the points, μm", f"{smoothing['noise_um']:.3g}", "estimated")]
-    if not smoothing["wavelength_mm"]:
-        return [*rows, ("smoothing", "none", "the curve goes through all points")]
-    n_held = smoothing["points_held_to_limit"]
-    return [
-        *rows,
-        ("smoothed by a wavelength of, mm", f"{smoothing['wavelength_mm']:g}", ""),
-        ("  deviation, root mean square, μm", f"{smoothing['rms_deviation_um']:.2f}", ""),
-        (
-            "  deviation, maximum, μm",
-            f"{smoothing['maximum_deviation_um']:.2f}",
-            f"limit {smoothing['limit_um']:.3g}"
-            + (f", {n_held} of {summary['points']} points at the limit" if n_held else ""),
-        ),
-    ]
-
-
-def _join_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
-    rows = []
-    if summary["join"] is not None:
-        rows.append(("joined to", summary["join"]["nominal"], ""))
-        rows += [
-            (f"  {joint['name'].replace('_', ', ')}, gap, mm", f"{joint['gap_mm']:.3f}", f"at x = {x:.3f}, y = {y:.3f}")
-            for joint in summary["join"]["joints"]
-            for x, y in [joint["end_mm"]]
-        ]
-        lost = summary["join"]["area_less_than_nominal_mm2"]
-        rows.append(("  worn area, mm²", f"{lost:.1f}", ""))
-    if summary["area_mm2"] is not None:
-        rows.append(("area of the whole section, mm²", f"{summary['area_mm2']:.1f}", ""))
-    return rows
+def folder_record(folder: ProfileFolder, name: str, command: str) -> Record:
+    """Return wear, measures and conicity of the profiles of a folder, the most worn first."""
+    rows = folder.profiles
+    runs = [replace(row.run, profile=replace(row.run.profile, title=row.file)) for row in rows]
+    tables = []
+    for kind in dict.fromkeys(row.run.profile.kind for row in rows):
+        chosen = [row for row in rows if row.run.profile.kind == kind]
+        there = [q for q in FOLDER_QUANTITIES if q.key != "kind" and any(q.value(row) is not None for row in chosen)]
+        if chosen:
+            tables.append(table_of(f"{kind.capitalize()}s, the most worn first", chosen, there))
+    notices = [(row.file, notice) for row in rows for notice in row.run.notices]
+    return Record(
+        name=name,
+        title=f"{len(rows)} profiles of {name}",
+        subtitle="wear against the nearest bundled profile, measures, and conicity in standard gauge with a partner",
+        converged=True,
+        success="read",
+        message=f"{len(rows)} profiles, {len(folder.refused)} files refused",
+        facts=[(f"{rows[0].worst_mm:.2f} mm", f"largest wear: {rows[0].file}")],
+        results=tables[0],
+        tables=[
+            *tables[1:],
+            SummaryTable("Notices", ("file", ""), tuple(notices), of_words=True),
+        ],
+        summary={"profiles": [values(FOLDER_QUANTITIES, row) for row in rows], "refused": folder.refused},
+        summary_file=BATCH_SUMMARY,
+        again=Again(command, files=f"The table is in `{TABLE}`."),
+        versions=versions(),
+        warnings=folder.refused,
+        notes=[row.notice for row in rows if row.notice],
+        pictures=[Picture(OVERLAY, lambda: overlay_figure(runs), OVERLAY_SHOWN)],
+        files=lambda: {TABLE: folder.table.to_csv},
+    )

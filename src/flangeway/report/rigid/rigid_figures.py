@@ -1,4 +1,4 @@
-"""Pictures of the contact geometry: contact locus, rolling radius difference, conicity, effect of the flange root."""
+"""Pictures of the contact geometry: contact locus, rolling radius difference, conicity."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -8,16 +8,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flangeway.cases.rigid.rigid_run import ConicityRun, FlangeRootEffect, GeometryRun
-from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM
+from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
 from flangeway.railway.rigid.rigid_locus import ContactLocus, SideLocus
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.report.figures.drawing import GREY, HALO, INK, SIDE_COLOURS, Room, figure_with_room
+from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, Room, figure_with_room
 from flangeway.report.profile.profile_figures import sequence_colours
 from flangeway.types import Floats
 
 STYLES: dict[Side, str] = {"left": "--", "right": "-"}
-MAX_RATIO = 0.9
 LIFT_MM = 12.0  # distance at which the wheels are drawn above the rails, so that lines join the points of contact
 
 LATERAL = "lateral displacement to the right in mm"
@@ -49,7 +47,7 @@ def _draw_sides(axes: Axes, run: GeometryRun, values: Callable[[SideLocus], Floa
 
 
 def locus_figure(run: GeometryRun) -> Figure:
-    """Draw wheels over rails with lines between their points of contact, and the points over the displacement."""
+    """Draw wheels over rails with lines between their points of contact, and radii and angles over the displacement."""
     figure, (pairs, curves) = _panels(f"Contact locus: {run.summary['title']}", 9.0, 7.0, 2, 2)
     whole = np.abs(run.locus.lateral_mm - np.rint(run.locus.lateral_mm)) < 0.5 * run.case.step_mm
     _, first = np.unique(np.rint(run.locus.lateral_mm[whole]), return_index=True)
@@ -57,11 +55,11 @@ def locus_figure(run: GeometryRun) -> Figure:
     for axes, side in zip(pairs, SIDES, strict=True):
         axes.grid(visible=False)
         _draw_pairs(axes, run, shown, side)
-    _draw_sides(curves[0], run, lambda at: at.wheel_points_mm[:, 0, 0])
-    _draw_sides(curves[1], run, lambda at: at.rail_points_mm[:, 0, 0])
-    for axes, name in zip(curves, ("wheel, from the tape line", "rail, from its middle"), strict=True):
-        axes.set(xlabel=LATERAL, ylabel=f"point on the {name}, in mm")
-    _legend(*curves)
+    curves[0].plot(run.locus.lateral_mm, run.locus.rolling_radius_difference_mm, color=INK, lw=1.3)
+    _draw_sides(curves[1], run, lambda at: np.degrees(at.contact_angles_rad[:, 0]))
+    for axes, name in zip(curves, ("rolling radius, right less left, in mm", "contact angle in degrees"), strict=True):
+        axes.set(xlabel=LATERAL, ylabel=name)
+    _legend(curves[1])
     return figure
 
 
@@ -97,41 +95,12 @@ def _draw_pairs(axes: Axes, run: GeometryRun, shown: ContactLocus, side: Side) -
     axes.set(xlabel="x in mm", ylabel=f"y in mm, wheel raised by {LIFT_MM:g} mm")
 
 
-def rolling_figure(run: GeometryRun) -> Figure:
-    """Draw rolling radius difference, contact angles, roll and the next gap over the lateral displacement."""
-    title = f"Contact geometry: {run.summary['title']}"
-    figure, ((top, right), (angles, gaps)) = _panels(title, 8.4, 6.6, 2, 2, sharex=True)
-    lateral = run.locus.lateral_mm
-    top.plot(lateral, run.locus.rolling_radius_difference_mm, color=INK, lw=1.3)
-    top.set_ylabel("rolling radius, right less left, in mm")
-    right.plot(lateral, 1e3 * run.locus.roll_rad, color=INK, lw=1.3)
-    right.set_ylabel("roll in mrad")
-    _draw_sides(angles, run, lambda at: np.degrees(at.contact_angles_rad[:, 0]))
-    _draw_sides(gaps, run, lambda at: np.where(np.isfinite(at.gaps_mm[:, 1]), at.gaps_mm[:, 1], np.nan))
-    angles.set_ylabel("contact angle in degrees")
-    gaps.set_ylabel("gap at the next possible point, in mm")
-    for axes in (angles, gaps):
-        axes.set_xlabel(LATERAL)
-    _legend(angles, gaps)
-    return figure
-
-
 def conicity_figure(run: GeometryRun | ConicityRun) -> Figure:
     """Draw the equivalent conicity over the amplitude by both methods."""
     figure, ((axes,),) = _panels(run.summary["title"], 6.4, 4.4, 1, 1)
     found = run.conicities
     axes.plot(found.amplitudes_mm, found.integration, color=INK, lw=1.5, label="integration of the kinematic motion")
     axes.plot(found.amplitudes_mm, found.regression, "--", color=GREY, lw=1.2, label="linear regression")
-    at_3 = found.at_reference()
-    if at_3 is not None:
-        point = REFERENCE_AMPLITUDE_MM, at_3["integration"]
-        axes.plot(*point, "o", mfc="white", mec=INK)
-        text = f"{point[1]:.3f} at {REFERENCE_AMPLITUDE_MM:g} mm"
-        rises = found.integration[0] < point[1]  # then there is room to the left above the curve
-        side = "right" if rises else "left"
-        axes.annotate(
-            text, point, (-8 if rises else 8, 10), textcoords="offset points", ha=side, fontsize=9, path_effects=[HALO]
-        )
     axes.set_ylim(bottom=0.0)
     axes.set(xlabel="amplitude in mm", ylabel="equivalent conicity")
     if len(found.amplitudes_mm):
@@ -154,23 +123,4 @@ def pairs_figure(runs: Sequence[GeometryRun]) -> Figure:
     right.set(xlabel="amplitude in mm", ylabel="equivalent conicity")
     right.set_ylim(bottom=0.0)
     left.legend(frameon=False, fontsize=8)
-    return figure
-
-
-def flange_root_figure(effect: FlangeRootEffect) -> Figure:
-    """Draw the lateral displacement in equilibrium over the radii of the flange root, and over the lateral force."""
-    title = "Rigid wheelset of AAR-1B (approximate) wheels: effect of the flange root"
-    figure, ((left, right),) = _panels(title, 9.0, 4.2, 1, 2)
-    left.plot(effect.narrow_mm, effect.lateral_narrow_mm, "s--", color=GREY, label="narrow arc, beside the flange")
-    left.plot(effect.wide_mm, effect.lateral_wide_mm, "o-", color=INK, label="wide arc, beside the tread")
-    left.set_xlabel("radius of the arc of the flange root in mm")
-    shades = np.linspace(0.0, 0.75, len(effect.narrow_mm))
-    for radius, ratio, lateral, shade in zip(effect.narrow_mm, effect.ratios, effect.laterals_mm, shades, strict=True):
-        # up to where the flange climbs
-        shown = np.arange(len(ratio)) < int(np.argmax(~(ratio <= MAX_RATIO)))
-        right.plot(ratio[shown], lateral[shown], color=str(shade), lw=1.2, label=f"narrow arc {radius:g} mm")
-    right.set_xlabel("L/V in the track plane, without overturning")
-    for axes in (left, right):
-        axes.set_ylabel("lateral displacement in equilibrium, in mm")
-    _legend(left, right)
     return figure

@@ -4,8 +4,8 @@ import numpy as np
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.mesh import PolyMesh
-from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.report.rolling.rolling_maps import shown_fields
 from flangeway.report.spatial.patch_map import strip_mesh
 from flangeway.report.spatial_wheelset.running_surface_files import friction_fields

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
-from flangeway.railway.spatial.rail_along_track import REGIONS, RailAlongTrack
 from flangeway.railway.track.placements import Side
+from flangeway.railway.wheelset.rail_along_track import REGIONS, RailAlongTrack
 from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, new_figure
 from flangeway.report.page.tables import Column, SummaryTable, table_across
 from flangeway.results import ResultTable

@@ -10,8 +10,8 @@ from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSum
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.contact.rolling.theories import WITH_TRACTIONS, Theory
-from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
+from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.report.page.record import Picture
 from flangeway.report.page.tables import Column, SummaryTable, number, table_across
 from flangeway.report.rolling.creep_curves import curves_figure

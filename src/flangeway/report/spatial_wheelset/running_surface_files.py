@@ -13,12 +13,11 @@ from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.formats import write_vtu, write_vtu_grids
 from flangeway.mesh import PolyMesh
-from flangeway.railway.spatial.side_contact import SideState
-from flangeway.railway.spatial.spatial_result import SpatialResult
-from flangeway.railway.spatial.wheel_gap import FAR_MM, wheel_gap
-from flangeway.railway.spatial.whole_sections import WholeSection
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, Side
+from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
+from flangeway.railway.wheelset.spatial_result import SpatialResult
+from flangeway.railway.wheelset.whole_sections import WholeSection
 from flangeway.report.spatial.patch_map import surface_mesh
 from flangeway.report.spatial_wheelset.wheelset_patches import lines_below
 from flangeway.results import ResultTable

@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
 from flangeway.cases.wheelset.wheelset_summary import AXES as WHEELSET_AXES
-from flangeway.railway.spatial.whole_sections import whole_sections
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES
+from flangeway.railway.wheelset.whole_sections import whole_sections
 from flangeway.report.figures.series import write_collection
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record

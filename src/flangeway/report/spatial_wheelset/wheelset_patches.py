@@ -9,10 +9,10 @@ from matplotlib.patches import Polygon
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.geometry import Placement
-from flangeway.railway.spatial.spatial_result import SpatialResult
-from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.wheelset.spatial_result import SpatialResult
+from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.report.figures.drawing import (
     GREY,
     HALO,

@@ -1,0 +1,444 @@
+"""Creep forces of a wheelset at a position: creepages of all rows of cells, forces, and how they change.
+
+The slip of the wheel's surface on a rail at rest is ``v + omega x r`` projected on the axes t and z of each row of
+cells: v of the axle's middle, the rotation about the wheel's tilted and yawed axis, and the yaw rate with V / R.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from flangeway.contact.patch.contact_ellipse import separate_patches
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.elliptic_contact import EllipticContact
+from flangeway.contact.rolling.exact_rolling import Start, adjoint, roll
+from flangeway.contact.rolling.fastsim import SimplifiedRolling, fastsim_rows
+from flangeway.contact.rolling.rolling_contact import RollingContact, box_of
+from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
+from flangeway.contact.rolling.theories import FAST, Theory
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.wheelset.rolling.patch_rolling import (
+    contact_in,
+    forces_on_cells,
+    rows_of,
+    strips_of,
+    window_of,
+)
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.side_contact import SideGrid, SideState, WheelPose, tangents_of
+from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton
+from flangeway.types import Bools, Floats
+
+CLOSED: tuple[Theory, ...] = ("polach", "linear")
+"""Theories with a closed form."""
+STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
+"""Differences by the axle's x, y and roll, the wheel's tilt, its rate of rotation over itself, and the yaw."""
+MERGED, TOUCHING = 0.25, 0.1
+"""Maximum force of a cell between two patches that were apart, over that of the lesser, at which they are one; and the
+same for patches of which nothing is known before."""
+DISTINCT = 1e-6
+"""Least singular value, over the first one, of places in a patch that has several rows and strips."""
+N_SHAPES = 5
+TOLERANCE = 1e-9
+"""Error of the law of friction in an equilibrium."""
+SHAPE_STEP = 1e-3
+"""Difference by `CreepSlopes.shape`."""
+SLOPE_ERROR = 1e-2
+"""Relative residual of the linear equations for derivatives of the exact theory."""
+DISTINCT_RESULTANTS = 1e-3
+"""Least singular value, over the first one, of numbers of a patch's forces whose derivatives are sought."""
+
+
+class PatchCreep(NamedTuple):
+    """Creep forces of one patch.
+
+    - `inside`: its cells on the side, (n, n_z).
+    - `contact`, `forces`: cells and creep forces.
+    - `points`: of the undeformed wheel on all rows of cells of the side, where it rolls, (n, 2).
+    """
+
+    inside: Bools
+    contact: RollingContact
+    forces: CreepForces
+    points: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class SideCreep:
+    """Creep forces of one side in its right-hand form.
+
+    - `patches`: by falling normal force.
+    - `resultant`: force on the wheel (3,), moment about the axle's middle (3,), and that about the wheel's axis; (7,).
+    - `rows`: forces on rows of cells along t and z, (n, 2).
+    - `raised`: what they open gaps more than `GriddedSide.bending_across` has it, on the cells of the patches and about
+      them, (n, n_z).
+    """
+
+    patches: tuple[PatchCreep, ...]
+    resultant: Floats
+    rows: Floats
+    raised: Floats
+
+    @property
+    def insides(self) -> list[Bools] | None:
+        """Cells of the patches that roll by themselves; None by the exact theory."""
+        if any(isinstance(patch.forces, Rolling) for patch in self.patches):
+            return None
+        return [patch.inside for patch in self.patches]
+
+
+@dataclass(eq=False)
+class WheelsetCreep:
+    """Creep forces while a position is sought.
+
+    - `motion`: how the wheelset rolls.
+    - `rate_rad_s`: rate of rotation about the axle.
+    - `theory`: of the forces.
+    - `max_bent_mm`: displacement of a cell by a change of creep forces in one step, at most.
+    - `tolerance`: error of the law of friction by the exact theory.
+    - `before`: creep forces to start from, on other cells.
+    """
+
+    motion: RollingMotion
+    rate_rad_s: float
+    theory: Theory
+    max_bent_mm: float = np.inf
+    tolerance: float = TOLERANCE
+    before: Mapping[Side, SideCreep] = field(default_factory=dict)
+    _contacts: dict[tuple[object, ...], RollingContact] = field(default_factory=dict)
+    _last: dict[tuple[object, ...], Rolling] = field(default_factory=dict)
+    _parts: dict[object, list[Bools]] = field(default_factory=dict)
+
+    def creepages(
+        self, side: Side, pose: WheelPose, rate: float, rows: tuple[Floats, Floats], contact: RollingContact
+    ) -> Creepages:
+        """Creepages of rows of cells with points and normals, each (n, 2), at a pose of the wheel."""
+        points, normals = rows
+        sign, speed = SIDE_SIGN[side], self.motion.speed_m_s
+        turning = rate * pose.axis
+        yawing = np.array([0.0, -sign * self.motion.turning_rad_s, 0.0])
+        flat = np.zeros((len(points), 1))
+        arms, from_axle = (np.hstack((points - each, flat)) for each in (pose.middle, (pose.x, pose.y)))
+        slip = np.array([sign * self.motion.lateral_velocity_m_s, 0.0, speed])
+        slip = slip + 1e-3 * (np.cross(turning, arms) + np.cross(yawing, from_axle))
+        spin = 1e-3 * (normals @ (turning + yawing)[:2]) / speed
+        s, z = contact.places
+        across = (slip[:, 1] * normals[:, 0] - slip[:, 0] * normals[:, 1]) / speed
+        # at the origin of the patch, from which spin counts
+        return Creepages(slip[:, 2] / speed - spin * s, across - spin * (contact.grid.along[0] - z[0]), spin, speed)
+
+    def of_side(self, side: Side, state: SideNewton | SideState, normal: Floats) -> SideCreep:
+        """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
+        patches: list[PatchCreep] = []
+        windows: list[int] = []
+        for inside in self._divided(side, state, normal):
+            window = window_of(state.grid.grid, box_of(inside)[0]).start
+            key = (state.grid, window, sum(each == window for each in windows))
+            windows.append(window)
+            contact = self._contact(state, normal, inside, key)
+            rows = rows_of(state, contact)
+            # bodies of one material stretch alike under pressure: the wheel rolls on its undeformed radius
+            nearest = int(np.abs(state.grid.grid.z - contact.grid.along[0] + contact.places[1][0]).argmin())
+            points = state.gap.arms[:, nearest, :2] + np.array([state.pose.x, state.pose.y])
+            motion = self.creepages(side, state.pose, self.rate_rad_s, (points[rows], state.normals[rows]), contact)
+            patches.append(PatchCreep(inside, contact, self._forces(key, side, contact, motion), points))
+        return self._side(state, state.pose, tuple(patches))
+
+    def _divided(self, side: Side, state: SideNewton | SideState, normal: Floats) -> list[Bools]:
+        """Cells that roll as one: a patch, or by the exact theory a window, so that nothing jumps as patches meet."""
+        if self.theory == "exact":
+            return windows_of(state.grid.grid, normal)
+        if state.grid not in self._parts and side in self.before:
+            self._parts[state.grid] = [_moved(each, state.grid.grid) for each in self.before[side].patches]
+        self._parts[state.grid] = patches_of(normal, self._parts.get(state.grid, ()))
+        return self._parts[state.grid]
+
+    def _forces(self, key: tuple[object, ...], side: Side, contact: RollingContact, motion: Creepages) -> CreepForces:
+        if self.theory != "exact":
+            return FAST[self.theory](contact, motion.mean(contact.places[0], contact.row_shares))
+        start = self._last.get(key) or self._start(side, contact)
+        found = self._last[key] = roll(contact, motion, start=start, tolerance=self.tolerance)
+        return found
+
+    def _start(self, side: Side, contact: RollingContact) -> Start | None:
+        """Tractions of the side before on the cells of a patch: each has those at its middle."""
+        patches = self.before[side].patches if side in self.before else ()
+        tractions, bounds = np.zeros((*contact.pressures.shape, 2)), contact.grid.bounds
+        for patch in patches:
+            old, found = patch.contact.grid, patch.forces
+            if not isinstance(found, Rolling | SimplifiedRolling):
+                return None
+            row = np.searchsorted(old.bounds, (bounds[1:] + bounds[:-1]) / 2.0) - 1
+            column = np.round((contact.grid.along - old.along[0]) / old.strip).astype(int)
+            rows = np.flatnonzero((row >= 0) & (row < len(old.widths)))
+            columns = np.flatnonzero((column >= 0) & (column < old.n_strips))
+            tractions[np.ix_(rows, columns)] += found.tractions[np.ix_(row[rows], column[columns])]
+        return Start(tractions, contact) if patches else None
+
+    def _contact(
+        self, state: SideNewton | SideState, normal: Floats, inside: Bools, key: tuple[object, ...]
+    ) -> RollingContact:
+        friction = self.motion.friction_on(state.normals)
+        if self.theory != "exact":
+            return contact_in(state, normal, inside, friction, bodies=False)
+        whole = self._contacts.get(key[:2])
+        if whole is None:
+            whole = self._contacts[key[:2]] = contact_in(state, normal, inside, friction, whole=True)
+        rows = rows_of(state, whole)
+        pressures = np.where(inside, normal, 0.0)[rows, strips_of(state, whole)] / whole.areas
+        found = self._contacts[key] = whole.under(pressures, self._contacts.get(key), friction.of_rows(rows))
+        return found
+
+    def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
+        """Resultants of the patches' forces at a pose."""
+        total, rows = np.zeros(N_RESULTANTS), np.zeros((len(state.grid.grid.cells), 2))
+        raised = np.zeros(state.forces.shape)
+        for _, contact, found, points in patches:
+            cells, own = forces_on_cells(found, contact), rows_of(state, contact)
+            s, z = contact.places
+            missing = found.moment - float(s @ cells[..., 1].sum(axis=1) - cells[..., 0].sum(axis=0) @ z)
+            spinning = missing * np.append(contact.row_shares @ state.normals[own], 0.0)
+            ahead = cells[..., 0] @ contact.grid.along
+            total += resultant_of((points[own], state.normals[own]), pose, cells.sum(axis=1), ahead, spinning)
+            rows[own] += cells.sum(axis=1)
+            if isinstance(found, Rolling):
+                total[6] -= 1e3 * found.rolling_power / self.rate_rad_s
+                moved = state.grid.bending_across[own, :, own] @ cells[..., 0].sum(axis=1)
+                moved = (moved * state.normals[own]).sum(axis=1)[:, None]
+                raised[own, strips_of(state, contact)] += found.raised + moved
+        return SideCreep(patches, total, rows, raised)
+
+    def derivatives(self, side: Side, newton: SideNewton, normal: Floats, found: SideCreep) -> CreepSlopes:
+        """How creep forces under normal forces (n, n_z) change.
+
+        By differences of the theory itself, or of the exact one by its linearised law of friction.
+        """
+        n = N_RESULTANTS + len(normal)
+        columns = np.zeros((n, len(STEPS)))
+        changes, weights = [np.zeros((n, 0))], [np.zeros((0, *normal.shape))]
+        for patch in found.patches:
+            if isinstance(patch.forces, Rolling):
+                by_motion, by_normal, weight = self._linearised(side, newton, patch, patch.forces)
+                columns += by_motion
+                changes.append(by_normal)
+                weights.append(weight)
+                continue
+            shapes = shapes_of(newton.grid.grid, normal, patch.inside)
+            changed = self._changed(side, newton, normal, patch, shapes)
+            columns += changed[:, : len(STEPS)]
+            changes.append(changed[:, len(STEPS) :])
+            weights.append(shapes / normal[patch.inside].sum())
+        return CreepSlopes(columns, np.hstack(changes), np.concatenate(weights))
+
+    def _linearised(
+        self, side: Side, newton: SideNewton, patch: PatchCreep, found: Rolling
+    ) -> tuple[Floats, Floats, Floats]:
+        """Derivatives of the exact theory's creep forces of a patch: `CreepSlopes` of it.
+
+        The adjoint problem of each number that is wanted of the forces of the rows has its derivatives by the rigid
+        slip and the normal forces of all cells.
+        """
+        contact, n = found.contact, len(newton.grid.grid.cells)
+        rows, strips = rows_of(newton, contact), strips_of(newton, contact)
+        sizes, places, motions = self._moved(side, newton, patch)
+        cells = forces_on_cells(found, contact)
+        forces, ahead, none = cells.sum(axis=1), cells[..., 0] @ contact.grid.along, np.zeros(3)
+        # numbers of the forces along t and z and of the sums of z times the former, for each row
+        units = np.eye(3 * len(forces)).reshape(-1, 3, len(forces))
+        wanted = np.array([resultant_of(*places[0], unit[:2].T, unit[2], none) for unit in units])
+        loads = newton.grid.bending_modes_across[1]
+        wanted = np.hstack((wanted, np.pad(loads[:, rows].T, ((0, 2 * len(forces)), (0, 0)))))
+        scales = np.linalg.norm(wanted, axis=0)
+        left, values, right = np.linalg.svd(wanted / np.where(scales > 0.0, scales, 1.0), full_matrices=False)
+        kept = values > DISTINCT_RESULTANTS * values[0]
+        right = values[kept, None] * right[kept] * scales
+        by_slip, by_normal = [], []
+        for t, z, turning in left.T[kept].reshape(-1, 3, len(forces)):
+            functional = np.stack(
+                (t[:, None] + turning[:, None] * contact.grid.along, z[:, None] + 0.0 * contact.grid.along), axis=1
+            )
+            one, other = adjoint(found, functional, SLOPE_ERROR)
+            by_slip.append(one)
+            by_normal.append(other)
+        slips = np.array([each.rigid(*contact.places) for each in motions])
+        changes = right.T @ np.tensordot(by_slip, slips[1:] - slips[0], axes=([1, 2, 3], [1, 2, 3]))
+        moved = np.array([resultant_of(*place, forces, ahead, none) for place in places])
+        changes[:N_RESULTANTS] += (moved[1:] - moved[0]).T
+        to_rows = np.linalg.pinv(loads)
+        spread = np.vstack((np.eye(N_RESULTANTS, len(right.T)), np.hstack((np.zeros((n, N_RESULTANTS)), to_rows))))
+        weights = np.zeros((len(by_normal), *newton.forces.shape))
+        weights[:, rows, strips] = by_normal
+        return spread @ (changes / sizes), spread @ right.T, weights
+
+    def _moved(
+        self, side: Side, newton: SideNewton, patch: PatchCreep
+    ) -> tuple[Floats, list[tuple[tuple[Floats, Floats], WheelPose]], list[Creepages]]:
+        """Sizes of `STEPS`; points and normals of a patch's rows with the pose, and creepages, now and after each."""
+        contact, pose, rate = patch.contact, newton.pose, self.rate_rad_s
+        rows = rows_of(newton, contact)
+        sizes = np.array(STEPS) * [1.0, 1.0, 1.0, 1.0, rate, 1.0]
+        places, motions = [], []
+        for x, y, roll_rad, tilt, turning, yaw in np.vstack((np.zeros(len(STEPS)), np.diag(sizes))).tolist():
+            moved = replace(
+                pose,
+                x=pose.x + x,
+                y=pose.y + y,
+                roll_rad=pose.roll_rad + roll_rad,
+                tilt_rad=pose.tilt_rad + tilt,
+                yaw_rad=pose.yaw_rad + yaw,
+            )
+            # where the rays along the rail's normals meet the wheel that has moved
+            arms = (patch.points - pose.middle)[rows] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+            way = moved.middle - pose.middle + (moved.whole_roll - pose.whole_roll) * arms
+            normals = newton.normals[rows]
+            at = patch.points[rows] + (way * normals).sum(axis=1)[:, None] * normals, normals
+            places.append((at, moved))
+            motions.append(self.creepages(side, moved, rate + turning, at, contact))
+        return sizes, places, motions
+
+    def _changed(self, side: Side, newton: SideNewton, normal: Floats, patch: PatchCreep, shapes: Floats) -> Floats:
+        """Derivatives of the resultant of a patch and of lateral forces of rows by `STEPS` and by shapes, (7 + n, m).
+
+        - `shapes`: (k, n, n_z); normal forces grow by their product with these.
+        """
+        contact = patch.contact
+        rows, strips = rows_of(newton, contact), strips_of(newton, contact)
+        sizes, places, motions = self._moved(side, newton, patch)
+        places, motions = places + len(shapes) * places[:1], motions + len(shapes) * motions[:1]
+        forces = np.where(patch.inside, normal, 0.0)[rows, strips]
+        parts = [forces] * (1 + len(STEPS)) + [forces * (1.0 + SHAPE_STEP * each[rows, strips]) for each in shapes]
+        lateral, resultants = np.zeros((len(parts), len(normal))), []
+        for number, (of_rows, ahead, missing) in enumerate(_forces_of_rows(self.theory, contact, motions, parts)):
+            spinning = missing * np.append(contact.row_shares @ newton.normals[rows], 0.0)
+            resultants.append(resultant_of(*places[number], of_rows, ahead, spinning))
+            lateral[number, rows] = of_rows[:, 0]
+        values = np.column_stack((resultants, lateral))
+        steps = np.append(sizes, np.full(len(shapes), SHAPE_STEP))
+        return ((values[1:] - values[0]) / steps[:, None]).T
+
+
+def _forces_of_rows(
+    theory: Theory, contact: RollingContact, motions: Sequence[Creepages], parts: Sequence[Floats]
+) -> Iterator[tuple[Floats, Floats, float]]:
+    """Forces of rows along t and z (n_cells, 2), their sums of z times those along t, and what is missing of moments.
+
+    At creepages and normal forces (n_cells, n_strips), about the origin of the patch; along z from its place.
+    """
+    s, z = contact.places
+    middle = contact.grid.along[0] - z[0]
+    origin = contact.grid.bounds[:2].mean() - s[0], middle
+    if theory not in CLOSED:
+        ellipses = [
+            EllipticContact.under(contact, motion, part.sum(axis=1), part.sum(axis=0))
+            for motion, part in zip(motions, parts, strict=True)
+        ]
+        for rows, ahead in zip(*fastsim_rows(contact, ellipses, motions[0].speed), strict=True):
+            yield rows, ahead + middle * rows[:, 0], 0.0
+        return
+    for motion, part in zip(motions, parts, strict=True):
+        changed = replace(contact, pressures=part / contact.areas, origin=origin)
+        found = FAST[theory](changed, motion.mean(changed.places[0], changed.row_shares))
+        share = part / part.sum()
+        rows, ahead = np.outer(share.sum(axis=1), (found.across, found.along)), share @ z * found.across
+        yield rows, ahead + middle * rows[:, 0], found.moment - float(s @ rows[:, 1] - ahead.sum())
+
+
+def _moved(patch: PatchCreep, grid: SideGrid) -> Bools:
+    """Cells of another grid whose rows are in a patch."""
+    rows, bounds = box_of(patch.contact.pressures > 0.0)[0], patch.contact.grid.bounds
+    inside = (grid.stations > bounds[rows.start]) & (grid.stations < bounds[rows.stop])
+    return np.repeat(inside[:, None], len(grid.z), axis=1)
+
+
+def windows_of(grid: SideGrid, normal: Floats) -> list[Bools]:
+    """Cells under normal forces of each window, (n, n_z), windows from the field side to the gauge side."""
+    found, row = [], 0
+    while row < len(normal):
+        window = window_of(grid, slice(row, row + 1))
+        inside = np.zeros(normal.shape, dtype=np.bool_)
+        inside[window] = normal[window] > 0.0
+        found += [inside] if inside.any() else []
+        row = window.stop
+    return found
+
+
+def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
+    """Patches of normal forces (n, n_z), by falling force.
+
+    Creep forces jump where two patches become one. So patches that touch are divided at the row with the least forces,
+    as long as these are below `TOUCHING` of the lesser maximum of both, or `MERGED` if they were apart before,
+    (n, n_z) each.
+    """
+    found = []
+    for region in separate_patches(normal > 0.0):
+        most = np.where(region, normal, 0.0).max(axis=1)
+        number = np.zeros(len(most), dtype=int)  # of the patch before
+        for each, inside in enumerate(before, 1):
+            number[(inside & region).any(axis=1)] = each
+        rising = np.diff(np.concatenate(([0.0], most, [0.0])))
+        peaks = np.flatnonzero((rising[:-1] > 0.0) & (rising[1:] <= 0.0)).tolist()
+        cuts: list[int] = []
+        while len(peaks) > 1:
+            cuts = [first + int(most[first : last + 1].argmin()) for first, last in pairwise(peaks)]
+            lesser = [min(most[first], most[last]) for first, last in pairwise(peaks)]
+            apart = [MERGED if number[first] != number[last] else TOUCHING for first, last in pairwise(peaks)]
+            ratios = most[cuts] / np.multiply(lesser, apart)
+            worst = int(ratios.argmax())
+            if ratios[worst] < 1.0:
+                break
+            del peaks[worst + int(most[peaks[worst]] >= most[peaks[worst + 1]])]
+        cuts = [0, *(cuts if len(peaks) > 1 else [])]
+        rows = np.searchsorted(cuts, np.arange(len(normal)), side="right")[:, None]
+        found += [region & (rows == each) for each in range(1, len(cuts) + 1)]
+    return sorted(found, key=lambda inside: -float(normal[inside].sum()))
+
+
+def shapes_of(grid: SideGrid, normal: Floats, inside: Bools) -> Floats:
+    """Polynomials of second order of the places in a patch, orthonormal under its forces, (5, n, n_z).
+
+    A theory on an ellipse knows only the products of normal forces with these: force, centre, semi-axes and, where they
+    vary across in this way, creepages.
+    """
+    rows, columns = np.nonzero(inside)
+    share = normal[inside] / normal[inside].sum()
+    s, z = (np.divide(each - share @ each, np.ptp(each) or 1.0) for each in (grid.stations[rows], grid.z[columns]))
+    terms = np.stack((np.ones(len(s)), s, z, s**2, z**2), axis=1)
+    _, sizes, turned = np.linalg.svd(np.sqrt(share)[:, None] * terms, full_matrices=False)
+    found = np.zeros((N_SHAPES, *inside.shape))
+    kept = sizes > DISTINCT * sizes[0]
+    found[: kept.sum(), rows, columns] = (terms @ turned[kept].T / sizes[kept]).T
+    return found
+
+
+def resultant_of(at: tuple[Floats, Floats], pose: WheelPose, rows: Floats, ahead: Floats, spinning: Floats) -> Floats:
+    """See `SideCreep.resultant`.
+
+    - `at`: points and normals of rows, each (n, 2).
+    - `rows`: their forces along t and z, (n, 2).
+    - `ahead`: their sums of z times the forces along t, (n,).
+    - `spinning`: further moment, (3,).
+    """
+    points, normals = at
+    tangents = tangents_of(normals)
+    forces = np.column_stack((rows[:, :1] * tangents, rows[:, 1]))
+    first = ahead @ tangents  # of z f_x and z f_y
+    moments = []
+    for middle in ((pose.x, pose.y), pose.middle):
+        x, y = (points - middle).T
+        turned = (y @ forces[:, 2] - first[1], first[0] - x @ forces[:, 2], x @ forces[:, 1] - y @ forces[:, 0])
+        moments.append(spinning + np.array(turned))
+    return np.concatenate((forces.sum(axis=0), moments[0], [moments[1] @ pose.axis]))
+
+
+def rate_of(motion: RollingMotion, states: Mapping[Side, SideState]) -> float:
+    """Rate of rotation about the axle without creepage at the mean radius of the contacts."""
+    radii = []
+    for side in SIDES:
+        state = states[side]
+        rows = state.forces.sum(axis=1)
+        if rows.any():
+            radii.append(float(np.average(state.pose.middle[1] - state.points[:, 1], weights=rows)))
+    return 1e3 * motion.speed_m_s / float(np.mean(radii))

@@ -1,0 +1,195 @@
+"""Running surfaces of a wheelset and its track: the sections meshed, and their compliance tabulated."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from flangeway.contact.patch.elastic_surface import ElasticSurface, elastic_surface
+from flangeway.contact.patch.patch_body import stations_of
+from flangeway.mesh import Refinement
+from flangeway.problems import Elasticity, Harmonic
+from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
+from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.rigid.rigid_side import RigidSide
+from flangeway.railway.track.discretisation import Role
+from flangeway.railway.track.placements import SIDES, Side
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.wheelset.axle import Axle
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.side_contact import SideSurfaces
+from flangeway.railway.wheelset.supported_rail import RailSupport, rail_problem, sleeper_compliance, supported_rail
+from flangeway.railway.wheelset.wheelset_mesh import mesh_outline
+from flangeway.railway.wheelset.whole_wheel import WheelDisc, wheel_correction, whole_wheel
+from flangeway.solve import SurfaceCells
+from flangeway.space import Space
+from flangeway.system.disk_cache import Cache, content_key
+from flangeway.types import Floats
+
+CELL_MM = 2.0
+"""Width of the cells on which the compliance is tabulated; half of it changes no pressure by more than 0.1 %."""
+PATCH_CELLS = 26
+"""Cells across a patch, and along it."""
+EDGE_MM = 0.5
+"""Length of the mesh's edges there for order 1, twice that for order 2."""
+BODY_MM = 6.0
+"""The same inside the bodies."""
+GROWTH = 0.2
+"""Growth of the edges per distance for order 1, twice that for order 2."""
+
+
+@dataclass(frozen=True)
+class SpatialModel:
+    """What a wheelset in three dimensions has beyond the plane one.
+
+    - `support`: what the rails stand on; None: their bases are fixed.
+    - `disc`: web and hub of the wheels, which are held at the bore; None: the rims are held at their cuts.
+    - `axle`: how it bends; None: it is rigid.
+    - `yaw_rad`: yaw of the axle, counter-clockwise seen from above: the right wheel is ahead.
+    - `rolling`: how it rolls; None: without friction.
+    - `patch_cells`: cells across a patch, and along it.
+    """
+
+    support: RailSupport | None = field(default_factory=RailSupport)
+    disc: WheelDisc | None = None
+    axle: Axle | None = field(default_factory=Axle)
+    yaw_rad: float = 0.0
+    rolling: RollingMotion | None = None
+    patch_cells: int = PATCH_CELLS
+
+
+def running_surfaces(
+    problem: WheelsetProblem,
+    model: SpatialModel,
+    *,
+    cache: Cache | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> dict[Side, SideSurfaces]:
+    """Mesh wheels and rails and tabulate their compliance; equal bodies once."""
+    done: dict[tuple[int, float], tuple[ElasticSurface, Floats]] = {}
+    found: dict[Side, SideSurfaces] = {}
+    for side in SIDES:
+        curves = RigidSide.of(problem.track, problem.wheelset, side)
+        wheel, rail = problem.wheelset.wheel_of(side), problem.track.rail_of(side)
+        radius = problem.wheelset.tape_radius_of(side)
+        of_wheel, of_rail = (id(wheel), radius), (id(rail), 0.0)
+        if of_wheel not in done:
+            done[of_wheel] = _wheel(problem, model, wheel, radius, cache, progress)
+        if of_rail not in done:
+            done[of_rail] = _rail(problem, model, rail, cache, progress)
+        found[side] = SideSurfaces(
+            curves.wheel,
+            curves.rail,
+            done[of_wheel][0],
+            done[of_rail][0],
+            _stations(curves.wheel, curves.wheel_frame.points(done[of_wheel][1])),
+            _stations(curves.rail, curves.rail_frame.points(done[of_rail][1])),
+            curves.wheel_frame,
+            curves.rail_frame,
+        )
+    return found
+
+
+def _wheel(
+    problem: WheelsetProblem,
+    model: SpatialModel,
+    profile: WheelProfile,
+    radius_mm: float,
+    cache: Cache | None,
+    progress: Callable[[str], None],
+) -> tuple[ElasticSurface, Floats]:
+    cells = running_cells(problem, model, profile, cache)
+    corners = _corners(cells)
+    surface = elastic_surface(cells, cache=cache, progress=progress)
+    if model.disc is None:
+        return surface, corners
+    progress("harmonics of the whole wheel")
+    return surface.plus(wheel_correction(whole_wheel(profile, radius_mm, model.disc), radius_mm, cells, cache)), corners
+
+
+def _rail(
+    problem: WheelsetProblem,
+    model: SpatialModel,
+    profile: RailProfile,
+    cache: Cache | None,
+    progress: Callable[[str], None],
+) -> tuple[ElasticSurface, Floats]:
+    material, support = problem.material_of("rail"), model.support
+    cells = running_cells(problem, model, profile, cache)
+    corners = _corners(cells)
+    surface = elastic_surface(cells, cache=cache, progress=progress)
+    if support is None or support.kind == "continuous":
+        return surface, corners
+    key = content_key("sleepers", profile.outline.segments, material, support, surface.points, surface.frames)
+
+    def make() -> dict[str, Floats]:
+        progress("sleepers")
+        rail = supported_rail(profile, material, support, cache=cache)
+        return {"added": sleeper_compliance(rail, surface.points, surface.frames)}
+
+    added = make() if cache is None or key is None else cache.get(key, make)
+    return surface.plus(added["added"]), corners
+
+
+def _space(
+    problem: WheelsetProblem,
+    role: Role,
+    profile: WheelProfile | RailProfile,
+    names: tuple[str, ...],
+    held: tuple[str, ...],
+    cache: Cache | None,
+) -> Space:
+    """Space of a section whose edges are short along the running surface; the held edges are the set ``support``."""
+    settings = problem.discretisation
+    scale = settings.order_of(role) * settings.size_scale
+    refinement = Refinement(
+        profile.outline.part(names).sampled(spacing=EDGE_MM), EDGE_MM * scale, GROWTH * settings.order_of(role)
+    )
+    polygons = settings.method_of(role) == "vem"
+    mesh = mesh_outline(profile.outline, BODY_MM * scale, refinement, polygons=polygons, cache=cache)
+    mesh = mesh.with_edge_set("support", np.vstack([mesh.edge_set(part) for part in held]))
+    return Space(mesh, settings.element_of(role))
+
+
+def running_cells(
+    problem: WheelsetProblem, model: SpatialModel, profile: WheelProfile | RailProfile, cache: Cache | None
+) -> SurfaceCells:
+    """Even cells along the running surface of a wheel or a rail on its support, spread along z."""
+    role: Role = "wheel" if isinstance(profile, WheelProfile) else "rail"
+    names, held = (
+        (profile.running_names, ("cut",))
+        if isinstance(profile, WheelProfile)
+        else (profile.head_names, profile.base_names)
+    )
+    space, material = _space(problem, role, profile, names, held, cache), problem.material_of(role)
+    if role == "wheel" or model.support is None:
+        body = Harmonic(Elasticity(space, material, name=role), held={"support": "xyz"})
+    else:
+        body = rail_problem(space, material, "support", model.support)
+    chain = space.mesh.chain(*names).astype(np.int64)
+    cells = SurfaceCells(body, np.stack((chain[:-1], chain[1:]), axis=1))
+    length = float(cells.limits[-1])
+    return replace(cells, bounds=np.linspace(0.0, length, int(np.ceil(length / CELL_MM)) + 1))
+
+
+def _corners(cells: SurfaceCells) -> Floats:
+    """Corners of the mesh along the surface, (n, 2)."""
+    points, edges = cells.problem.elasticity.space.mesh.points, cells.edges
+    return np.concatenate((points[edges[:, 0]], points[edges[-1:, 1]]))
+
+
+def _stations(curve: RigidCurve, corners: Floats) -> Floats:
+    """Lengths along a curve, and along the chain of its mesh's corners, at these, by rising lengths: (n, 2).
+
+    Corners beyond an overhang, which the curve leaves out, are left out: those kept follow each other across.
+    """
+    arcs: Floats = np.linspace(0.0, curve.length, 1 + int(np.ceil(curve.length / 0.002)))
+    x = curve.at(arcs).x
+    along = stations_of(corners)
+    outward = corners[-1, 0] > corners[0, 0]
+    turns = np.flatnonzero(np.diff(corners[:, 0]) * (1.0 if outward else -1.0) <= 0.0) + 1
+    parts = np.split(np.arange(len(corners)), turns)
+    part = max(parts, key=lambda numbers: float(np.ptp(corners[numbers, 0])))
+    part = part[(corners[part, 0] >= x[0]) & (corners[part, 0] <= x[-1])]
+    pairs = np.stack((np.interp(corners[part, 0], x, arcs), along[part]), axis=1)
+    return pairs if outward else pairs[::-1]

@@ -1,0 +1,464 @@
+"""Contact of one wheel and its rail in three dimensions, on a grid that lies anywhere on the running surfaces.
+
+All is in the right-hand form of a side: x to the field side, y up, z ahead, origin in the middle of the track.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from flangeway.contact.patch.contact_ellipse import CellForces
+from flangeway.contact.patch.elastic_surface import ElasticSurface, half_spaces_on
+from flangeway.contact.patch.normal_contact import Convolution
+from flangeway.geometry import Placement
+from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.solve import Status
+from flangeway.types import Bools, Floats, Ints
+
+MOST_STEPS = 12
+MAX_STEP_MM = 3.0
+MET_MM = 1e-11
+"""Distance from the wheel's surface at which a ray has met it."""
+FAR_MM = 1e3
+"""Gap of what does not meet."""
+
+
+class WheelGap(NamedTuple):
+    """Gaps and where they end, arrays (n, n_z) or (n, n_z, 3).
+
+    - `gaps`: distances along the normals, `FAR_MM` where a ray does not meet the wheel.
+    - `along`: position of the hit along the axle from its middle.
+    - `by_motion`: derivative of the gap by a translation of the wheel: its outward normal over the share of that along
+      the ray.
+    - `arms`: from the wheel's origin on its axis to the hit.
+    """
+
+    gaps: Floats
+    along: Floats
+    by_motion: Floats
+    arms: Floats
+
+
+def wheel_gap(
+    wheel: RigidCurve,
+    middle: Floats,
+    axis: Floats,
+    points: Floats,
+    normals: Floats,
+    z: Floats,
+    guess: Floats | None = None,
+) -> WheelGap:
+    """Distances from points of a rail to a wheel along the rail's normals.
+
+    Parameters
+    ----------
+    wheel
+        Profile about the middle of the axle: x along it, -y the rolling radius.
+    middle, axis
+        Origin of the profile on the wheel's axis (2,), in the plane z = 0, and the axis' direction, a unit vector (3,).
+    points, normals
+        Of the rail, each (n, 2); normals towards the wheel.
+    z
+        Planes along the track, shape (n_z,).
+    guess
+        Gaps from close by to start from, shape (n, n_z).
+
+    """
+    shape = (len(points), len(z))
+    places = np.empty((*shape, 3))
+    places[..., :2] = (points - middle)[:, None]
+    places[..., 2] = z
+    start: Floats = places.reshape(-1, 3)
+    rays = np.repeat(np.pad(normals, ((0, 0), (0, 1))), len(z), axis=0)
+    gaps: Floats = np.zeros(len(rays)) if guess is None else np.where(guess < FAR_MM, guess, 0.0).ravel()
+    arms, gradient = np.empty_like(start), np.empty_like(start)
+    along, error, slope = np.empty_like(gaps), np.empty_like(gaps), np.empty_like(gaps)
+    left = np.arange(len(rays))  # rays that have not met the wheel
+    for _ in range(MOST_STEPS):
+        ray = rays[left]
+        arms[left] = arm = start[left] + gaps[left, None] * ray
+        along[left] = place = arm @ axis
+        radial = arm - place[:, None] * axis
+        radius = np.sqrt((radial**2).sum(axis=1))
+        at = wheel.over(place)
+        # f = r + y(x): positive outside of the wheel
+        error[left] = wrong = radius + at.y
+        gradient[left] = steepest = radial / radius[:, None] + np.tan(at.angle)[:, None] * axis
+        slope[left] = falling = (steepest * ray).sum(axis=1)
+        further = np.abs(wrong) >= MET_MM
+        if not further.any():
+            break
+        wrong, falling, left = wrong[further], falling[further], left[further]
+        step = np.where(falling < 0.0, -wrong / np.minimum(falling, -1e-3), MAX_STEP_MM * np.sign(wrong))
+        gaps[left] += np.clip(step, -MAX_STEP_MM, MAX_STEP_MM)
+    first, last = wheel.joints[[0, -1]]
+    met = (np.abs(error) < 1e4 * MET_MM) & (slope < 0.0) & (along > first) & (along < last)
+    by_motion = gradient / np.where(met, slope, -1.0)[:, None]
+    each = (np.where(met, gaps, FAR_MM), along, by_motion, arms)
+    return WheelGap(*(values.reshape(*shape, *values.shape[1:]) for values in each))
+
+
+GAUGE_DEPTH_MM = 14.0
+"""Depth below the rail's top at which the gauge is measured (EN 13848-1)."""
+RANK = 1e-4
+"""Singular value over the first one below which modes of bending are left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class SideSurfaces:
+    """Running surfaces of one side, elastic.
+
+    - `wheel`: profile about the middle of the axle, x along it to the field side, -y the rolling radius.
+    - `rail`: profile in the track's axes.
+    - `wheel_elastic`, `rail_elastic`: what the bodies move more than half-spaces, in the axes of the curves.
+    - `wheel_stations`, `rail_stations`: lengths along the curves, rising, and along the elastic surfaces, (n, 2); the
+      rail's elastic surface runs from the field to the gauge side.
+    - `wheel_frame`, `rail_frame`: from the frames of the profiles to those of the curves.
+    """
+
+    wheel: RigidCurve
+    rail: RigidCurve
+    wheel_elastic: ElasticSurface
+    rail_elastic: ElasticSurface
+    wheel_stations: Floats
+    rail_stations: Floats
+    wheel_frame: Placement
+    rail_frame: Placement
+
+    def rail_points(self, stations: Floats) -> tuple[Floats, Floats]:
+        """Points and outward normals of the rail at stations of its elastic surface, each (n, 2)."""
+        arcs, along = self.rail_stations[::-1].T
+        at = self.rail.at(np.interp(stations, along, arcs))
+        return np.stack((at.x, at.y), axis=1), np.stack((-np.sin(at.angle), np.cos(at.angle)), axis=1)
+
+    def wheel_at(self, along: Floats) -> Floats:
+        """Stations of the wheel's elastic surface at positions along the axle."""
+        x = self.wheel.at(self.wheel_stations[:, 0]).x
+        return np.interp(along, x, self.wheel_stations[:, 1])
+
+
+@dataclass(frozen=True)
+class WheelPose:
+    """Pose of a wheel in the right-hand form.
+
+    - `x`, `y`: middle of the axle.
+    - `roll_rad`, `yaw_rad`: of the axle.
+    - `tilt_rad`: further roll of the wheel about its seat, as the axle bends.
+    - `seat_mm`: distance of the wheel's seat from the axle's middle.
+    """
+
+    x: float
+    y: float
+    roll_rad: float
+    yaw_rad: float = 0.0
+    tilt_rad: float = 0.0
+    seat_mm: float = 0.0
+
+    @property
+    def whole_roll(self) -> float:
+        """Roll of the wheel."""
+        return self.roll_rad + self.tilt_rad
+
+    @property
+    def seat(self) -> Floats:
+        """The wheel's seat from the axle's middle, shape (2,)."""
+        return self.seat_mm * np.array([np.cos(self.roll_rad), np.sin(self.roll_rad)])
+
+    @property
+    def shift(self) -> Floats:
+        """What the tilt moves the origin of the wheel's profile away from the axle's middle, shape (2,)."""
+        return self.seat - self.seat_mm * np.array([np.cos(self.whole_roll), np.sin(self.whole_roll)])
+
+    @property
+    def middle(self) -> Floats:
+        """Origin of the wheel's profile: without tilt the middle of the axle, shape (2,)."""
+        return self.shift + np.array([self.x, self.y])
+
+    @property
+    def axis(self) -> Floats:
+        """Direction of the wheel's axis to the field side, shape (3,)."""
+        level = np.cos(self.whole_roll)
+        return np.array([level * np.cos(self.yaw_rad), np.sin(self.whole_roll), level * np.sin(self.yaw_rad)])
+
+
+@dataclass(frozen=True, eq=False)
+class SideGrid:
+    """Cells on the rail's running surface, from the field side to the gauge side, and strips along z.
+
+    - `cells`: their ends as lengths along the surface, rising, shape (n, 2); there may be gaps between patches.
+    - `strip`: width of the strips; `planes`: their places over it, rising without gaps, shape (n_z,).
+    """
+
+    cells: Floats
+    strip: float
+    planes: Ints
+
+    @property
+    def stations(self) -> Floats:
+        """Middles of the cells along the surface."""
+        middles: Floats = self.cells.mean(axis=1)
+        return middles
+
+    @property
+    def widths(self) -> Floats:
+        """Widths of the cells."""
+        return np.diff(self.cells, axis=1)[:, 0]
+
+    @property
+    def z(self) -> Floats:
+        """Middles of the strips."""
+        return self.planes.astype(np.float64) * self.strip
+
+    @property
+    def strip_ends(self) -> Floats:
+        """Ends of the strips, shape (n_z, 2)."""
+        return self.z[:, None] + self.strip / 2.0 * np.array([-1.0, 1.0])
+
+    def covers(self, other: "SideGrid") -> bool:
+        """Whether another grid of the same cells and strips reaches nowhere farther."""
+        first, last = self.planes[0] <= other.planes[0], self.planes[-1] >= other.planes[-1]
+        return bool(first and last and self.cells.min() <= other.cells.min() and self.cells.max() >= other.cells.max())
+
+    @property
+    def at_edge(self) -> Bools:
+        """Cells beside a gap or an end, and strips at an end, shape (n, n_z)."""
+        apart = np.diff(self.cells.ravel())[1::2] > 1e-6 * self.strip
+        rows = np.concatenate(([True], apart)) | np.concatenate((apart, [True]))
+        ends = np.zeros(len(self.planes), dtype=np.bool_)
+        ends[[0, -1]] = True
+        return rows[:, None] | ends
+
+
+@dataclass(frozen=True, eq=False)
+class SideState:
+    """Contact of a side at one pose of its wheel.
+
+    - `forces`: normal forces on the cells, N, shape (n, n_z).
+    - `points`, `normals`: of the deformed rail's cells, each (n, 2).
+    - `gap`: to the wheel as it stands, without the deformation of the surfaces at the contact.
+    - `gaps`: of the deformed surfaces, shape (n, n_z).
+    - `stiffness`: derivatives of `resultant` by the axle's x, y, roll and the wheel's tilt, shape (3, 4).
+    - `creep`: creep forces on the wheel's rows of cells, along t and z, shape (n, 2); None without friction.
+    """
+
+    grid: "GriddedSide"
+    pose: WheelPose
+    status: Status
+    forces: Floats
+    points: Floats
+    normals: Floats
+    gap: WheelGap
+    gaps: Floats
+    stiffness: Floats
+    creep: Floats | None = None
+
+    @property
+    def cells(self) -> CellForces:
+        """Forces on the cells, in the right-hand form of the side."""
+        grid = self.grid.grid
+        return CellForces(self.forces, grid.cells, self.points, self.normals, grid.z, grid.strip)
+
+    @property
+    def resultant(self) -> Floats:
+        """Force on the wheel (x, y) and moment about the middle of the axle, counter-clockwise, shape (3,)."""
+        on_wheel, arms = self.forces[..., None] * self.normals[:, None], self.gap.arms
+        moment = (arms[..., 0] * on_wheel[..., 1] - arms[..., 1] * on_wheel[..., 0]).sum()
+        return np.append(on_wheel.sum(axis=(0, 1)), moment)
+
+
+@dataclass(frozen=True, eq=False)
+class GriddedSide:
+    """A side with its influence coefficients on a grid, for poses about one at which the wheel's cells were taken."""
+
+    surfaces: SideSurfaces
+    grid: SideGrid
+    pose: WheelPose
+
+    @cached_property
+    def _at(self) -> tuple[Floats, Floats]:
+        """Points and outward normals of the rail's cells."""
+        return self.surfaces.rail_points(self.grid.stations)
+
+    @cached_property
+    def frames(self) -> Floats:
+        """Axes tangent (towards the gauge side), outward normal and z of the rail's cells, rows of (n, 3, 3)."""
+        normals = self._at[1]
+        frames = np.zeros((len(normals), 3, 3))
+        frames[:, 0, :2] = tangents_of(normals)
+        frames[:, 1, :2], frames[:, 2, 2] = normals, 1.0
+        return frames
+
+    @property
+    def _elastic(self) -> tuple[ElasticSurface, ElasticSurface]:
+        return self.surfaces.rail_elastic, self.surfaces.wheel_elastic
+
+    @cached_property
+    def _weights(self) -> tuple[Floats, Floats]:
+        """Weights of the tabulated stations of the rail and the wheel at the cells."""
+        points, normals = self._at
+        hit = wheel_gap(self.surfaces.wheel, self.pose.middle, self.pose.axis, points, normals, np.zeros(1))
+        return (
+            self.surfaces.rail_elastic.interpolation(self.grid.stations),
+            self.surfaces.wheel_elastic.interpolation(self.surfaces.wheel_at(hit.along[:, 0])),
+        )
+
+    @property
+    def _turns(self) -> tuple[Floats, Floats]:
+        """Axes of the sections of rail and wheel in the track's axes, as columns of matrices (2, 2)."""
+        return Placement(self.surfaces.rail_frame.rotation_rad).matrix, Placement(self.pose.whole_roll).matrix
+
+    @cached_property
+    def _loads(self) -> tuple[Floats, Floats]:
+        """Unit normal forces on the cells in the axes of rail and wheel at the tabulated stations, (3 N, n)."""
+        return self._unit_forces((1,), slice(None))
+
+    def _unit_forces(self, axes: Sequence[int], rows: slice) -> tuple[Floats, Floats]:
+        """Unit forces along axes of the frames of some cells, as `_loads`: (3 N, n m) for m axes."""
+        loads = []
+        for weights, turn in zip(self._weights, self._turns, strict=True):
+            directions = self.frames[rows][:, axes]
+            directions = np.concatenate((directions[..., :2] @ turn, directions[..., 2:]), axis=2)
+            full = np.einsum("ia,imx->axim", weights[rows], directions)
+            loads.append(full.reshape(3 * weights.shape[1], -1))
+        return loads[0], loads[1]
+
+    @cached_property
+    def influence(self) -> Convolution:
+        """Normal displacements of both surfaces together by normal forces."""
+        return Convolution(self.coefficients)
+
+    @cached_property
+    def coefficients(self) -> Floats:
+        """Normal displacements by unit normal forces at the distances of the strips, shape (n_z, n, n)."""
+        return self.coefficients_of((1,), slice(None), len(self.grid.planes))
+
+    def coefficients_of(self, axes: Sequence[int], rows: slice, n_distances: int) -> Floats:
+        """Displacements of the wheel less those of the rail by unit forces on the wheel's cells, opposite on the rail.
+
+        - `axes`: components along `frames`: 0 tangent, 1 normal, 2 z.
+        - `rows`: cells across.
+        - `n_distances`: number of distances along z, multiples of the strip from 0.
+
+        Returned: shape (n_distances, n m, n m) for n cells and m axes.
+        """
+        grid = self.grid
+        materials = self.surfaces.rail_elastic.material, self.surfaces.wheel_elastic.material
+        total = half_spaces_on(materials, grid.cells[rows], self.frames[rows], grid.strip, n_distances, axes)
+        size = total.shape[1] * len(axes)
+        total = total.reshape(n_distances, size, size)
+        for elastic, unit_forces in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
+            used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, len(grid.planes)))) + 3
+            table = elastic.table(along=2 in axes)[:used]
+            # without forces along z two thirds of the rows
+            loads = unit_forces.reshape(-1, 3, size)[:, : 3 if 2 in axes else 2].reshape(table.shape[1], size)
+            found = np.matmul(loads.T, np.matmul(table, loads))
+            weights = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, : len(table)]
+            total += (weights @ found.reshape(len(table), -1)).reshape(total.shape)
+        return total
+
+    @cached_property
+    def _bending(self) -> tuple[Floats, Floats]:
+        """What the bodies move more than half-spaces at the cells and tabulated stations by unit normal forces.
+
+        Displacement of the rail less that of the wheel at the cells (n, 2, n), and turn of the rail's normals (n, n).
+        """
+        return self._bent(self._loads)
+
+    @cached_property
+    def _bending_across(self) -> tuple[Floats, Floats]:
+        """As `_bending` by unit forces along the tangents, opposite on rail and wheel."""
+        return self._bent(self._unit_forces((0,), slice(None)))
+
+    @property
+    def bending_across(self) -> Floats:
+        """Displacement of the rail less that of the wheel by unit lateral forces on rows of the wheel, (n, 2, n)."""
+        return self._bending_across[0]
+
+    def _bent(self, forces: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+        grid, (rail_weights, wheel_weights) = self.grid, self._weights
+        moved = []
+        for elastic, loads, turn in zip(self._elastic, forces, self._turns, strict=True):
+            found = (elastic.remainder[0].reshape(len(loads), -1) @ loads).reshape(-1, 3, loads.shape[1])[:, :2]
+            moved.append(np.einsum("xy,ayj->axj", turn, found))
+        rail = -np.einsum("ia,axj->ixj", rail_weights, moved[0])
+        wheel = np.einsum("ia,axj->ixj", wheel_weights, moved[1])
+        slope = self.surfaces.rail_elastic.interpolation(grid.stations, 1)
+        # along the surface d(u . n) / ds = -w by a rotation w
+        turn = np.einsum("ia,axj,ix->ij", slope, moved[0], self._at[1], optimize=True)
+        return rail - wheel, turn
+
+    def rail_motion(self, forces: Floats, across: Floats | None = None) -> tuple[Floats, float]:
+        """What normal forces (n, n_z), and lateral ones of rows (n,), move the rail's surface more than a half-space.
+
+        Returned: rigid motion that fits it best, along x and y at the rail's top in mm and rotation in rad, (3,); and
+        the displacement outwards of the gauge face 14 mm below the top, or of its lowest point, along x.
+        """
+        elastic, loads, turn = self._elastic[0], self._loads[0], self._turns[0]
+        load = loads @ forces.sum(axis=1)
+        if across is not None:
+            load = load + self._unit_forces((0,), slice(None))[0] @ across
+        moved = -(elastic.remainder[0].reshape(len(loads), -1) @ load).reshape(-1, 3)[:, :2]
+        moved, points = moved @ turn.T, self.surfaces.rail_frame.points(elastic.points)
+        top = points[np.argmax(points[:, 1])]
+        x, y = (points - top).T
+        ones, none = np.ones(len(x)), np.zeros(len(x))
+        terms = np.concatenate((np.stack((ones, none, -y), axis=1), np.stack((none, ones, x), axis=1)))
+        motion, *_ = np.linalg.lstsq(terms, moved.T.ravel())
+        inner = np.flatnonzero(x < 0.0)
+        at_gauge = inner[np.argmin(np.abs(y[inner] + GAUGE_DEPTH_MM))]
+        return motion, float(moved[at_gauge, 0])
+
+    @cached_property
+    def bending_modes(self) -> tuple[Floats, Floats]:
+        """Displacement of the rail less that of the wheel as ``modes @ loads`` of low rank: (n, 2, r) and (r, n)."""
+        return _modes(self._bending[0])
+
+    @cached_property
+    def bending_modes_across(self) -> tuple[Floats, Floats]:
+        """The same of `bending_across`."""
+        return _modes(self.bending_across)
+
+    def deformed(
+        self,
+        pose: WheelPose,
+        forces: Floats | None,
+        guess: Floats | None = None,
+        across: Floats | None = None,
+    ) -> tuple[Floats, Floats, WheelGap, Floats]:
+        """Geometry as the bodies bend under forces: points and normals of the rail's cells, gaps, and right-hand side.
+
+        The right-hand side has no deformation: what the forces move is added by `influence`, the bending included.
+
+        - `guess`: gaps from close by.
+        - `across`: lateral creep forces on the wheel's rows of cells, (n,); what they move stays in the geometry.
+        """
+        (points, normals), (bending, turn) = self._at, self._bending
+        moved = np.zeros_like(points)
+        if forces is not None:
+            row = forces.sum(axis=1)
+            moved = bending @ row
+            turned = turn @ row
+            if across is not None:
+                points = points + self._bending_across[0] @ across
+                turned = turned + self._bending_across[1] @ across
+            normals = normals + turned[:, None] * tangents_of(normals)
+            normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+        points = points + moved
+        gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.z, guess)
+        gap.arms[..., :2] += pose.shift  # from the middle of the axle, not from the profile's origin
+        values = np.where(gap.gaps < FAR_MM, gap.gaps + (moved * normals).sum(axis=1)[:, None], FAR_MM)
+        return points, normals, gap, values
+
+
+def _modes(bending: Floats) -> tuple[Floats, Floats]:
+    left, sizes, right = np.linalg.svd(bending.reshape(-1, bending.shape[2]), full_matrices=False)
+    rank = int((sizes > RANK * sizes[0]).sum())
+    return (left[:, :rank] * sizes[:rank]).reshape(*bending.shape[:2], rank), right[:rank]
+
+
+def tangents_of(normals: Floats) -> Floats:
+    """Directions along the rail towards the gauge side from outward normals, each (n, 2)."""
+    return np.stack((-normals[:, 1], normals[:, 0]), axis=1)

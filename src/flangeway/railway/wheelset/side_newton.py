@@ -1,0 +1,297 @@
+"""Contact forces of a wheel on its rail as both bend: semismooth Newton steps.
+
+Within the set C of cells in contact ``f = -(A + D)_CC^-1 (h + B dq)`` with the influence A, the right-hand side h of
+the geometry as it is deformed now, and its derivatives B by the position and D by the forces: the rail moves across
+the track and rolls, and the patch with it. D has a low rank. The set changes with the signs of forces and gaps.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+
+from flangeway.contact.patch.normal_contact import solve_normal
+from flangeway.errors import InputError
+from flangeway.railway.wheelset.side_contact import FAR_MM, GriddedSide, SideGrid, SideState, WheelPose
+from flangeway.solve import Status
+from flangeway.types import Bools, Floats
+
+MOST_CELLS = 6000
+"""Cells in contact up to which their matrix is factorised."""
+SAME = 1e-6
+"""Force over the mean force of the cells in contact that is round-off."""
+FIRST = 1e-2
+"""Tolerance of the forces on undeformed bodies, from which the steps start."""
+MOST_STEPS = 30
+MAX_MOVED_MM = 0.5
+"""Displacement of a cell across the normal by which the geometry changes in one step, at most."""
+N_RESULTANTS, N_MOTIONS = 7, 6
+
+
+class CreepSlopes(NamedTuple):
+    """How creep forces of a side change: `motion` and `shape` with the resultant (7) and lateral forces of rows (n).
+
+    - `motion`: by the axle's x, y, roll, the wheel's tilt, its rate of rotation and the yaw, where normal forces stay,
+      (7 + n, 6).
+    - `shape`: by products of the normal forces with functions on the patches, (7 + n, k).
+    - `weights`: these functions, (k, n, n_z).
+    """
+
+    motion: Floats
+    shape: Floats
+    weights: Floats
+
+
+class SideNewton:
+    """One side while its forces are sought."""
+
+    def __init__(self, grid: GriddedSide, pose: WheelPose, forces: Floats | None) -> None:
+        self.grid, self.pose = grid, pose
+        if forces is None or not forces.any():
+            values = grid.deformed(pose, None)[3]
+            forces = solve_normal(grid.influence, values, approach=0.0, tolerance=FIRST).forces
+        self.forces = self.raw = forces
+        self.touching: Bools = forces > 0.0
+        self._factor: tuple[Floats, bool] | None = None
+        self._last: Floats | None = None
+        self.changed = True
+        self.creep: Floats | None = None
+        """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
+        self.raised: Floats = np.zeros(self.forces.shape)
+        """What they open the gaps besides, (n, n_z)."""
+        self.slopes: CreepSlopes | None = None
+        self.shape: Floats = np.zeros(0)
+        """Values of the normal forces for `CreepSlopes.shape` at which the creep forces were found, (k,)."""
+        self.bent = False
+
+    def linearise(self, pose: WheelPose) -> None:
+        """Take gaps and their derivatives at a pose, in the geometry deformed by the forces so far."""
+        grid = self.grid
+        self.pose = pose
+        self.points, self.normals, self.gap, self.values = grid.deformed(
+            pose, self.forces, self._last, None if self.creep is None else self.creep[:, 0]
+        )
+        self._last = self.gap.gaps
+        self.values = self.values + self.raised
+        self.total = self.values + grid.influence(self.forces)
+        # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
+        least = SAME * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
+        width = least * float(grid.coefficients[0].diagonal().max())
+        touching = np.where(self.touching, self.raw > -least, self.total < -width) & (self.gap.gaps < FAR_MM)
+        self.changed = bool((touching != self.touching).any())
+        if self.changed or self._factor is None:
+            self.touching = touching
+            self._factor = self._factorised()
+
+    def _factorised(self) -> tuple[Floats, bool] | None:
+        rows, strips = np.nonzero(self.touching)
+        if len(rows) == 0:
+            return None
+        if len(rows) > MOST_CELLS:
+            raise InputError(
+                f"contact patches of {len(rows)} cells on one side",
+                f"up to {MOST_CELLS} cells",
+                "check the load, and whether these profiles conform over their whole width",
+            )
+        # A_ab = coefficients[|strip_a - strip_b|, row_a, row_b], by one number each: half the time of three
+        n = len(self.touching)
+        numbers = np.abs(np.subtract.outer(strips, strips, dtype=np.int32)) * np.int32(n * n)
+        numbers += np.add.outer(n * rows, rows, dtype=np.int32)
+        matrix = self.grid.coefficients.ravel().take(numbers)
+        try:
+            factor, lower = scipy.linalg.cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
+        except scipy.linalg.LinAlgError as error:
+            raise InputError(
+                "bodies that move so easily that the contact's own compliance is lost in round-off",
+                "supports of about the stiffness of a track",
+                "raise the stiffnesses of the rail seats",
+            ) from error
+        return factor, bool(lower)
+
+    def bend(self, creep: Floats, raised: Floats, forces: Floats, slopes: CreepSlopes, max_moved_mm: float) -> None:
+        """Take creep forces on rows of cells (n, 2), or a part of the way to them: they move rail and wheel too.
+
+        - `raised`: see `SideCreep`.
+        - `forces`: normal forces on the cells in contact under which they were found, (m,).
+        - `slopes`: how they change.
+        - `max_moved_mm`: displacement of a cell up to which they are taken.
+        """
+        before = np.zeros_like(creep) if self.creep is None else self.creep
+        moved = np.einsum("ixj,j->ix", self.grid.bending_across, creep[:, 0] - before[:, 0])
+        share = min(1.0, max_moved_mm / max(float(np.abs(moved).max()), 1e-300))
+        self.creep = before + share * (creep - before)
+        self.bent = share < 1.0
+        part = np.ones((len(slopes.motion), 1))
+        part[N_RESULTANTS:] = share
+        self.slopes = slopes._replace(motion=part * slopes.motion, shape=part * slopes.shape)
+        self.shape = slopes.weights[:, self.touching] @ forces
+        # rail points that move by v are as a wheel that moves by -v
+        change = share * (raised - self.raised)
+        self.raised = self.raised + change
+        self.values = self.values + change - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved)
+
+    def solve(self, *, rolls: bool = False) -> tuple[Floats, Floats]:
+        """Forces on the cells in contact, (m,), and derivatives by the axle's x, y, roll and the tilt, (m, 4).
+
+        - `rolls`: whether those by all that `CreepSlopes.motion` is by are wanted, (m, 6); creep forces change too.
+        """
+        if self._factor is None:
+            return np.zeros(0), np.zeros((0, N_MOTIONS if rolls else 4))
+        rows, strips = np.nonzero(self.touching)
+        by, arms = self.gap.by_motion[rows, strips, :2], self.gap.arms[rows, strips]
+        # a wheel that moves by v changes the gaps by by . v; a rotation moves the hits by (-arm_y, arm_x)
+        from_seat = arms[:, :2] - self.pose.seat
+        slopes = np.stack(
+            (
+                by[:, 0],
+                by[:, 1],
+                by[:, 1] * arms[:, 0] - by[:, 0] * arms[:, 1],
+                by[:, 1] * from_seat[:, 0] - by[:, 0] * from_seat[:, 1],
+            ),
+            axis=1,
+        )
+        if rolls:
+            all_by = self.gap.by_motion[rows, strips]
+            yawing = all_by[:, 2] * arms[:, 0] - all_by[:, 0] * arms[:, 2]
+            slopes = np.column_stack((slopes, np.zeros(len(rows)), yawing))
+        # D = left right: by_motion . n = 1, so that n - by_motion lies across
+        grid = self.grid
+        modes, loads = grid.bending_modes
+        left = np.einsum("mx,mxk->mk", self.normals[rows] - by, modes[rows])
+        right = loads[:, rows]
+        # h is that of the forces so far: their part in D is taken off
+        values = self.values[rows, strips] - left @ (right @ self.forces[rows, strips])
+        if self.slopes is not None:
+            modes, loads = grid.bending_modes_across
+            across = -np.einsum("mx,mxk->mk", by, modes[rows]) @ loads
+            of_shape = across @ self.slopes.shape[N_RESULTANTS:]
+            values = values - of_shape @ self.shape
+            if rolls:
+                slopes = slopes + across @ self.slopes.motion[N_RESULTANTS:]
+            left, right = np.hstack((left, of_shape)), np.vstack((right, self.slopes.weights[:, rows, strips]))
+        found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
+        n = 1 + slopes.shape[1]
+        solved, inner = found[:, :n], found[:, n:]
+        small = np.eye(len(right)) + right @ inner
+        solved = solved - inner @ np.linalg.solve(small, right @ solved)
+        return -solved[:, 0], -solved[:, 1:]
+
+    def resultants(self, forces: Floats) -> Floats:
+        """Force on the wheel (x, y) and moment about the axle's middle of forces on cells in contact (m, k): (3, k)."""
+        rows, strips = np.nonzero(self.touching)
+        normals, arms = self.normals[rows], self.gap.arms[rows, strips]
+        moment = arms[:, 0] * normals[:, 1] - arms[:, 1] * normals[:, 0]
+        result: Floats = np.column_stack((normals, moment)).T @ forces
+        return result
+
+    def yaw_moment(self, forces: Floats, by_motion: Floats) -> tuple[float, Floats]:
+        """Moment of normal forces (m,) on the wheel about y, ``z f_x``, and its derivatives by those of the forces."""
+        rows, strips = np.nonzero(self.touching)
+        arms = self.grid.grid.z[strips] * self.normals[rows, 0]
+        return float(arms @ forces), arms @ by_motion
+
+    def stiffness(self, forces: Floats, by_motion: Floats) -> tuple[Floats, Floats]:
+        """Resultant of forces of `solve`, (3,), and its derivatives by what theirs are by, (3, 4) or (3, 6)."""
+        found = self.resultants(np.column_stack((forces, by_motion)))
+        # the moment changes too as the axle's middle moves away from where the forces act
+        found[2, 1:3] += (-found[1, 0], found[0, 0])
+        return found[:, 0], found[:, 1:]
+
+    def creep_now(self, forces: Floats, by_motion: Floats, found: Floats) -> tuple[Floats, Floats]:
+        """Resultant of creep forces (7,), and its derivatives (7, 6), at forces of `solve` from that at `bend`."""
+        assert self.slopes is not None
+        weights, own = self.slopes.weights[:, self.touching], self.slopes.shape[:N_RESULTANTS]
+        now = found + own @ (weights @ forces - self.shape)
+        return now, self.slopes.motion[:N_RESULTANTS] + own @ (weights @ by_motion)
+
+    def take(self, forces: Floats, step: Floats | None = None) -> float:
+        """Take forces on the cells in contact, or a part of the way to them; how much they change, over their sum.
+
+        - `step`: by what the axle moves, as the derivatives of `solve`; creep forces change with it.
+        """
+        new = np.zeros(self.forces.shape)
+        self.raw = new.copy()
+        self.raw[self.touching] = forces
+        new[self.touching] = np.maximum(forces, 0.0)
+        change = new - self.forces
+        moved = np.abs(
+            np.einsum("ixk,k->ix", self.grid.bending_modes[0], self.grid.bending_modes[1] @ change.sum(axis=1))
+        )
+        share = min(1.0, MAX_MOVED_MM / max(float(moved[self.touching.any(axis=1)].max(initial=0.0)), 1e-300))
+        self.forces = self.forces + share * change if share < 1.0 else new
+        if self.slopes is not None and self.creep is not None and step is not None:
+            shape = self.slopes.weights[:, self.touching] @ self.forces[self.touching]
+            change_of_rows = self.slopes.shape @ (shape - self.shape) + self.slopes.motion @ step
+            self.creep = self.creep + np.outer(change_of_rows[N_RESULTANTS:], (1.0, 0.0))
+            self.shape = shape
+        total = float(np.abs(new).sum())
+        return float(np.abs(change).sum()) / total if total > 0.0 else float(change.any())
+
+    def state(self, status: Status, stiffness: Floats) -> SideState:
+        """Contact as it is now."""
+        forces = np.maximum(self.forces, 0.0)
+        return SideState(
+            self.grid, self.pose, status, forces, self.points, self.normals, self.gap, self.total, stiffness, self.creep
+        )
+
+
+def nearest(values: Floats, old: SideGrid, new: SideGrid) -> Floats:
+    """Values (n, n_z) on the cells of another grid: each has that of the cell in which its middle lies, or 0."""
+    row = np.clip(np.searchsorted(old.cells[:, 0], new.stations) - 1, 0, len(old.cells) - 1)
+    column = np.clip(np.round(new.z / old.strip).astype(int) - old.planes[0], 0, len(old.planes) - 1)
+    inside = (new.stations <= old.cells[row, 1])[:, None] & (np.abs(new.z - old.z[column]) <= old.strip)
+    return np.where(inside, values[row[:, None], column], 0.0)
+
+
+def transferred(state: SideState, grid: GriddedSide) -> Floats:
+    """Forces of a contact on the cells of another grid, each spread evenly over its cell; the sum stays."""
+    old, new = state.grid.grid, grid.grid
+    # f_kl = sum_ij R_ki f_ij S_lj with the fractions R and S of the old cells and strips that lie in the new ones
+    found: Floats = _fractions(old.cells, new.cells) @ state.forces @ _fractions(old.strip_ends, new.strip_ends).T
+    total = float(found.sum())
+    return found * (float(state.forces.sum()) / total) if total > 0.0 else found
+
+
+def _fractions(old: Floats, new: Floats) -> Floats:
+    """Fractions of old intervals, (m, 2), that lie in new ones, (n, 2): shape (n, m)."""
+    common = np.minimum(new[:, 1:], old[:, 1]) - np.maximum(new[:, :1], old[:, 0])
+    return np.maximum(common, 0.0) / (old[:, 1] - old[:, 0])
+
+
+def transferred_creep(state: SideState, grid: GriddedSide) -> Floats | None:
+    """Creep forces of rows on the nearest rows of another grid, None without friction."""
+    if state.creep is None or grid is state.grid:
+        return state.creep
+    found, stations = np.zeros((len(grid.grid.cells), 2)), grid.grid.stations
+    nearest = np.abs(state.grid.grid.stations[:, None] - stations).argmin(axis=1)
+    np.add.at(found, nearest, state.creep)
+    return found
+
+
+def solve_side(
+    grid: GriddedSide,
+    pose: WheelPose,
+    start: Floats | None = None,
+    tolerance: float = 1e-9,
+    *,
+    creep: Floats | None = None,
+) -> SideState:
+    """Contact at a pose of the wheel.
+
+    - `start`: forces to start from.
+    - `tolerance`: change of the forces in a step, over their sum, at which they are found.
+    - `creep`: creep forces on rows of cells, (n, 2), that stay.
+    """
+    newton = SideNewton(grid, pose, start)
+    newton.creep = creep
+    change, steps = np.inf, 0
+    while steps < MOST_STEPS:
+        steps += 1
+        newton.linearise(pose)
+        forces, by_motion = newton.solve()
+        _, stiffness = newton.stiffness(forces, by_motion)
+        change = newton.take(forces)
+        if change < tolerance and not newton.changed:
+            break
+    status = Status(change < tolerance, f"forces change by {change:.1e} after {steps} steps", steps)
+    return newton.state(status, stiffness)

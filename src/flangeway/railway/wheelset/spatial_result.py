@@ -1,0 +1,300 @@
+"""What engineers ask for of a wheelset in three dimensions: its patches, and the stresses below them."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from flangeway.contact.rolling.rolling_result import Rolling
+from flangeway.errors import InputError
+from flangeway.exact.shakedown import ABOVE, shakedown_state
+from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
+from flangeway.railway.rigid.elastic_start import CLIMBED_MM
+from flangeway.railway.track.discretisation import ROLES
+from flangeway.railway.track.placements import (
+    RUNNING_CIRCLES_MM,
+    SIDE_SIGN,
+    SIDES,
+    Side,
+    WheelsetPosition,
+    lateral_over_vertical,
+)
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.wheelset.equilibrium import Equilibrium
+from flangeway.railway.wheelset.rail_along_track import RailAlongTrack, rail_along_track
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rows_of, strips_of
+from flangeway.railway.wheelset.running_surfaces import SpatialModel, running_surfaces
+from flangeway.railway.wheelset.side_contact import tangents_of
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.supported_rail import SupportedRail, supported_rail
+from flangeway.railway.wheelset.wheel_patch import SpatialPatch
+from flangeway.railway.wheelset.wheelset_checks import STEEL_MPa, YIELD_MPa
+from flangeway.railway.wheelset.wheelset_newton import SpatialState
+from flangeway.solve import Status
+from flangeway.system.disk_cache import Cache
+from flangeway.types import Floats
+
+KLINGEL_MM = 3.0
+"""Amplitude of the kinematic motion."""
+NO_ELLIPSE = 0.8
+"""Area of a patch over that of its equivalent ellipse below which it is none; single patches have 0.95 to 1.02."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialResult:
+    """A wheelset in equilibrium on its track, in three dimensions.
+
+    - `equilibrium`: position, residuals and contact of both sides.
+    - `patches`: left side first, each side by falling force.
+    - `timings_s`: seconds of the stages.
+    - `warnings`: what limits the result.
+    - `cache`: where solutions of the sections are kept from one process to the next.
+    - `rolling`: the patches with their creep forces, empty without friction.
+    """
+
+    status: Status
+    wheelset: SpatialWheelset
+    equilibrium: Equilibrium[SpatialState]
+    patches: tuple[SpatialPatch, ...]
+    timings_s: dict[str, float]
+    warnings: tuple[str, ...]
+    cache: Cache | None = None
+    rolling: tuple[RollingPatch, ...] = ()
+
+    @property
+    def problem(self) -> WheelsetProblem:
+        """Wheelset, track and load."""
+        return self.wheelset.problem
+
+    @property
+    def yield_MPa(self) -> float | None:  # noqa: N802
+        """Yield strength: the one that was given, that of rail steel, or None for bodies that are not of steel."""
+        steel = all(STEEL_MPa[0] <= self.problem.material_of(role).young <= STEEL_MPa[1] for role in ROLES)
+        return self.problem.yield_MPa or (YIELD_MPa if steel else None)
+
+    def rolling_of(self, patch: SpatialPatch) -> RollingPatch | None:
+        """Return a patch with its creep forces, None without friction."""
+        return next((each for each in self.rolling if each.patch is patch), None)
+
+    def load_factor(self, patch: SpatialPatch) -> float | None:
+        """Maximum pressure over the shear strength, p0 / k; None if the yield strength is not known."""
+        return float(np.sqrt(3.0) * patch.ellipse.max_pressure / self.yield_MPa) if self.yield_MPa else None
+
+    def shakedown_state(self, patch: SpatialPatch) -> str | None:
+        """State of the steel under repeated rolling, see `flangeway.exact.shakedown.shakedown_state`."""
+        factor, rolling = self.load_factor(patch), self.rolling_of(patch)
+        return None if factor is None else shakedown_state(factor, rolling.used_friction if rolling else 0.0)
+
+    def tractions_of(self, side: Side) -> Floats | None:
+        """Tractions (t, z) by friction on the wheel's cells of a side, (n, n_z, 2); None: the theory has none."""
+        found = [each.tractions for each in self.rolling if each.patch.side == side and each.tractions is not None]
+        return sum(found[1:], found[0]) if found else None
+
+    @property
+    def approach_mm(self) -> float:
+        """Vertical displacement of the axle's middle, down, from the rigid position to the equilibrium."""
+        return self.wheelset.start.motion.vertical_mm - self.equilibrium.position.vertical_mm
+
+    @cached_property
+    def rails(self) -> dict[Side, RailAlongTrack]:
+        """Both rails along the track under these contact forces, empty if their bases are fixed."""
+        support, found, done = self.wheelset.model.support, {}, dict[int, SupportedRail]()
+        for side in SIDES if support is not None else ():
+            assert support is not None
+            profile, state = self.problem.track.rail_of(side), self.equilibrium.state.sides[side]
+            if id(profile) not in done:
+                done[id(profile)] = supported_rail(profile, self.problem.material_of("rail"), support, cache=self.cache)
+            grid, frame = state.grid.grid, state.grid.surfaces.rail_frame
+            loaded = np.asarray(state.forces.any(axis=1))
+            creep = np.zeros((len(loaded), 2)) if state.creep is None else state.creep
+            points = frame.inverse().points(state.grid.surfaces.rail_points(grid.stations[loaded])[0])
+            normals = state.normals[loaded]
+            forces = -state.forces.sum(axis=1)[loaded, None] * frame.inverse().vectors(normals)
+            forces = forces - creep[loaded, :1] * frame.inverse().vectors(tangents_of(normals))
+            on_rail = np.column_stack((forces, -creep[loaded, 1]))
+            found[side] = rail_along_track(done[id(profile)], profile, points, on_rail, placement=frame)
+        return found
+
+    @property
+    def position_in_space(self) -> WheelsetPosition:
+        """The position along horizontal and vertical."""
+        return self.equilibrium.position.turned(self.problem.load.tilt_rad)
+
+    def force_on_wheel_N(self, side: Side) -> Floats:  # noqa: N802
+        """Contact force on the wheel of a side with creep forces, axes of the track, shape (2,)."""
+        state = self.equilibrium.state
+        force = state.sides[side].resultant[:2]
+        if state.rolled is not None:
+            force = force + state.rolled.creep[side].resultant[:2]
+        return force * (SIDE_SIGN[side], 1.0)
+
+    @property
+    def kinematic_wavelength_mm(self) -> float | None:
+        """Wavelength of the rigid wheelset's kinematic motion (Klingel, 1883), None if its conicity is not positive.
+
+        For the equivalent conicity (EN 15302) at an amplitude of 3 mm.
+        """
+        geometry, problem = self.wheelset.geometry, self.problem
+        lateral = np.linspace(-2.0, 2.0, 401) * KLINGEL_MM
+        try:
+            found = float(equivalent_conicity(RollingRadiusDifference.of(geometry.locus(lateral)), KLINGEL_MM)[0])
+        except InputError:
+            return None
+        if not found > 0.0:
+            return None
+        distance = problem.track.gauge_mm + RUNNING_CIRCLES_MM
+        return float(klingel_wavelength(found, distance, problem.wheelset.tape_radius_mm))
+
+    def nadal_limit(self, side: Side) -> float:
+        """Nadal's limit of L/V (1908): ``(tan d - mu) / (1 + mu tan d)`` at the steepest angle d of a wheel's flange.
+
+        mu is the static coefficient of friction there. nan without friction.
+        """
+        motion, surfaces = self.wheelset.model.rolling, self.wheelset.surfaces[side]
+        if motion is None:
+            return float("nan")
+        # beyond the tip the surface falls
+        slope = float(np.tan(surfaces.wheel.at(surfaces.wheel_stations[:, 0]).angle).max())
+        given = motion.friction.limits[0].max() if motion.flange_friction is None else motion.flange_friction
+        friction = float(given)
+        return (slope - friction) / (1.0 + friction * slope)
+
+    def flange_touches(self, side: Side) -> bool:
+        """Whether a wheel touches the gauge corner: with its flange or flange root."""
+        return any(patch.side == side and patch.region == "gauge corner" for patch in self.patches)
+
+    def head_motion(self, side: Side) -> tuple[float, float, float, float]:
+        """Motion of a rail's head in the track's axes, lateral, vertical and roll, and that of its gauge face outwards.
+
+        See `flangeway.railway.wheelset.side_contact.GriddedSide.rail_motion`.
+        """
+        state, sign = self.equilibrium.state.sides[side], SIDE_SIGN[side]
+        across = None if state.creep is None else state.creep[:, 0]
+        (lateral, vertical, roll), outward = state.grid.rail_motion(state.forces, across)
+        return sign * float(lateral), float(vertical), sign * float(roll), float(outward)
+
+    def lateral_over_vertical(self, side: Side) -> float:
+        """Ratio L/V of a wheel's contact force, see `flangeway.railway.track.placements.lateral_over_vertical`."""
+        return lateral_over_vertical(self.force_on_wheel_N(side), side)
+
+
+def solve_spatial(
+    problem: WheelsetProblem,
+    model: SpatialModel | None = None,
+    *,
+    cold: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
+) -> SpatialResult:
+    """Find a wheelset's equilibrium in three dimensions, and its patches.
+
+    - `model`: supports, axle and yaw; those by default if left out.
+    - `cold`: compute everything anew, without the user's cache.
+    """
+    timings: dict[str, float] = {}
+    start = time.perf_counter()
+    model = SpatialModel() if model is None else model
+    cache = None if cold else Cache.of_user()
+    rigid = SpatialWheelset(problem, {}, model)
+    _ = rigid.start  # what rigid wheels cannot do is refused before the bodies are meshed
+    surfaces = running_surfaces(problem, model, cache=cache, progress=progress)
+    timings["compliance"] = time.perf_counter() - start
+    return replace(solve_position(replace(rigid, surfaces=surfaces), timings, progress), cache=cache)
+
+
+def solve_position(
+    wheelset: SpatialWheelset,
+    timings: dict[str, float],
+    progress: Callable[[str], None] = lambda _: None,
+) -> SpatialResult:
+    """Find the equilibrium of a wheelset whose running surfaces are ready."""
+    begun = time.perf_counter()
+    equilibrium = wheelset.solve(progress)
+    problem = wheelset.problem
+    materials = {role: (problem.material_of(role).young, problem.material_of(role).poisson) for role in ROLES}
+    patches: list[SpatialPatch] = []
+    for side in SIDES if equilibrium.status.converged else ():
+        state = equilibrium.state.sides[side]
+        rolled = equilibrium.state.rolled
+        insides = None if rolled is None else rolled.creep[side].insides
+        patches += [SpatialPatch(side, state, each, materials) for each in state.cells.patches(insides)]
+    timings["contact"] = time.perf_counter() - begun
+    status, warnings = equilibrium.status, []
+    lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
+    if equilibrium.stable is False:
+        warnings.append("the equilibrium is unstable: a small push moves the wheelset away from it")
+    if lost and status.converged:
+        warnings.append(f"the {' and '.join(lost)} wheel does not touch its rail")
+    warnings += [
+        f"{patch.side} side, {patch.region}: {patch.remark} on a narrow patch, its maximum pressure is rough"
+        for patch in patches
+        if patch.remark
+    ]
+    start, lateral = wheelset.start, problem.prescribed.lateral_mm
+    rise = equilibrium.position.vertical_mm - float(start.geometry.locus([0.0]).vertical_mm[0])
+    if rise > CLIMBED_MM and (status.converged or lateral is not None):
+        reason = f"derailed, the axle {rise:.1f} mm higher than in the middle of the track, a flange on its rail"
+        if lateral is not None:
+            raise InputError(
+                f"lateral_mm = {lateral:g}: {reason}",
+                f"a position at which no flange climbs, rigid ones up to {start.motion.lateral_mm:.1f} mm",
+                "give a smaller lateral_mm",
+            )
+        status = Status(False, f"{reason}; check what is prescribed and the load", status.iterations)
+    warnings += [
+        f"{patch.side} side, {patch.region}: the patch is no ellipse; its semi-axes are those of its second moments"
+        for patch in patches
+        if patch.ellipse.area < NO_ELLIPSE * np.pi * np.prod(patch.ellipse.semi_axes)
+    ]
+    sides = equilibrium.state.sides.items()
+    cut = [side for side, state in sides if (state.forces > 0.0)[state.grid.grid.at_edge].any()]
+    if cut and status.converged:
+        status = Status(
+            False,
+            f"the {' and '.join(cut)} contact reaches the end of the running surface; check the profiles and the load",
+            status.iterations,
+        )
+    rolling = _rolling(wheelset, equilibrium.state, patches) if status.converged else ()
+    result = SpatialResult(status, wheelset, equilibrium, tuple(patches), timings, tuple(warnings), None, rolling)
+    return replace(result, warnings=(*warnings, *_of_yielding(result), *_of_rolling(result)))
+
+
+def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[SpatialPatch]) -> tuple[RollingPatch, ...]:
+    """Patches with their creep forces."""
+    motion, rolled, found = wheelset.model.rolling, state.rolled, []
+    if motion is None or rolled is None:
+        return ()
+    for patch in patches:
+        most = max(rolled.creep[patch.side].patches, key=lambda each: int((each.inside & patch.ellipse.inside).sum()))
+        if (most.inside & patch.ellipse.inside).any():
+            forces, contact = most.forces, most.contact
+            if isinstance(forces, Rolling):
+                forces = forces.part(
+                    patch.ellipse.inside[rows_of(patch.state, contact), strips_of(patch.state, contact)]
+                )
+                contact = forces.contact
+            found.append(RollingPatch(patch, forces, contact, motion.speed_m_s))
+    return tuple(found)
+
+
+def _of_yielding(result: SpatialResult) -> list[str]:
+    """Warnings on patches under which steel yields in each passage."""
+    return [
+        f"{patch.side} side, {patch.region}: p0/k = {result.load_factor(patch):.2f} is above the shakedown limits: "
+        "steel yields in each passage, which is not modelled"
+        for patch in result.patches
+        if result.shakedown_state(patch) == ABOVE
+    ]
+
+
+def _of_rolling(result: SpatialResult) -> list[str]:
+    """Warnings on creep forces."""
+    found = []
+    for each in result.rolling:
+        found += [f"{each.patch.side} side, {each.patch.region}: {notice}" for notice in each.forces.notices]
+    for side in SIDES if result.rolling else ():
+        ratio, limit = result.lateral_over_vertical(side), result.nadal_limit(side)
+        if result.flange_touches(side) and ratio > limit:
+            found.append(f"{side} wheel: L/V of {ratio:.2f} above Nadal's limit of {limit:.2f}: its flange may climb")
+    return found

@@ -1,0 +1,406 @@
+"""A wheelset on two rails in three dimensions: its contact at a position, and its equilibrium."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
+from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
+from flangeway.railway.track.wheelset_load import WheelsetLoad
+from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
+from flangeway.railway.wheelset.running_surfaces import PATCH_CELLS, SpatialModel
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces, wheel_gap
+from flangeway.railway.wheelset.side_newton import SideNewton, solve_side, transferred, transferred_creep
+from flangeway.railway.wheelset.wheelset_newton import FINE_RESIDUAL, SpatialState, WheelsetNewton, pose_of
+from flangeway.solve import Status
+from flangeway.types import Bools, Floats
+
+COARSE_MM, COARSE_STRIP_MM = 1.4, 3.0
+"""Cells of the whole running surfaces; the contact at a flange root jumps between wider ones."""
+CLOSED_MM = 1.0
+"""Gap of the rigid wheel within which strips may come into contact."""
+EVERY = 3
+"""Strips from one to the next at which these gaps are looked at."""
+NEAR_MM = 12.0
+"""Gap of the rigid wheel beyond which its surface is too far from the rail's to come into contact."""
+COARSE_RESIDUAL = 1e-3
+PRESSED_MM = 0.3
+"""Depth below the rigid position at which the search begins."""
+MAX_ITERATIONS = 80
+"""Newton steps until the equilibrium on coarse cells, or on one set of fine ones."""
+ROLLING_RESIDUAL, FAST_RESIDUAL = 0.02, 1e-7
+"""Equilibrium residual with friction: where other cells follow, which change it by as much, and by fast theories, whose
+forces are not smooth."""
+LIFTED, TORQUE, YAW_MOMENT = 0.2, 3, 4
+"""Vertical or moment residual of wheels that do not carry the load; numbers of torque and yaw moment in residuals."""
+MAX_BENT_MM = 0.4
+"""Displacement of a cell by creep forces in one step, at most."""
+NEARBY = 5.0
+"""Way over the step limits within which the coarse cells still fit."""
+AT_THE_ENDS = "patches at the ends of their cells"
+"""Message of a search that goes on with other cells."""
+LEAST_ACROSS = 20
+"""Cells across a patch that are enough where 26 are wanted."""
+FEWER_ACROSS, NESTED_RESIDUAL = 0.5, 2e-3
+"""Cells across a patch over the final ones while creep forces are sought, and the residual on them."""
+MARGIN = 0.2
+"""Width of the window beyond a patch on each side over the patch."""
+BROAD_MARGIN = 0.6
+"""The same for a patch that has come to the end of its window."""
+LENGTHENED = 6.0
+"""Longer side over shorter side of a cell, at most."""
+MOST_GRIDS = 6
+"""Fine grids that are made, also to add patches outside of them."""
+SEARCHED_MM = 90.0
+"""Distance along the track from the wheel's middle up to which it may touch without yaw."""
+FLANGE_SLOPE = 3.0
+"""Slope of the flange, by which yaw moves its contact along the track."""
+LONGEST = 48
+"""Strips along the longest patch, at most."""
+MOST_ON_A_SIDE, MORE_ON_A_SIDE = 5000, 2.0
+"""Cells in the windows of a side, at most, and the factor on them where more cells across a patch are wanted."""
+MAIN = 0.05
+"""Share of a side's force above which a patch has its cells counted."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialWheelset:
+    """A wheelset whose running surfaces are ready: each further position needs only its contact.
+
+    - `surfaces`: of each side.
+    - `model`: supports, axle and yaw.
+    """
+
+    problem: WheelsetProblem
+    surfaces: Mapping[Side, SideSurfaces]
+    model: SpatialModel
+    _geometries: dict[float, RigidGeometry] = field(default_factory=dict, repr=False)
+
+    def at(
+        self, load: WheelsetLoad, prescribed: Prescribed, yaw_rad: float, rolling: RollingMotion | None = None
+    ) -> "SpatialWheelset":
+        """The same bodies under another load, elsewhere, rolling in another way; rigid geometries are shared."""
+        problem = replace(self.problem, load=load, prescribed=prescribed)
+        return replace(self, problem=problem, model=replace(self.model, yaw_rad=yaw_rad, rolling=rolling))
+
+    @property
+    def geometry(self) -> RigidGeometry:
+        """Rigid geometry of the wheelset on its track."""
+        yaw = self.model.yaw_rad
+        if yaw not in self._geometries:
+            self._geometries[yaw] = RigidGeometry.of(self.problem.track, self.problem.wheelset, yaw)
+        return self._geometries[yaw]
+
+    @cached_property
+    def start(self) -> RigidStart:
+        """Rigid equilibrium."""
+        return rigid_start(self.problem, self.geometry)
+
+    def solve(self, progress: Callable[[str], None] = lambda _: None) -> Equilibrium[SpatialState]:
+        """Find the equilibrium, first on coarse cells over the whole running surfaces, then on fine ones.
+
+        With friction from the equilibrium without, and on few cells between both.
+        """
+        start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM))
+        kept = self.problem.prescribed.components
+        position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
+        found, motion = self._coarse_equilibrium(position, None, progress), self.model.rolling
+        whole = {side: state.grid for side, state in found.state.sides.items()}
+        if motion is None:
+            return self._fine(whole, found, progress) if found.status.converged else found
+        creep = WheelsetCreep(motion, rate_of(motion, found.state.sides), motion.theory, MAX_BENT_MM)
+        found = self._coarse_equilibrium(found.position, found.state, progress, creep)
+        whole = {side: state.grid for side, state in found.state.sides.items()}
+        cells, last = self.model.patch_cells, FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
+        for across, tolerance in ((round(FEWER_ACROSS * cells), NESTED_RESIDUAL), (cells, last)):
+            if found.status.converged:
+                found = self._fine(whole, found, progress, creep, tolerance, across)
+        return found
+
+    def _coarse_equilibrium(
+        self,
+        position: WheelsetPosition,
+        near: SpatialState | None,
+        progress: Callable[[str], None],
+        creep: WheelsetCreep | None = None,
+    ) -> Equilibrium[SpatialState]:
+        """Equilibrium on coarse cells, which are made anew where the wheelset leaves the position that they are for."""
+        tolerance = COARSE_RESIDUAL if creep is None else ROLLING_RESIDUAL
+        grids = {side: self._coarse(side, position, near) for side in SIDES}
+        if near is not None and covered(grids, near):
+            grids = {side: state.grid for side, state in near.sides.items()}
+        return self._refined(grids, position, near, progress, tolerance, creep=creep, whole=True)
+
+    def _fine(
+        self,
+        whole: Mapping[Side, GriddedSide],
+        found: Equilibrium[SpatialState],
+        progress: Callable[[str], None],
+        creep: WheelsetCreep | None = None,
+        tolerance: float = FINE_RESIDUAL,
+        across: int | None = None,
+    ) -> Equilibrium[SpatialState]:
+        """Equilibrium on cells that are fine enough for the patches, and that hold all of them.
+
+        - `whole`: coarse cells of the whole running surfaces.
+        - `creep`, `tolerance`: creep forces, and the equilibrium residual with them.
+        - `across`: cells across a patch; left out: those of the model.
+        """
+        across = across or self.model.patch_cells
+        for turn in range(MOST_GRIDS):
+            state = found.state
+            grids = {side: finer(each, across, state.insides(side)) for side, each in state.sides.items()}
+            if turn and all(grids[side] is each.grid for side, each in state.sides.items()):
+                beyond = self._beyond(whole, found)
+                if beyond is None:
+                    break
+                found = replace(found, state=beyond)
+                continue
+            ends = turn == MOST_GRIDS - 1
+            found = self._refined(grids, found.position, state, progress, tolerance, creep=creep, ends=ends)
+            if not found.status.converged and found.status.message != AT_THE_ENDS:
+                break
+        return found
+
+    def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:
+        """No equilibrium: what is not balanced where the search ended, and what would hold it."""
+        residuals, position = last.residuals, last.position
+        free = np.array([*residuals.free, True, True])
+        errors = np.abs([residuals.lateral_residual, residuals.vertical_residual, residuals.moment_residual,
+                         residuals.torque_residual, residuals.yaw_residual]) * free  # fmt: skip
+        force, torque_kNm = float(last.residual[0]), 0.0 if motion is None else 1e-3 * abs(motion.torque_Nm)
+        place = f"where the search ended, {abs(position.lateral_mm):.1f} mm to the {_way(position.lateral_mm)}"
+        advice = "give lateral_mm to see the forces at a position, "
+        advice += "a smaller lateral force, or friction" if motion is None else "a smaller yaw, or less friction"
+        if errors[1:3].max() > LIFTED:
+            cause = f"{place}, a wheel no longer carries its load: it lifts, or climbs its rail (derailment)"
+        elif torque_kNm and errors.argmax() == TORQUE:
+            unit = 1e-6 * self.problem.load.in_track[1] * self.problem.wheelset.tape_radius_mm
+            missing = unit * abs(residuals.torque_residual)
+            cause = f"friction does not transmit the torque: {missing:.1f} of {torque_kNm:.1f} kN m are left"
+            advice = "give a smaller torque, or more friction"
+        elif errors.argmax() == 0:
+            cause = f"{place}, a lateral force of {1e-3 * abs(force):.1f} kN to the {_way(force)} is not balanced"
+            if force * position.lateral_mm > 0.0:
+                cause += f", which pushes the {_way(force)} flange up its rail"
+        elif errors.argmax() == YAW_MOMENT:
+            arm = self.problem.wheelset.back_to_back_mm / 2.0
+            missing = 1e-6 * abs(residuals.yaw_residual) * self.problem.load.vertical_N * arm
+            cause = f"{place}, a yaw moment of {missing:.1f} kN m is not balanced"
+            advice = "give the yaw, or a yaw stiffness that holds it"
+        else:
+            cause = f"{place}, the forces still change from step to step"
+            advice = "give a neighbouring lateral_mm, yaw, torque or friction"
+        kind = "no equilibrium" if motion is None else "no equilibrium with friction"
+        message = f"{kind} in {last.status.iterations} steps: {cause}; {advice}"
+        return Status(False, message, last.status.iterations)
+
+    def _beyond(self, grids: Mapping[Side, GriddedSide], found: Equilibrium[SpatialState]) -> SpatialState | None:
+        """Contact on coarse cells, if wheel and rail touch outside of the fine grids; else None."""
+        sides, touches = dict(found.state.sides), False
+        for side, fine in found.state.sides.items():
+            if fine.grid is grids[side]:
+                continue
+            coarse, inner = grids[side].grid, fine.grid.grid
+            start, creep = transferred(fine, grids[side]), transferred_creep(fine, grids[side])
+            newton = SideNewton(grids[side], fine.pose, start)
+            newton.creep = creep
+            newton.linearise(fine.pose)
+            across = (coarse.cells[:, :1] < inner.cells[:, 1]) & (coarse.cells[:, 1:] > inner.cells[:, 0])
+            along = (coarse.z > inner.z[0] - coarse.strip) & (coarse.z < inner.z[-1] + coarse.strip)
+            outside = ~np.outer(across.any(axis=1), along)
+            if (newton.total[outside] < 0.0).any():
+                sides[side] = solve_side(grids[side], fine.pose, start, creep=creep)
+                touches |= bool((sides[side].forces[outside] > 0.0).any())
+        return SpatialState(sides) if touches else None
+
+    @cached_property
+    def _tilts_by_forces(self) -> Floats:
+        """Tilts of both wheels by force (x, y) and moment about the axle's middle on each, shape (2, 2, 3).
+
+        By side, tilt and resultant, in the track's axes.
+        """
+        found = np.zeros((2, 2, 3))
+        if self.model.axle is None:
+            return found
+        places = np.array([self.problem.wheelset.placement(side).translation[0] for side in SIDES])
+        for number, place in enumerate(places.tolist()):
+            for axis, unit in ((1, (1.0, -place)), (2, (0.0, 1.0))):
+                forces = np.zeros((2, 2))
+                forces[number] = unit
+                found[number, :, axis] = self.model.axle.tilts(places, forces)
+        return found
+
+    def _refined(
+        self,
+        grids: Mapping[Side, GriddedSide],
+        position: WheelsetPosition,
+        near: SpatialState | None,
+        progress: Callable[[str], None],
+        tolerance: float,
+        *,
+        creep: WheelsetCreep | None = None,
+        whole: bool = False,
+        ends: bool = True,
+    ) -> Equilibrium[SpatialState]:
+        """Equilibrium on given cells from a position with its contact, if that is known, by `WheelsetNewton`.
+
+        - `tolerance`: equilibrium residual; forces and tilts are found to the same share of theirs.
+        - `creep`: creep forces, if it rolls with friction.
+        - `whole`: whether the cells are those of the whole running surfaces, which follow the wheelset.
+        - `ends`: whether patches may come to the ends of their cells; else the search ends there.
+        """
+        newton = WheelsetNewton(self.problem, grids, position, self.model.yaw_rad, self._tilts_by_forces, near, creep)
+        for iteration in range(MAX_ITERATIONS):
+            newton.linearise()
+            error = newton.relative.equilibrium_residual
+            progress(f"equilibrium residual {error:.1e} after {iteration} steps")
+            if not ends and iteration > 1 and error > tolerance and newton.reaches_an_end:
+                return newton.found(Status(False, AT_THE_ENDS, iteration))
+            settled = newton.step(tolerance)
+            found = newton.found(
+                Status(settled, f"contact forces and load are in equilibrium to {error:.1e}", iteration)
+            )
+            here = newton.position.components
+            if whole and (settled or (np.abs(np.subtract(here, position.components)) / MAX_STEP).max() > NEARBY):
+                position = newton.position
+                grids = {side: self._coarse(side, position, found.state) for side in SIDES}
+                if not covered(grids, found.state):
+                    newton.place(grids, found.state)
+                    continue
+            if settled:
+                return found
+            if (np.abs(np.subtract(here, self.start.motion.components)) > MAX_WAY).any():
+                break
+        return replace(found, status=self._none(found, None if creep is None else creep.motion))
+
+    def _coarse(self, side: Side, position: WheelsetPosition, near: SpatialState | None) -> GriddedSide:
+        """Cells of a whole running surface at a position; `near`: contact there, if it is known."""
+        cell, strip, yaw = COARSE_MM, COARSE_STRIP_MM, self.model.yaw_rad
+        if near is not None and near.rolled is not None:
+            yaw = near.rolled.yaw_rad
+        surfaces, pose = self.surfaces[side], pose_of(self.problem, position, side, yaw)
+        if near is not None:  # the rail's head has moved away
+            state = near.sides[side]
+            motion, _ = state.grid.rail_motion(state.forces, None if state.creep is None else state.creep[:, 0])
+            pose = replace(pose, x=pose.x - motion[0], y=pose.y - motion[1])
+        low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
+        ends = cell * np.arange(int(np.ceil(low / cell)), int(np.floor(high / cell)) + 1)
+        cells = np.stack((ends[:-1], ends[1:]), axis=1)
+        # yaw moves the wheel along the track, and contact on the flange further
+        lead = float(pose.axis[2]) * pose.seat_mm
+        reach = SEARCHED_MM + FLANGE_SLOPE * abs(pose.yaw_rad) * self.problem.wheelset.radius_mm
+        searched = np.arange(int((lead - reach) / strip), int((lead + reach) / strip) + 1)
+        searched = searched[::EVERY]
+        z = strip * searched.astype(np.float64)
+        points, normals = surfaces.rail_points(cells.mean(axis=1))
+        gaps = wheel_gap(surfaces.wheel, pose.middle, pose.axis, points, normals, z).gaps
+        rows = np.flatnonzero(gaps.min(axis=1) < NEAR_MM)
+        if len(rows):
+            cells = cells[rows[0] : rows[-1] + 1]
+        planes = searched[gaps.min(axis=0) < CLOSED_MM]
+        if len(planes) == 0:
+            planes = int(lead / strip) + np.arange(-5, 6)
+        grid = SideGrid(cells, strip, np.arange(planes[0] - EVERY + 1, planes[-1] + EVERY))
+        return GriddedSide(surfaces, grid, pose)
+
+
+def covered(grids: Mapping[Side, GriddedSide], state: SpatialState) -> bool:
+    """Whether the cells of a state reach as far as those of grids."""
+    return all(state.sides[side].grid.grid.covers(each.grid) for side, each in grids.items())
+
+
+def _way(lateral: float) -> str:
+    return "right" if lateral >= 0.0 else "left"
+
+
+@dataclass(frozen=True)
+class _Window:
+    """Ends of a patch along the rail's surface and along z, its cells across and along, and its share of the force."""
+
+    ends: tuple[float, float]
+    planes: tuple[float, float]
+    across: int
+    along: int
+    share: float
+    cell: float
+
+
+def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]:
+    """One for each patch."""
+    grid = state.grid.grid
+    found: list[_Window] = []
+    for patch in state.cells.patches(insides):
+        rows, columns = (np.flatnonzero(patch.inside.any(axis=axis)) for axis in (1, 0))
+        new = _Window(
+            (float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])),
+            (float(grid.z[columns[0]]) - grid.strip / 2.0, float(grid.z[columns[-1]]) + grid.strip / 2.0),
+            *patch.cells,
+            float(state.forces[patch.inside].sum() / state.forces.sum()),
+            float(grid.widths[rows].max()),
+        )
+        found.append(new)
+    return found
+
+
+def finer(state: SideState, n_across: int = PATCH_CELLS, insides: Sequence[Bools] | None = None) -> GriddedSide:
+    """Grid with enough cells across each patch and room around it; the same grid if it is one already.
+
+    - `n_across`: cells across a patch, and along it.
+    - `insides`: cells of the patches, (n, n_z) each; left out: those that are apart.
+    """
+    old, grid = state.grid, state.grid.grid
+    loaded = state.forces > 0.0
+    if not loaded.any():
+        return old
+    windows = _windows(state, insides)
+    main = [each for each in windows if each.share > MAIN]
+    longest = max(each.along for each in main)
+    part = n_across / PATCH_CELLS
+    most_along, least_across = part * LONGEST, part * LEAST_ACROSS
+    strip = grid.strip * min(1.0, max(min(each.along for each in main) / n_across, longest / most_along))
+    enough = all(
+        (each.along >= least_across or longest >= 0.9 * most_along)
+        and (each.across >= least_across or each.cell <= 1.01 * grid.strip / LENGTHENED)
+        for each in main
+    )
+    reached_an_end = bool((loaded & grid.at_edge).any())
+    if enough and not reached_an_end:
+        return old
+    margin = BROAD_MARGIN if reached_an_end else MARGIN
+    spans: list[list[float]] = []
+    reached = -np.inf
+    for each in sorted(windows, key=lambda each: each.ends):
+        (first, last), before = each.ends, spans[-1] if spans else None
+        more = max(margin * (last - first), 0.6 * each.cell)
+        cell = min(each.cell, max((last - first) / n_across, strip / LENGTHENED), LENGTHENED * strip)
+        low, high = first - more, last + more
+        if before is not None and first < reached:
+            before[1:] = max(before[1], high), min(before[2], cell)
+        else:
+            if before is not None and low < before[1]:  # each patch has its own cells, up to the middle between them
+                low = before[1] = (first + reached) / 2.0
+            spans.append([low, high, cell])
+        reached = max(last, reached)
+    # as many cells as a factorisation takes
+    strips = sum(each.planes[1] - each.planes[0] for each in windows) / max(len(windows), 1) / strip
+    most = min(max(part, 1.0) ** 2, MORE_ON_A_SIDE) * MOST_ON_A_SIDE
+    many = np.sqrt(max(sum((high - low) / cell for low, high, cell in spans) * strips / most, 1.0))
+    strip *= many
+    spans = [[low, high, cell * many] for low, high, cell in spans]
+    limits = np.sort(old.surfaces.rail_stations[[0, -1], 1])
+    cells = []
+    for low, high, cell in spans:
+        first, last = max(low, limits[0]), min(high, limits[1])
+        ends = np.linspace(first, last, int(np.ceil((last - first) / cell)) + 1)
+        cells.append(np.stack((ends[:-1], ends[1:]), axis=1))
+    first, last = min(each.planes[0] for each in windows), max(each.planes[1] for each in windows)
+    more = max(margin * (last - first), 0.6 * grid.strip)
+    planes = np.arange(int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip)) + 1)
+    return GriddedSide(old.surfaces, SideGrid(np.concatenate(cells), strip, planes), state.pose)

@@ -1,0 +1,410 @@
+"""A rail on sleepers in three dimensions, from its section at many wavenumbers.
+
+All is a sum over wavenumbers of the section's amplitudes. Sleepers are superposed in two steps. At each wavenumber all
+but a share `SPREAD` of the continuous support, of stiffness K per length, is taken away: fields A that loads of the
+base's modes (forces along x and y, moment) cause, and their mean displacements G = M' A, become
+``A (1 - (1 - SPREAD) K G)^-1``. Then forces of the seats, found from the compliance between them, take its place.
+The share that is left bounds the motion beyond the last sleepers, and changes the result by about that much of the
+difference between sleepers and continuous support.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from flangeway.checks import check_integer, check_positive, is_finite, refused
+from flangeway.elements import Lagrange
+from flangeway.elements.quadrature import edge_shapes
+from flangeway.errors import InputError, short
+from flangeway.materials import Elastic
+from flangeway.mesh import triangulate
+from flangeway.problems import Elasticity, Foundation, Harmonic
+from flangeway.problems.edges import edge_quadrature
+from flangeway.problems.harmonic import mean_and_rotation
+from flangeway.railway.profiles.bundled import RailProfile
+from flangeway.solve.surface_compliance import amplitudes, inverse_weights
+from flangeway.space import Space
+from flangeway.system.disk_cache import Cache, content_key
+from flangeway.types import Floats, Ints
+
+SAME = 1e-6
+"""Height of a base, over the size of a section, that is round-off."""
+
+
+@dataclass(frozen=True)
+class RailSupport:
+    """Support of a rail in its own frame: each rail seat with its fastening, half of the sleeper and the ballast below.
+
+    A seat acts on the base by pressures that are even, or linear for the moment, across it, against its mean
+    displacement and mean rotation. Along the rail its stiffness is spread out, as it is everywhere if it is continuous.
+
+    Parameters
+    ----------
+    kind
+        ``"sleepers"``, or ``"continuous"``: stiffnesses over the spacing.
+    spacing_mm
+        Distance of the sleepers. 600: usual on main lines (UIC Code 713).
+    vertical_kN_per_mm
+        Stiffness of one seat. 30: pads of 100 on ballast and soil of 43 in series, a track modulus of 50 N/mm^2.
+        Assumed, in the range of 10 to 100 N/mm^2 of ballasted track (Esveld, 2001, "Modern railway track").
+    lateral_kN_per_mm
+        40, assumed with the roll so that the gauge widens by 6.3 mm under 89 kN and 62 kN
+        outwards on each: "typical good track will increase in total gage by as much as 1/4 inch" (49 CFR 213.110, note
+        2 of the table; loads of the measuring car in Thompson et al., Federal Railroad Administration).
+    longitudinal_kN_per_mm
+        10; assumed: a resistance of about 10 kN a seat is reached at 0.5 to 2 mm (UIC Code 774-3).
+    roll_kNm_per_rad
+        Moment about the rail per angle. 300, see `lateral_kN_per_mm`; of this the pad of 100 kN/mm, b = 150 mm wide,
+        gives ``k b^2 / 12`` = 190. The sleeper hardly turns.
+    position
+        Distance of the wheel from the last sleeper over the spacing: 0 over it, 0.5 in the middle, below 1.
+    pad_length_mm
+        Length of the seat along the rail.
+    n_sleepers
+        Sleepers that act one by one, about the wheel; odd, 5 to 101. There must be as many as carry load.
+
+    Raises
+    ------
+    InputError
+        If a value is not positive, or out of its range.
+
+    """
+
+    kind: Literal["sleepers", "continuous"] = "sleepers"
+    spacing_mm: float = 600.0
+    vertical_kN_per_mm: float = 30.0  # noqa: N815 (units)
+    lateral_kN_per_mm: float = 40.0  # noqa: N815
+    longitudinal_kN_per_mm: float = 10.0  # noqa: N815
+    roll_kNm_per_rad: float = 300.0  # noqa: N815
+    position: float = 0.0
+    pad_length_mm: float = 150.0
+    n_sleepers: int = 21
+
+    def __post_init__(self) -> None:
+        owner = "RailSupport"
+        if self.kind not in ("sleepers", "continuous"):
+            raise refused(owner, "kind", self.kind, "'sleepers' or 'continuous'", "choose one of these")
+        for name in ("spacing_mm", "vertical_kN_per_mm", "lateral_kN_per_mm", "longitudinal_kN_per_mm"):
+            check_positive(owner, name, getattr(self, name), advice="a rail needs support along all axes")
+        check_positive(owner, "roll_kNm_per_rad", self.roll_kNm_per_rad, advice="a rail needs support against roll")
+        check_positive(owner, "pad_length_mm", self.pad_length_mm)
+        if self.pad_length_mm > self.spacing_mm:
+            raise refused(owner, "pad_length_mm", self.pad_length_mm, "at most spacing_mm", "shorten the pads")
+        if not (is_finite(self.position) and 0.0 <= self.position < 1.0):
+            raise refused(owner, "position", self.position, "0 (over a sleeper) to 1, excluded", "give the share")
+        check_integer(owner, "n_sleepers", self.n_sleepers, 5, 101)
+        if self.n_sleepers % 2 == 0:
+            raise refused(owner, "n_sleepers", self.n_sleepers, "an odd number", "add one")
+
+    @property
+    def of_seat(self) -> Floats:
+        """Stiffnesses of a seat along x, y and in roll in N/mm, N/mm and N mm/rad, shape (3,)."""
+        return np.array([1e3 * self.lateral_kN_per_mm, 1e3 * self.vertical_kN_per_mm, 1e6 * self.roll_kNm_per_rad])
+
+    @property
+    def per_length(self) -> Floats:
+        """The same over the spacing, shape (3,)."""
+        return self.of_seat / self.spacing_mm
+
+    @property
+    def sleepers_mm(self) -> Floats:
+        """Places of the sleepers along z from the wheel, shape (n_sleepers,); none if the support is continuous."""
+        if self.kind == "continuous":
+            return np.empty(0)
+        half = self.n_sleepers // 2
+        # the last sleeper is behind the wheel, at z < 0; about as many are before as behind it
+        first = -half if self.position <= 0.5 else -half + 1
+        places: Floats = self.spacing_mm * (np.arange(first, first + self.n_sleepers, dtype=np.float64) - self.position)
+        return places
+
+
+def rail_problem(
+    space: Space, material: Elastic, base_edges: str, support: RailSupport, name: str = "rail"
+) -> Harmonic:
+    """Put a rail on its support, spread along z.
+
+    What discrete sleepers change of it is `sleeper_compliance`.
+
+    Parameters
+    ----------
+    space
+        Section in its own frame, x across, y up.
+    material
+        Its material.
+    base_edges
+        Edge set of the whole base.
+    support
+        The support.
+    name
+        For messages.
+
+    Raises
+    ------
+    InputError
+        If the edges are not the whole of a flat base.
+
+    """
+    mesh = space.mesh
+    rule = edge_quadrature(space, mesh.edge_set(base_edges))
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    near = SAME * float(np.linalg.norm(high - low))
+    bottom = mesh.points[mesh.boundary_edges]
+    bottom = bottom[(bottom[..., 1] <= low[1] + near).all(axis=1)]
+    whole, length = float(np.ptp(bottom[..., 0])) if len(bottom) else 0.0, float(rule.weights.sum())
+    if float(rule.points[..., 1].max()) > low[1] + near or abs(length - whole) > near:
+        raise InputError(
+            f"edges {short(base_edges)} of {length:g} mm as the base of `{name}`, which is {whole:g} mm wide",
+            "all edges of a flat base, and no others",
+            "check the names of the outline's segments",
+        )
+    lateral, vertical, roll = support.per_length
+    along = 1e3 * support.longitudinal_kN_per_mm / support.spacing_mm
+    foundation = Foundation(base_edges, lateral / length, vertical / length, along / length, roll)
+    return Harmonic(Elasticity(space, material, name=name), foundations=[foundation])
+
+
+SPREAD = 0.003
+"""Share of the sleepers' stiffness that stays spread along the rail."""
+WAVENUMBERS = (5e-6, 0.3)
+"""Range per mm: from the reach of torsion on the share that is spread to waves of 20 mm."""
+PER_DECADE = 8
+"""Wavenumbers for each decade; three times as many change no displacement by more than 1e-4."""
+FAR = 0.02
+"""Load of the last sleepers over that of the most loaded one, above which there are too few."""
+MAX_OFF_MM = 3.0
+"""Distance from the section's surface above which points are in another frame; chords and corners make up to 1 mm."""
+CHUNK = 64
+"""Distances whose weights are computed together: bounds their memory."""
+
+
+def weights_at(wavenumbers: Floats, distances: Floats, strip: float, averaged: int) -> tuple[Floats, Floats]:
+    """`inverse_weights` at signed distances (...), each (..., n_k): of cosine and sine of ``k z``."""
+    apart, places = np.unique(np.round(np.abs(distances), 6).astype(np.float64), return_inverse=True)
+    parts = [
+        inverse_weights(wavenumbers, apart[start : start + CHUNK], strip, averaged)
+        for start in range(0, len(apart), CHUNK)
+    ]
+    even, odd = (np.concatenate(each)[places.reshape(distances.shape)] for each in zip(*parts, strict=True))
+    return even, np.sign(distances)[..., None] * odd
+
+
+@dataclass(frozen=True, eq=False)
+class SupportedRail:
+    """A rail on its support, solved once for all positions of the wheel between the sleepers.
+
+    Parameters
+    ----------
+    problem
+        The rail on its continuous support, see `rail_problem`.
+    support
+        The support; the wheel is at z = 0.
+    cache
+        Where the section's amplitudes are kept from one process to the next.
+
+    """
+
+    problem: Harmonic
+    support: RailSupport
+    cache: Cache | None = None
+
+    @property
+    def wavenumbers(self) -> Floats:
+        """Wavenumbers at which the section is solved, (n_k,)."""
+        least, top = WAVENUMBERS
+        return np.geomspace(least, top, int(np.ceil(PER_DECADE * np.log10(top / least))) + 1)
+
+    @cached_property
+    def base(self) -> tuple[Ints, Floats]:
+        """Nodes of the base, and their forces by unit loads of its modes (even along x, along y, moment), (n, 3, 3)."""
+        space = self.problem.elasticity.space
+        edges = space.mesh.edge_set(self.problem.foundations[0].edges)
+        nodes, (mean, slope), _ = mean_and_rotation(edge_quadrature(space, edges))
+        loads = np.zeros((len(nodes), 3, 3))
+        loads[:, 0, 0], loads[:, 1, 1], loads[:, 1, 2] = mean, mean, slope
+        return nodes, loads
+
+    def answers(self, nodes: Ints, loads: Floats) -> Floats:
+        """Amplitudes at all wavenumbers by m loads (n, 3, m) at nodes (n,): (n_k, n_dofs, 3, m)."""
+        space = self.problem.elasticity.space
+        rhs = np.zeros((space.n_dofs, 3, loads.shape[-1]))
+        np.add.at(rhs, nodes, loads)
+        rhs = rhs.reshape(3 * space.n_dofs, 1, -1)
+        found = np.stack(list(amplitudes(self.problem, self.wavenumbers, rhs)))
+        return found.reshape(len(found), space.n_dofs, 3, -1)
+
+    @cached_property
+    def by_modes(self) -> Floats:
+        """Amplitudes by the base's modes on the continuous support, (n_k, n_dofs, 3, 3 modes)."""
+        elasticity = self.problem.elasticity
+        mesh, foundation = elasticity.space.mesh, self.problem.foundations[0]
+        key = content_key(
+            "supported rail",
+            (mesh.points, mesh.cell_offsets, mesh.cell_points, mesh.edge_set(foundation.edges)),
+            (elasticity.space.element, elasticity.material, foundation, WAVENUMBERS, PER_DECADE),
+        )
+        if self.cache is None or key is None:
+            return self.answers(*self.base)
+        found: Floats = self.cache.get(key, lambda: {"amplitudes": self.answers(*self.base)})["amplitudes"]
+        return found
+
+    @cached_property
+    def freedom(self) -> Floats:
+        """X = ((1 - SPREAD)^-1 K^-1 - G)^-1 at the wavenumbers, by which A X M' A is what spreading less adds."""
+        kept = np.diag(1.0 / ((1.0 - SPREAD) * self.support.per_length))
+        return np.linalg.inv(kept - self.on_base(self.by_modes)).astype(np.float64)
+
+    def on_base(self, fields: Floats) -> Floats:
+        """Mean displacements of the base along x, y and rotation, of fields (..., n_dofs, 3, m): (..., 3, m)."""
+        nodes, loads = self.base
+        return np.einsum("nia,...nim->...am", loads, fields[..., nodes, :, :])
+
+    def released(self, fields: Floats) -> Floats:
+        """Fields (n_k, n_dofs, 3, m) of the continuous support, as they are with only its share `SPREAD`."""
+        if self.support.kind == "continuous":
+            return fields
+        change: Floats = self.freedom @ self.on_base(fields)
+        return fields + np.einsum("kdia,kam->kdim", self.by_modes, change)
+
+    @cached_property
+    def by_seats(self) -> Floats:
+        """Amplitudes by the base's modes with the share `SPREAD` of the support, (n_k, n_dofs, 3, 3 modes)."""
+        return self.released(self.by_modes)
+
+    @cached_property
+    def seat_stiffness(self) -> Floats:
+        """Forces of seats (minus) by the displacements that others cause there, (n_sleepers, 3, n_sleepers, 3).
+
+        ``R = (K^-1 + G)^-1`` with the stiffnesses K of the seats and the compliance G between them. An `InputError` if
+        the load reaches beyond the last ones.
+        """
+        places = self.support.sleepers_mm
+        n = len(places)
+        even, _ = weights_at(self.wavenumbers, places - places[:1], self.support.pad_length_mm, 2)
+        by_distance = np.einsum("zk,kam->zam", even, self.on_base(self.by_seats))
+        apart = np.abs(np.arange(n)[:, None] - np.arange(n))
+        between = by_distance[apart].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
+        found = np.linalg.inv(between + np.diag(np.tile(1.0 / ((1.0 - SPREAD) * self.support.of_seat), n)))
+        # a load over the middle sleeper, each along its own mode
+        carried = np.abs(np.einsum("sma,am->sm", found.reshape(n, 3, -1), between[:, 3 * (n // 2) :][:, :3]))
+        if (carried[[0, -1]] > FAR * carried.max(axis=0)).any():
+            raise InputError(
+                f"{n} sleepers, the last with {(carried[[0, -1]] / carried.max(axis=0)).max():.2g} of the largest load",
+                f"as many as the load reaches, with less than {FAR:g} there",
+                "raise the stiffness of the seats or n_sleepers, or take a continuous support",
+            )
+        return found.reshape(n, 3, n, 3)
+
+    @cached_property
+    def at_place(self) -> Floats:
+        """Weights of cos kz at z = 0 by forces there, (n_k,)."""
+        return weights_at(self.wavenumbers, np.zeros(1), self.support.pad_length_mm, 0)[0][0]
+
+    @cached_property
+    def from_seats(self) -> tuple[Floats, Floats]:
+        """Weights of cosine and sine at z = 0 by loads of the seats, each (n_sleepers, n_k)."""
+        return weights_at(self.wavenumbers, -self.support.sleepers_mm, self.support.pad_length_mm, 1)
+
+    def at(self, position: float) -> "SupportedRail":
+        """The same rail with the wheel at another position between the sleepers, see `RailSupport`."""
+        moved = replace(self, support=replace(self.support, position=position))
+        if self.support.kind == "sleepers":
+            shared = ("base", "by_modes", "freedom", "by_seats", "seat_stiffness", "at_place")
+            moved.__dict__.update({name: getattr(self, name) for name in shared})
+        return moved
+
+    def on_surface(self, points: Floats) -> tuple[Ints, Floats]:
+        """Nodes of the boundary's edges nearest to points (n, 2), and their shares at the feet, each (n, order + 1).
+
+        Points of another mesh of the section lie off these chords where the outline turns, most at the joints of a
+        measured head with its body: they are projected. An `InputError` if one is farther away than `MAX_OFF_MM`.
+        """
+        space = self.problem.elasticity.space
+        edges = space.mesh.boundary_edges
+        start, chords = space.mesh.points[edges[:, 0]], np.diff(space.mesh.points[edges], axis=1)[:, 0]
+        squares = (chords**2).sum(axis=1)
+        apart = points[:, None] - start
+        share = np.clip(np.einsum("nei,ei->ne", apart, chords) / squares, 0.0, 1.0)
+        distances = np.linalg.norm(apart - share[..., None] * chords, axis=-1)
+        best, rows = distances.argmin(axis=1), np.arange(len(points))
+        if len(points) and (maximum := float(distances[rows, best].max())) > MAX_OFF_MM:
+            raise InputError(
+                f"points up to {maximum:.3g} mm from the surface of `{self.problem.elasticity.name}`",
+                "points on the surface, in the frame of the section",
+                "check the placement of the rail",
+            )
+        return space.edge_nodes(edges)[best], edge_shapes(space.order, share[rows, best])
+
+    def seats_from(self, nodes: Ints, shares: Floats) -> Floats:
+        """Displacements of points at z = 0 by unit loads of the seats: (n, 3, n_sleepers, 3).
+
+        By reciprocity they are also the displacements of the seats by unit forces at the points.
+        """
+        at_points = np.einsum("np,knpim->knim", shares, self.by_seats[:, nodes])
+        even, odd = self.from_seats
+        found = np.einsum("sk,knim->nism", even, at_points)
+        found[:, 2] = np.einsum("sk,knm->nsm", odd, at_points[:, :, 2])
+        return found
+
+    def seat_forces(self, nodes: Ints, shares: Floats, forces: Floats) -> Floats:
+        """Loads of the seats on the rail by forces (n, 3) at points at z = 0: (n_sleepers, 3)."""
+        if self.support.kind == "continuous":
+            return np.empty((0, 3))
+        moved = np.einsum("nism,ni->sm", self.seats_from(nodes, shares), forces)
+        return -np.einsum("satb,tb->sa", self.seat_stiffness, moved)
+
+
+def supported_rail(
+    profile: RailProfile,
+    material: Elastic,
+    support: RailSupport,
+    size_mm: float = 6.0,
+    cache: Cache | None = None,
+) -> SupportedRail:
+    """Mesh a rail's section by triangles of order 2 and a size, for what a support does to it.
+
+    Only smooth fields come from this mesh; contact wants a finer one, see `rail_problem`.
+    """
+    mesh = triangulate(profile.outline, size=size_mm)
+    mesh = mesh.with_edge_set("supported base", np.vstack([mesh.edge_set(name) for name in profile.base_names]))
+    problem = rail_problem(Space(mesh, Lagrange(2)), material, "supported base", support)
+    return SupportedRail(problem, support, cache)
+
+
+def sleeper_compliance(rail: SupportedRail, points: Floats, frames: Floats) -> Floats:
+    """What discrete sleepers change of the compliance of cells near z = 0 on a continuous support.
+
+    It is taken at the wheel's place as constant over a patch: 10 mm from there it differs by less than 0.15 % of the
+    rail's whole compliance. The coarse section errs by 2 % of the difference.
+
+    Parameters
+    ----------
+    rail
+        The rail, in its own frame.
+    points
+        Middles of cells on the surface of any mesh of the section, (n, 2).
+    frames
+        Axes t, n and z of the cells as rows, (n, 3, 3), see `flangeway.solve.SurfaceCells`.
+
+    Returns
+    -------
+    Floats
+        Displacements by unit forces, mm/N, (n, 3, n, 3), symmetric; zero for a continuous support.
+
+    """
+    if rail.support.kind == "continuous":
+        return np.zeros((len(points), 3, len(points), 3))
+    nodes, shares = rail.on_surface(points)
+    seats = rail.seats_from(nodes, shares)
+    n, n_loads = len(points), 3 * rail.support.n_sleepers
+    in_axes = np.einsum("nai,nim->nam", frames, seats.reshape(n, 3, n_loads)).reshape(3 * n, n_loads)
+    taken = in_axes @ rail.seat_stiffness.reshape(n_loads, n_loads) @ in_axes.T
+    fields = np.einsum("nai,np,knpim->knam", frames, shares, rail.by_modes[:, nodes], optimize=True)
+    fields = fields.reshape(len(fields), 3 * n, 3)
+    added = np.einsum("k,krm,kmj,kcj->rc", rail.at_place, fields, rail.freedom, fields, optimize=True).reshape(
+        n, 3, n, 3
+    )
+    added[:, :2, :, 2] = added[:, 2, :, :2] = 0.0  # they vary as the sine
+    change: Floats = added - taken.reshape(n, 3, n, 3)
+    return change

@@ -1,0 +1,353 @@
+"""Equilibrium of a wheelset in three dimensions by Newton's method, without friction or with creep forces.
+
+Unknown are the position, the tilts of both wheels, and with friction the rate of rotation about the axle and, if it is
+not prescribed, the yaw. The derivatives are those of `SideNewton` and of `WheelsetCreep`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.wheelset.equilibrium import (
+    MAX_STEP,
+    Equilibrium,
+    RelativeResiduals,
+    is_stable,
+    loads_of,
+    with_loads,
+)
+from flangeway.railway.wheelset.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep, patches_of
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose
+from flangeway.railway.wheelset.side_newton import CreepSlopes, SideNewton, nearest, transferred, transferred_creep
+from flangeway.solve import Status
+from flangeway.types import Bools, Floats
+
+
+@dataclass(frozen=True, eq=False)
+class RolledWheelset:
+    """What rolling adds to an equilibrium.
+
+    - `creep`: creep forces of both sides in their right-hand forms.
+    - `rate_rad_s`: rate of rotation about the axle.
+    - `yaw_rad`: yaw of the axle.
+    - `yaw_moment_Nmm`: of contact and creep forces on the wheelset, counter-clockwise from above.
+    - `torque_Nmm`: of creep forces about the axle, > 0 where they drive it.
+    """
+
+    creep: Mapping[Side, SideCreep]
+    rate_rad_s: float
+    yaw_rad: float
+    yaw_moment_Nmm: float  # noqa: N815 (units in names)
+    torque_Nmm: float  # noqa: N815
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialState:
+    """Contact of both sides at one position, and what rolling adds."""
+
+    sides: Mapping[Side, SideState]
+    rolled: RolledWheelset | None = None
+
+    @property
+    def status(self) -> Status:
+        """Whether the contact forces were found."""
+        each = [state.status for state in self.sides.values()]
+        return Status(
+            all(one.converged for one in each),
+            "; ".join(one.message for one in each),
+            sum(one.iterations for one in each),
+        )
+
+    def insides(self, side: Side) -> list[Bools] | None:
+        """Cells of patches that roll by themselves, (n, n_z) each; None without friction, or by the exact theory."""
+        insides = None if self.rolled is None else self.rolled.creep[side].insides
+        return None if insides is None else patches_of(self.sides[side].forces, insides)
+
+    @property
+    def forces(self) -> Floats:
+        """All contact forces in N."""
+        return np.concatenate([state.forces.ravel() for state in self.sides.values()])
+
+
+def signs_of(side: Side) -> Floats:
+    """Signs of a force (x, y) and a moment, from the right-hand form of a side to the track's axes."""
+    return np.array([SIDE_SIGN[side], 1.0, SIDE_SIGN[side]])
+
+
+def pose_of(
+    problem: WheelsetProblem, position: WheelsetPosition, side: Side, yaw_rad: float, tilt_rad: float = 0.0
+) -> WheelPose:
+    """Pose of a wheel in the right-hand form of its side."""
+    sign = SIDE_SIGN[side]
+    x, y = position.axle(problem.wheelset)
+    seat = abs(problem.wheelset.placement(side).translation[0])
+    return WheelPose(sign * x, y, sign * position.roll_rad, sign * yaw_rad, sign * tilt_rad, seat)
+
+
+COARSE_FORCES = 1e-4
+FINE_RESIDUAL = 1e-8
+FINE_TILT_RAD = 1e-9
+FINE_FORCES = 1e-7
+"""Change of the forces of a step over their sum."""
+MAX_GROWTH, BACK, LESS, HALVED = 4.0, 0.3, 0.7, 0.25
+"""Largest step across the track over its limit; the next one over the last where the push has changed sides, and the
+largest one over that before; and the part to which a step lowers the residual that goes well."""
+SADDLE = 1e-6
+"""Push across the track over the stiffness of the rest, in mm, that is round-off."""
+LEAST_STIFFNESS = 1e-6
+"""Of a wheel that does not touch, weight per mm, so that it goes where it is pushed."""
+ERROR_OF_LAW, LOOSE = 0.1, 1e-2
+"""Error of the law of friction over the residual of the position before, and its largest one."""
+MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
+"""Step limits of the rate of rotation over itself, and of the yaw."""
+RATE, YAW = 5, 6
+"""Numbers of the unknowns that friction adds behind position and tilts: the rate of rotation, and the yaw."""
+
+
+class WheelsetNewton:
+    """A wheelset while its equilibrium is sought."""
+
+    def __init__(
+        self,
+        problem: WheelsetProblem,
+        grids: Mapping[Side, GriddedSide],
+        position: WheelsetPosition,
+        yaw_rad: float,
+        by_forces: Floats,
+        near: SpatialState | None,
+        creep: WheelsetCreep | None,
+    ) -> None:
+        self.problem, self.by_forces = problem, by_forces
+        self.position, self.tilts, self.yaw, self.guided_yaw = position, np.zeros(2), yaw_rad, yaw_rad
+        self.creep = creep
+        if near is not None:
+            poses = [(SIDE_SIGN[side], near.sides[side].pose) for side in SIDES]
+            self.yaw = poses[0][0] * poses[0][1].yaw_rad
+            self.tilts = np.array([sign * pose.tilt_rad for sign, pose in poses])
+        self.sides: dict[Side, SideNewton] = {}
+        self._slopes: dict[Side, CreepSlopes] = {}
+        self.place(grids, near)
+        held = [*(value is None for value in self.problem.prescribed.components), True, True]
+        if creep is not None:
+            held += [True, creep.motion.yaw_is_free]
+        self.free = np.array(held)
+        self.history: list[RelativeResiduals] = []
+        self.reach, self._longest = float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0])
+        arm = problem.wheelset.back_to_back_mm / 2.0
+        self._least = LEAST_STIFFNESS * float(loads_of(problem).weight) * np.array([1.0, 1.0, arm**2])
+        self._across = 0.0
+
+    def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
+        """Go on with other cells, from a contact if it is known."""
+        self._slopes.clear()
+        for number, (side, grid) in enumerate(grids.items()):
+            pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
+            before = None if near is None else near.sides[side]
+            self.sides[side] = SideNewton(grid, pose, None if before is None else transferred(before, grid))
+            if before is not None:
+                self.sides[side].creep = transferred_creep(before, grid)
+            if before is not None and near is not None and near.rolled is not None:
+                self.sides[side].raised = nearest(near.rolled.creep[side].raised, before.grid.grid, grid.grid)
+        if self.creep is not None and near is not None and near.rolled is not None:
+            self.creep.before = near.rolled.creep
+
+    @property
+    def bends(self) -> bool:
+        """Whether creep forces that were found still bend the bodies in part only."""
+        return any(each.bent for each in self.sides.values())
+
+    @property
+    def reaches_an_end(self) -> bool:
+        """Whether a patch has come to an end of its cells."""
+        return any(bool(((each.forces > 0.0) & each.grid.grid.at_edge).any()) for each in self.sides.values())
+
+    @property
+    def _is_halved(self) -> bool:
+        """Whether the last step has lowered the residual much: its derivatives still serve, and its direction does."""
+        errors = [each.equilibrium_residual for each in self.history[-2:]]
+        return len(errors) > 1 and errors[1] < HALVED * errors[0]
+
+    def linearise(self) -> None:
+        """Take residuals and their derivatives at the position."""
+        n = len(self.free)
+        if self.creep is not None:  # the law of friction need not hold better than the equilibrium
+            before = self.history[-1].equilibrium_residual if self.history else LOOSE / ERROR_OF_LAW
+            if not self._is_halved:
+                self._slopes.clear()
+            self.creep.tolerance = float(np.clip(ERROR_OF_LAW * before, TOLERANCE, LOOSE))
+        total, self.jacobian = np.zeros(3), np.zeros((n, n))
+        self.resultants: dict[Side, Floats] = {}
+        self.own: dict[Side, Floats] = {}
+        self.changes: dict[Side, tuple[Floats, Floats, Floats, list[int]]] = {}
+        self.rolled: dict[Side, SideCreep] = {}
+        self.turning = 0.0  # yaw moment of normal forces
+        self.creep_now, self.creeping = np.zeros(5), np.zeros((5, n))
+        jacobian = self.jacobian
+        for number, (side, newton) in enumerate(self.sides.items()):
+            newton.linearise(pose_of(self.problem, self.position, side, self.yaw, self.tilts[number]))
+            rolls = self.creep is not None
+            forces, by = newton.solve(rolls=rolls)
+            if rolls:
+                self._bent_by_creep(side, newton, forces)
+                forces, by = newton.solve(rolls=True)
+            resultant, own = newton.stiffness(forces, by)
+            signs = signs_of(side)
+            by_signs = np.array([*signs, signs[0], 1.0, signs[0]])[: by.shape[1]]
+            columns = [0, 1, 2, 3 + number, RATE, YAW][: by.shape[1]]  # of the axle's x, y and roll, this side's tilt
+            self.own[side], self.resultants[side] = own[:, :4], signs * resultant
+            self.changes[side] = forces, by, by_signs, columns
+            slopes = signs[:, None] * own * by_signs
+            jacobian[:3, columns] += slopes
+            jacobian[3:5, columns] -= self.by_forces[number] @ slopes
+            if rolls:
+                self._add_creep(number, side)
+            total += self.resultants[side]
+        jacobian[2, 2] += loads_of(self.problem).moment_by_roll(self.position.roll_rad)
+        jacobian[3:5, 3:5] += np.eye(2)
+        self.residual, self.relative = with_loads(self.problem, self.position, total)
+        bent = sum(self.by_forces[number] @ self.resultants[side] for number, side in enumerate(SIDES))
+        self.bent = np.asarray(bent)
+        self.missed = np.append(self.residual, self.tilts - self.bent)
+        if self.creep is not None:
+            self._add_equations(self.creep)
+        self.history.append(self.relative)
+
+    def _bent_by_creep(self, side: Side, newton: SideNewton, forces: Floats) -> None:
+        """Find creep forces under normal ones, and let them bend the bodies."""
+        assert self.creep is not None
+        normal = np.zeros(newton.forces.shape)
+        normal[newton.touching] = np.maximum(forces, 0.0)
+        found = self.rolled[side] = self.creep.of_side(side, newton, normal)
+        if side not in self._slopes:
+            self._slopes[side] = self.creep.derivatives(side, newton, normal, found)
+        slopes = self._slopes[side]
+        newton.bend(found.rows, found.raised, forces, slopes, self.creep.max_bent_mm)
+
+    def _add_creep(self, number: int, side: Side) -> None:
+        """Add creep forces of a side and what they change."""
+        newton, to_track = self.sides[side], signs_of_creep(side)
+        forces, by, by_signs, columns = self.changes[side]
+        now, change = newton.creep_now(forces, by, self.rolled[side].resultant)
+        now, change = to_track @ now, to_track @ change * by_signs
+        self.creeping[:, columns] += change
+        self.creep_now += now
+        self.resultants[side] = self.resultants[side] + now[:3]
+        self.jacobian[3:5, columns] -= self.by_forces[number] @ change[:3]
+        moment, slopes = newton.yaw_moment(forces, by * by_signs)
+        self.turning -= SIDE_SIGN[side] * moment
+        self.jacobian[YAW, columns] -= SIDE_SIGN[side] * slopes
+
+    def _add_equations(self, creep: WheelsetCreep) -> None:
+        """Add the equations of torque and yaw."""
+        motion, problem = creep.motion, self.problem
+        self.jacobian[[0, 1, 2, RATE, YAW]] += self.creeping
+        self.torque = float(self.creep_now[3])
+        self.yaw_moment = float(self.creep_now[4]) + self.turning
+        weight, arm = float(loads_of(problem).weight), problem.wheelset.back_to_back_mm / 2.0
+        driven, guided = self.torque + 1e3 * motion.torque_Nm, 0.0
+        if motion.yaw_stiffness_Nm_per_rad is not None:
+            stiffness = 1e3 * motion.yaw_stiffness_Nm_per_rad
+            guided = self.yaw_moment - stiffness * (self.yaw - self.guided_yaw)
+            self.jacobian[YAW, YAW] -= stiffness
+        self.missed = np.append(self.missed, [driven, guided])
+        self.relative = replace(
+            self.relative,
+            torque_residual=driven / (weight * problem.wheelset.tape_radius_mm),
+            yaw_residual=guided / (weight * arm),
+        )
+
+    @property
+    def _limits(self) -> Floats:
+        """Step limits."""
+        limits = [*MAX_STEP, MAX_STEP[2], MAX_STEP[2]]
+        return np.array(limits if self.creep is None else [*limits, MAX_CREEPAGE * self.creep.rate_rad_s, MAX_YAW_RAD])
+
+    def _step(self) -> Floats:
+        """Newton's step, limited so that the wheelset goes where it is pushed.
+
+        The rest of the unknowns is eliminated: what is left of the equation across the track at a fixed lateral
+        position is the slope of the energy along it, and its sign is the direction in which the wheelset moves.
+        With friction and a free yaw that is the yaw moment instead: yaw then balances the lateral force by creepage,
+        and the moment turns the wheelset to the rolling line, from wherever it is.
+        """
+        n, across = len(self.free), bool(self.free[0])
+        limits = self._limits
+        columns, rows = self.free.copy(), self.free.copy()
+        columns[0] = False
+        guided = across and n > YAW and bool(self.free[YAW])
+        row, sense = (YAW, -1.0) if guided else (0, 1.0)
+        if across:
+            rows[row] = False
+        step, by_x = np.zeros(n), np.zeros(n)
+        jacobian = self.jacobian.copy()
+        jacobian[[0, 1, 2], [0, 1, 2]] -= self._least
+        matrix = jacobian[np.ix_(rows, columns)]
+        right = -np.stack((self.missed, self.jacobian[:, 0]), axis=1)[rows]
+        step[columns], by_x[columns] = np.linalg.solve(matrix, right).T
+        excess = float((np.abs(step) / limits).max())
+        if excess > 1.0 or not across:
+            return step / max(excess, 1.0)
+        push = sense * float(self.missed[row] + self.jacobian[row] @ step)
+        slope = sense * float(self.jacobian[row, 0] + self.jacobian[row] @ by_x)
+        way = -push / slope if slope < 0.0 else float(np.copysign(np.inf, push))
+        if slope >= 0.0 and abs(push) < SADDLE * abs(sense * self.jacobian[row, 0]):
+            # on top of the energy both ways lead down: to the left, whatever round-off says; friction has no energy
+            way = -np.inf if self.creep is None else 0.0
+        limit = self.reach
+        if way * self._across < 0.0 and abs(way) > 0.5 * abs(self._across) and not self._is_halved:
+            limit, self._longest = BACK * abs(self._across), LESS * self._longest
+        elif abs(self._across) == self.reach:
+            limit = min(2.0 * self.reach, self._longest)
+        self.reach = limit
+        self._across = way = float(np.clip(way, -limit, limit))
+        by_x[0], limits[0] = 1.0, np.inf
+        step += way * by_x
+        return step / max(float((np.abs(step) / limits).max()), 1.0)
+
+    def step(self, tolerance: float) -> bool:
+        """Move by Newton's step within its limits, if it was not in equilibrium yet; whether it was."""
+        share = tolerance / FINE_RESIDUAL
+        error = self.relative.equilibrium_residual
+        step = self._step()
+        change = 0.0
+        for side, (forces, by, by_signs, columns) in self.changes.items():
+            own = by_signs * step[columns]
+            change = max(change, self.sides[side].take(forces + by @ own, own))
+        most = share * FINE_FORCES
+        if self.creep is None:
+            most = min(most, COARSE_FORCES)
+        moving = self.bends or (most < COARSE_FORCES and any(each.changed for each in self.sides.values()))
+        settled = change <= most and not moving
+        if error <= tolerance and float(np.abs(self.tilts - self.bent).max()) <= share * FINE_TILT_RAD and settled:
+            return True
+        self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))
+        self.tilts = self.tilts + step[3:5]
+        if self.creep is not None:
+            self.creep.rate_rad_s += float(step[RATE])
+            self.yaw += float(step[YAW])
+        return False
+
+    def found(self, status: Status) -> Equilibrium[SpatialState]:
+        """What there is now."""
+        states: dict[Side, SideState] = {side: each.state(status, self.own[side]) for side, each in self.sides.items()}
+        rolled = stable = None
+        if self.creep is not None:
+            rolled = RolledWheelset(self.rolled, self.creep.rate_rad_s, self.yaw, self.yaw_moment, self.torque)
+        elif self.free.all():
+            # the tilts follow the position
+            jacobian = self.jacobian
+            whole = jacobian[:3, :3] - jacobian[:3, 3:] @ np.linalg.solve(jacobian[3:, 3:], jacobian[3:, :3])
+            stable = is_stable(self.problem, whole)
+        state = SpatialState(states, rolled)
+        return Equilibrium(status, self.position, self.relative, state, self.residual, stable, tuple(self.history))
+
+
+def signs_of_creep(side: Side) -> Floats:
+    """From `SideCreep.resultant` to force (x, y), moment, torque and yaw moment in the track's axes, (5, 7)."""
+    sign = SIDE_SIGN[side]
+    found = np.zeros((5, 7))
+    found[0, 0], found[1, 1], found[2, 5], found[3, 6], found[4, 4] = sign, 1.0, sign, 1.0, -sign
+    return found

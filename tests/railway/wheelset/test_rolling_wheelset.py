@@ -1,0 +1,230 @@
+"""A wheelset that rolls with friction: equilibrium with creep forces, symmetry, power, and limits that are known."""
+
+import numpy as np
+import pytest
+
+from flangeway.contact.rolling.friction import Friction
+from flangeway.errors import InputError
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES
+from flangeway.railway.track.wheelset_problem import Prescribed
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.wheelset_creep import SideCreep, WheelsetCreep, patches_of
+from flangeway.railway.wheelset.spatial_result import solve_position
+from tests.railway.wheelset.conftest import coarse_case
+
+ROLLS = {"speed_km_h": 72.0, "friction": 0.3, "rolling_theory": "fastsim"}
+
+
+def solved(wheelset, **inputs):
+    one = coarse_case(**inputs)
+    model = one.spatial_model()
+    prescribed = Prescribed(one.lateral_mm, one.vertical_mm, one.roll_rad)
+    found = solve_position(wheelset.at(one.load(), prescribed, model.yaw_rad, model.rolling), {})
+    assert found.status.converged, found.status.message
+    return found
+
+
+def resultants(found):
+    return np.array([found.equilibrium.state.rolled.creep[side].resultant for side in SIDES])
+
+
+def test_in_the_middle_of_straight_track_it_rolls_without_longitudinal_forces(wheelset):
+    """Equal wheels: spin alone, whose lateral forces cancel; without friction the position is the same."""
+    found, plain = solved(wheelset, **ROLLS), solved(wheelset)
+    assert found.equilibrium.position.lateral_mm == pytest.approx(0.0, abs=1e-4)
+    left, right = found.rolling
+    assert left.creep_force_on_wheel_N == pytest.approx(right.creep_force_on_wheel_N * (-1, 1, 1), abs=1.0)
+    assert abs(right.creep_force_on_wheel_N[2]) < 10.0
+    # the axle bends: the wheel's axis is not level
+    level = right.patch.ellipse.force @ right.patch.state.pose.axis[:2] / np.linalg.norm(right.patch.ellipse.force)
+    assert right.spin_creepage_per_m == pytest.approx(-1e3 * level / 460.0, rel=0.01)
+    assert right.creep_force_on_wheel_N[0] > 500.0
+    assert plain.rolling == ()
+    assert found.equilibrium.position.vertical_mm == pytest.approx(plain.equilibrium.position.vertical_mm, abs=0.01)
+
+
+@pytest.mark.parametrize("theory", ["exact", "fastsim"])
+def test_a_position_and_its_mirror_image(wheelset, theory):
+    """Lateral position, yaw and curve of the other sign exchange left and right."""
+    inputs = ROLLS | {"rolling_theory": theory}
+    one = solved(wheelset, lateral_mm=2.0, yaw_mrad=1.0, curve_radius_m=800.0, **inputs)
+    other = solved(wheelset, lateral_mm=-2.0, yaw_mrad=-1.0, curve_radius_m=-800.0, **inputs)
+    forces, mirrored = resultants(one), resultants(other)[::-1]
+    assert forces == pytest.approx(mirrored, rel=1e-3, abs=1e-4 * np.abs(forces).max())
+    rolled, opposite = one.equilibrium.state.rolled, other.equilibrium.state.rolled
+    assert rolled.yaw_moment_Nmm == pytest.approx(-opposite.yaw_moment_Nmm, rel=1e-3)
+    # the yaw to the left pushes the wheelset to the left, and what holds it acts to the right
+    assert sum(found.creep_force_on_wheel_N[0] for found in one.rolling) < -10e3
+
+
+@pytest.mark.parametrize(
+    ("conformity_deg", "inputs"),
+    [
+        (6.0, {"lateral_mm": 2.0, "yaw_mrad": 2.0, "curve_radius_m": 500.0, "torque_kNm": 3.0}),
+        (16.0, {"yaw_mrad": -4.0}),
+    ],
+    ids=["crown", "flange root"],
+)
+def test_power_of_friction_is_the_work_on_the_wheelset(wheelset, conformity_deg, inputs):
+    """Power of tractions and slip on the cells is that of torque, traction, lateral velocity and yaw rate to 1e-9.
+
+    Friction moves pressures ahead or back: their torque is that by which they resist rolling.
+    """
+    moving = {"yaw_rate_mrad_per_s": 5.0, "lateral_velocity_mm_per_s": 20.0}
+    found = solved(wheelset, **ROLLS | {"rolling_theory": "exact"}, **inputs, **moving)
+    motion, rolled = found.wheelset.model.rolling, found.equilibrium.state.rolled
+    assert max(each.conformity_deg for each in found.patches) == pytest.approx(conformity_deg, rel=0.3)
+    work = 0.0
+    for side in SIDES:
+        force, moment, torque = np.split(rolled.creep[side].resultant, [3, 6])
+        sign = SIDE_SIGN[side]
+        work -= force[2] * motion.speed_m_s + sign * force[0] * motion.lateral_velocity_m_s
+        work -= 1e-3 * (rolled.rate_rad_s * float(torque[0]) - sign * moment[1] * motion.turning_rad_s)
+    power = sum(each.power_W for each in found.rolling)
+    assert power > 1000.0
+    assert power == pytest.approx(work, rel=1e-9)
+    for each in found.rolling:
+        assert each.forces.frictional_power == pytest.approx(each.power_W, rel=1e-9)
+    for side, state in found.equilibrium.state.sides.items():
+        normals = np.pad(state.normals, ((0, 0), (0, 1)))[:, None]
+        torque = 1e-3 * float(np.sum(state.forces * (np.cross(state.gap.arms, normals) @ state.pose.axis)))
+        resisting = sum(each.forces.rolling_power for each in found.rolling if each.patch.side == side)
+        assert resisting == pytest.approx(-rolled.rate_rad_s * torque, abs=0.05 * abs(resisting) + 1e-3 * power)
+    torque = 1e6 * inputs.get("torque_kNm", 0.0)
+    assert rolled.torque_Nmm == pytest.approx(-torque, abs=1e-4 * 200e3 * 460.0)
+    traction = sum(each.creep_force_on_wheel_N[2] for each in found.rolling)
+    assert traction == pytest.approx(torque / 460.0, rel=0.05, abs=500.0)
+
+
+def test_creepages_do_not_depend_on_the_speed(wheelset):
+    """On straight track all forces are those of another speed, and the rate of rotation grows with it."""
+    slow = solved(wheelset, lateral_mm=3.0, yaw_mrad=1.0, **ROLLS)
+    fast = solved(wheelset, lateral_mm=3.0, yaw_mrad=1.0, **ROLLS | {"speed_km_h": 216.0})
+    assert resultants(slow) == pytest.approx(resultants(fast), rel=1e-4, abs=10.0)
+    rates = [each.equilibrium.state.rolled.rate_rad_s for each in (slow, fast)]
+    assert rates[1] == pytest.approx(3.0 * rates[0], rel=1e-6)
+
+
+def test_little_friction_is_nearly_none(wheelset):
+    """At a coefficient of 1e-4 position and forces are those without friction; at 0 they are the same."""
+    plain = solved(wheelset, lateral_mm=3.0)
+    found = solved(wheelset, lateral_mm=3.0, **ROLLS | {"friction": 1e-4})
+    one, other = (np.array(each.equilibrium.position.components) for each in (plain, found))
+    assert one == pytest.approx(other, abs=1e-4)
+    assert all(each.used_friction <= 1e-4 * (1.0 + 1e-6) for each in found.rolling)
+    none = solved(wheelset, lateral_mm=3.0, speed_km_h=72.0, friction=0.0)
+    assert none.equilibrium.position == plain.equilibrium.position
+    assert none.rolling == ()
+
+
+@pytest.mark.ci
+def test_the_exact_theory_is_linear_at_small_yaw(wheelset):
+    """The lateral force by a yaw of 0.05 mrad is that of linear theory within 10 %, which coarse cells leave."""
+    slopes = []
+    for theory in ("exact", "linear"):
+        ends = [
+            solved(wheelset, lateral_mm=0.0, yaw_mrad=yaw, **ROLLS | {"rolling_theory": theory, "friction": 0.9})
+            for yaw in (-0.05, 0.05)
+        ]
+        slopes.append(sum(each.creep_force_on_wheel_N[0] for each in ends[1].rolling))
+        slopes[-1] -= sum(each.creep_force_on_wheel_N[0] for each in ends[0].rolling)
+    assert slopes[0] < 0.0
+    assert slopes[0] == pytest.approx(slopes[1], rel=0.1)
+
+
+def test_free_in_a_wide_curve_it_rolls_kinematically(wheelset):
+    """Without yaw stiffness, radii differ by ``r (x_right - x_left) / R`` (Redtenbacher, 1855); the yaw is radial."""
+    curve = {"curve_radius_m": 3000.0, "superelevation_mm": "from-speed"}
+    found = solved(wheelset, **curve, yaw_stiffness_kNm_per_mrad=0.0, **ROLLS)
+    radii = {each.side: each.rolling_radius_mm for each in found.patches}
+    places = {each.side: each.centre_mm[0] for each in found.patches}
+    wanted = 460.0 * (places["right"] - places["left"]) / 3e6
+    assert radii["right"] - radii["left"] == pytest.approx(wanted, rel=0.02)
+    rolled = found.equilibrium.state.rolled
+    assert abs(rolled.yaw_rad) < 1e-4
+    assert abs(rolled.yaw_moment_Nmm) < 1e-5 * 200e3 * 680.0
+    assert found.equilibrium.position.lateral_mm > 0.5
+
+
+def test_the_yaw_follows_its_stiffness(wheelset):
+    """The yaw moment is the stiffness times the yaw beyond the one that guides it."""
+    found = solved(wheelset, lateral_mm=2.0, yaw_mrad=1.0, yaw_stiffness_kNm_per_mrad=20.0, **ROLLS)
+    rolled = found.equilibrium.state.rolled
+    assert rolled.yaw_moment_Nmm == pytest.approx(20e9 * (rolled.yaw_rad - 1e-3), rel=1e-3)
+    assert abs(rolled.yaw_rad - 1e-3) > 1e-6
+
+
+def test_a_flange_in_contact_has_nadals_limit_beside_it(wheelset):
+    """A yaw that points to the right rail pushes the flange on it; L/V stays below the limit."""
+    found = solved(wheelset, yaw_mrad=-4.0, **ROLLS)
+    steepest = max(p.contact_angle_rad for p in found.patches if p.side == "right")
+    assert steepest > 0.35
+    # the flange of S1002 has 70 degrees
+    slope = np.tan(np.deg2rad(70.0))
+    assert found.nadal_limit("right") == pytest.approx((slope - 0.3) / (1.0 + 0.3 * slope), rel=1e-3)
+    assert 0.1 < found.lateral_over_vertical("right") < found.nadal_limit("right")
+    power = [each.power_W for each in found.rolling if each.patch.side == "right"]
+    assert max(power) > 1e3
+
+
+def test_a_torque_above_friction_is_no_equilibrium(wheelset):
+    """Friction cannot transmit it: the status says so."""
+    one = coarse_case(lateral_mm=0.0, torque_kNm=40.0, **ROLLS)
+    model = one.spatial_model()
+    found = solve_position(wheelset.at(one.load(), Prescribed(lateral_mm=0.0), 0.0, model.rolling), {})
+    assert not found.status.converged
+    assert "torque" in found.status.message
+
+
+@pytest.mark.ci
+def test_a_flange_pushed_up_its_rail_ends_with_a_message(wheelset):
+    """With a yaw of 15 mrad and friction 0.9 nothing holds it sideways: the message says where the search ended."""
+    one = coarse_case(yaw_mrad=-15.0, axle_load_kN=60.0, **ROLLS | {"friction": 0.9})
+    model = one.spatial_model()
+    found = solve_position(wheelset.at(one.load(), Prescribed(), model.yaw_rad, model.rolling), {})
+    assert not found.status.converged
+    assert "to the right" in found.status.message
+
+
+def test_with_a_large_yaw_it_rests_on_the_flange(wheelset):
+    """Free to move sideways with a yaw of 25 mrad: the flange balances what pushes it."""
+    found = solved(wheelset, yaw_mrad=-25.0, **ROLLS)
+    assert found.equilibrium.residuals.equilibrium_residual < 1e-5
+    assert 8.0 < found.equilibrium.position.lateral_mm < 9.0
+
+
+def test_a_lifted_wheel_has_no_creep_forces_that_change():
+    """Without patches there are derivatives of nothing by the position, and none by the shape of patches."""
+    motion = RollingMotion(20.0, Friction(0.3))
+    nothing = SideCreep((), np.zeros(7), np.zeros((4, 2)), np.zeros((4, 3)))
+    slopes = WheelsetCreep(motion, 43.0, "exact").derivatives("left", None, np.zeros((4, 3)), nothing)
+    assert [each.shape for each in slopes] == [(11, 6), (11, 0), (0, 4, 3)]
+    assert not slopes.motion.any()
+
+
+def test_friction_of_the_gauge_face_and_what_is_refused(wheelset):
+    """Rows steeper than 45 degrees have their own coefficient; no speed, and inputs without friction are refused."""
+    one = coarse_case(**ROLLS, flange_friction=0.1, kinetic_friction=0.15)
+    friction = one.spatial_model().rolling.friction_on(np.array([[0.0, 1.0], [-0.9, np.sqrt(0.19)]]))
+    np.testing.assert_allclose(friction.limits[0], [0.3, 0.1])
+    np.testing.assert_allclose(friction.limits[1], [0.15, 0.05])
+    for inputs in (
+        {"friction": 0.3},
+        {"friction": 0.3, "speed_km_h": 0.0},
+        {"torque_kNm": 1.0},
+        {"speed_km_h": 80.0},
+    ):
+        with pytest.raises(InputError):
+            coarse_case(**inputs).check()
+    assert one.spatial_model().rolling.torque_Nm == 0.0
+
+
+def test_patches_that_touch_are_divided_where_little_is_carried():
+    """Two heaps of forces: apart below 0.1 of the lesser, below 0.25 if they were apart before, else one patch."""
+    heaps = np.array([0.0, 2.0, 4.0, 2.0, 0.0, 2.0, 3.0, 1.0, 0.0])[:, None] * np.ones(3)
+    between = np.arange(9)[:, None] == 4
+    before = patches_of(heaps)
+    assert [int(each[:, 0].sum()) for each in before] == [3, 3]
+    for least, alone, after in ((0.2, 2, 2), (0.6, 1, 2), (0.8, 1, 1)):
+        forces = np.where(between, least, heaps)
+        assert (len(patches_of(forces)), len(patches_of(forces, before))) == (alone, after)

@@ -1,0 +1,78 @@
+"""A wheel on a rail in three dimensions, beside Hertz's ellipse for their curvatures."""
+
+import numpy as np
+import pytest
+
+from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
+from flangeway.contact.patch.patch_contact import PatchContact
+from flangeway.errors import InputError
+from flangeway.exact import PointContact
+from flangeway.railway.wheelset.wheel_patch import spatial_patch
+from flangeway.railway.wheelset.wheelset_model import WheelsetModel, build_model
+
+FORCE = 150e3  # N
+CROWN, RADIUS = 254.0, 474.86  # mm: the rail's crown, and the wheel's radius where it touches
+INCLINATION = 0.0495  # of the normal
+
+
+def model_of(method: str, order: int, size: float) -> WheelsetModel:
+    values = {"method": method, "order": order, "contact_size_mm": size, "axle_load_kN": 300.0, "body_size_mm": 12.0}
+    return build_model(WheelsetTangentCase.from_values(values).problem())
+
+
+def patch_of(method: str, order: int, size: float, side: str = "right") -> PatchContact:
+    return spatial_patch(
+        model_of(method, order, size), side, FORCE, cell_mm=0.5, window_mm=(13.0, 20.0), tolerance=5e-3
+    )
+
+
+@pytest.fixture(scope="module")
+def patches() -> dict[str, PatchContact]:
+    """AAR-1B on 136RE under 150 kN, by finite and by virtual elements."""
+    return {"fem": patch_of("fem", 2, 0.25), "vem": patch_of("vem", 1, 0.5)}
+
+
+def test_finite_and_virtual_elements_agree(patches) -> None:
+    """Maximum pressure, semi-axes and centre of triangles of order 2 and polygons of order 1 agree to 0.3 %."""
+    (fem,), (vem,) = patches["fem"].patches, patches["vem"].patches
+    assert fem.max_pressure == pytest.approx(vem.max_pressure, rel=3e-3)
+    np.testing.assert_allclose(fem.semi_axes, vem.semi_axes, rtol=3e-3)
+    np.testing.assert_allclose(fem.centre, vem.centre, atol=0.02)
+
+
+@pytest.mark.parametrize("method", ["fem", "vem"])
+def test_a_wheel_on_the_crown_of_a_rail_touches_as_hertz_says(patches, method) -> None:
+    """Pressure of AAR-1B on 136RE under 150 kN to 1 %, semi-axes to 1 %, whatever the element."""
+    found = patches[method]
+    assert found.contact.status.converged
+    inclined = np.hypot(1.0, INCLINATION)
+    hertz = PointContact(FORCE * inclined, CROWN, RADIUS * inclined, 210e3 / (1.0 - 0.3**2) / 2.0)
+    assert found.pressures.max() == pytest.approx(hertz.max_pressure, rel=1e-2)
+    np.testing.assert_allclose(found.force[1], FORCE, rtol=1e-9)
+    assert len(found.patches) == 1
+    np.testing.assert_allclose(found.patches[0].semi_axes, hertz.semi_axes[::-1], rtol=1e-2)
+    assert abs(found.patches[0].angle_rad) < 1e-6
+
+
+def test_both_sides_are_mirror_images() -> None:
+    """On a symmetric track the pressures of both sides are equal to 1e-6, mirrored."""
+    model = model_of("fem", 1, 0.45)
+    left, right = (
+        spatial_patch(model, side, FORCE, cell_mm=0.5, window_mm=(13.0, 20.0), tolerance=0.1)
+        for side in ("left", "right")
+    )
+    np.testing.assert_allclose(left.pressures[::-1], right.pressures, atol=1e-3)
+    np.testing.assert_allclose(left.force, right.force * [-1.0, 1.0], rtol=1e-6)
+
+
+def test_windows_and_cells_that_do_not_fit_are_refused() -> None:
+    """A window beyond the mesh, one that the patch fills, and cells smaller than the mesh end in clear errors."""
+    model = model_of("fem", 1, 1.0)
+    for wrong, cell, window in (
+        ("a narrower window", 1.0, (200.0, 20.0)),
+        ("edges no longer than the cells", 0.4, (14.0, 20.0)),
+        ("a larger window", 1.0, (8.0, 12.0)),
+        ("or more", 1.0, (16.0, 24.0)),
+    ):
+        with pytest.raises(InputError, match=wrong):
+            spatial_patch(model, "right", FORCE, cell_mm=cell, window_mm=window, tolerance=0.1)
