@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flangeway.cases.case import Progress
-from flangeway.cases.wheelset.summarise import summarise
-from flangeway.cases.wheelset.wheelset_case import CaseRun, WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases.wheelset.wheelset_case import WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.elements import TraceStabilisation
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import WheelProfile, wheel
@@ -58,7 +58,7 @@ class WheelRailRow:
 
     situation: str  # ``"tangent"`` or ``"curve"``
     code: str  # ``"FO1"``, ``"VO1"``, ``"FO2"`` or ``"VO2"``
-    run: CaseRun  # the case and its result
+    run: WheelsetRun  # the case and its result
 
     @property
     def result(self) -> WheelsetResult:
@@ -113,12 +113,12 @@ def published_problem(case: WheelsetCase) -> WheelsetProblem:
     return replace(problem, discretisation=replace(problem.discretisation, stabilisation=TraceStabilisation()))
 
 
-def run_published(situation: str, code: str, body_mm: float = BODY_MM) -> CaseRun:
+def run_published(situation: str, code: str, body_mm: float = BODY_MM) -> WheelsetRun:
     """Solve a row from a cold start."""
     start = time.perf_counter()
     case = published_case(situation, code, body_mm)
     result = solve_wheelset(published_problem(case), cold=True)
-    return CaseRun(case, result, summarise(case, result, time.perf_counter() - start))
+    return WheelsetRun(case, result, time.perf_counter() - start)
 
 
 def curve_with(profile: WheelProfile, code: str) -> WheelsetResult:

@@ -6,22 +6,20 @@ from flangeway.cases.case import Case, Run, RunnableCase
 from flangeway.cases.case_file import CASES, find_case, load_case
 from flangeway.cases.case_template import schema, write_template
 from flangeway.cases.summary import Summary, write_summary
-from flangeway.cases.wheelset.summarise import summarise
 from flangeway.cases.wheelset.wheelset_case import (
-    CaseRun,
     Convergence,
     WheelsetCase,
     WheelsetCurveCase,
     WheelsetTangentCase,
     run_halved,
 )
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 
 __all__ = [
     "CASES",
     "BodiesRun",
     "BodyResult",
     "Case",
-    "CaseRun",
     "Convergence",
     "CookCode",
     "CookRow",
@@ -30,6 +28,7 @@ __all__ = [
     "Summary",
     "WheelsetCase",
     "WheelsetCurveCase",
+    "WheelsetRun",
     "WheelsetTangentCase",
     "cook_row",
     "find_case",
@@ -37,7 +36,6 @@ __all__ = [
     "run_halved",
     "schema",
     "solve_cook",
-    "summarise",
     "write_summary",
     "write_template",
 ]

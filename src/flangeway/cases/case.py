@@ -171,6 +171,14 @@ class RunnableCase(Case):
     def check(self) -> None:
         """Raise `InputError` for what is wrong beyond single values, without computing."""
 
+    def columns(self) -> tuple[str, ...]:
+        """Return the columns of a row of a campaign if they are known before it is computed."""
+        return ()
+
+    def patch_columns(self) -> tuple[str, ...]:
+        """Return the columns of the table of patches of a campaign."""
+        return ()
+
     @abstractmethod
     def run(self, progress: Progress = lambda _: None) -> Run:
         """Compute the case.

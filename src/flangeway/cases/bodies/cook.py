@@ -208,14 +208,13 @@ class CookCase(BodiesCase):
         assert isinstance(solution, ElasticitySolution)
         middle, corner = displacements_at(solution, [MIDDLE, CORNER])[:, 1].tolist()
         error = max(1.0 - solution.energy / ENERGY, 0.0) ** 0.5
+        of_energy: Quantity[BodiesRun] = Quantity(
+            "energy_norm_error", "relative error in the energy norm", lambda _: error, form=".6g"
+        )
         return (
             Quantity("code", "code", lambda _: str(CookCode(LETTERS[self.method], self.level, self.order))),
             Quantity("middle_vertical", "vertical displacement of the middle", lambda _: middle, "mm", ".6g"),
             Quantity("upper_corner_vertical", "vertical displacement of the corner", lambda _: corner, "mm", ".6g"),
             Quantity("strain_energy", "strain energy", lambda _: solution.energy, "N mm/mm", ".6g"),
-            *(
-                (Quantity("energy_norm_error", "relative error in the energy norm", lambda _: error, form=".6g"),)
-                if self.poisson == PUBLISHED_POISSON
-                else ()
-            ),
+            *([of_energy] if self.poisson == PUBLISHED_POISSON else []),
         )

@@ -1,14 +1,16 @@
 """Inputs of a wheelset on two rails that the rigid and the elastic computation share."""
 
 import math
-from typing import Literal
+from collections.abc import Sequence
+from typing import Any, Literal
 
 from pydantic import Field
 
 from flangeway.cases.case import Case
 from flangeway.cases.wheelset.wheelset_profiles import position_key, rail_named, wheel_named
-from flangeway.cases.wheelset.wheelset_summary import PublishedPosition
+from flangeway.cases.wheelset.wheelset_quantities import PLANE_PATCH_ROW, PLANE_ROW, WheelResult
 from flangeway.errors import InputError
+from flangeway.quantities import Quantity
 from flangeway.railway.profiles.bundled import WheelProfile
 from flangeway.railway.profiles.profile_file import ReadOptions
 from flangeway.railway.track.placements import USUAL_GAUGES, Track, Wheelset, usual_gauge
@@ -144,9 +146,19 @@ class WheelsetInputs(Case):
     young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus of wheels and rails")
     poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio of wheels and rails")
 
-    def published_position(self) -> PublishedPosition | None:
-        """Return the published position for these inputs, if there is one."""
-        return None
+    @property
+    def row_quantities(self) -> Sequence[Quantity[WheelResult]]:
+        """Numbers of a wheel in a row of a campaign."""
+        return PLANE_ROW
+
+    @property
+    def patch_row_quantities(self) -> Sequence[Quantity[Any]]:
+        """Numbers of a patch in the table of patches of a campaign."""
+        return PLANE_PATCH_ROW
+
+    def assumptions(self, result: Any) -> list[str]:
+        """Return in sentences what a solution rests on."""
+        raise NotImplementedError
 
     def load(self) -> WheelsetLoad:
         """Return weight, lateral force and tilt of the track.

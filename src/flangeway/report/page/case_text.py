@@ -1,13 +1,14 @@
 """What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables."""
 
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from flangeway.cases.case import Case, Run, RunnableCase, table_in
 from flangeway.cases.case_file import FORMAT
 from flangeway.cases.case_template import toml_value, write_case_file
 from flangeway.cases.section.section_run import TorsionCase
+from flangeway.report.figures.drawing import named
 from flangeway.report.page.record import Again, Record
 from flangeway.report.page.tables import SummaryTable
 
@@ -31,6 +32,16 @@ def run_record(run: Run, about_files: str, **own: Any) -> Record:
         "timings_s": summary.timings_s,
     }
     return Record(**shared | own)
+
+
+def changed_words(case: Case, told: Collection[str] = ()) -> list[str]:
+    """Return the inputs that are not the defaults, except some, in words with their units."""
+    found = []
+    for key, field in type(case).model_fields.items():
+        value, (words, unit) = getattr(case, key), named(key)
+        if key not in (*told, "units") and table_in(field.annotation) is None and value != field.get_default():
+            found.append(f"{words} {_plain(value)} {unit}".rstrip())
+    return found
 
 
 def case_text(case: RunnableCase) -> str:
