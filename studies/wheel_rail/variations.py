@@ -82,7 +82,7 @@ def rigid_limit(
     for factor in factors:
         progress(f"Young's modulus times {factor:g}")
         raised = type(case).from_values({**values, "young_MPa": factor * case.young_MPa})
-        yield StiffenedWheelset(factor, raised.run(cold=True).result)
+        yield StiffenedWheelset(factor, raised.run(cold=True).plane)
 
 
 def contact_name(result: WheelsetResult, patch: WheelRailPatch) -> str:
@@ -124,7 +124,7 @@ def refine_contact(
     for divisor in divisors:
         progress(f"element size in contact over {divisor}")
         finer = type(case).from_values({**values, "contact_size_mm": case.contact_size_mm / divisor})
-        yield RefinedContact(divisor, finer.run(cold=True).result)
+        yield RefinedContact(divisor, finer.run(cold=True).plane)
 
 
 WHEEL_RADIUS_MM, RAIL_RADIUS_MM = 330.0, 254.0

@@ -119,7 +119,7 @@ def reproduce_wheel_rail(*, quick: bool = False, progress: Progress = lambda _: 
     for crown in () if quick else (8.0, 14.0):
         progress(f"crown radius {crown:g} in")
         case = WheelsetCurveCase.from_values({"crown_radius_in": crown, "order": 2, "wheel": IDENTIFIED})
-        crowns[crown] = case.run(cold=True).result
+        crowns[crown] = case.run(cold=True).plane
     curve = WheelsetCurveCase.from_values({"wheel": IDENTIFIED})
     limit = tuple(rigid_limit(curve, (10.0, 100.0) if quick else FACTORS, progress))
     refined = tuple(refine_contact(curve, (1, 2) if quick else DIVISORS, progress))

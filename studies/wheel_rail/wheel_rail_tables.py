@@ -63,7 +63,7 @@ class WheelRailRow:
     @property
     def result(self) -> WheelsetResult:
         """The solution."""
-        return self.run.result
+        return self.run.plane
 
     @property
     def motion(self) -> WheelsetPosition:

@@ -10,7 +10,6 @@ from functools import partial
 from flangeway.campaign.campaign import Row
 from flangeway.campaign.columns import RowResult, row_of
 from flangeway.cases.case import RunnableCase
-from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
@@ -93,15 +92,14 @@ def _failed(reason: Exception, seconds: float) -> RowResult:
 
 def _computed(case: RunnableCase, start: float) -> RowResult:
     run = case.run()
-    assert isinstance(run, RunResult)
-    return row_of(run, time.perf_counter() - start)
+    return row_of(case, run, time.perf_counter() - start)
 
 
 def _spatial(whole: SpatialWheelset, case: RunnableCase, start: float) -> RowResult:
     """Compute a position in three dimensions, of bodies that are prepared."""
     if not isinstance(case, SpatialWheelsetCase):
         raise TypeError("positions are of wheelsets")
-    return row_of(case.run_on(whole), time.perf_counter() - start)
+    return row_of(case, case.run_on(whole), time.perf_counter() - start)
 
 
 def _plane(whole: PlaneWheelset, row: Row, start: float) -> RowResult:
@@ -111,7 +109,7 @@ def _plane(whole: PlaneWheelset, row: Row, start: float) -> RowResult:
         raise TypeError("positions are of wheelsets")
     result = solve_condensed(whole.at(case.problem()))
     seconds = time.perf_counter() - start
-    return row_of(WheelsetRun(case, result, seconds), seconds)
+    return row_of(case, WheelsetRun(case, result, seconds), seconds)
 
 
 def _of(row: Row) -> PlaneWheelset | SpatialWheelset:

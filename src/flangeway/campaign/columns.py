@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from flangeway.cases.summary import RunResult
+from flangeway.cases.case import Run, RunnableCase
 
 Value = float | int | str | None
 
@@ -38,13 +38,13 @@ class RowResult:
     seconds: float = 0.0
 
 
-def row_of(run: RunResult, seconds: float) -> RowResult:
-    """Return the numbers of a run, which it names itself."""
-    message, warnings = run.status.message, tuple(run.warnings)
+def row_of(case: RunnableCase, run: Run, seconds: float) -> RowResult:
+    """Return the numbers of a run, which its case names."""
+    message, warnings = run.status.message, tuple(case.warnings_of(run))
     if not run.status.converged:
         return RowResult("not converged", message, warnings, seconds=seconds)
-    patches = tuple(_plain(row) for row in run.patch_rows())
-    return RowResult("converged", message, warnings, _plain(run.row()), patches, seconds)
+    patches = tuple(_plain(row) for row in case.patch_rows(run))
+    return RowResult("converged", message, warnings, _plain(case.row(run)), patches, seconds)
 
 
 def _plain(values: Mapping[str, Any]) -> dict[str, Value]:

@@ -3,7 +3,7 @@
 import dataclasses
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -60,23 +60,9 @@ class RunResult(Result):
     status: Any  # how it ended
     timings_s: Any  # seconds by stage
 
-    @property
-    def warnings(self) -> Sequence[str]:
-        """What limits the results."""
-        return list(getattr(self, "notices", ()))
-
     def parts(self) -> dict[str, Any]:
         """Return the numbers of this kind of run, as ``summary.json`` has them."""
         raise NotImplementedError
-
-    def row(self) -> dict[str, Any]:
-        """Return the numbers of a row of a campaign, by columns: all single numbers of the summary."""
-        content = self.summary.to_dict()
-        return dict(_numbers({key: part for key, part in content.items() if key not in NO_RESULTS}, ""))
-
-    def patch_rows(self) -> list[dict[str, Any]]:
-        """Return the rows of its patches, with side and number each, in the table of patches of a campaign."""
-        return []
 
     @cached_property
     def summary(self) -> Summary:
@@ -108,8 +94,13 @@ NO_RESULTS = ("timings_s", "peak_memory_MB", "case", "versions", "status")
 """Parts of summaries that are no result of a row, or depend on the machine and on what it computed before."""
 
 
+def summary_numbers(summary: Summary) -> dict[str, Any]:
+    """Return all single numbers of a summary, and remarks on them, named by their paths with underscores."""
+    content = summary.to_dict()
+    return dict(_numbers({key: part for key, part in content.items() if key not in NO_RESULTS}, ""))
+
+
 def _numbers(value: Any, path: str) -> Iterable[tuple[str, Any]]:
-    """Numbers, and remarks on them, named by their paths with underscores."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _numbers(inner, f"{path}_{key}" if path else str(key))

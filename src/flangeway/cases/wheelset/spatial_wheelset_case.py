@@ -16,7 +16,6 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     SPATIAL_PATCH_ROW,
     SPATIAL_ROW,
     WheelResult,
-    row_columns,
 )
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.patch.contact_ellipse import PARABOLIC
@@ -24,7 +23,7 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.theories import Theory
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
-from flangeway.quantities import Quantity, column_names
+from flangeway.quantities import Quantity
 from flangeway.railway.track.discretisation import Discretisation, Method
 from flangeway.railway.track.placements import RUNNING_CIRCLES_MM
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
@@ -198,14 +197,6 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
         prescribed = Prescribed(self.lateral_mm, self.vertical_mm, self.roll_rad)
         placed = bodies.at(self.load(), prescribed, model.yaw_rad, model.rolling)
         return WheelsetRun(self, solve_position(placed, {}, progress), time.perf_counter() - start)
-
-    def columns(self) -> tuple[str, ...]:
-        """See `RunnableCase.columns`."""
-        return self.plane().columns() if self.model == "plane" else row_columns(self.row_quantities)
-
-    def patch_columns(self) -> tuple[str, ...]:
-        """See `RunnableCase.patch_columns`."""
-        return self.plane().patch_columns() if self.model == "plane" else tuple(column_names(self.patch_row_quantities))
 
     @property
     def row_quantities(self) -> Sequence[Quantity[WheelResult]]:

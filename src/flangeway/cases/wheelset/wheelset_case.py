@@ -16,11 +16,10 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     ON_WHEEL,
     PRESSURE,
     AnyPatch,
-    row_columns,
 )
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.materials import Elastic
-from flangeway.quantities import Quantity, column_names, numbers
+from flangeway.quantities import Quantity, numbers
 from flangeway.railway.track.discretisation import Choice, Discretisation, EnforcementName, Method, PairingName
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.wheelset_checks import SLICE
@@ -110,14 +109,6 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
         start = time.perf_counter()
         result = solve_wheelset(self.problem(), progress, cold=cold)
         return WheelsetRun(self, result, time.perf_counter() - start)
-
-    def columns(self) -> tuple[str, ...]:
-        """See `RunnableCase.columns`."""
-        return row_columns(self.row_quantities)
-
-    def patch_columns(self) -> tuple[str, ...]:
-        """See `RunnableCase.patch_columns`."""
-        return tuple(column_names(self.patch_row_quantities))
 
     def assumptions(self, result: WheelsetResult) -> list[str]:
         """See `WheelsetInputs.assumptions`."""

@@ -8,9 +8,9 @@ from pydantic import Field
 
 from flangeway.cases.case import Case
 from flangeway.cases.wheelset.wheelset_profiles import position_key, rail_named, wheel_named
-from flangeway.cases.wheelset.wheelset_quantities import PLANE_PATCH_ROW, PLANE_ROW, WheelResult
+from flangeway.cases.wheelset.wheelset_quantities import MOTION, PLANE_PATCH_ROW, PLANE_ROW, WheelResult, row_columns
 from flangeway.errors import InputError
-from flangeway.quantities import Quantity
+from flangeway.quantities import Quantity, column_names, numbers
 from flangeway.railway.profiles.bundled import WheelProfile
 from flangeway.railway.profiles.profile_file import ReadOptions
 from flangeway.railway.track.placements import USUAL_GAUGES, Track, Wheelset, usual_gauge
@@ -155,6 +155,33 @@ class WheelsetInputs(Case):
     def patch_row_quantities(self) -> Sequence[Quantity[Any]]:
         """Numbers of a patch in the table of patches of a campaign."""
         return PLANE_PATCH_ROW
+
+    def columns(self) -> tuple[str, ...]:
+        """See `RunnableCase.columns`."""
+        return row_columns(self.row_quantities)
+
+    def patch_columns(self) -> tuple[str, ...]:
+        """See `RunnableCase.patch_columns`."""
+        return tuple(column_names(self.patch_row_quantities))
+
+    def row(self, run: Any) -> dict[str, Any]:
+        """See `RunnableCase.row`: position, and of each side the sums over its patches, and the most loaded one."""
+        wheels = [number for wheel in run.wheels for number in numbers(self.row_quantities, wheel)]
+        return dict(zip(self.columns(), [*numbers(MOTION, run.result), *wheels], strict=True))
+
+    def patch_rows(self, run: Any) -> list[dict[str, Any]]:
+        """See `RunnableCase.patch_rows`: on each side from the field to the gauge."""
+        rows = []
+        for wheel in run.wheels:
+            ordered = sorted(wheel.patches, key=lambda patch: -float(patch.patch.rail_point_mm[0]))
+            for number, patch in enumerate(ordered, 1):
+                found = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
+                rows.append({"side": wheel.side, "number": number} | found)
+        return rows
+
+    def warnings_of(self, run: Any) -> list[str]:
+        """See `RunnableCase.warnings_of`."""
+        return list(run.warnings)
 
     def assumptions(self, result: Any) -> list[str]:
         """Return in sentences what a solution rests on."""

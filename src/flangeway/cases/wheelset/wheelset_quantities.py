@@ -513,8 +513,14 @@ def row_columns(quantities: Sequence[Quantity[WheelResult]]) -> tuple[str, ...]:
     return (*column_names(MOTION), *(f"{side}_{name}" for side in SIDES for name in names))
 
 
-def _rolled(value: Callable[[Any], float]) -> Callable[[SpatialResult], float]:
-    return lambda result: value(result.equilibrium.state.rolled)
+def _rolled(value: Callable[[Any], float]) -> Callable[[SpatialResult], float | None]:
+    """A number of the rolling that is part of the equilibrium."""
+
+    def of(result: SpatialResult) -> float | None:
+        rolled = result.equilibrium.state.rolled
+        return None if rolled is None else value(rolled)
+
+    return of
 
 
 def _frequency(result: SpatialResult) -> float | None:

@@ -11,7 +11,6 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     HEAD,
     LOAD,
     MESH,
-    MOTION,
     NADAL,
     PATCH,
     PLANE_PATCH,
@@ -25,9 +24,8 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     PlanePatchResult,
     WheelResult,
     patch_name,
-    row_columns,
 )
-from flangeway.quantities import Quantity, column_names, numbers, values
+from flangeway.quantities import Quantity, values
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.spatial_result import SpatialResult
@@ -144,22 +142,7 @@ class WheelsetRun(RunResult):
             "patches": [values(self.patch_quantities, patch) for patch in self.patches],
         }
         if space is not None:
-            found["rolling"] = values(ROLLING, space) if space.equilibrium.state.rolled is not None else None
+            found["rolling"] = values(ROLLING, space) if space.rolling else None
         elif isinstance(result, WheelsetResult):
             found["bodies"] = [values(MESH, body) for body in result.model.bodies]
         return found | {"assumptions": self.case.assumptions(result), "warnings": self.warnings}
-
-    def row(self) -> dict[str, Any]:
-        """See `RunResult.row`: position, and of each side the sums over its patches, and the most loaded one."""
-        wheels = [number for wheel in self.wheels for number in numbers(self.case.row_quantities, wheel)]
-        return dict(zip(row_columns(self.case.row_quantities), [*numbers(MOTION, self.result), *wheels], strict=True))
-
-    def patch_rows(self) -> list[dict[str, Any]]:
-        """See `RunResult.patch_rows`: on each side from the field to the gauge."""
-        rows, quantities = [], self.case.patch_row_quantities
-        for wheel in self.wheels:
-            ordered = sorted(wheel.patches, key=lambda patch: -float(patch.patch.rail_point_mm[0]))
-            for number, patch in enumerate(ordered, 1):
-                found = dict(zip(column_names(quantities), numbers(quantities, patch), strict=True))
-                rows.append({"side": wheel.side, "number": number} | found)
-        return rows

@@ -36,7 +36,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     WheelResult,
 )
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
-from flangeway.quantities import Quantity, columns
+from flangeway.quantities import Quantity, columns, present
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.whole_sections import whole_sections
@@ -306,7 +306,7 @@ def _rolling_tables(run: WheelsetRun) -> list[SummaryTable]:
     units, patches = run.case.units, run.spatial_patches
     theory = next(patch.creep.theory for patch in patches if patch.creep is not None)
     caption = f"Rolling: creep forces by {theory}; the stresses below the patches include their tractions"
-    rows = rows_of(ROLLING, run.space, units)
+    rows = rows_of(present(ROLLING, run.space), run.space, units)
     for wheel in run.wheels:
         rows += rows_of([NADAL_WORDS], wheel, units, f"{wheel.side} wheel") if wheel.nadal_words else []
     return [
