@@ -60,7 +60,7 @@ def test_rows_carry_the_load_and_have_the_columns_of_both_models(sweep):
         assert one == pytest.approx(other, rel=1e-6)
     assert found.numbers("left_head_lateral_mm")[0] == pytest.approx(-found.numbers("right_head_lateral_mm")[2])
     # with yaw the right wheel is ahead
-    assert (found.numbers("right_track_position_z_mm")[1::2] > 1.0).all()
+    assert (found.numbers("right_longitudinal_position_mm")[1::2] > 1.0).all()
 
 
 def test_rows_that_roll_have_their_creep_forces(tmp_path):

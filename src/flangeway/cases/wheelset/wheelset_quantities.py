@@ -175,10 +175,9 @@ class PatchResult:
 AnyPatch = PatchResult | PlanePatchResult
 
 
-def patch_name(patch: SpatialPatch | WheelRailPatch, patches: Sequence[SpatialPatch | WheelRailPatch]) -> str:
-    """Side of a patch, with its region where the side has several."""
-    alone = sum(other.side == patch.side for other in patches) == 1
-    return patch.side if alone else f"{patch.side}, {patch.region}"
+def patch_name(patch: SpatialPatch | WheelRailPatch) -> str:
+    """Side of a patch, and the part of the rail in contact."""
+    return f"{patch.side} {patch.region}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -365,6 +364,9 @@ def _creep(quantity: Quantity[CreepResult]) -> Quantity[PatchResult]:
 POSITION_ALONG: Quantity[PatchResult] = Quantity(
     "track_position", "position in the track", lambda p: p.patch.centre_mm, "mm", "z.2f", XYZ
 )
+LONGITUDINAL: Quantity[PatchResult] = Quantity(
+    "longitudinal_position", "longitudinal position", lambda p: p.patch.centre_mm[2], "mm", "z.2f"
+)
 LOAD_FACTOR: Quantity[PatchResult] = Quantity(
     "pressure_over_shear_strength", "p0/k (load factor)", lambda p: p.result.load_factor(p.patch), form=".2f"
 )
@@ -402,11 +404,12 @@ SPATIAL_MAIN: tuple[Quantity[PatchResult], ...] = (
     CONTACT_ANGLE,
     ON_RAIL,
     ON_WHEEL,
-    POSITION_ALONG,
+    LONGITUDINAL,
     *_greater("max_von_mises", "maximum von Mises stress", lambda p, role: p.maximum(role, "max_von_mises")),
 )
 SPATIAL_FURTHER: tuple[Quantity[PatchResult], ...] = (
     *FORCES[1:],
+    POSITION_ALONG,
     *_greater("von_mises_below_centre", "von Mises stress below the centre", lambda p, role: p.below_centre(role)),
     *_greater("max_tresca", "maximum Tresca stress", lambda p, role: p.maximum(role, "max_tresca")),
     *_greater("max_tension", "maximum tension", lambda p, role: p.maximum(role, "max_tension")),
@@ -478,7 +481,7 @@ def _sum(quantity: Quantity[Any]) -> Quantity[WheelResult]:
     return replace(quantity, of=lambda wheel: wheel.total(quantity.value), factor=1.0)
 
 
-_ELLIPSE: tuple[Quantity[Any], ...] = (AXES, ANGLE, POSITION_ALONG, ROLLING_RADIUS)
+_ELLIPSE: tuple[Quantity[Any], ...] = (AXES, ANGLE, LONGITUDINAL, ROLLING_RADIUS)
 _POINTS: tuple[Quantity[Any], ...] = (CONTACT_ANGLE, ON_RAIL, ON_WHEEL)
 _HIGHEST = tuple(of_part(lambda wheel: wheel.highest, quantity) for quantity in (PRESSURE, REMARK))
 PLANE_ROW: tuple[Quantity[WheelResult], ...] = (

@@ -113,7 +113,7 @@ class WheelsetRun(RunResult):
     @property
     def patch_names(self) -> list[str]:
         """Names of the patches."""
-        return [patch_name(patch, self.result.patches) for patch in self.result.patches]
+        return [patch_name(patch) for patch in self.result.patches]
 
     @property
     def patch_quantities(self) -> Sequence[Quantity[Any]]:

@@ -137,7 +137,6 @@ def png(figure: Figure, dpi: int = DPI) -> bytes:
 
 
 QUANTITIES = {
-    "track_position_z_mm": "ahead of the axle",
     "head_lateral_mm": "railhead lateral displacement",
     "head_vertical_mm": "top of the head, up",
     "head_roll_mrad": "roll of the head",

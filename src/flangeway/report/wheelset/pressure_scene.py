@@ -28,7 +28,7 @@ PRESSURE = "pressure_MPa"
 def pressure_scene(run: WheelsetRun) -> Scene:
     """Running surfaces of both rails, raised where there is pressure, and a view of each patch."""
     patches = run.space.patches
-    views = [View(patch_name(patch, patches), (patch.centre_mm[0], patch.centre_mm[2]), NEAR) for patch in patches]
+    views = [View(patch_name(patch), (patch.centre_mm[0], patch.centre_mm[2]), NEAR) for patch in patches]
     note = (
         "Running surfaces of the rails in the track's axes: x to the right, z ahead of the axle, y up. For the eye "
         f"they are raised where there is pressure, by {RAISED_MM_PER_MPA:g} mm for 1 MPa; y is that of the raised "

@@ -43,7 +43,7 @@ def shown_patches(result: SpatialResult) -> list[ShownRolling]:
     """Patches as they are drawn: right of the track to the right, lengths from the middle of the rail's profile."""
     return [
         ShownRolling(
-            patch_name(each.patch, result.patches),
+            patch_name(each.patch),
             each.forces,
             each.forces.contact if isinstance(each.forces, Rolling | SimplifiedRolling) else each.contact,
             each.speed_m_s,

@@ -167,8 +167,8 @@ def pressures_figure(run: WheelsetRun) -> Figure:
         number = next(i for i, (ellipse, _) in enumerate(shown.patches) if ellipse is patch.ellipse)
         draw_sections(across, along, shown, number)
         along.sharey(across)
-        across.set_title(f"{patch_name(patch, patches)}: across".capitalize(), fontsize=10)
-        along.set_title(f"{patch_name(patch, patches)}: along the track".capitalize(), fontsize=10)
+        across.set_title(f"{patch_name(patch)}: across".capitalize(), fontsize=10)
+        along.set_title(f"{patch_name(patch)}: along the track".capitalize(), fontsize=10)
         across.set_ylabel("pressure in MPa")
         across.legend(loc="lower center", fontsize=8)
     rows[-1, 0].set_xlabel("length along the rail's surface in mm")
@@ -190,7 +190,7 @@ def stresses_figure(run: WheelsetRun) -> Figure:
     figure, rows = figure_with_room(12.5, 0.5 + 3.3 * count, ROOM_OF_STRESSES, count, 3)
     for panels, (patch, role) in zip(rows, lines, strict=False):
         field = patch.field(role, run.space.tractions_of(patch.side))
-        where = patch_name(patch, run.space.patches)
+        where = patch_name(patch)
         found, shown = field.max_von_mises, patch_map(run.space, patch.side)
         row, _, strip = at = field.nearest(found.position)
         values, highest = field.von_mises, found.value
