@@ -19,6 +19,7 @@ PURPOSE = {
     "meshio": "meshes in other programs' formats",
     "numpy": "arrays",
     "pillow": "pictures in the report",
+    "jinja2": "the page of a report",
     "psutil": "memory of the process and of the machine",
     "pydantic": "checks of inputs and case files",
     "rich": "the terminal",

@@ -4,16 +4,17 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from studies.conicity import CONICITY
-from studies.contact_patch.contact_patch_reproduced import reproduce_contact_patch
-from studies.curved.curved_reproduced import reproduce_curved
-from studies.elasticity.elasticity_reproduced import reproduce_elasticity
+from studies.contact_patch import CONTACT_PATCH
+from studies.curved import CURVED
+from studies.elasticity import ELASTICITY
+from studies.forms import FORMS
 from studies.friction.friction_reproduced import reproduce_friction
-from studies.hertz.hertz_reproduced import reproduce_hertz
+from studies.hertz import HERTZ
 from studies.rolling.rolling_reproduced import reproduce_rolling
 from studies.spatial.spatial_reproduced import reproduce_spatial
 from studies.study import Limit, Row, Run, Study
 from studies.torsion import TORSION
-from studies.vem_contact.vem_contact_reproduced import reproduce_vem_contact
+from studies.vem_contact import VEM_CONTACT
 from studies.wheel_rail.wheel_rail_reproduced import reproduce_wheel_rail
 from studies.wheelset3d.wheelset3d_reproduced import reproduce_wheelset3d
 
@@ -35,16 +36,17 @@ STUDIES: dict[str, Study] = {
     study.name: study
     for study in (
         TORSION,
-        adapted("elasticity", reproduce_elasticity),
-        adapted("hertz", reproduce_hertz, brief=False),
-        adapted("contact-patch", reproduce_contact_patch),
+        ELASTICITY,
+        HERTZ,
+        CONTACT_PATCH,
         adapted("wheel-rail", reproduce_wheel_rail, brief=False),
         adapted("spatial", reproduce_spatial, brief=False),
         adapted("rolling", reproduce_rolling),
         adapted("wheelset3d", reproduce_wheelset3d, brief=False),
         CONICITY,
-        adapted("curved", reproduce_curved),
+        CURVED,
         adapted("friction", reproduce_friction),
-        adapted("vem-contact", reproduce_vem_contact),
+        VEM_CONTACT,
+        FORMS,
     )
 }

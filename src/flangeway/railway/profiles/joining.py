@@ -153,22 +153,32 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         f"{_tape_text(measured)}"
     )
     source = f"File: {measured.format}. Body: {nominal.source}"
-    if isinstance(nominal, WheelProfile):
-        wheel_profile = WheelProfile(
-            title,
-            outline,
-            running,
-            flange_height_mm=-float(outline.bounds()[0, 1]),
-            flange_back_mm=measured.flange_back_mm,
-            certainty=certainty,
-            source=source,
-            notices=(*notices, *_unmeasured_tip(surface, outline, nominal)),
-        )
-        return Joined(wheel_profile, nominal, surface, joints)
-    notices = (*notices, *_lean(surface, nominal))
-    placing = measured.first_slice and measured.first_slice.transformed(Placement(translation=shift))
-    rail_profile = RailProfile(title, outline, running[::-1], nominal.base_names, certainty, source, notices, placing)
-    return Joined(rail_profile, nominal, surface, joints)
+    notices += (
+        _lean(surface, nominal) if isinstance(nominal, RailProfile) else _unmeasured_tip(surface, outline, nominal)
+    )
+    base = nominal.base_names if isinstance(nominal, RailProfile) else ()
+    profile = _with_body(measured, shift, (title, outline, running, base), (certainty, source, notices))
+    return Joined(profile, nominal, surface, joints)
+
+
+def _with_body(
+    measured: MeasuredProfile,
+    shift: tuple[float, float],
+    shape: tuple[str, Outline, tuple[str, ...], tuple[str, ...]],
+    words: tuple[str, str, tuple[str, ...]],
+) -> RailProfile | WheelProfile:
+    """Return a measured profile with its body as a rail or wheel.
+
+    - `shift`: from the frame of the file to that of the outline.
+    - `shape`: title, outline, names of the running surface in its direction, and of a rail's base.
+    - `words`: certainty, source, notices.
+    """
+    title, outline, running, base = shape
+    if measured.kind == "rail":
+        placing = measured.first_slice and measured.first_slice.transformed(Placement(translation=shift))
+        return RailProfile(title, outline, running[::-1], base, *words, placing)
+    height = -float(outline.bounds()[0, 1])
+    return WheelProfile(title, outline, running, height, measured.flange_back_mm, *words)
 
 
 def clipped_notices(
@@ -331,13 +341,9 @@ def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     title, source = f"{measured.title} on a plain body", f"File: {measured.format}."
     certainty = f"Running surface as measured, on a block of steel with upright faces.{_tape_text(measured)}"
     notices = (*measured.notices, *clipped_notices(surface, measured))
-    if is_rail:
-        upright = Placement(translation=(-0.5 * (start[0] + end[0]), -level))
-        placing = measured.first_slice and measured.first_slice.transformed(upright)
-        base = outline.transformed(upright)
-        return RailProfile(title, base, (MEASURED,), ("base",), certainty, source, notices, placing)
-    height = -float(outline.bounds()[0, 1])
-    return WheelProfile(title, outline, (MEASURED,), height, measured.flange_back_mm, certainty, source, notices)
+    shift = (-0.5 * (start[0] + end[0]), -level) if is_rail else (0.0, 0.0)
+    placed = outline.transformed(Placement(translation=shift))
+    return _with_body(measured, shift, (title, placed, (MEASURED,), ("base",)), (certainty, source, notices))
 
 
 def _tape_text(measured: MeasuredProfile) -> str:

@@ -42,7 +42,7 @@ from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.whole_sections import whole_sections
 from flangeway.report.figures.fields import PartFields, part_fields, write_part
 from flangeway.report.figures.series import write_collection, write_contacts
-from flangeway.report.page.case_text import changed_words, run_record
+from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across, table_of, with_whole
 from flangeway.report.scenes import wheelset_scene
@@ -129,11 +129,6 @@ PLANE_FILES = (
     "The same numbers, for programs, are in `summary.json`; the fields are in `wheelset.pvd`, which ParaView opens "
     "with all four parts."
 )
-TOLD = (
-    *("rail", "wheel", "left_rail", "left_wheel", "axle_load_kN", "car_mass_t", "n_axles"),
-    *("speed_km_h", "curve_radius_m", "model", "method", "order", "thickness_mm"),
-)
-"""Inputs that the head of the page has in words of its own."""
 TRACK_AXES = {
     "space": (
         "The track's axes: x across the track to the right, y up from its plane; origin in the middle of the track at "
@@ -215,7 +210,7 @@ def main_figure(run: WheelsetRun) -> Figure:
 
 
 def _what(run: WheelsetRun) -> str:
-    """What was computed, in words: profiles, axle load, way, speed, and every other input that is not a default."""
+    """What was computed, in words: profiles, axle load, way and speed."""
     wheelset, track, case = run.problem.wheelset, run.problem.track, run.case
     words = [f"Wheel {wheelset.wheel.title} on rail {track.rail.title}"]
     if not (wheelset.is_symmetric and track.is_symmetric):
@@ -225,7 +220,7 @@ def _what(run: WheelsetRun) -> str:
         radius = case.curve_radius_m
         way = f"curve of {abs(radius):g} m to the {'left' if radius > 0.0 else 'right'}" if radius else "straight track"
         words.append(f"{way} at {case.speed_km_h:g} km/h")
-    return "; ".join([*words, *changed_words(case, TOLD)])
+    return "; ".join(words)
 
 
 def _method(run: WheelsetRun) -> str:
