@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[1]
 PURPOSE = {
     "ezdxf": "outlines from DXF",
     "gmsh": "triangulation; meshes in its format",
+    "lazy-loader": "names that are loaded when they are first used",
     "matplotlib": "pictures",
     "meshio": "meshes in other programs' formats",
     "numpy": "arrays",

@@ -355,3 +355,25 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             *self._supports(),
             "The load acts at the car's centre of gravity and stays vertical.",
         ]
+
+
+def wheelset(**inputs: Any) -> WheelsetRun:
+    """Run a wheelset on two rails with some inputs, such as ``wheelset(wheel="S1002", rail="60E1", lateral_mm=2.0)``.
+
+    Parameters
+    ----------
+    inputs
+        Those of the case ``wheelset``, which `flangeway cases wheelset` lists.
+
+    Returns
+    -------
+    WheelsetRun
+        What it found, which shows itself in a notebook.
+
+    Raises
+    ------
+    InputError
+        If an input is unknown or not allowed.
+
+    """
+    return SpatialWheelsetCase.from_values(inputs).run()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studies.friction.friction_reproduced import partial_slip_work
+from studies.friction.friction_study import partial_slip_work
 from studies.friction.sliding_bodies import (
     BELT_STRAIN,
     DRUM_MM,
