@@ -229,7 +229,7 @@ def _as_cases_see_it(profile: MeasuredProfile, name: str) -> tuple[str, ...]:
         RigidCurve.from_contour(body.running_surface)
     except InputError as reason:
         return (f"Cases refuse it: {reason.given}; allowed is {reason.allowed}; {reason.advice}.",)
-    return tuple(each for each in body.notices if each.startswith("Beyond"))
+    return tuple(notice for notice in body.notices if notice.startswith(("Beyond", "What lies more than")))
 
 
 def run_profiles(names: Sequence[str], options: ReadOptions, join: str | None = None) -> list[ProfileRun]:
