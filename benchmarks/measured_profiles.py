@@ -1,8 +1,8 @@
 """Public measured profiles in the default case, each with a nominal partner: what converges, and why others do not.
 
 The files are those of the program CONTACT (github.com/eve70a/CONTACT, testbank and examples); none is copied here.
-``python -m benchmarks.measured_profiles FOLDER [LATERAL_MM...]`` prints two tables in Markdown: a line for each file, or
-for three sections of a file of slices, with a nominal partner; and a line for each measured wheel on a measured rail.
+``python -m benchmarks.measured_profiles FOLDER [LATERAL_MM...]`` prints two tables in Markdown: a line for each file,
+or for three sections of a file of slices, with a nominal partner; and one for each measured wheel on a measured rail.
 """
 
 import sys

@@ -77,7 +77,7 @@ def _options(**given):
         ("S1002", "flange height Sh, mm 28.000"),
         ("heavy-haul", "tape line is"),
         ("aar-1b", "An approximation"),
-        ("60E1", "width of the head"),
+        ("60E1", "head width at 14 mm"),
         ("136re-8", "crown radius 8 in"),
     ],
 )

@@ -108,7 +108,7 @@ def test_g6_a_web_below_the_head_is_left_out_and_said(tmp_path):
     down = points[-1] - np.column_stack((np.zeros(100), np.linspace(0.25, 25.0, 100)))
     with_web = rail_named(saved(tmp_path, np.vstack((points, down)), "web.ban"), None, "60E1")
     plain = rail_named(saved(tmp_path, points, "plain.ban"), None, "60E1")
-    (note,) = [each for each in with_web.notices if "below the top" in each]
+    (note,) = [each for each in with_web.notices if "below the head" in each]
     assert "web.ban (gauge side)" in note
     assert with_web.outline.area == pytest.approx(plain.outline.area, rel=2e-3)
     at = np.linspace(-20.0, 20.0, 41)
