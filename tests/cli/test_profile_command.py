@@ -37,7 +37,7 @@ def test_a_measured_head_on_a_rail(call, files, tmp_path):
     assert status == 0, err
     for words in ("rail, CSV", "in (given)", "top (from the numbers)", "deviation, maximum, μm"):
         assert " ".join(words.split()) in " ".join(out.split())
-    assert "gap to the nominal outline" in out
+    assert "gap to nominal, first end, mm" in out
     folder = tmp_path / "out" / "profile-worn"
     assert {path.name for path in folder.iterdir()} == FILES | {"joined.png"}
     for path in folder.glob("*.png"):

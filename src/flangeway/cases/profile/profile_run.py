@@ -180,7 +180,7 @@ QUANTITIES: tuple[Quantity[ProfileRun], ...] = (
     Quantity("joined_to", "joined to", lambda run: run.join and run.join.nominal.title),
     Quantity(
         "gap",
-        "gap to the nominal outline",
+        "gap to nominal",
         lambda run: run.join and [joint.gap_mm for joint in run.join.joints],
         "mm",
         ".3f",
