@@ -12,7 +12,7 @@ from typing import Any
 
 from flangeway.campaign.columns import POSITION_KEYS, Model, wheelset_columns
 from flangeway.campaign.varying import VALUES_ALLOWED, flattened, grid, read_table, refuse_too_many, values_of
-from flangeway.cases.case import RunnableCase, Table, closest
+from flangeway.cases.case import OF_REPORT, RunnableCase, Table, closest
 from flangeway.cases.case_file import FILE_KEYS, is_case_file, read_case
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
@@ -49,7 +49,7 @@ class Row:
     @cached_property
     def content(self) -> dict[str, Any]:
         """All inputs, files by their content: their folder does not matter."""
-        return {"case": self.case.name, **_by_content(self.case.model_dump(mode="json", exclude={"units"}))}
+        return {"case": self.case.name, **_by_content(self.case.model_dump(mode="json", exclude=set(OF_REPORT)))}
 
     @cached_property
     def identity(self) -> str:

@@ -22,6 +22,9 @@ from flangeway.units import Units, UsUnit, in_us_units, same_quantity, us_key
 
 Progress = Callable[[str], None]
 
+OF_REPORT = ("units", "report_title", "project", "author", "date")
+"""Inputs that change nothing of what is computed."""
+
 RENAMED = {
     "cant": "rail_inclination",
     "barycentre_height_mm": "centre_of_gravity_height_mm",
@@ -115,6 +118,12 @@ class Case(Table):
     units: Units = Field(
         "metric", description="units of results and messages; an input has the unit at the end of its key"
     )
+    report_title: str | None = Field(
+        None, max_length=200, description="title of the report (default: that of the case)"
+    )
+    project: str | None = Field(None, max_length=200, description="project, for the report")
+    author: str | None = Field(None, max_length=200, description="author, for the report")
+    date: str | None = Field(None, max_length=60, description="date, for the report (default: today)")
     _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
 
     essential: ClassVar[tuple[str, ...]] = ()  # keys that are set in a new case file; the others are there as comments
@@ -409,7 +418,7 @@ def _input_error(
             allow.append("one of them")
             advice.append(f"leave {name} or the other one out")
         elif field is None:
-            known = sorted(table.model_fields, key="units".__eq__)  # the last one of the list
+            known = sorted(table.model_fields, key=OF_REPORT.__contains__)  # the last ones of the list
             us = {each: unit.name for each in known if (unit := us_key(each))}
             shown = [us.get(each, each) for each in known] if in_us else known
             inside = key_text(key[:-1])

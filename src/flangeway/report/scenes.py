@@ -9,6 +9,7 @@ from flangeway.cases.section.section_run import SectionRun
 from flangeway.cases.wheelset.wheelset_summary import ContactSummary
 from flangeway.post import shear_stresses
 from flangeway.report.bodies.body_fields import BodyFields, BodySteps, body_fields, body_steps
+from flangeway.report.figures.display import shown_cells
 from flangeway.report.figures.fields import PartFields
 from flangeway.report.section.section_figures import warping_about_shear_centre
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
@@ -69,9 +70,12 @@ def bodies_scene(run: BodiesRun, steps: BodySteps) -> Scene:
     is shown of very many steps.
     """
     orders = [body.field.problem.space.order for body in run.bodies.values()]
-    whole = max(orders) > 1 and sum(each.mesh.n_points for each in steps.fields[-1]) > MOST_POINTS
+    whole = max(orders) > 1 and sum(each.shown.mesh.n_points for each in steps.fields[-1]) > MOST_POINTS
     if whole:
-        steps = body_steps(run, [body_fields(name, body, 1) for name, body in run.bodies.items()])
+        bodies = run.bodies.items()
+        steps = body_steps(
+            run, [body_fields(name, body, shown_cells(body.field.problem.space, 1)) for name, body in bodies]
+        )
     shown = [_shown_body(of_body) for of_body in zip(*steps.fields, strict=True)]
     notes = [
         "Stresses are in the axes of the picture, tension positive, not averaged between elements, as in the VTU "
@@ -103,14 +107,9 @@ def _shown_body(steps: Sequence[BodyFields]) -> ShownPart:
         DISPLACEMENT: np.stack([each.displacement for each in steps]),
         "stresses": np.stack([each.stresses.components for each in steps]),
     }
-    return ShownPart(
-        last.name,
-        last.mesh,
-        arrays,
-        places=last.places,
-        n_rim_places=last.n_rim_places,
-        cells=None if np.array_equal(last.cells, np.arange(last.mesh.n_cells)) else last.cells,
-    )
+    shown = last.shown
+    cells = None if shown.display is None else shown.cells
+    return ShownPart(last.name, shown.mesh, arrays, places=shown.places, n_rim_places=shown.n_rim_places, cells=cells)
 
 
 def _patch_views(run: BodiesRun) -> list[View]:

@@ -2,7 +2,7 @@
 
 import time
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -367,3 +367,25 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             *self._supports(),
             "The load acts at the car's centre of gravity and stays vertical.",
         ]
+
+
+def wheelset(**inputs: Any) -> SpatialWheelsetRun | CaseRun:
+    """Run a wheelset on two rails with some inputs, such as ``wheelset(wheel="S1002", rail="60E1", lateral_mm=2.0)``.
+
+    Parameters
+    ----------
+    inputs
+        Those of the case ``wheelset``, which `flangeway cases wheelset` lists.
+
+    Returns
+    -------
+    SpatialWheelsetRun | CaseRun
+        What it found, which shows itself in a notebook; a `CaseRun` with ``model="plane"``.
+
+    Raises
+    ------
+    InputError
+        If an input is unknown or not allowed.
+
+    """
+    return SpatialWheelsetCase.from_values(inputs).run()

@@ -164,7 +164,6 @@ def plot_stress(
     quantity: Quantity = "von_mises",
     axes: Axes | None = None,
     *,
-    averaged: bool = False,
     factor: Factor = 0.0,
     unit: str | None = None,
     length_unit: str | None = None,
@@ -178,8 +177,6 @@ def plot_stress(
     quantity
         A component, ``"von_mises"``, ``"in_plane_shear"``, or ``"principal_1"`` (maximum) to ``"principal_3"``, the
         normal stress out of the plane among them.
-    averaged
-        Whether the components are averaged over the cells at each place of their edges, which hides the jumps.
     unit, length_unit
         Units of stresses and lengths.
     axes, factor, limits, edges
@@ -190,9 +187,7 @@ def plot_stress(
         raise InputError(f"quantity = {short(quantity)}", ", ".join(get_args(Quantity)), "choose one of them")
     shown = _fine_display(solution.problem.space)
     stresses = displayed_stresses(solution, shown)
-    if averaged:
-        stresses = Stresses(shown.averaged(stresses.components))
-    label = _with_unit(_stress_name(quantity) + (", averaged" if averaged else ""), unit)
+    label = _with_unit(_stress_name(quantity), unit)
     values = stress_quantity(stresses, quantity)
     return _drawn(solution, shown, values, label, axes, factor, limits, edges, length_unit)
 

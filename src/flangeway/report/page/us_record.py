@@ -31,7 +31,7 @@ def in_units(record: Record, units: Units) -> Record:
         title=in_us_units(record.title),
         subtitle=in_us_units(record.subtitle),
         message=in_us_units(record.message),
-        facts=[(in_us_units(value), in_us_units(name)) for value, name in record.facts],
+        facts=[(_cell(value, None), in_us_units(name)) for value, name in record.facts],
         results=_table(record.results),
         sentences=[*map(in_us_units, record.sentences)],
         warnings=[*map(in_us_units, record.warnings)],
