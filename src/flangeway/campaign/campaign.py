@@ -30,7 +30,7 @@ KEYS = ("case", "table", "inputs", "vary", "results")
 ROWS_OF_A_CHUNK = 48
 """Maximum number of positions in a chunk. Fixed: a table depends neither on workers nor on interruptions."""
 
-FEWEST_TOGETHER = 12  # minimum number of positions of the same bodies for which these are prepared for many positions
+MIN_TOGETHER = 12  # minimum number of positions of the same bodies for which these are prepared for many positions
 
 
 @dataclass(frozen=True)
@@ -176,9 +176,9 @@ class Campaign:
         chunks: list[tuple[Row | None, tuple[Row, ...]]] = []
         for group in groups.values():
             # in three dimensions the tables of the bodies are most of the work of one position too
-            fewest = 1 if group[0].model == "spatial" else FEWEST_TOGETHER
+            fewest = 1 if group[0].model == "spatial" else MIN_TOGETHER
             together = len(group) >= fewest and group[0].is_position
-            size = min(max(math.ceil(len(group) / 8), FEWEST_TOGETHER), ROWS_OF_A_CHUNK) if together else 1
+            size = min(max(math.ceil(len(group) / 8), MIN_TOGETHER), ROWS_OF_A_CHUNK) if together else 1
             first = group[0] if together else None
             chunks += [(first, tuple(group[start : start + size])) for start in range(0, len(group), size)]
         return tuple(chunks)

@@ -25,7 +25,7 @@ from flangeway.system.disk_cache import Cache
 from flangeway.system.versions import versions
 
 _ALONE = threading.Lock()
-KEPT = 2  # wheelsets that a worker keeps prepared; each takes some hundred megabytes
+MAX_PREPARED = 2  # wheelsets that a worker keeps prepared; each takes some hundred megabytes
 
 _prepared: OrderedDict[str, PlaneWheelset | SpatialWheelset] = OrderedDict()
 
@@ -127,7 +127,7 @@ def _of(row: Row) -> PlaneWheelset | SpatialWheelset:
             in_the_middle = replace(problem, load=WheelsetLoad(problem.load.vertical_N), prescribed=Prescribed())
             model = build_model(in_the_middle, whole=True, cache=Cache.of_user())
             _prepared[row.identity] = PlaneWheelset.of(model, cache=Cache.of_user())
-        while len(_prepared) > KEPT:
+        while len(_prepared) > MAX_PREPARED:
             _prepared.popitem(last=False)
     _prepared.move_to_end(row.identity)
     return _prepared[row.identity]

@@ -18,7 +18,7 @@ from flangeway.report.wheelset.wheelset_tables import contact_name
 from flangeway.types import Floats
 
 VIEW_WIDTHS = 8.0  # width of the view of a contact over the half width of the contact
-MOST_POINTS = 400_000  # points of all bodies above which the page shows whole elements, with values at their corners
+MAX_POINTS = 400_000  # points of all bodies above which the page shows whole elements, with values at their corners
 
 _STRESSES: tuple[tuple[str, str, Formula], ...] = (
     ("von_mises_MPa", "von Mises stress", "von-mises"),
@@ -70,7 +70,7 @@ def bodies_scene(run: BodiesRun, steps: BodySteps) -> Scene:
     is shown of very many steps.
     """
     orders = [body.field.problem.space.order for body in run.bodies.values()]
-    whole = max(orders) > 1 and sum(each.shown.mesh.n_points for each in steps.fields[-1]) > MOST_POINTS
+    whole = max(orders) > 1 and sum(each.shown.mesh.n_points for each in steps.fields[-1]) > MAX_POINTS
     if whole:
         bodies = run.bodies.items()
         steps = body_steps(

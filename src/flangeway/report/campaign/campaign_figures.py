@@ -1,4 +1,4 @@
-"""Pictures of a campaign of a wheelset over what varies: contact locus, maximum pressure, L/V, forces."""
+"""Pictures of a campaign of a wheelset against the varied input: contact locus, maximum pressure, L/V, forces."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES = (
 )
 NAMES = (LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES)
 
-MOST_LABELLED = 8
+MAX_LABELLED = 8
 ROUGH = "not reliable, see its remark"
-SMALLEST_POINT, MAX_POINT = 3.0, 40.0
+MIN_POINT, MAX_POINT = 3.0, 40.0
 
 
 def numeric_keys(table: CampaignTable) -> list[str]:
@@ -70,7 +70,7 @@ def locus_figure(table: CampaignTable, key: str) -> Figure:
     patches = {name: np.array(values) for name, values in table.patches.items()}
     x = np.array([of_row[row] for row in table.patches["row"]])
     force = patches["normal_force_N"].astype(float)
-    size = SMALLEST_POINT + (MAX_POINT - SMALLEST_POINT) * force / max(force.max(initial=0.0), 1e-300)
+    size = MIN_POINT + (MAX_POINT - MIN_POINT) * force / max(force.max(initial=0.0), 1e-300)
     for column, side in enumerate(SIDES):
         mine = patches["side"] == side
         for line, (body, where) in enumerate((("wheel", "tape line"), ("rail", "centre line"))):
@@ -165,7 +165,7 @@ def _series(table: CampaignTable, x: str) -> Iterator[_Series]:
     groups: dict[tuple[object, ...], list[int]] = {}
     for number in range(len(along)):
         groups.setdefault(tuple(table.rows[key][number] for key in others), []).append(number)
-    few = 1 < len(groups) <= MOST_LABELLED
+    few = 1 < len(groups) <= MAX_LABELLED
     for place, (values, members) in enumerate(groups.items()):
         rows = np.array(members)
         label = ", ".join(map(_valued, others, values)) if few else None
