@@ -20,7 +20,7 @@ from flangeway.system.versions import versions
 
 STEPS_CSV = "steps.csv"
 PROFILES_PNG = "profiles.png"
-MOST_PROFILES = 6
+MAX_PROFILES = 6
 PROFILES_TEXT = (
     "Depth of wear along the running surfaces, new to worn; below it net T-gamma damage at the end: above 0 cracks "
     "grow, below 0 they are worn off. Over the distance: equivalent conicity at 3 mm, maximum pressure, mean T-gamma "
@@ -163,7 +163,7 @@ def profiles_figure(steps: Sequence[EvolutionStep], rows: Sequence[dict[str, flo
     grid = figure.add_gridspec(2, 1, height_ratios=(5, 2))
     profiles, distance = figure.add_subfigure(grid[0]), figure.add_subfigure(grid[1])
     axes = profiles.subplots(2, len(keys), squeeze=False, sharex="col", height_ratios=(2, 1))
-    shown = np.unique(np.linspace(0, len(steps) - 1, min(len(steps), MOST_PROFILES)).round().astype(int))
+    shown = np.unique(np.linspace(0, len(steps) - 1, min(len(steps), MAX_PROFILES)).round().astype(int))
     for column, (role, side) in enumerate(keys):
         above, below = axes[:, column]
         for number, index in enumerate(shown[shown > 0]):
