@@ -23,9 +23,6 @@ MAX_OVERLAP = 0.2
 """Overlap over the maximum displacement of the surfaces, between nodes where bodies bend and meshes do not: elements at
 the end of a contact on a sharp corner leave up to 0.18 on the coarsest meshes that are held to be of use."""
 
-LARGE_OVERLAP = 0.05
-"""The same, above which it is said."""
-
 PASSAGE = 1e-6
 """Depth over the size of the smaller body up to which bodies that slide along each other are apart."""
 
@@ -78,7 +75,7 @@ class Boundary:
             edges, nodes = edges[:, ::-1], nodes[:, ::-1]
         drawn, deformed = part.placement.points(part.body.nodes)[edges], positions[nodes]
         order, joints = nodes.shape[1] - 1, (edges[:, 0].astype(np.int64), edges[:, 1].astype(np.int64))
-        sagittas = sagittas_of(drawn, drawn, joints)  # what bodies bend is no curve: straight edges have 0
+        sagittas = sagittas_of(drawn, drawn, joints, 0.0)  # what bodies bend is no curve: straight edges have 0
         at_ends = np.zeros(len(part.body.nodes))
         np.maximum.at(at_ends, edges, sagittas[:, None])
         # half a chord beside a corner, as on dual polygons, has no turn that shows the curve: its neighbour has

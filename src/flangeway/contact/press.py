@@ -362,11 +362,6 @@ def press(
     state = reached
     if state.status.converged and not state.nodal_forces.any():
         state = replace(state, status=replace(state.status, message=f"{state.status.message}; nothing touches"))
-    elif state.status.converged:
-        undeformed = state.positions - state.displacements
-        for x, y in np.concatenate([system.corners_on_corners(undeformed, i) for i in range(len(contacts))])[:1]:
-            more = f"; a corner meets a corner at ({x:.4g}, {y:.4g}): the side on which the force acts is arbitrary"
-            state = replace(state, status=replace(state.status, message=state.status.message + more))
     solution = ContactSolution(system, bodies, state, tuple(done), depths)
     if not state.status.converged:
         return solution

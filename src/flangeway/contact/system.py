@@ -22,6 +22,9 @@ from flangeway.types import Bools, Floats, Ints
 BETWEEN_NODES = 1e-3
 """Depth over the maximum displacement of the surfaces that elements leave between nodes."""
 
+LARGE_OVERLAP = 0.05
+"""The same, above which it is said; nodes deeper than that on each side get a constraint of their own."""
+
 ROUND_OFF = 1e-9
 """Of a depth, over the size of the smaller body."""
 
@@ -185,7 +188,7 @@ class ContactSystem:
             sides = contact.secondary, contact.primary
             explained = self.explained(lin, forces, number, moved)
             at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
-            found = penetrating(sides, at, lin.guarded_nodes[number], explained)
+            found = penetrating(sides, at, lin.guarded_nodes[number], explained, LARGE_OVERLAP * moved)
             one, other = (before | new for before, new in zip(lin.guarded_nodes[number], found, strict=True))
             more |= int(one.sum() + other.sum()) > sum(int(each.sum()) for each in lin.guarded_nodes[number])
             guarded_nodes.append((one, other))
