@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from flangeway.contact.kinematics import shape_functions
-from flangeway.contact.surface import sagittas_of
+from flangeway.contact.surface import CORNER, sagittas_of
 from flangeway.contact.system import ROUND_OFF, ContactLinearisation, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.problems import Part
@@ -67,7 +67,7 @@ class Boundary:
     sagittas: Floats
 
     @classmethod
-    def of_part(cls, part: Part, positions: Floats) -> "Boundary":
+    def of_part(cls, part: Part, positions: Floats, chord_turn: float = CORNER) -> "Boundary":
         """Boundary of a part whose nodes are at positions in space (n_nodes, 2); curved edges become 8 segments."""
         edges = part.body.boundary_edges
         nodes = part.body.edge_nodes(edges)
@@ -75,7 +75,9 @@ class Boundary:
             edges, nodes = edges[:, ::-1], nodes[:, ::-1]
         drawn, deformed = part.placement.points(part.body.nodes)[edges], positions[nodes]
         order, joints = nodes.shape[1] - 1, (edges[:, 0].astype(np.int64), edges[:, 1].astype(np.int64))
-        sagittas = sagittas_of(drawn, drawn, joints, 0.0)  # what bodies bend is no curve: straight edges have 0
+        sagittas = sagittas_of(
+            drawn, drawn, joints, 0.0, chord_turn
+        )  # what bodies bend is no curve: straight edges have 0
         at_ends = np.zeros(len(part.body.nodes))
         np.maximum.at(at_ends, edges, sagittas[:, None])
         # half a chord beside a corner, as on dual polygons, has no turn that shows the curve: its neighbour has
@@ -210,7 +212,8 @@ def deformed_boundaries(
         points = part.body.nodes
         at = state.placements[number].points(points + field[: len(points)])
         at[system.surface_nodes[number].nodes] = state.positions[first:last]
-        boundaries.append(Boundary.of_part(part, at))
+        surfaces = (side for each in system.contacts for side in (each.secondary, each.primary) if side.part is part)
+        boundaries.append(Boundary.of_part(part, at, max(surface.chord_turn for surface in surfaces)))
     return boundaries
 
 
