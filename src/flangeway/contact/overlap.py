@@ -10,7 +10,7 @@ import shapely
 
 from flangeway.contact.kinematics import shape_functions
 from flangeway.contact.surface import CORNER, sagittas_of
-from flangeway.contact.system import ROUND_OFF, ContactLinearisation, ContactSystem
+from flangeway.contact.system import MAX_OVERLAP, ROUND_OFF, ContactLinearisation, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.problems import Part
 from flangeway.solve import BodyResponse, ContactState
@@ -18,10 +18,6 @@ from flangeway.types import Floats, Ints
 
 SAMPLES = np.linspace(0.0, 1.0, 6)[:, None]
 """Points of a side of an overlap at which its depth is measured, as parts of the side."""
-
-MAX_OVERLAP = 0.2
-"""Overlap over the maximum displacement of the surfaces, between nodes where bodies bend and meshes do not: elements at
-the end of a contact on a sharp corner leave up to 0.18 on the coarsest meshes that are held to be of use."""
 
 PASSAGE = 1e-6
 """Depth over the size of the smaller body up to which bodies that slide along each other are apart."""

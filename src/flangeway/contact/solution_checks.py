@@ -6,8 +6,8 @@ import numpy as np
 
 from flangeway.contact.guards import GuardedPairs
 from flangeway.contact.node_to_node import MatchedPairs
-from flangeway.contact.overlap import MAX_OVERLAP, BodyOverlap
-from flangeway.contact.system import LARGE_OVERLAP, ContactLinearisation, ContactSystem
+from flangeway.contact.overlap import BodyOverlap
+from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ContactLinearisation, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product, point_text
 from flangeway.problems import Body, Part
