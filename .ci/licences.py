@@ -15,10 +15,12 @@ ROOT = Path(__file__).parents[1]
 PURPOSE = {
     "ezdxf": "outlines from DXF",
     "gmsh": "triangulation; meshes in its format",
+    "lazy-loader": "names that are loaded when they are first used",
     "matplotlib": "pictures",
     "meshio": "meshes in other programs' formats",
     "numpy": "arrays",
     "pillow": "pictures in the report",
+    "jinja2": "the page of a report",
     "psutil": "memory of the process and of the machine",
     "pydantic": "checks of inputs and case files",
     "rich": "the terminal",

@@ -1,9 +1,12 @@
 """Makes anew the pictures of docs/images/ that one command of flangeway writes: ``python .ci/pictures.py``.
 
-It draws the axes and signs of rolling, too. The other pictures there are written by the code of the page that shows
+It draws the axes and signs of rolling, too, and the thumbnails of ``examples/gallery`` with their table on the page
+Gallery. The other pictures there are written by the code of the page that shows
 them. With words, only pictures whose command or name has one of them are made.
 """
 
+import ast
+import importlib
 import io
 import subprocess
 import sys
@@ -33,12 +36,12 @@ PICTURES = {
     "geometry s1002-60e1": {"contact_locus.png": ("gallery-contact-locus", 800)},
     "run hertz --method vem --order 2": {"stresses.png": ("gallery-hertz", 900)},
     "section 136RE": {"prandtl.png": ("gallery-prandtl", 700)},
-    "reproduce elasticity --quick": {"elasticity/nearly_incompressible.png": ("elasticity-nearly-incompressible", 900)},
+    "reproduce elasticity": {"elasticity/cook.png": ("elasticity-nearly-incompressible", 900)},
 }
 """Files of each command: the name that they get here, and their width."""
 
 
-def small(picture: Path, width: int) -> bytes:
+def small(picture: Path | io.BytesIO, width: int) -> bytes:
     """Return a picture of a width in 96 colours, as PNG."""
     with Image.open(picture) as full:
         size = (width, round(full.height * width / full.width))
@@ -103,6 +106,37 @@ def _draw_axes(axes: Axes, labels: tuple[str, str, str], *, up: bool, names: tup
     axes.set_axis_off()
 
 
+EXAMPLES = ROOT / "examples" / "gallery"
+THUMBNAIL, COLUMNS = 220, 5  # width in pixels; pictures beside each other
+BEGIN, END = "<!-- examples: written by .ci/pictures.py -->\n", "<!-- end of examples -->\n"
+
+
+def examples(words: list[str]) -> None:
+    """Run the examples, or those of some names; write their thumbnails, and the table of all on the page."""
+    sys.path.insert(0, str(EXAMPLES))
+    cells = []
+    for path in sorted(EXAMPLES.glob("*.py")):
+        name = path.stem
+        if name == "gallery_drawing":
+            continue
+        title = (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").splitlines()[0].rstrip(".")
+        if not words or name in words:
+            (IMAGES / "examples").mkdir(exist_ok=True)
+            full = io.BytesIO(png(importlib.import_module(name).main()))
+            (IMAGES / "examples" / f"{name}.png").write_bytes(small(full, THUMBNAIL))
+        cells.append(f"![{title}](images/examples/{name}.png)<br>{title}: `{name}.py`")
+    cells += [""] * (-len(cells) % COLUMNS)
+    rows = [cells[i : i + COLUMNS] for i in range(0, len(cells), COLUMNS)]
+    table = [
+        " | ".join([""] * (COLUMNS + 2)).strip(),
+        "| --- " * COLUMNS + "|",
+        *(f"| {' | '.join(row)} |" for row in rows),
+    ]
+    page = ROOT / "docs" / "gallery.md"
+    before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
+    page.write_text(before + BEGIN + "\n" + "\n".join(table) + "\n\n" + END + rest.partition(END)[2], encoding="utf-8")
+
+
 DRAWN = {"rolling-axes": (rolling_axes, 1000)}
 """What draws a picture, and its width."""
 
@@ -113,6 +147,8 @@ def main(words: list[str]) -> None:
     def wanted(name: str) -> bool:
         return not words or any(word in name for word in words)
 
+    if not words or "examples" in words:
+        examples(words[1:])
     with TemporaryDirectory() as folder:
         for name, (draw, width) in DRAWN.items():
             if wanted(name):

@@ -1,21 +1,28 @@
 """Forms beside scikit-fem: assembly and solution of Poisson's equation on triangles of order 2.
 
 Both run in this process, one after the other, and the fastest run counts. scikit-fem solves as it does by default, with
-SciPy's SuperLU, and assembles with quadrature of degree 2; numbering and boundary conditions are included. On the dual
-polygons of the same triangles there is no peer: what is measured is a second solution with the kept factor.
+SciPy's SuperLU, and assembles with quadrature of degree 2; numbering and boundary conditions are included. The same
+system is factorised and solved by CHOLMOD (of CVXOPT's wheel), and the matrix of the dual polygons of the same
+triangles assembled by pypolydim, each in an environment of its own, see `benchmarks.peers`. A second solution with the
+kept factor has no peer.
 """
 
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from benchmarks.measurement import ITSELF, Measurement
+from benchmarks.peers import PeerMissingError, run_python
+from benchmarks.samples import save_mesh
 from flangeway.elements import Lagrange, Virtual
-from flangeway.forms import Factor, load, stiffness
+from flangeway.forms import Factor, interpolate, load, stiffness
 from flangeway.geometry import square
 from flangeway.mesh import PolyMesh, dual, triangulate
 from flangeway.space import Space
@@ -38,7 +45,9 @@ def measurements(*, sizes: tuple[float, ...] = SIZES, rounds: int = ROUNDS) -> I
             f"assembly and solution of {len(u)} unknowns of Poisson's equation", "scikit-fem", ours, theirs,
             apart, apart, "triangles of order 2; maximum difference at the points", skfem.__version__,
         )  # fmt: skip
+        yield _against_cholmod(mesh, rounds)
         space = Space(dual(mesh), Virtual(2))
+        yield _against_pypolydim(space, rounds)
         matrix, rhs = stiffness(space), load(space, 1.0)
         first, factor = _fastest(partial(_factored, matrix, space, rhs), rounds)
         again, _ = _fastest(partial(factor.solve, rhs), rounds)
@@ -51,6 +60,49 @@ def measurements(*, sizes: tuple[float, ...] = SIZES, rounds: int = ROUNDS) -> I
 def quick() -> Iterator[Measurement]:
     """A coarse mesh, once."""
     yield from measurements(sizes=(0.1,), rounds=1)
+
+
+def _against_cholmod(mesh: PolyMesh, rounds: int) -> Measurement:
+    """Factor, condition and solution of the unknowns inside, beside factor and solution."""
+    space = Space(mesh, Lagrange(2))
+    free = np.setdiff1d(np.arange(space.n_dofs), space.boundary_dofs())
+    matrix, rhs = sp.csr_array(stiffness(space)[free][:, free]), load(space, 1.0, degree=2)[free]
+    ours, u = _fastest(lambda: Factor(matrix).solve(rhs), rounds)
+    work = f"factor and solution of {len(free)} unknowns of Poisson's equation"
+    with tempfile.TemporaryDirectory() as folder:
+        path, out, lower = Path(folder) / "matrix.npz", Path(folder) / "u.npy", sp.csc_array(sp.tril(matrix))
+        np.savez(path, indptr=lower.indptr, indices=lower.indices, values=lower.data, load=rhs)
+        try:
+            run = run_python("cvxopt", "cvxopt_cholmod.py", str(path), str(out))
+        except PeerMissingError as missing:
+            return Measurement(work, "CHOLMOD", ours, None, None, None, str(missing))
+        apart = float(np.abs(u - np.load(out)).max() / np.abs(u).max())
+    return Measurement(
+        work, "CHOLMOD", ours, run["seconds"], apart, apart, "triangles of order 2; maximum difference", run["version"]
+    )
+
+
+def _against_pypolydim(space: Space, rounds: int) -> Measurement:
+    """Assembly of the matrix, from a mesh; pypolydim's geometry, numbering and sparse matrix are not in its time."""
+    mesh, work = space.mesh, f"assembly of {space.n_dofs} unknowns of Poisson's equation"
+    ours, matrix = _fastest(lambda: stiffness(Space(mesh, Virtual(2))), rounds)
+    u = interpolate(space, lambda p: p[:, 0])
+    with tempfile.TemporaryDirectory() as folder:
+        save_mesh(Path(folder) / "mesh.npz", mesh)
+        try:
+            run = run_python("pypolydim", "pypolydim_laplace.py", str(Path(folder) / "mesh.npz"), "2")
+        except PeerMissingError as missing:
+            return Measurement(work, "pypolydim", ours, None, None, None, str(missing))
+    errors = abs(float(u @ (matrix @ u)) - 1.0), abs(run["energy"] - 1.0)
+    return Measurement(
+        work,
+        "pypolydim",
+        ours,
+        run["seconds"],
+        *errors,
+        "polygons of order 2; error of the energy of x",
+        run["version"],
+    )
 
 
 def _fastest(work: Callable[[], Any], rounds: int) -> tuple[float, Any]:

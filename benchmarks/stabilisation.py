@@ -42,7 +42,7 @@ from flangeway.post import displacements_at
 from flangeway.problems import Body, BodyForce, Elasticity, PrescribedDisplacement
 from flangeway.solve import StepSettings, solve_elasticity
 from flangeway.space import Space
-from studies.hertz.hertz_reproduced import SurfacePressure, published_case
+from studies.hertz import largest_patch, oscillation, published_case
 
 Floats = NDArray[np.float64]
 
@@ -204,6 +204,6 @@ def _hertz(order: int, candidate: Stabilisation) -> tuple[float, float]:
     motion = {sides[0].part: Placement(0.0, (0.0, -case.indentation_mm))}
     steps = StepSettings(1.0 / 3.0, 1.0 / 3.0)
     solution = press([replace(contact, secondary=sides[0], primary=sides[1])], motion, steps=steps)
-    pressure = SurfacePressure.of(solution)
-    highest = float(pressure.values.max()) / case.theory(float(solution.forces[0, 1])).max_pressure - 1.0
-    return round(highest, 4), round(pressure.oscillation, 4)
+    pressures = largest_patch(solution)[1].pressures
+    highest = float(pressures.max()) / case.theory(float(solution.forces[0, 1])).max_pressure - 1.0
+    return round(highest, 4), round(oscillation(pressures), 4)

@@ -153,10 +153,14 @@ class Run:
     failures: list[str] = field(default_factory=list)  # sentences on what failed besides the numbers
     curves: list[Curve] = field(default_factory=list)
 
+    def require(self, holds: bool, sentence: str) -> None:
+        """Fail the study with a sentence if something does not hold that is no number of a row."""
+        if not holds:
+            self.failures.append(sentence)
+
     def check(self, name: str, status: Status) -> None:
-        """Note a solution that did not converge."""
-        if not status.converged:
-            self.failures.append(f"{name}: {status.message}")
+        """Fail the study if a solution did not converge."""
+        self.require(status.converged, f"{name}: {status.message}")
 
     def curve(self, picture: str, panel: str, label: str, x: ArrayLike, y: ArrayLike, style: str = "-") -> None:
         """Add a line, or points, to a panel of a picture; the same labels have the same colour in all panels."""
@@ -178,7 +182,7 @@ class Curves:
         shown = [curve for curve in curves if curve.picture == self.name]
         titles = [*dict.fromkeys(curve.panel for curve in shown)]
         colours = dict(zip(dict.fromkeys(curve.label for curve in shown), cycle(SERIES), strict=False))
-        columns = min(len(titles), 3)
+        columns = 2 if len(titles) == 4 else min(len(titles), 3)
         lines = -(-len(titles) // columns)
         figure = new_figure(1.0 + 3.8 * columns, 0.9 + 3.2 * lines)
         panels = figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False).ravel()

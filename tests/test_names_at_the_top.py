@@ -1,53 +1,64 @@
-"""The names that scripts take from the package itself."""
+"""The names that scripts take from the package itself, and from the packages directly below it."""
 
 import ast
+import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 import flangeway
+import flangeway.railway
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "docs").rglob("*.ipynb")]
+
+
+def stub_of(package):
+    """Names of packages, and of other names with the modules that they come from, in the stub of a package."""
+    tree = ast.parse(Path(package.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
+    imports = [node for node in tree.body if isinstance(node, ast.ImportFrom)]
+    packages = {alias.name for node in imports if node.module is None for alias in node.names}
+    return packages, {alias.name: node.module for node in imports if node.module for alias in node.names}
 
 
 def test_importing_loads_nothing_heavy():
     """Importing the package loads neither NumPy nor matplotlib, and its first names of mechanics no matplotlib."""
     code = (
-        "import sys, flangeway; assert not {'numpy', 'scipy', 'matplotlib'} & set(sys.modules); "
+        "import sys, flangeway, flangeway.railway; assert not {'numpy', 'scipy', 'matplotlib'} & set(sys.modules); "
         "flangeway.solve_elasticity; assert 'numpy' in sys.modules and 'matplotlib' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-def test_every_name_is_there():
-    """Every listed name is found, is listed by dir, and is the object of that name in its package."""
-    assert set(flangeway.__all__) <= set(dir(flangeway))
-    for name in flangeway.__all__:
-        value = getattr(flangeway, name)
-        assert value is getattr(sys.modules[f"flangeway.{flangeway._PACKAGE_OF[name]}"], name)
-    for name in flangeway._PACKAGES:
-        assert getattr(flangeway, name).__name__ == f"flangeway.{name}"
+@pytest.mark.parametrize("package", [flangeway, flangeway.railway])
+def test_every_name_is_the_one_of_its_module(package):
+    """Every name of the stub is found, is listed by dir, and is the object of that name in its module."""
+    packages, names = stub_of(package)
+    assert {*packages, *names} <= set(dir(package))
+    for name, module in names.items():
+        assert getattr(package, name) is getattr(import_module(f"{package.__name__}.{module}"), name)
+    for name in packages:
+        assert getattr(package, name).__name__ == f"{package.__name__}.{name}"
 
 
 def test_names_are_few_and_explained():
-    """There are not more than thirty-six names, and the package's own text speaks of each."""
-    assert len(flangeway.__all__) <= 36
-    assert [name for name in flangeway.__all__ if f"`{name}`" not in flangeway.__doc__] == []
-
-
-def test_type_checkers_see_the_same_names():
-    """What type checkers import is what is loaded when it is used, from the same packages."""
-    tree = ast.parse(Path(flangeway.__file__).read_text(encoding="utf-8"))
-    block = next(node for node in tree.body if isinstance(node, ast.If))
-    imported = {}
-    for node in (each for each in block.body if isinstance(each, ast.ImportFrom)):
-        imported.setdefault(node.module, set()).update(alias.name for alias in node.names)
-    wanted = {f"flangeway.{package}": set(names) for package, names in flangeway._HOMES.items()}
-    assert imported == {"flangeway": set(flangeway._PACKAGES), **wanted}
-    assert set(flangeway.__all__) == set().union(*flangeway._HOMES.values())
+    """There are not more than thirty-six names besides packages, and the package's own text speaks of each."""
+    assert len(stub_of(flangeway)[1]) <= 36
+    for package in (flangeway, flangeway.railway):
+        assert [name for name in stub_of(package)[1] if f"`{name}`" not in package.__doc__] == []
 
 
 def test_unknown_names_are_an_attribute_error():
     """A name that there is not is an AttributeError that tells it."""
-    with pytest.raises(AttributeError, match="no attribute 'solve_everything'"):
+    with pytest.raises(AttributeError, match="solve_everything"):
         _ = flangeway.solve_everything
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_pages_import_from_one_level(page):
+    """Pages and notebooks import from the package or from one directly below it."""
+    deep = r"(?:from|import) flangeway(?:\.\w+){2,}"
+    assert re.findall(deep, page.read_text(encoding="utf-8")) == []

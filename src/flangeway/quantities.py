@@ -10,13 +10,15 @@ A kind of result has a list of quantities. From the same list come
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 from flangeway.results import ResultTable
 from flangeway.units import Units, UsUnit, us_unit
 
-T = TypeVar("T")
+T_contra = TypeVar("T_contra", contravariant=True)
+"""Kind of object that has the quantity; what has a quantity of a kind has it as one of a narrower kind."""
 MISSING = "–"
 """Text of a value that does not exist."""
 MIN_DIGITS = 3
@@ -25,7 +27,7 @@ _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶μ", "0123456u")
 
 
 @dataclass(frozen=True)
-class Quantity(Generic[T]):
+class Quantity(Generic[T_contra]):
     """One number, or a few numbers of a kind, of an object.
 
     Parameters
@@ -55,20 +57,20 @@ class Quantity(Generic[T]):
 
     key: str
     label: str
-    of: str | Callable[[T], Any]
+    of: str | Callable[[T_contra], Any]
     unit: str = ""
     form: str = ".4g"
     parts: tuple[str, ...] = ()
     meaning: str = ""
     factor: float = 1.0
-    remark: Callable[[T], str | None] = lambda _: None
+    remark: Callable[[T_contra], str | None] = lambda _: None
 
     @property
     def name(self) -> str:
         """Key with the metric unit: ``max_pressure_MPa``."""
         return f"{self.key}_{key_unit(self.unit)}" if self.unit else self.key
 
-    def value(self, source: T) -> Any:
+    def value(self, source: T_contra) -> Any:
         """Return the number of an object, metric; a list of them if it has parts; None where there is none."""
         value = getattr(source, self.of) if isinstance(self.of, str) else self.of(source)
         value = value.tolist() if hasattr(value, "tolist") else value
@@ -78,7 +80,7 @@ class Quantity(Generic[T]):
             return [None if entry is None else _scaled(entry, self.factor) for entry in value]
         return _scaled(value, self.factor)
 
-    def each(self, source: T, units: Units = "metric") -> list[Any]:
+    def each(self, source: T_contra, units: Units = "metric") -> list[Any]:
         """Return the numbers, one for each part, in a system of units."""
         value, other = self.value(source), self._other(units)
         numbers = [value] if not self.parts else value if value is not None else [None] * len(self.parts)
@@ -98,12 +100,12 @@ class Quantity(Generic[T]):
         names = [f"{self.label}, {part}" for part in self.parts] or [self.label]
         return [f"{name}, {unit}" if unit else name for name in names]
 
-    def texts(self, source: T, units: Units = "metric") -> list[str]:
+    def texts(self, source: T_contra, units: Units = "metric") -> list[str]:
         """Return the numbers of an object as texts, one for each part."""
         other = self._other(units)
         return [number_text(number, self.form, other) for number in self.each(source)]
 
-    def fact(self, source: T, units: Units = "metric") -> tuple[str, str]:
+    def fact(self, source: T_contra, units: Units = "metric") -> tuple[str, str]:
         """Return the text with its unit, and the label, for a tile of the page."""
         other = self._other(units)
         text = " / ".join(self.texts(source, units))
@@ -113,25 +115,52 @@ class Quantity(Generic[T]):
         return us_unit(self.unit) if units == "us" and self.unit else None
 
 
+def of_part(part: Callable[[Any], Any], quantity: Quantity[Any]) -> Quantity[Any]:
+    """Return the quantity of a part as one of the whole; None where the whole does not have the part.
+
+    - `part`: function of the whole that returns the part, or None.
+    """
+
+    def of(function: Callable[[Any], Any], whole: Any) -> Any:
+        found = part(whole)
+        return None if found is None else function(found)
+
+    return replace(quantity, of=partial(of, quantity.value), factor=1.0, remark=partial(of, quantity.remark))
+
+
 def key_unit(unit: str) -> str:
     """Return a unit as keys have it: ``kN/mm`` is ``kN_per_mm``, ``1/m`` is ``per_m``, ``mm²`` is ``mm2``."""
     words = unit.translate(_SUPERSCRIPTS).removeprefix("1").replace("/", "_per_").replace(" ", "_")
     return "percent" if words == "%" else words.strip("_")
 
 
-def values(quantities: Iterable[Quantity[T]], source: T) -> dict[str, Any]:
+def values(quantities: Iterable[Quantity[T_contra]], source: T_contra) -> dict[str, Any]:
     """Return the numbers of an object by their names with units, metric, as ``summary.json`` has them."""
     return {quantity.name: quantity.value(source) for quantity in quantities}
 
 
-def columns(quantities: Iterable[Quantity[T]], sources: Sequence[T], units: Units = "metric") -> ResultTable:
+def present(quantities: Iterable[Quantity[T_contra]], source: T_contra) -> list[Quantity[T_contra]]:
+    """Return the quantities that an object has."""
+    return [quantity for quantity in quantities if quantity.value(source) is not None]
+
+
+def column_names(quantities: Iterable[Quantity[Any]], units: Units = "metric") -> list[str]:
+    """Return the keys with units, one for each part."""
+    return [name for quantity in quantities for name in quantity.column_names(units)]
+
+
+def numbers(quantities: Iterable[Quantity[T_contra]], source: T_contra, units: Units = "metric") -> list[Any]:
+    """Return the numbers of an object, one for each of `column_names`."""
+    return [number for quantity in quantities for number in quantity.each(source, units)]
+
+
+def columns(
+    quantities: Sequence[Quantity[T_contra]], sources: Sequence[T_contra], units: Units = "metric"
+) -> ResultTable:
     """Return a table of numbers with a row for each object, in a system of units."""
-    table: dict[str, list[Any]] = {}
-    for quantity in quantities:
-        rows = [quantity.each(source, units) for source in sources]
-        for number, name in enumerate(quantity.column_names(units)):
-            table[name] = [row[number] for row in rows]
-    return ResultTable(table)
+    rows = [numbers(quantities, source, units) for source in sources]
+    names = column_names(quantities, units)
+    return ResultTable({name: [row[number] for row in rows] for number, name in enumerate(names)})
 
 
 def reference(quantities: Iterable[Quantity[Any]]) -> list[tuple[str, str, str]]:

@@ -94,6 +94,12 @@ def us_key(key: str) -> UsUnit | None:
     return None if unit is None or found is None else UsUnit(f"{key[: unit.start(1)]}{found[0]}", found[1])
 
 
+def unit_in(key: str) -> str:
+    """Return the metric unit at the end of a key of an input as texts have it, ``N/mm`` of ``stiffness_N_mm``."""
+    found = _KEY_UNIT.search(key)
+    return found[1].replace("per_", "").replace("_", "/") if found else ""
+
+
 def _converted(unit: str) -> tuple[str, Fraction] | None:
     slash = unit.replace("_", "/")
     if slash in _WHOLE:

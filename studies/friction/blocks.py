@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from flangeway.contact import Surface
+from flangeway.contact import ContactSolution, Surface
 from flangeway.elements import Lagrange
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
@@ -44,3 +44,8 @@ def face(part: Part, reach: float) -> Surface:
 def shift(part: Part, x: float, y: float) -> dict[Part, Placement]:
     """A motion of a part."""
     return {part: Placement(0.0, (x, y))}
+
+
+def columns(solution: ContactSolution) -> dict[str, Floats]:
+    """Columns of the table of a solution's nodes in contact, see `ContactSolution.friction_table`."""
+    return {name: np.asarray(values) for name, values in solution.friction_table.columns.items()}

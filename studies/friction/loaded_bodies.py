@@ -9,8 +9,8 @@ gives resultant and centre of the pressure. *A bolt* whose end is pulled by a gi
 head and flange do not part or slip, its force is that of one piece.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import product
 
 import numpy as np
 
@@ -46,10 +46,9 @@ from flangeway.problems.body import Components, Point
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Bools, Floats
-from studies.published_numbers import ReproducedNumber, compare
+from studies.friction.blocks import columns
+from studies.study import Row, Run, published_values
 
-PLACES_MM = (0.0, 1.25, 5.0, 7.5, 11.25)
-PUBLISHED_MM = (2.86e-2, 2.72e-2, 2.28e-2, 1.98e-2, 1.50e-2)
 PLATE_MM, PLATE_CELLS = 40.0, (8, 16, 32)
 PRESSURE_MPA, PUSH_MPA = 50.0, 150.0
 RIGID = 1e9  # stiffness of what stands for a rigid plane, over the plate's
@@ -64,16 +63,11 @@ WALL_LIMIT, BOLT_LIMIT = 1e-6, 1e-6
 BOLT_PULL_MM = 0.01
 
 
-def loaded_bodies(progress: Callable[[str], None]) -> tuple[list[ReproducedNumber], list[ContactSolution]]:
-    """Rows of all five problems, and their solutions."""
-    numbers: list[ReproducedNumber] = []
-    solutions: list[ContactSolution] = []
-    for study in (_plates, _inclines, _rings, _walls, _bolts):
-        progress(f"bodies under loads: {study.__name__.strip('_')}")
-        rows, more = study()
-        numbers += rows
-        solutions += more
-    return numbers, solutions
+def loaded_body_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
+    """Rows of all five problems."""
+    for part in (_plates, _inclines, _rings, _walls, _bolts):
+        run.progress(f"bodies under loads: {part.__name__.strip('_')}")
+        yield from part(solutions)
 
 
 def pushed_plate(
@@ -91,36 +85,34 @@ def pushed_plate(
     return press([contact], {}, body_loads={plate: [Pressure("top", PRESSURE_MPA), Traction("left", (PUSH_MPA, 0.0))]})
 
 
-def displacements_of_face(found: ContactSolution) -> Floats:
-    """Displacements along the plane in mm at `PLACES_MM`."""
+def displacements_of_face(found: ContactSolution, places_mm: Sequence[float]) -> Floats:
+    """Displacements along the plane in mm at places, shape (n,)."""
     (plate, _) = found.system.parts
     nodes, moved = plate.body.nodes, found.field(plate).displacements
     face = np.flatnonzero(nodes[:, 1] < 1e-9)
     face = face[np.argsort(nodes[face, 0])]
-    return np.interp(PLACES_MM, nodes[face, 0], moved[face, 0])
+    return np.interp(places_mm, nodes[face, 0], moved[face, 0])
 
 
-def _plates() -> tuple[list[ReproducedNumber], list[ContactSolution]]:
-    numbers, solutions = [], []
+def _plates(solutions: list[ContactSolution]) -> Iterator[Row]:
+    published = {float(code): value for (code, _), value in published_values("friction.csv", "plate").items()}
+    places = [*published]
     for order in (1, 2):
         for cells in PLATE_CELLS:
             solutions.append(pushed_plate(cells, Lagrange(order)))
-            for place, published, found in zip(
-                PLACES_MM, PUBLISHED_MM, displacements_of_face(solutions[-1]).tolist(), strict=True
-            ):
-                given = "Pushed plate", f"order {order}, {cells} cells", f"displacement at {place:g} mm", "mm"
-                numbers.append(compare(*given, (published, found), PLATE_LIMIT, PLATE_NOTE))
-    reference, worst = displacements_of_face(pushed_plate(PLATE_CELLS[-1], Lagrange(2))), 0.0
+            found = displacements_of_face(solutions[-1], places).tolist()
+            for (place, exact), value in zip(published.items(), found, strict=True):
+                code, quantity = f"order {order}, {cells} cells", f"displacement at {place:g} mm"
+                yield Row("Pushed plate", code, quantity, "mm", value, exact, PLATE_LIMIT, PLATE_NOTE)
+    reference, worst = displacements_of_face(solutions[-1], places), 0.0
     laws = Multiplier(), Penalty(1e7, "length"), AugmentedLagrange(1e6, "length", 1e-7)
-    for element in (Lagrange(1), Lagrange(2), Virtual(1), Virtual(2)):
-        for pairing in (SegmentToSegment(), SegmentToSegment(weighting="dual"), NodeToSegment()):
-            for law in laws:
-                solutions.append(pushed_plate(PLATE_CELLS[1], element, pairing, law))
-                apart = np.abs(displacements_of_face(solutions[-1]) - reference)
-                worst = max(worst, float(apart.max() / reference.max()))
-    given = "Pushed plate", "36 choices", "maximum difference of a displacement, over the maximum one", "1"
-    numbers.append(compare(*given, (0.0, worst), CHOICES_LIMIT))
-    return numbers, solutions
+    pairings = SegmentToSegment(), SegmentToSegment(weighting="dual"), NodeToSegment()
+    for element, pairing, law in product((Lagrange(1), Lagrange(2), Virtual(1), Virtual(2)), pairings, laws):
+        solutions.append(pushed_plate(PLATE_CELLS[1], element, pairing, law))
+        apart = np.abs(displacements_of_face(solutions[-1], places) - reference)
+        worst = max(worst, float(apart.max() / reference.max()))
+    quantity = "maximum difference of a displacement, over the maximum one"
+    yield Row("Pushed plate", "36 choices", quantity, "1", worst, 0.0, CHOICES_LIMIT)
 
 
 def block_on_an_incline(friction: float, slope_deg: float = SLOPE_DEG) -> ContactSolution:
@@ -132,13 +124,14 @@ def block_on_an_incline(friction: float, slope_deg: float = SLOPE_DEG) -> Contac
     return press([contact], {}, body_loads={block: [Gravity((0.0, -GRAVITY_MM_S2))]})
 
 
-def _inclines() -> tuple[list[ReproducedNumber], list[ContactSolution]]:
+def _inclines(solutions: list[ContactSolution]) -> Iterator[Row]:
     exact = float(np.tan(np.deg2rad(SLOPE_DEG)))
     stays, slides = (block_on_an_incline(exact * (1.0 + each * BRACKET)) for each in (1.0, -1.0))
     # the mean of a coefficient that holds and one that does not, if that is what happens
     found = exact if stays.status.converged and not slides.status.converged else float("nan")
-    given = "Block on an incline", f"{SLOPE_DEG:g} degrees", "coefficient of friction at which it slides", "1"
-    return [compare(*given, (exact, found), BRACKET)], [stays]
+    solutions.append(stays)
+    quantity = "coefficient of friction at which it slides"
+    yield Row("Block on an incline", f"{SLOPE_DEG:g} degrees", quantity, "1", found, exact, BRACKET)
 
 
 def cooled_ring(cells: int) -> ContactSolution:
@@ -152,20 +145,18 @@ def cooled_ring(cells: int) -> ContactSolution:
     return press([contact], {}, body_loads={ring: [TemperatureChange(-COOLED_K)]})
 
 
-def _rings() -> tuple[list[ReproducedNumber], list[ContactSolution]]:
+def _rings(solutions: list[ContactSolution]) -> Iterator[Row]:
     shrinks = (1.0 + STEEL_POISSON) * EXPANSION_PER_K * COOLED_K
     ratio = (RING_MM**2 + SHAFT_MM**2) / (RING_MM**2 - SHAFT_MM**2)
     # Timoshenko and Goodier, Theory of elasticity, 28: shaft and ring in plane strain yield by p (1 - nu^2) / E times
     # (1 - nu / (1 - nu)) and (ratio + nu / (1 - nu)) of the radius
     exact = shrinks * STEEL_MPA / (1.0 - STEEL_POISSON**2) / (1.0 + ratio)
-    numbers, solutions = [], []
     for cells in RING_CELLS:
         solutions.append(cooled_ring(cells))
-        pressures = np.asarray(solutions[-1].friction_table.columns["pressure"])
+        pressures, code = columns(solutions[-1])["pressure"], f"{cells} cells in the shaft"
         for quantity, value in (("minimum pressure", pressures.min()), ("maximum pressure", pressures.max())):
-            given = "Ring that cools on a shaft", f"{cells} cells in the shaft", quantity, "MPa"
-            numbers.append(compare(*given, (exact, float(value)), RING_LIMIT * RING_CELLS[-1] / cells))
-    return numbers, solutions
+            limit = RING_LIMIT * RING_CELLS[-1] / cells
+            yield Row("Ring that cools on a shaft", code, quantity, "MPa", float(value), exact, limit)
 
 
 def wall_on_soil(cells: int) -> ContactSolution:
@@ -182,8 +173,9 @@ def wall_on_soil(cells: int) -> ContactSolution:
     return press([contact], {}, body_loads={wall: [Gravity((0.0, -GRAVITY_MM_S2)), Pressure("left", water)]})
 
 
-def _walls() -> tuple[list[ReproducedNumber], list[ContactSolution]]:
+def _walls(solutions: list[ContactSolution]) -> Iterator[Row]:
     found = wall_on_soil(10)
+    solutions.append(found)
     wall, moved = found.system.parts[0], found.placement(found.system.parts[0])
     weight = 2.4e-9 * GRAVITY_MM_S2 * WALL_MM * WALL_HEIGHT_MM
     thrust = WATER_MPA * WALL_HEIGHT_MM / 2.0
@@ -196,29 +188,18 @@ def _walls() -> tuple[list[ReproducedNumber], list[ContactSolution]]:
     centre = -moment / weight
     given = "Wall on soil", "under weight and water"
     x, y, turning = found.resultants[0, 0].tolist()
-    rows = [
-        compare(*given, "vertical force", "N", (weight, y), WALL_LIMIT),
-        compare(*given, "horizontal force", "N", (-thrust, x), WALL_LIMIT),
-        compare(*given, "moment of the contact over the weight", "mm", (centre, turning / weight), 1e-6),
-        compare(
-            *given, "the same of the undeformed wall", "mm",
-            (WALL_MM / 2.0 + thrust / weight * WALL_HEIGHT_MM / 3.0, turning / weight), 0.02,
-        ),
-    ]  # fmt: skip
-    return rows, [found]
+    yield Row(*given, "vertical force", "N", y, weight, WALL_LIMIT)
+    yield Row(*given, "horizontal force", "N", x, -thrust, WALL_LIMIT)
+    yield Row(*given, "moment of the contact over the weight", "mm", turning / weight, centre, WALL_LIMIT)
+    undeformed = WALL_MM / 2.0 + thrust / weight * WALL_HEIGHT_MM / 3.0
+    yield Row(*given, "the same of the undeformed wall", "mm", turning / weight, undeformed, 0.02)
 
 
-@dataclass(frozen=True)
-class Clamped:
-    """A bolt that clamps a flange: in contact, and as one piece."""
+def bolted_flange() -> tuple[ContactSolution, float]:
+    """Half of a T-shaped bolt, pulled down at its end by `BOLT_PULL_MM`, on a flange that stands on a smooth plane.
 
-    contact: ContactSolution
-    force: float  # of the bolt in contact, N per mm
-    whole: float  # of the bolt in one piece
-
-
-def bolted_flange() -> Clamped:
-    """Half of a T-shaped bolt, pulled down at its end by `BOLT_PULL_MM`, on a flange that stands on a smooth plane."""
+    Returns the solution, and the force of the bolt in one piece with the flange, N per mm.
+    """
     grid, steel = rectangle_grid(25.0, 25.0, 25, 25), _steel()
     x, y = grid.cell_centroids.T
     in_bolt, in_flange = (x < 5.0) | ((y > 15.0) & (x < 12.0)), (x > 6.0) & (y < 15.0)
@@ -236,7 +217,7 @@ def bolted_flange() -> Clamped:
         Space(whole, Lagrange(1)), steel, supports=[*held, PrescribedDisplacement("pulled", x=0.0, y=-BOLT_PULL_MM)]
     )
     alone = reactions(solve_elasticity(problem))[2]
-    return Clamped(found, float(found.forces[0, 1]), -float(alone.force[1]))
+    return found, -float(alone.force[1])
 
 
 def _cells_of(grid: PolyMesh, chosen: Bools) -> PolyMesh:
@@ -257,12 +238,11 @@ def _cells_of(grid: PolyMesh, chosen: Bools) -> PolyMesh:
     return mesh
 
 
-def _bolts() -> tuple[list[ReproducedNumber], list[ContactSolution]]:
-    found = bolted_flange()
-    row = compare(
-        "Bolted flange", "pulled by 0.01 mm", "force of the bolt", "N", (found.whole, found.force), BOLT_LIMIT
-    )
-    return [row], [found.contact]
+def _bolts(solutions: list[ContactSolution]) -> Iterator[Row]:
+    found, whole = bolted_flange()
+    solutions.append(found)
+    force = float(found.forces[0, 1])
+    yield Row("Bolted flange", "pulled by 0.01 mm", "force of the bolt", "N", force, whole, BOLT_LIMIT)
 
 
 def _steel(hypothesis: Hypothesis = "plane_strain") -> Elastic:

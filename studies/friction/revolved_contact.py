@@ -9,7 +9,7 @@ square radius of its pressure is ``2 a^2 / 5``, which gives a from the forces. O
 down to what blocks of a thousand contact radii in place of half-spaces and punches of finite stiffness leave.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -17,8 +17,8 @@ from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSeg
 from flangeway.materials import Elastic
 from flangeway.problems import Part
 from flangeway.types import Floats
-from studies.friction.blocks import block, face, growing, shift
-from studies.published_numbers import ReproducedNumber, compare
+from studies.friction.blocks import block, columns, face, growing, shift
+from studies.study import Row, Run
 
 YOUNG_MPA, POISSON = 210e3, 0.3
 MODULUS_MPA = YOUNG_MPA / (1.0 - POISSON**2)
@@ -30,32 +30,23 @@ STICKING = 10.0  # coefficient of friction
 REVOLVED_LIMIT = 0.005
 
 
-def revolved_contact(progress: Callable[[str], None]) -> tuple[list[ReproducedNumber], list[ContactSolution]]:
-    """Rows of the punch and the sphere, and their solutions."""
-    numbers, solutions = [], []
+def revolved_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
+    """Rows of the punch and the sphere; the finest mesh has the limit, the coarser ones show how the error falls."""
     for cells in CELLS:
-        progress(f"bodies of revolution, {cells} cells on the contact radius")
+        run.progress(f"bodies of revolution, {cells} cells on the contact radius")
         punch, sphere = flat_punch(PUNCH_MM / cells), round_punch(cells)
-        solutions += [punch, sphere]
-        force, (found, radius) = float(punch.forces[0, 1]), _pressed(sphere)
-        exact = 4.0 / 3.0 * MODULUS_MPA * np.sqrt(SPHERE_MM * SPHERE_DEPTH_MM**3)
         sticking = flat_punch(PUNCH_MM / cells, poisson=0.0, friction=STICKING)
-        solutions.append(sticking)
+        solutions += [punch, sphere, sticking]
+        force, radius = _pressed(sphere)
+        exact = 4.0 / 3.0 * MODULUS_MPA * np.sqrt(SPHERE_MM * SPHERE_DEPTH_MM**3)
         no_slip = 2.0 * np.log(3.0) * YOUNG_MPA * PUNCH_MM * PUNCH_DEPTH_MM
-        rows = (
-            ("Flat punch of revolution", "force", "N", (2.0 * MODULUS_MPA * PUNCH_MM * PUNCH_DEPTH_MM, force)),
-            ("Flat punch that sticks", "force", "N", (no_slip, float(sticking.forces[0, 1]))),
-            ("Sphere", "force", "N", (exact, found)),
-            ("Sphere", "contact radius", "mm", (np.cbrt(0.75 * found * SPHERE_MM / MODULUS_MPA), radius)),
-        )
-        # the finest mesh has the limit; the coarser ones show how the error falls
-        limit = REVOLVED_LIMIT * CELLS[-1] / cells
-        words = None if cells == CELLS[-1] else ""
-        numbers += [
-            compare(problem, f"{cells} cells", quantity, unit, (float(a), float(b)), limit, words=words)
-            for problem, quantity, unit, (a, b) in rows
-        ]
-    return numbers, solutions
+        slips = 2.0 * MODULUS_MPA * PUNCH_MM * PUNCH_DEPTH_MM
+        limit, code = REVOLVED_LIMIT if cells == CELLS[-1] else None, f"{cells} cells"
+        yield Row("Flat punch of revolution", code, "force", "N", float(punch.forces[0, 1]), slips, limit)
+        yield Row("Flat punch that sticks", code, "force", "N", float(sticking.forces[0, 1]), no_slip, limit)
+        yield Row("Sphere", code, "force", "N", force, exact, limit)
+        hertz = float(np.cbrt(0.75 * force * SPHERE_MM / MODULUS_MPA))
+        yield Row("Sphere", code, "contact radius", "mm", radius, hertz, limit)
 
 
 def flat_punch(size: float, *, poisson: float = POISSON, friction: float = 0.0) -> ContactSolution:
@@ -91,6 +82,6 @@ def _onto(
 
 def _pressed(solution: ContactSolution) -> tuple[float, float]:
     """Force, and the contact radius by the mean square radius of the pressure."""
-    table = {name: np.asarray(values) for name, values in solution.friction_table.columns.items()}
+    table = columns(solution)
     force = table["normal_force"]
     return float(force.sum()), float(np.sqrt(2.5 * (force @ table["x"] ** 2) / force.sum()))

@@ -14,7 +14,7 @@ without thickness. Pressure and friction act at the drum's radius R, the tension
 gives ``exp(k pi)`` with ``k = mu r / (1 + k mu (1 - r))``, ``r = R / (R + h / 2)``.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 
@@ -27,9 +27,9 @@ from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, curved, rectangle_grid
 from flangeway.problems import Body, Part
 from flangeway.solve import StepSettings
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats
 from studies.friction.blocks import shift
-from studies.published_numbers import ReproducedNumber, compare
+from studies.study import Row, Run
 
 YOUNG_MPA, MU, RIGID = 210e3, 0.3, 1e4
 STRIP_MM, STRIP_HEIGHT_MM, STRIP_MPA, SLIPPING = 60.0, 1.0, 100.0, 0.7  # SLIPPING: part of the strip at the reversals
@@ -40,33 +40,30 @@ STRIP_LIMIT, BELT_LIMIT, FREE_LIMIT = 0.01, 0.01, 1e-5  # FREE_LIMIT: without fr
 LEGS = ("push", "reversal", "return", "sliding")
 
 
-def sliding_bodies(progress: Callable[[str], None]) -> tuple[list[ReproducedNumber], list[ContactSolution]]:
-    """Rows of the strip and of the belts, and their solutions."""
-    progress("strip with distributed friction")
-    strip = pushed_strip()
-    numbers, solutions = _strip_numbers(strip), [strip]
+def sliding_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
+    """Rows of the strip and of the belts; the thinnest belt has the limit, thicker ones show its effect."""
+    run.progress("strip with distributed friction")
+    solutions.append(pushed_strip())
+    yield from _strip_rows(solutions[-1])
     for thickness in BELT_THICKNESSES_MM:
-        progress(f"belt of {thickness:g} mm on a drum")
-        belt = turned_belt(thickness, BELT_CELLS)
-        solutions.append(belt)
-        ratio = float(np.divide(*belt_tensions(belt)))
-        code = f"thickness {thickness / DRUM_MM:g} of the radius"
-        # the thinnest belt has the limit; thicker ones show what the thickness makes
-        limit, words = (BELT_LIMIT, None) if thickness == BELT_THICKNESSES_MM[-1] else (2.0 * BELT_LIMIT, "")
+        run.progress(f"belt of {thickness:g} mm on a drum")
+        solutions.append(turned_belt(thickness, BELT_CELLS))
+        ratio = float(np.divide(*belt_tensions(solutions[-1])))
+        given = "Belt on a drum", f"thickness {thickness / DRUM_MM:g} of the radius"
         exact, thick = (float(np.exp(k * np.pi)) for k in (MU, belt_exponent(thickness)))
-        given = "Belt on a drum", code
-        numbers.append(compare(*given, "ratio of tensions", "1", (exact, ratio), limit, words=words))
-        numbers.append(compare(*given, "ratio of tensions with its thickness", "1", (thick, ratio), BELT_LIMIT))
-    progress("belt on a drum without friction")
+        limit = BELT_LIMIT if thickness == BELT_THICKNESSES_MM[-1] else None
+        yield Row(*given, "ratio of tensions", "1", ratio, exact, limit)
+        yield Row(*given, "ratio of tensions with its thickness", "1", ratio, thick, BELT_LIMIT)
+    run.progress("belt on a drum without friction")
     free = turned_belt(BELT_THICKNESSES_MM[0], BELT_CELLS, mu=0.0)
+    solutions.append(free)
     before, after = (
         np.array(belt_tensions(replace(free, state=step.state))) for step in (free.steps[0], free.steps[-1])
     )
-    change = float(np.abs(after / before - 1.0).max())
     given = "Belt on a drum without friction", f"thickness {BELT_THICKNESSES_MM[0] / DRUM_MM:g} of the radius"
-    numbers.append(compare(*given, "ratio of tensions", "1", (1.0, float(np.divide(*after))), FREE_LIMIT))
-    numbers.append(compare(*given, "change of a tension by turning", "1", (0.0, change), FREE_LIMIT))
-    return numbers, [*solutions, free]
+    yield Row(*given, "ratio of tensions", "1", float(np.divide(*after)), 1.0, FREE_LIMIT)
+    change = float(np.abs(after / before - 1.0).max())
+    yield Row(*given, "change of a tension by turning", "1", change, 0.0, FREE_LIMIT)
 
 
 def _tangential_force() -> float:
@@ -111,28 +108,20 @@ def strip_force(leg: int, displacement: float) -> float:
     return float(min(np.sqrt(law * displacement), _tangential_force() * STRIP_MM))
 
 
-def strip_loop(solution: ContactSolution) -> tuple[Ints, Floats, Floats]:
-    """Leg, displacement and force of the strip's end in each step after the pressing."""
-    u = strip_turn()
-    shares = np.array([step.share for step in solution.steps[1:]])
-    at = np.interp(shares, np.arange(6), [0.0, 0.0, u, -u, u, 2.5 * u])
-    forces = [-float(replace(solution, state=step.state).forces[0, 0]) for step in solution.steps[1:]]
-    return np.ceil(shares - 1e-9).astype(np.int64) - 2, at, np.array(forces)
-
-
-def _strip_numbers(solution: ContactSolution) -> list[ReproducedNumber]:
+def _strip_rows(solution: ContactSolution) -> Iterator[Row]:
     force, u = _strip_ends()
-    legs, at, found = strip_loop(solution)
+    shares = np.array([step.share for step in solution.steps[1:]])
+    # displacement and force of the strip's end in each step after the pressing
+    at = np.interp(shares, np.arange(6), [0.0, 0.0, u, -u, u, 2.5 * u])
+    found = np.array([-float(replace(solution, state=step.state).forces[0, 0]) for step in solution.steps[1:]])
+    legs = np.ceil(shares - 1e-9).astype(np.int64) - 2
     exact = np.array([strip_force(leg, place) for leg, place in zip(legs.tolist(), at.tolist(), strict=True)])
-    worst = np.array([np.abs(found - exact)[legs == leg].max() / force for leg in range(len(LEGS))])
+    for number, leg in enumerate(LEGS):
+        worst = float(np.abs(found - exact)[legs == number].max()) / force
+        yield Row("Strip", leg, "largest difference of force over that of the reversal", "1", worst, 0.0, STRIP_LIMIT)
     work = np.bincount(legs, solution.dissipated_work[1:])
-    rows = [
-        compare("Strip", leg, "largest difference of force over that of the reversal", "1", (0.0, value), STRIP_LIMIT)
-        for leg, value in zip(LEGS, worst.tolist(), strict=True)
-    ]
-    for code, part, its in (("push", 1.0 / 3.0, work[0]), ("loop", 4.0 / 3.0, work[1] + work[2])):
-        rows.append(compare("Strip", code, "dissipated work", "N mm", (part * force * u, float(its)), STRIP_LIMIT))
-    return rows
+    for code, part, value in (("push", 1.0 / 3.0, work[0]), ("loop", 4.0 / 3.0, work[1] + work[2])):
+        yield Row("Strip", code, "dissipated work", "N mm", float(value), part * force * u, STRIP_LIMIT)
 
 
 def belt_exponent(thickness: float, mu: float = MU) -> float:

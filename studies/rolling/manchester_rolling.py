@@ -9,8 +9,8 @@ from flangeway.contact.rolling.exact_rolling import FIRST, STEADY, roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.railway.wheelset.rolling.patch_rolling import rolling_contact_of
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
-from studies.published_numbers import ReproducedNumber, compare
 from studies.rolling.rolling_cases import Energy
+from studies.study import Row
 from studies.wheelset3d.manchester import TABLE, BenchmarkPosition
 from studies.wheelset3d.one_wheel import PressedWheel, on_square_cells
 
@@ -36,7 +36,7 @@ VARIANTS = (
 )
 
 
-def creep_numbers(position: BenchmarkPosition, energy: Energy) -> Iterator[ReproducedNumber]:
+def creep_numbers(position: BenchmarkPosition, energy: Energy) -> Iterator[Row]:
     """Creep force and spin moment of one position at the published creepages.
 
     CONTACT gives slip and forces of the rail on the wheel, axes x ahead, y to the right, z down; ours are those of the
@@ -68,7 +68,6 @@ def creep_numbers(position: BenchmarkPosition, energy: Energy) -> Iterator[Repro
             elif abs(given[key]) < LEAST_LEVER_MM * force:
                 moment = LEVER
             note = steep or small or wide or moment
-            yield compare(
-                TABLE, position.code, quantity + words, unit, (given[key], value), CREEP_LIMIT, note,
-                words="" if note else None,
-            )  # fmt: skip
+            yield Row(
+                TABLE, position.code, quantity + words, unit, value, given[key], None if note else CREEP_LIMIT, note
+            )

@@ -11,9 +11,9 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import STICKS
 from flangeway.exact import PointContact, contact_modulus
-from studies.published_numbers import ReproducedNumber, compare
 from studies.rolling.rolling_cases import MU, Energy
 from studies.spatial.patches import HERTZ_STEEL, RADIUS, SEMI_AXIS, crowned
+from studies.study import Row
 
 BODY_LIMIT = 0.03
 """Bodies of 400 x 300 mm bend, and friction moves their curved surfaces along the normals."""
@@ -23,7 +23,7 @@ WIDE_CROWN, WIDE_TURNING, WIDE_AXIS = 3000.0, 500.0, 5.8
 """Radii across and along, and semi-axis across, in mm of a patch that is 3.2 times as wide as long."""
 
 
-def body_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
+def body_numbers(energy: Energy) -> Iterator[Row]:
     """Real bodies beside half-spaces under the same pressures, and beside Cattaneo and Mindlin, and Carter."""
     bodies, hertz = _pressed(RADIUS, RADIUS, SEMI_AXIS)
     spaces = RollingContact.between_half_spaces(bodies.grid, bodies.pressures, bodies.friction, bodies.materials)
@@ -37,20 +37,28 @@ def body_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
         for name in ("along", "across", "moment"):
             exact, value = getattr(plain, name) / limit, getattr(real, name) / limit
             if abs(exact) > 0.01:
-                yield compare("Bodies", code, name, "", (exact, value), BODY_LIMIT, "on the bodies beside half-spaces")
+                yield Row("Bodies", code, name, "", value, exact, BODY_LIMIT, "on the bodies beside half-spaces")
     a, poisson = hertz.semi_axes[0], HERTZ_STEEL.poisson
     shear = HERTZ_STEEL.young / (2.0 + 2.0 * poisson)
     rates = [-derivatives(roll(each, Creepages(1e-9))) for each in (spaces, bodies)]
     for name, row, column, power in (("C11", 0, 0, 2), ("C22", 1, 1, 2), ("C23", 2, 1, 3), ("C33", 2, 2, 4)):
         exact, value = (float(each[row, column]) / (shear * a**power) for each in rates)
-        yield compare("Bodies", "creep coefficients at a/b = 1", name, "", (exact, value), BODY_LIMIT,
-                      "on the bodies beside half-spaces on the same cells")  # fmt: skip
+        yield Row(
+            "Bodies",
+            "creep coefficients at a/b = 1",
+            name,
+            "",
+            value,
+            exact,
+            BODY_LIMIT,
+            "on the bodies beside half-spaces on the same cells",
+        )
     state = energy.check("bodies, shift", roll(bodies, Creepages(speed=0.0), force_along=-SHIFTED * limit))
     stick = float(np.sqrt((state.states == STICKS).sum() / (state.states > 0).sum()))
     shift = 3.0 * limit * (2.0 - poisson) / (8.0 * shear * a) * (1.0 - (1.0 - SHIFTED) ** (2.0 / 3.0))
     code, note = f"Cattaneo-Mindlin, {SHIFTED:g} of full slip", "on the bodies beside the closed form of half-spaces"
-    yield compare("Bodies", code, "shift", "mm", (shift, float(state.motion.along)), BODY_LIMIT, note)
-    yield compare("Bodies", code, "radius of stick", "a", ((1.0 - SHIFTED) ** (1.0 / 3.0), stick), BODY_LIMIT, note)
+    yield Row("Bodies", code, "shift", "mm", float(state.motion.along), shift, BODY_LIMIT, note)
+    yield Row("Bodies", code, "radius of stick", "a", stick, (1.0 - SHIFTED) ** (1.0 / 3.0), BODY_LIMIT, note)
     bodies, hertz = _pressed(WIDE_CROWN, WIDE_TURNING, WIDE_AXIS)
     p0 = 1.5 * bodies.force / (np.pi * hertz.semi_axes[0] * hertz.semi_axes[1])
     middle = slice((len(bodies.pressures) - 1) // 2, len(bodies.pressures) // 2 + 1)
@@ -58,9 +66,16 @@ def body_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
         motion = Creepages(part * 4.0 * MU * p0 / HERTZ_STEEL.plane_modulus)
         state = energy.check("bodies, Carter", roll(bodies, motion))
         force = -float(state.tractions[middle, :, 1].sum() / (MU * bodies.pressures[middle].sum()))
-        yield compare("Bodies", f"Carter, {part:g} of full slip", "force over its limit", "",
-                      (1.0 - (1.0 - part) ** 2, force), BODY_LIMIT,
-                      "middle strip of a patch 3.2 times as wide as long, beside plane half-spaces")  # fmt: skip
+        yield Row(
+            "Bodies",
+            f"Carter, {part:g} of full slip",
+            "force over its limit",
+            "",
+            force,
+            1.0 - (1.0 - part) ** 2,
+            BODY_LIMIT,
+            "middle strip of a patch 3.2 times as wide as long, beside plane half-spaces",
+        )
 
 
 def _pressed(crown: float, turning: float, semi_axis: float) -> tuple[RollingContact, PointContact]:

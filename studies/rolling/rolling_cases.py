@@ -1,7 +1,6 @@
 """Rolling with friction beside closed forms and published numbers."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from flangeway.contact.rolling.rolling_result import STICKS, Rolling
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.types import Floats
-from studies.published_numbers import ReproducedNumber, compare, published_rows
+from studies.study import Row, Run, published_values
 
 STEEL = Elastic(2.56 * 82000.0, 0.28)
 PEAK, MU = 113.89008307646377, 0.3
@@ -34,28 +33,15 @@ PUBLISHED_CELLS, FASTSIM_LIMIT, COARSE_LIMIT = 40, 5e-3, 0.03
 ENERGY_LIMIT, LEAST_POWER = 1e-9, 1e-12
 
 
-@dataclass(frozen=True)
-class RollingRow:
-    """Kalker's coefficients, or force and shift, on one grid: a row of ``refinement.csv``."""
-
-    case: str
-    code: str
-    quantity: str
-    cells: int
-    value: float
-
-
 class Energy:
-    """Maximum difference of frictional power from that of forces and creepages, and states that did not converge."""
+    """Maximum difference of frictional power from that of forces and creepages, of states of a run."""
 
-    def __init__(self) -> None:
-        self.error, self.count = 0.0, 0
-        self.failures: list[str] = []
+    def __init__(self, run: Run) -> None:
+        self.run, self.error, self.count = run, 0.0, 0
 
     def check(self, name: str, found: Rolling) -> Rolling:
-        """Note a state."""
-        if not found.status.converged:
-            self.failures.append(f"{name}: {found.status.message}")
+        """Note a state, which has to be converged."""
+        self.run.check(name, found.status)
         if found.motion.rolls:
             power = abs(found.motion.speed) * found.t_gamma
             size = max(abs(power) + abs(found.rolling_power), LEAST_POWER)
@@ -63,17 +49,17 @@ class Energy:
             self.count += 1
         return found
 
-    def number(self) -> ReproducedNumber:
+    def row(self) -> Row:
         """The row of the table."""
         note = f"largest of {self.count} states of steady rolling: difference over the power"
-        return compare("Energy", "all", "power of friction less forces times creepages", "", (0.0, self.error),
-                       ENERGY_LIMIT, note)  # fmt: skip
+        return Row(
+            "Energy", "all", "power of friction less forces times creepages", "", self.error, 0.0, ENERGY_LIMIT, note
+        )
 
 
 def published(case: str) -> dict[tuple[str, str], float]:
     """Published values of a case by code and quantity."""
-    rows = published_rows("rolling.csv")
-    return {(row["code"], row["quantity"]): float(row["value"]) for row in rows if row["case"] == case}
+    return published_values("rolling.csv", case)
 
 
 def elliptic(
@@ -96,7 +82,7 @@ def line(half: float, peak: float, n: int) -> RollingContact:
     return RollingContact.between_half_spaces(grid, pressures[None], Friction(MU), (STEEL, STEEL))
 
 
-def plane_numbers(energy: Energy, rows: list[RollingRow]) -> Iterator[ReproducedNumber]:
+def plane_numbers(energy: Energy) -> Iterator[Row]:
     """Carter's cylinders, and the shift of cylinders by Cattaneo and Mindlin."""
     exact = published("carter")
     code = "0.00024"
@@ -104,28 +90,43 @@ def plane_numbers(energy: Energy, rows: list[RollingRow]) -> Iterator[Reproduced
         contact = line(1.0, PEAK, n)
         found = energy.check("Carter", roll(contact, Creepages(float(code))))
         force = -found.along / (MU * contact.force)
-        rows.append(RollingRow("Carter", code, "force", n, force))
     stick = float((found.states == STICKS).mean())
-    note = f"{n} cells; the error falls as in refinement.csv"
-    yield compare("Carter", code, "force over its limit", "", (exact[code, "force"], force), LINE_LIMIT, note)
-    yield compare("Carter", code, "half width of stick", "a", (exact[code, "stick"], stick), LINE_LIMIT, note)
+    note = f"{n} cells; the error falls with their number"
+    yield Row("Carter", code, "force over its limit", "", force, exact[code, "force"], LINE_LIMIT, note)
+    yield Row("Carter", code, "half width of stick", "a", stick, exact[code, "stick"], LINE_LIMIT, note)
     saturation = 2.0 * MU * PEAK * 2.0 * (1.0 - STEEL.poisson**2) / STEEL.young
     for part in (0.2, 0.6, 0.8):
         found = energy.check("Carter", roll(contact, Creepages(part * saturation)))
         force = -found.along / (MU * contact.force)
-        yield compare("Carter", f"{part:g} of full slip", "force over its limit", "",
-                      (1.0 - (1.0 - part) ** 2, force), LINE_LIMIT, note)  # fmt: skip
+        yield Row(
+            "Carter",
+            f"{part:g} of full slip",
+            "force over its limit",
+            "",
+            force,
+            1.0 - (1.0 - part) ** 2,
+            LINE_LIMIT,
+            note,
+        )
     n = SHIFTED_CELLS
     contact = line(1.0, PEAK, n)
     for part in (0.25, 0.5, 0.75, 0.9):
         limit = MU * contact.force
         found = energy.check("Cattaneo", roll(contact, Creepages(speed=0.0), force_along=-part * limit))
         stick = float((found.states == STICKS).mean())
-        yield compare("Cattaneo-Mindlin", f"cylinders, {part:g} of full slip", "half width of stick", "a",
-                      (np.sqrt(1.0 - part), stick), LINE_LIMIT, f"{n} cells")  # fmt: skip
+        yield Row(
+            "Cattaneo-Mindlin",
+            f"cylinders, {part:g} of full slip",
+            "half width of stick",
+            "a",
+            stick,
+            np.sqrt(1.0 - part),
+            LINE_LIMIT,
+            f"{n} cells",
+        )
 
 
-def sphere_numbers(energy: Energy, rows: list[RollingRow]) -> Iterator[ReproducedNumber]:
+def sphere_numbers(energy: Energy) -> Iterator[Row]:
     """Spheres shifted by 0.875 of the limit of friction (Cattaneo, Mindlin); large creepage, and large spin."""
     material, force, mu, part = Elastic(2.84 * 200.0, 0.42), 9.1954, 0.4, 0.875
     modulus = contact_modulus(material.plane_modulus, material.plane_modulus)
@@ -141,18 +142,13 @@ def sphere_numbers(energy: Energy, rows: list[RollingRow]) -> Iterator[Reproduce
         # cells in the circle have not its area
         size = float(np.sqrt((contact.pressures > 0.0).sum() * contact.areas[0, 0] / np.pi))
         found.append((float(state.motion.along) * size / a, stick))
-        rows += [
-            RollingRow("spheres", "0.875", name, n, value)
-            for name, value in zip(("shift", "stick"), found[-1], strict=True)
-        ]
     values = extrapolated(SPHERES, np.array(found))
     note = f"{len(SPHERES)} grids of {SPHERES[0]} to {SPHERES[-1]} cells across, extrapolated"
-    yield compare(
-        "Cattaneo-Mindlin", "spheres, 0.875 of full slip", "shift", "mm", (shift, values[0]), POINT_LIMIT, note
-    )
+    yield Row("Cattaneo-Mindlin", "spheres, 0.875 of full slip", "shift", "mm", values[0], shift, POINT_LIMIT, note)
     note = f"{SPHERES[-1]} cells across: the square root of their share"
-    yield compare("Cattaneo-Mindlin", "spheres, 0.875 of full slip", "radius of stick", "a",
-                  (0.5, found[-1][1]), POINT_LIMIT, note)  # fmt: skip
+    yield Row(
+        "Cattaneo-Mindlin", "spheres, 0.875 of full slip", "radius of stick", "a", found[-1][1], 0.5, POINT_LIMIT, note
+    )
     contact = elliptic(1.0, 1.0, 1000.0, (30, 30))
     limit = MU * contact.force
     for code, motion, exact in (
@@ -164,14 +160,8 @@ def sphere_numbers(energy: Energy, rows: list[RollingRow]) -> Iterator[Reproduce
         values = np.array([state.along, state.across, state.moment]) / limit
         for name, wanted, value in zip(("F_z", "F_t", "M_n"), exact, values.tolist(), strict=True):
             if wanted:
-                yield compare(
-                    "Saturation",
-                    code,
-                    name,
-                    "limit" if name < "M" else "limit a",
-                    (wanted, value),
-                    0.01,
-                    "30 x 30 cells",
+                yield Row(
+                    "Saturation", code, name, "limit" if name < "M" else "limit a", value, wanted, 0.01, "30 x 30 cells"
                 )
 
 
@@ -194,7 +184,7 @@ def coefficients(ratio: float, poisson: float, n: int) -> tuple[float, float, fl
     return float(rates[0, 0] / area), float(rates[1, 1] / area), float(mixed / area**1.5), float(rates[2, 2] / area**2)
 
 
-def coefficient_numbers(progress: Callable[[str], None], rows: list[RollingRow]) -> Iterator[ReproducedNumber]:
+def coefficient_numbers(progress: Callable[[str], None]) -> Iterator[Row]:
     """Kalker's coefficients for five ellipses."""
     table = published("coefficients")
     for code in dict.fromkeys(code for code, _ in table):
@@ -202,21 +192,15 @@ def coefficient_numbers(progress: Callable[[str], None], rows: list[RollingRow])
         found = np.array([coefficients(float(code), 0.25, n) for n in COEFFICIENT_CELLS])
         best = extrapolated(COEFFICIENT_CELLS, found)
         for number, (name, limit) in enumerate(COEFFICIENT_LIMITS.items()):
-            rows += [
-                RollingRow("coefficients", code, name, n, float(value))
-                for n, value in zip(COEFFICIENT_CELLS, found[:, number], strict=True)
-            ]
             exact = table[code, name]
             note = (
                 f"{found[-1, number]:.4g} on {COEFFICIENT_CELLS[-1]} cells across, extrapolated from "
                 f"{len(COEFFICIENT_CELLS)} grids; published with three digits"
             )
-            yield compare(
-                "Creep coefficients", f"a/b={code}", name.upper(), "", (exact, float(best[number])), limit, note
-            )
+            yield Row("Creep coefficients", f"a/b={code}", name.upper(), "", float(best[number]), exact, limit, note)
 
 
-def contact_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
+def contact_numbers(energy: Energy) -> Iterator[Row]:
     """Examples of CONTACT: spin with lateral creepage, and a creep curve, by the exact theory and by FASTSIM."""
     table, n = published("fastsim"), PUBLISHED_CELLS
     limit = MU * 82000.0
@@ -225,23 +209,32 @@ def contact_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
     state = energy.check("spin", roll(contact, motion))
     for name, value in (("F_y", state.across / limit), ("M_z", -state.moment)):
         note = f"{n} x {n} cells; the published one has an error of first order"
-        yield compare("CONTACT", "spin, exact", name, "", (table["exact", name], value), COARSE_LIMIT, note)
+        yield Row("CONTACT", "spin, exact", name, "", value, table["exact", name], COARSE_LIMIT, note)
     fine = elliptic(8.0, 4.0, 82000.0, (5 * n, n))
     for bound in ("parabolic", "elliptic"):
         simple = fastsim(fine, motion, flexibilities=FLEXIBILITIES, parabolic=bound == "parabolic", n_steps=5 * n)
         for name, value in (("F_y", simple.across / limit), ("M_z", -simple.moment)):
             coarse, better = (table[f"{bound} {steps}", name] for steps in (n, 5 * n))
             note = f"{better:.4g} on {5 * n} steps and {coarse:.4g} on {n}, extrapolated"
-            yield compare("FASTSIM", f"spin, {bound}", name, "", (better + (better - coarse) / 4.0, value),
-                          FASTSIM_LIMIT, note)  # fmt: skip
+            yield Row(
+                "FASTSIM", f"spin, {bound}", name, "", value, better + (better - coarse) / 4.0, FASTSIM_LIMIT, note
+            )
     strip = fastrip(fine, motion)
     note = "FaStrip beside the exact theory"
-    yield compare("FaStrip", "spin", "F_y", "", (state.across / limit, strip.across / limit), 0.1, note, words="")
-    yield compare("FaStrip", "spin", "M_z", "", (-state.moment, -strip.moment), 0.1, note, words="")
+    yield Row("FaStrip", "spin", "F_y", "", strip.across / limit, state.across / limit, None, note)
+    yield Row("FaStrip", "spin", "M_z", "", -strip.moment, -state.moment, None, note)
     contact = elliptic(6.304, 12.61, 106700.0, (n, n), 0.33)
     for (code, theory), exact in published("curve").items():
         motion = Creepages(float(code))
         found = energy.check(code, roll(contact, motion)) if theory == "exact" else fastsim(contact, motion)
         value = found.along / (0.33 * contact.force)
-        yield compare("CONTACT" if theory == "exact" else theory, f"creepage {code}", "force over its limit", "",
-                      (exact, value), COARSE_LIMIT, f"published on {n} cells, error of first order")  # fmt: skip
+        yield Row(
+            "CONTACT" if theory == "exact" else theory,
+            f"creepage {code}",
+            "force over its limit",
+            "",
+            value,
+            exact,
+            COARSE_LIMIT,
+            f"published on {n} cells, error of first order",
+        )

@@ -12,8 +12,8 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
-from studies.published_numbers import ReproducedNumber, compare
 from studies.rolling.rolling_cases import COARSE_LIMIT, STEEL, WIDE, Energy, published
+from studies.study import Row
 
 ALUMINIUM, BRASS = Elastic(2.62 * 23000.0, 0.31), Elastic(100e3, 0.34)
 RADIUS, LOAD = 25.0, 16.2019
@@ -27,7 +27,7 @@ STICKING, SMOOTH = 10.0, 1e-4
 """Coefficients of friction with which nothing and everything slips."""
 
 
-def free_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
+def free_numbers(energy: Energy) -> Iterator[Row]:
     """Rollers of different materials that roll freely or transmit a force."""
     for name, pair, load in (
         ("aluminium on steel", (ALUMINIUM, STEEL), LOAD),
@@ -46,8 +46,9 @@ def free_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
             contact = _rollers(pair, load, 4.0 * WIDE * a, 2.0 * a / FREE_CELLS, FREE_CELLS + FREE_CELLS // 5, mu)
             found = energy.check(f"free rolling, {name}, mu = {mu:g}", roll(contact, Creepages(), force_along=0.0))
             note = f"closed form; {FREE_CELLS} cells; {'everything slips' if mu == SMOOTH else 'nothing slips'}"
-            yield compare("Free rolling", f"{name}, mu={mu:g}", "creepage", "", (exact, float(found.motion.along)),
-                          FREE_LIMIT, note)  # fmt: skip
+            yield Row(
+                "Free rolling", f"{name}, mu={mu:g}", "creepage", "", float(found.motion.along), exact, FREE_LIMIT, note
+            )
     width = (
         4.0
         * WIDE
@@ -63,8 +64,7 @@ def free_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
         )
         words = f"force {part:g} of its limit" if part else "no force"
         note = f"CONTACT's cells and its differences of first order; {words}"
-        yield compare("Rollers", f"mu={mu:g}, {words}", "creepage", "", (exact, float(found.motion.along)),
-                      FREE_LIMIT, note)  # fmt: skip
+        yield Row("Rollers", f"mu={mu:g}, {words}", "creepage", "", float(found.motion.along), exact, FREE_LIMIT, note)
 
 
 def _rollers(
@@ -76,18 +76,26 @@ def _rollers(
     return RollingContact.of_half_spaces(grid, gaps, Friction(mu), pair, force=load * width)
 
 
-def falling_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
+def falling_numbers(energy: Energy) -> Iterator[Row]:
     """A wheel of 460 mm on a plane at 45 m/s, with friction that falls with the slip velocity, a half each 0.1 m/s."""
     (exact,) = published("falling").values()
     grid = PatchGrid(np.array([-100.0, 100.0]), 0.1, 92)
     friction, gaps = Friction(0.3, 0.18, 100.0 / np.log(2.0)), grid.along[None] ** 2 / 920.0
     contact = RollingContact.of_half_spaces(grid, gaps, friction, (STEEL, STEEL), force=622216.0)
     found = energy.check("falling friction", roll(contact, Creepages(-0.0009999, speed=45000.0)))
-    yield compare("CONTACT", "friction that falls with slip", "force over its limit", "",
-                  (exact, found.along / (0.3 * contact.force)), COARSE_LIMIT, "81 cells along the patch")  # fmt: skip
+    yield Row(
+        "CONTACT",
+        "friction that falls with slip",
+        "force over its limit",
+        "",
+        found.along / (0.3 * contact.force),
+        exact,
+        COARSE_LIMIT,
+        "81 cells along the patch",
+    )
 
 
-def onset_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
+def onset_numbers(energy: Energy) -> Iterator[Row]:
     """From Cattaneo's shift to steady rolling under a constant force, in steps of one cell (Kalker, 1990, 5.2.2.5)."""
     material, mu, force, cell = Elastic(2.56, 0.28), 0.4013, 0.4705, 0.25
     grid = PatchGrid(cell * (np.arange(34.0) - 16.5), cell, 34)
@@ -102,10 +110,16 @@ def onset_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
             motion = Creepages(creepage)
             state = roll(contact, motion, force_along=wanted, before=state, start=state, differences=FIRST)
             creepage = float(state.motion.along)
-            if not state.status.converged:
-                energy.failures.append(f"onset, step {step}: {state.status.message}")
+            energy.run.check(f"onset, step {step}", state.status)
         for name in ("shift", "creepage"):
             if (str(step), name) in exact:
-                yield compare("CONTACT", f"onset of rolling, {step} steps", name, "mm" if name == "shift" else "",
-                              (exact[str(step), name], float(state.motion.along)), COARSE_LIMIT,
-                              "CONTACT's cells and its differences of first order")  # fmt: skip
+                yield Row(
+                    "CONTACT",
+                    f"onset of rolling, {step} steps",
+                    name,
+                    "mm" if name == "shift" else "",
+                    float(state.motion.along),
+                    exact[str(step), name],
+                    COARSE_LIMIT,
+                    "CONTACT's cells and its differences of first order",
+                )

@@ -1,9 +1,8 @@
 """A bar under a pressure that varies as a cosine, as a prism and a body of revolution, and a disc under two forces."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
-from itertools import groupby, pairwise
+from itertools import groupby
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
 from flangeway.solve import solve_harmonic
 from flangeway.space import CellBatch, Space
 from flangeway.types import Floats
-from studies.published_numbers import ReproducedNumber, compare, published_rows
+from studies.study import Limit, Row, Run, published_rows
 
 ELEMENTS: dict[str, Element] = {"FEM 2": Lagrange(2), "VEM 1": Virtual(1), "VEM 2": Virtual(2), "VEM 3": Virtual(3)}
 SIDES = {True: (96, 192, 384), False: (32, 64, 128)}
@@ -39,36 +38,7 @@ POISSON = 0.3
 REVOLUTION = (1.0, 2.0, 5.0, 8.0)
 """Radius times wavenumber of bars that are computed as bodies of revolution."""
 HARMONICS, AVERAGES = 60, 8
-
-
-@dataclass(frozen=True)
-class BarRow:
-    """A bar under the pressure cos kz on one mesh: a row of ``bar.csv``.
-
-    Parameters
-    ----------
-    element
-        Name in `ELEMENTS`.
-    ka
-        Wavenumber times radius.
-    n_sides
-        Sides of the polygon.
-    n_unknowns
-        Amplitudes.
-    u_r, u_z
-        Mean displacement outwards, from the work of the pressure, and along z at the surface.
-    error
-        Larger error of both over the amplitude of the exact displacement.
-
-    """
-
-    element: str
-    ka: float
-    n_sides: int
-    n_unknowns: int
-    u_r: float
-    u_z: float
-    error: float
+SHOWN = (1.0, 5.0, 40.0)  # radius times wavenumber of the bars in the picture
 
 
 def exact_bar() -> dict[float, tuple[float, float]]:
@@ -80,72 +50,56 @@ def exact_bar() -> dict[float, tuple[float, float]]:
     }
 
 
-def bar_rows(element: str, *, quick: bool) -> Iterator[BarRow]:
-    """Bars of all wavenumbers on three meshes each; if `quick`, the finest of short waves by order 3 only."""
+def bar_rows(run: Run, name: str) -> Iterator[Row]:
+    """Displacements on the finest of three meshes, and rates of convergence, by the wavenumber.
+
+    If quick, the finest mesh of short waves is for order 3 only.
+    """
+    element, series = ELEMENTS[name], dict[float, list[tuple[int, float, float, float]]]()
+    order = element.order
     for short in (False, True):
-        most = 2 if quick and short and ELEMENTS[element].order < max(BAR_LIMITS) else 3
-        for n_sides in SIDES[short][:most]:
-            harmonic, rim = _bar(n_sides, ELEMENTS[element], graded=short)
+        for n_sides in SIDES[short][: 2 if run.quick and short and order < max(BAR_LIMITS) else 3]:
+            harmonic, rim = _bar(n_sides, element, graded=short)
             area = float(harmonic.elasticity.space.mesh.cell_areas.sum())
-            for ka, (u_r, u_z) in exact_bar().items():
+            for ka, exact in exact_bar().items():
                 if (ka > SHORT_WAVES) != short:
                     continue
                 found = solve_harmonic(harmonic, ka)
                 along = np.einsum("eq,qm,em->", rim.weights, rim.shapes, found.amplitudes[rim.nodes, 2])
                 # int u . n ds = 2 A u_r, on the polygon and on the circle
                 values = -found.energy / area, float(along / rim.weights.sum())
-                error = max(abs(values[0] - u_r), abs(values[1] - u_z)) / float(np.hypot(u_r, u_z))
-                yield BarRow(element, ka, n_sides, found.amplitudes.size, *values, error)
+                error = max(abs(value - wanted) for value, wanted in zip(values, exact, strict=True))
+                series.setdefault(ka, []).append((n_sides, *values, error / float(np.hypot(*exact))))
+    for ka, meshes in sorted(series.items()):
+        code, (coarse, fine) = f"{name} ka={ka:g}", meshes[-2:]
+        if ka in SHOWN:
+            run.curve("bar", f"ka = {ka:g}", name, [mesh[0] for mesh in meshes], [mesh[-1] for mesh in meshes], "o-")
+        for quantity, wanted, value in zip(("u_r", "u_z"), exact_bar()[ka], fine[1:3], strict=True):
+            limit = BAR_LIMITS[order] if order == max(BAR_LIMITS) or ka < SHORT_WAVES else None
+            yield Row("Bar", code, quantity, "a/E", value, wanted, limit, f"{fine[0]} sides")
+        if fine[-1] > ROUND_OFF:
+            rate = float(np.log(coarse[-1] / fine[-1]) / np.log(fine[0] / coarse[0]))
+            least, edges = RATES[order] - LESS_THAN_RATE, fine[0] / ka
+            small = edges >= EDGES_A_WAVE
+            note = "" if small else f"{edges:.0f} edges a wave: not yet the rate of small elements"
+            at_least = Limit(f"at least {least:g}", rate >= least) if small else None
+            yield Row("Bar", code, "rate of convergence", "", rate, RATES[order], at_least, note)
 
 
-def bar_numbers(rows: Sequence[BarRow]) -> Iterator[ReproducedNumber]:
-    """Displacements on the finest meshes, and rates of convergence."""
-    for (element, ka), group in groupby(
-        sorted(rows, key=lambda row: (row.element, row.ka, row.n_sides)), lambda row: (row.element, row.ka)
-    ):
-        series = list(group)
-        finest, order, code = series[-1], ELEMENTS[element].order, f"{element} ka={ka:g}"
-        for name, exact, value in zip(("u_r", "u_z"), exact_bar()[ka], (finest.u_r, finest.u_z), strict=True):
-            yield compare(
-                "Bar",
-                code,
-                name,
-                "a/E",
-                (exact, value),
-                BAR_LIMITS[order],
-                f"{finest.n_sides} sides",
-                words=None if order == max(BAR_LIMITS) or ka < SHORT_WAVES else "",
-            )
-        rate = rates(series)[-1]
-        if finest.error > ROUND_OFF:
-            least, edges = RATES[order] - LESS_THAN_RATE, finest.n_sides / ka
-            words = f"at least {least:g}" if edges >= EDGES_A_WAVE else ""
-            note = "" if words else f"{edges:.0f} edges a wave: not yet the rate of small elements"
-            yield compare(
-                "Bar", code, "rate of convergence", "", (RATES[order], rate), np.inf, note,
-                words=words, within=rate >= least,
-            )  # fmt: skip
-    element = "VEM 2"
-    harmonic, _ = _bar(SIDES[False][0], ELEMENTS[element], graded=False)
+def plane_strain_row() -> Row:
+    """The bar at the wavenumber 0, held against motions in its plane."""
+    name = "VEM 2"
+    harmonic, _ = _bar(SIDES[False][0], ELEMENTS[name], graded=False)
     points = harmonic.elasticity.space.mesh.points
     first = points[np.argmin(np.hypot(points[:, 0] - 1.0, points[:, 1]))]
     second = points[np.argmin(np.hypot(*(points + first).T))]
     held = Harmonic(harmonic.elasticity, held={tuple(first.tolist()): "xy", tuple(second.tolist()): "y"})
-    found = solve_harmonic(held, 0.0)
-    value = -found.energy / float(harmonic.elasticity.space.mesh.cell_areas.sum())
+    value = -solve_harmonic(held, 0.0).energy / float(harmonic.elasticity.space.mesh.cell_areas.sum())
     exact = -(1.0 + POISSON) * (1.0 - 2.0 * POISSON)
-    yield compare("Bar", f"{element} k=0", "u_r", "a/E", (exact, value), 1e-9, "plane strain")
+    return Row("Bar", f"{name} k=0", "u_r", "a/E", value, exact, 1e-9, "plane strain")
 
 
-def rates(series: Sequence[BarRow]) -> list[float]:
-    """Rates of convergence between meshes of one series."""
-    return [
-        float(np.log(coarse.error / fine.error) / np.log(fine.n_sides / coarse.n_sides))
-        for coarse, fine in pairwise(series)
-    ]
-
-
-def revolution_numbers() -> Iterator[ReproducedNumber]:
+def revolution_numbers() -> Iterator[Row]:
     """Half a wave of the bar as a body of revolution, and a disc in plane strain under two opposite forces."""
     for name, element in ELEMENTS.items():
         for ka in REVOLUTION if name == "VEM 3" else REVOLUTION[2:3]:
@@ -158,11 +112,11 @@ def revolution_numbers() -> Iterator[ReproducedNumber]:
             values = found.amplitudes[at[0], 0], found.amplitudes[at[1], 1]
             limit = {1: 0.05, 2: 2e-3, 3: 1e-4}[element.order]
             for quantity, exact, value in zip(("u_r", "u_z"), exact_bar()[ka], values, strict=True):
-                yield compare("Bar of revolution", f"{name} ka={ka:g}", quantity, "a/E", (exact, float(value)), limit)
+                yield Row("Bar of revolution", f"{name} ka={ka:g}", quantity, "a/E", float(value), exact, limit)
     yield from _disc_numbers()
 
 
-def _disc_numbers() -> Iterator[ReproducedNumber]:
+def _disc_numbers() -> Iterator[Row]:
     """H. Hertz, 1883 (Timoshenko and Goodier, "Theory of Elasticity", article 41): forces P at both ends of a diameter.
 
     With s = x / R on the diameter across and ``q = P / (pi R)``, ``sigma_x = q ((1 - s^2) / (1 + s^2))^2`` and
@@ -185,12 +139,12 @@ def _disc_numbers() -> Iterator[ReproducedNumber]:
         sums = (sums[1:] + sums[:-1]) / 2.0
     plane_young, plane_poisson = 1.0 / (1.0 - POISSON**2), POISSON / (1.0 - POISSON)
     exact = (4.0 - np.pi + plane_poisson * np.pi) / (np.pi * plane_young)
-    yield compare("Disc", "t=90", "growth of the diameter across", "P/E", (exact, float(sums[-1])), 1e-4)
+    yield Row("Disc", "t=90", "growth of the diameter across", "P/E", float(sums[-1]), exact, 1e-4)
     for s, (radial, _, around, *_) in zip((0.0, 0.5), stresses.tolist(), strict=True):
         code = f"r={s:g} t=90"
         across, along = ((1.0 - s**2) / (1.0 + s**2)) ** 2 / np.pi, (1.0 - 4.0 / (1.0 + s**2) ** 2) / np.pi
-        yield compare("Disc", code, "stress across", "P/R", (across, radial), 1e-3)
-        yield compare("Disc", code, "stress along the forces", "P/R", (along, around), 1e-3)
+        yield Row("Disc", code, "stress across", "P/R", radial, across, 1e-3)
+        yield Row("Disc", code, "stress along the forces", "P/R", around, along, 1e-3)
 
 
 def fields_at(harmonic: Harmonic, amplitudes: Floats, wavenumber: float, points: Floats) -> tuple[Floats, Floats]:

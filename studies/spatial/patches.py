@@ -17,7 +17,7 @@ from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.space import Space
 from flangeway.types import Floats
-from studies.published_numbers import ReproducedNumber, compare, published_rows
+from studies.study import Row, Run, published_values
 
 HERTZ_STEEL = Elastic(210e3, 0.3)
 RADIUS, RATIOS = 300.0, (1.0, 2.0, 5.0, 20.0)
@@ -67,54 +67,27 @@ class Blocks:
 BLOCK = Blocks()
 
 
-@dataclass(frozen=True, eq=False)
-class HertzPatch:
-    """A patch beside Hertz's.
-
-    Parameters
-    ----------
-    code
-        Which.
-    found
-        Pressures.
-    exact
-        Hertz's contact.
-
-    """
-
-    code: str
-    found: PatchContact
-    exact: PointContact
-
-
-def hertz_patches() -> Iterator[HertzPatch]:
-    """A crowned prism below cylinders of several radii."""
+def hertz_rows(run: Run) -> Iterator[Row]:
+    """Semi-axes, maximum pressure and approach of a crowned prism below cylinders of several radii."""
     modulus = contact_modulus(HERTZ_STEEL.plane_modulus, HERTZ_STEEL.plane_modulus)
     for ratio in RATIOS:
+        code = f"hertz_{RADIUS:g}_{RADIUS * ratio:g}"
+        run.progress(code)
         unit = PointContact(1e3, RADIUS, RADIUS * ratio, modulus)
         force = round(1e3 * (SEMI_AXIS / min(unit.semi_axes)) ** 3, -2)
-        low = crowned("prism", RADIUS)
-        high = crowned("cylinder", None, RADIUS * ratio)
-        code = f"hertz_{RADIUS:g}_{RADIUS * ratio:g}"
-        yield HertzPatch(
-            code, press_patch(low, high, force=force), PointContact(force, RADIUS, RADIUS * ratio, modulus)
+        found = press_patch(crowned("prism", RADIUS), crowned("cylinder", None, RADIUS * ratio), force=force)
+        run.check(code, found.status)
+        exact, patch = PointContact(force, RADIUS, RADIUS * ratio, modulus), found.patches[0]
+        correction = force * _block_constant(found, HERTZ_STEEL)
+        values = (
+            (max(exact.semi_axes), patch.semi_axes[0]),
+            (min(exact.semi_axes), patch.semi_axes[1]),
+            (exact.max_pressure, patch.max_pressure),
+            (exact.approach, found.approach - correction),
         )
-
-
-def hertz_numbers(solved: HertzPatch) -> Iterator[ReproducedNumber]:
-    """Semi-axes, maximum pressure and approach of one patch."""
-    exact, found = solved.exact, solved.found
-    patch, force = found.patches[0], exact.force
-    correction = force * _block_constant(found, HERTZ_STEEL)
-    values = (
-        (max(exact.semi_axes), patch.semi_axes[0]),
-        (min(exact.semi_axes), patch.semi_axes[1]),
-        (exact.max_pressure, patch.max_pressure),
-        (exact.approach, found.approach - correction),
-    )
-    note = f"{force:g} N; the finite blocks add {correction:.4f} mm to the approach"
-    for (name, limit), pair in zip(LIMITS.items(), values, strict=True):
-        yield compare("Hertz", solved.code, name, name.rpartition("_")[2], pair, limit, note)
+        note = f"{force:g} N; the finite blocks add {correction:.4f} mm to the approach"
+        for (name, limit), (wanted, value) in zip(LIMITS.items(), values, strict=True):
+            yield Row("Hertz", code, name, name.rpartition("_")[2], value, wanted, limit, note)
 
 
 def _block_constant(found: PatchContact, material: Elastic) -> float:
@@ -249,38 +222,31 @@ def conforming_blocks() -> tuple[PatchBody, PatchBody]:
     return bodies[0], bodies[1]
 
 
-def conforming_patches() -> tuple[PatchPair, PatchContact]:
-    """The published bodies on a grid, and both blocks."""
-    first, second = conforming_bodies()
-    pair = PatchPair(first, second, grid_about(first, second, BODIES_CELL, BODIES_WINDOW))
-    return pair, press_patch(*conforming_blocks(), approach=BLOCK.approach)
-
-
-def conforming_numbers(bodies: PatchPair, block: PatchContact) -> Iterator[ReproducedNumber]:
+def conforming_rows(run: Run) -> Iterator[Row]:
     """Forces and pressures beside the published half-space, the published finite elements, and CalculiX."""
-    published, units = _published("conformal"), {"force": "N", "p0": "MPa", "area": "mm2"}
+    run.progress("conforming bodies")
+    first, second = conforming_bodies()
+    bodies = PatchPair(first, second, grid_about(first, second, BODIES_CELL, BODIES_WINDOW))
+    block = press_patch(*conforming_blocks(), approach=BLOCK.approach)
+    run.check("block", block.status)
+    published, units = published_values("spatial.csv", "conformal"), {"force": "N", "p0": "MPa", "area": "mm2"}
     for gap in ("parabolic", "half-space"):
         for (name, unit), value in zip(units.items(), half_space_contact(gap), strict=True):
-            yield compare("Conformal", gap, name, unit, (published[gap, name], value), CONFORMAL_LIMITS[name])
+            yield Row("Conformal", gap, name, unit, value, published[gap, name], CONFORMAL_LIMITS[name])
     # the published gap on the real bodies, with the published sum of forces
     grid, code = bodies.grid, "finite_elements"
     gaps, shares = published_gaps(grid.bounds - bodies.first.length / 2.0, grid.along, "half-space")
     total = published[code, "force"]
-    first = solve_normal(bodies.influence, gaps, force=total, share=shares)
-    found = solve_normal(bodies.influence, gaps, force=total**2 / float(first.forces.sum()), share=shares)
+    trial = solve_normal(bodies.influence, gaps, force=total, share=shares)
+    found = solve_normal(bodies.influence, gaps, force=total**2 / float(trial.forces.sum()), share=shares)
     cells = grid.widths[:, None] * grid.strip
     values = float((found.forces / cells).max()), float(((found.forces > 0.0) * cells).sum())
     note = "by the real bodies at the published force; the published ones and their supports are not known"
     for name, value in zip(("p0", "area"), values, strict=True):
-        yield compare("Conformal", code, name, units[name], (published[code, name], value), BODIES_LIMITS[name], note)
+        yield Row("Conformal", code, name, units[name], value, published[code, name], BODIES_LIMITS[name], note)
     for name, value in (("force", float(block.force[1])), ("p0", float(block.pressures.max()))):
-        coarse, fine = (_published("block")[size, name] for size in BLOCK_MESHES)
+        coarse, fine = (published_values("spatial.csv", "block")[size, name] for size in BLOCK_MESHES)
         ratio = float(BLOCK_MESHES[0]) / float(BLOCK_MESHES[1])
         exact = fine + (fine - coarse) / (ratio**2 - 1.0)
         note = f"by C3D20 of CalculiX, {fine:.6g} with edges of {BLOCK_MESHES[1]} mm, extrapolated over their square"
-        yield compare("Conformal", "block", name, units[name], (exact, value), BLOCK_LIMIT, note)
-
-
-def _published(case: str) -> dict[tuple[str, str], float]:
-    rows = published_rows("spatial.csv")
-    return {(row["code"], row["quantity"]): float(row["value"]) for row in rows if row["case"] == case}
+        yield Row("Conformal", "block", name, units[name], value, exact, BLOCK_LIMIT, note)

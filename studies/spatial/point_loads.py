@@ -18,8 +18,8 @@ from flangeway.solve import HarmonicSolution, solve_harmonic
 from flangeway.space import Space
 from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
-from studies.published_numbers import ReproducedNumber, compare, percent, published_rows
 from studies.spatial.cosine_loads import fields_at
+from studies.study import Limit, Row, percent, published_rows
 
 SQUARE = Elastic(2.56, 0.28)
 SQUARE_LIMIT = 3e-3
@@ -77,7 +77,7 @@ def transformed(waves: Floats, amplitudes: Floats, length: float, distance: floa
     return result
 
 
-def square_numbers() -> Iterator[ReproducedNumber]:
+def square_numbers() -> Iterator[Row]:
     """Displacements and stresses below the centre of a loaded square, the tangential traction across or along z."""
     rows = [row for row in published_rows("spatial.csv") if row["case"] == "square"]
     depths = sorted({float(row["code"]) for row in rows})
@@ -114,11 +114,9 @@ def square_numbers() -> Iterator[ReproducedNumber]:
         }[name]
         for value, which in found:
             small = name.startswith("s_") and abs(exact) < normal_stress / 2.0
-            yield compare(
-                "Square", f"depth {depth:g} {which}".strip(), name, "", (exact, float(value)), SQUARE_LIMIT,
-                words=f"{percent(SQUARE_LIMIT)} of s_zz" if small else None,
-                within=abs(value - exact) <= SQUARE_LIMIT * normal_stress if small else None,
-            )  # fmt: skip
+            close = Limit(f"{percent(SQUARE_LIMIT)} of s_zz", bool(abs(value - exact) <= SQUARE_LIMIT * normal_stress))
+            place = f"depth {depth:g} {which}".strip()
+            yield Row("Square", place, name, "", float(value), exact, close if small else SQUARE_LIMIT)
 
 
 def _block() -> tuple[Harmonic, Harmonic]:
@@ -136,36 +134,6 @@ def _block() -> tuple[Harmonic, Harmonic]:
         Harmonic(Elasticity(space, SQUARE, loads=[Traction("loaded", (TANGENTIAL, -1.0))]), held=held),
         Harmonic(Elasticity(space, SQUARE), [LongitudinalTraction("loaded", TANGENTIAL)], held=held),
     )
-
-
-@dataclass(frozen=True, eq=False)
-class RailRow:
-    """A rail under a force of 1 N on a short strip: a row of ``rail.csv``, in N and mm.
-
-    Parameters
-    ----------
-    foundation
-        Under the foot, in N/mm per mm.
-    eccentricity
-        Of the load, measured on the mesh.
-    deflection, twist, moment
-        Of the foot below the load, its rotation about the rail, and the bending moment of the section there.
-    beam_deflection, beam_twist, beam_moment
-        The same of Euler and Bernoulli's beam with Saint-Venant's and Vlasov's torsion.
-    shear_deflection
-        Deflection of Timoshenko's beam.
-
-    """
-
-    foundation: float
-    eccentricity: float
-    deflection: float
-    twist: float
-    moment: float
-    beam_deflection: float
-    beam_twist: float
-    beam_moment: float
-    shear_deflection: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,8 +196,12 @@ def meshed_rail() -> Rail:
     return Rail(space, run.constants, float(np.ptp(mesh.points[mesh.edge_set("base")][..., 0])))
 
 
-def rail_rows(rail: Rail) -> Iterator[RailRow]:
-    """Deflection, twist and moment of a rail below its load, and those of the beam."""
+def rail_rows() -> Iterator[Row]:
+    """Deflection, twist and moment of a rail below its load beside those of beams, and its answers to long waves.
+
+    The beams are Euler and Bernoulli's, and Timoshenko's with shear, with Saint-Venant's and Vlasov's torsion.
+    """
+    rail = meshed_rail()
     constants = rail.constants
     vertical, lateral, twisting, warping = STEEL.young * np.array(
         [*constants.second_moments[:2], constants.torsion_constant / 2.6, constants.warping_constant]
@@ -254,39 +226,25 @@ def rail_rows(rail: Rail) -> Iterator[RailRow]:
             twist = -eccentricity * sideways / (sideways * about - coupling**2)
             at_load = partial(transformed, waves, length=STRIP)
             (slope, down), lowered, turned = at_load(foot) / STRIP, at_load(bending) / STRIP, at_load(twist) / STRIP
-            yield RailRow(
-                foundation, eccentricity,
-                -float(down + slope * eccentricity), float(slope), float(at_load(moments)) / STRIP,
-                float(lowered - turned * eccentricity), float(turned),
-                float(at_load(vertical * waves**2 * bending)) / STRIP,
-                float(at_load(sheared) / STRIP - turned * eccentricity),
-            )  # fmt: skip
-
-
-def rail_numbers(rail: Rail, rows: list[RailRow]) -> Iterator[ReproducedNumber]:
-    """The rail beside beams, and its answers to long waves beside the constants of its section."""
-    for row in rows:
-        code = f"U={row.foundation:g} e={abs(row.eccentricity):.0f}"
-        weak = row.foundation == FOUNDATIONS[0]
-        note = "without shear, which adds more than 2 % on a stiff foundation"
-        beams = (("deflection", row.beam_deflection, weak), ("deflection, with shear", row.shear_deflection, True))
-        for name, beam, limited in beams:
-            words = None if limited else ""
-            yield compare(
-                "Rail", code, name, "mm/N", (beam, row.deflection), BEAM_LIMIT, note * (not limited), words=words
-            )
-        yield compare("Rail", code, "bending moment", "mm", (row.beam_moment, row.moment), BEAM_LIMIT)
-        if row.eccentricity > 1.0:
-            note = "the web bends: the section does not keep its shape, as that of a beam"
-            yield compare("Rail", code, "twist of the foot", "1/N", (row.beam_twist, row.twist), 0.02, note, words="")
-    constants = rail.constants
+            code, value = f"U={foundation:g} e={abs(eccentricity):.0f}", -float(down + slope * eccentricity)
+            weak, bend = foundation == FOUNDATIONS[0], float(turned) * eccentricity
+            note = "" if weak else "without shear, which adds more than 2 % on a stiff foundation"
+            beam = float(lowered) - bend
+            yield Row("Rail", code, "deflection", "mm/N", value, beam, BEAM_LIMIT if weak else None, note)
+            beam = float(at_load(sheared) / STRIP) - bend
+            yield Row("Rail", code, "deflection, with shear", "mm/N", value, beam, BEAM_LIMIT)
+            beam = float(at_load(vertical * waves**2 * bending)) / STRIP
+            yield Row("Rail", code, "bending moment", "mm", float(at_load(moments)) / STRIP, beam, BEAM_LIMIT)
+            if eccentricity > 1.0:
+                note = "the web bends: the section does not keep its shape, as that of a beam"
+                yield Row("Rail", code, "twist of the foot", "1/N", float(slope), float(turned), None, note)
     exact = STEEL.young * np.array(
         [constants.area, constants.second_moments[0], constants.torsion_constant / 2.0 / (1.0 + STEEL.poisson)]
     )
     for name, unit, beam, value in zip(
         ("EA", "EI", "GJ"), ("N", "N mm2", "N mm2"), exact, _long_waves(rail), strict=True
     ):
-        yield compare("Rail", "long waves", name, unit, (float(beam), value), STIFFNESS_LIMIT)
+        yield Row("Rail", "long waves", name, unit, value, float(beam), STIFFNESS_LIMIT)
 
 
 def _long_waves(rail: Rail) -> tuple[float, ...]:

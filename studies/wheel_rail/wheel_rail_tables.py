@@ -1,14 +1,12 @@
 """Tables 15 and 16: the published kind of computation, the flange root that one number identifies, and comparisons."""
 
-import time
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from flangeway.cases.case import Progress
-from flangeway.cases.wheelset.summarise import summarise
-from flangeway.cases.wheelset.wheelset_case import CaseRun, WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases.wheelset.wheelset_case import WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
 from flangeway.elements import TraceStabilisation
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import WheelProfile, wheel
@@ -21,7 +19,7 @@ from flangeway.railway.profiles.flange_root import (
 from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
-from studies.published_numbers import ReproducedNumber, compare, percent, published_rows
+from studies.study import Limit, Row, Run, published_rows
 
 CASES: dict[str, type[WheelsetCase]] = {"tangent": WheelsetTangentCase, "curve": WheelsetCurveCase}
 TABLES = {"tangent": 15, "curve": 16}
@@ -44,49 +42,14 @@ SAME_CM = 3e-4
 of elements away from contact, which is not given, changes it by another 2e-4."""
 FOUND_MM = 0.05  # maximum difference of the radius found again from the bundled one
 
+Results = dict[tuple[str, str], WheelsetResult]  # by situation and code
+
 FAMILIES = {"arcs moved": with_flange_root, "narrow arc in place": with_wide_flange_root}
 MEMBERS_MM = {"arcs moved": (54.0, 44.0), "narrow arc in place": (68.0, 80.0, 56.0)}
 """Radii of the wide arc that are computed beside the identified one, the last of each only without ``quick``."""
 MEMBER_CODE = "FO1"
 COARSE_MM = 10.0  # another size of triangles away from contact, to show its influence on the differences of the rows
 BY_HAND = "the published equilibrium was found by hand"
-
-
-@dataclass(frozen=True, eq=False)
-class WheelRailRow:
-    """One row of Tables 15 and 16."""
-
-    situation: str  # ``"tangent"`` or ``"curve"``
-    code: str  # ``"FO1"``, ``"VO1"``, ``"FO2"`` or ``"VO2"``
-    run: CaseRun  # the case and its result
-
-    @property
-    def result(self) -> WheelsetResult:
-        """The solution."""
-        return self.run.result
-
-    @property
-    def motion(self) -> WheelsetPosition:
-        """Displacement along horizontal and vertical."""
-        return self.result.position_in_space
-
-    @property
-    def seconds(self) -> float:
-        """Wall-clock time, meshing included."""
-        return sum(self.result.timings_s.values())
-
-
-@dataclass(frozen=True)
-class RootMember:
-    """A flange root of a family and the position of the wheelset of the curve with it."""
-
-    family: str  # a key of `FAMILIES`
-    radius_mm: float  # radius of the wide arc
-    lateral_cm: float
-    rotation_rad: float
-    vertical_difference_cm: float
-    """lateral_cm, rotation_rad, vertical_difference_cm: lateral translation, rotation, and vertical translation less
-    that on tangent track, of FO1."""
 
 
 def published_case(situation: str, code: str, body_mm: float = BODY_MM) -> WheelsetCase:
@@ -113,12 +76,9 @@ def published_problem(case: WheelsetCase) -> WheelsetProblem:
     return replace(problem, discretisation=replace(problem.discretisation, stabilisation=TraceStabilisation()))
 
 
-def run_published(situation: str, code: str, body_mm: float = BODY_MM) -> CaseRun:
+def run_published(situation: str, code: str, body_mm: float = BODY_MM) -> WheelsetResult:
     """Solve a row from a cold start."""
-    start = time.perf_counter()
-    case = published_case(situation, code, body_mm)
-    result = solve_wheelset(published_problem(case), cold=True)
-    return CaseRun(case, result, summarise(case, result, time.perf_counter() - start))
+    return solve_wheelset(published_problem(published_case(situation, code, body_mm)), cold=True)
 
 
 def curve_with(profile: WheelProfile, code: str) -> WheelsetResult:
@@ -149,48 +109,38 @@ def identified_radius(known_mm: float, progress: Progress) -> float:
     return radii[-1] + step
 
 
-def root_members(rows: Sequence[WheelRailRow], progress: Progress, *, quick: bool) -> tuple[RootMember, ...]:
-    """Solve the curve with other members of both families; the identified one is among the rows."""
-    at = {row.situation: row.motion for row in rows if row.code == MEMBER_CODE}
-    members = []
-    for family, make in FAMILIES.items():
-        if family == "arcs moved":
-            members.append(_member(family, IDENTIFIED_RADIUS_MM, at["curve"], at["tangent"]))
-        for radius in MEMBERS_MM[family][: -1 if quick else None]:
-            progress(f"flange root of {radius:g} mm, {family}")
-            motion = curve_with(make(wheel("AAR-1B"), radius), MEMBER_CODE).position_in_space
-            members.append(_member(family, radius, motion, at["tangent"]))
-    return tuple(sorted(members, key=lambda each: (each.family, each.radius_mm)))
-
-
-def _member(family: str, radius: float, curve: WheelsetPosition, tangent: WheelsetPosition) -> RootMember:
-    # on tangent track the root is not touched
-    sunk = (curve.vertical_mm - tangent.vertical_mm) / 10.0
-    return RootMember(family, radius, curve.lateral_mm / 10.0, curve.roll_rad, sunk)
-
-
-def root_numbers(members: Sequence[RootMember], found_mm: float | None) -> Iterator[ReproducedNumber]:
-    """Radius found again, and each family at the published lateral translation."""
-    if found_mm is not None:
-        yield compare(
-            "flange root", FITTED_CODE, "radius of the wide arc", "mm", (IDENTIFIED_RADIUS_MM, found_mm), FOUND_MM,
-            "identified again; reference: the bundled radius", words=f"{FOUND_MM:g} mm",
-            within=abs(found_mm - IDENTIFIED_RADIUS_MM) <= FOUND_MM,
-        )  # fmt: skip
+def root_rows(run: Run, results: Results) -> Iterator[Row]:
+    """Radius found again (not if quick), and each family at the published lateral translation."""
     printed = _printed()
-    row = printed["curve", MEMBER_CODE]
+    if not run.quick:
+        found_mm = identified_radius(results["curve", FITTED_CODE].position_in_space.lateral_mm, run.progress)
+        note = "identified again; reference: the bundled radius"
+        quantity = "radius of the wide arc"
+        limit = f"{FOUND_MM:g} mm"
+        yield Row("flange root", FITTED_CODE, quantity, "mm", found_mm, IDENTIFIED_RADIUS_MM, limit, note)
+    row, tangent = printed["curve", MEMBER_CODE], results["tangent", MEMBER_CODE].position_in_space
     lateral = float(row["horizontal_translation_cm"])
     sunk = _vertical(printed, "curve", MEMBER_CODE) - _vertical(printed, "tangent", MEMBER_CODE)
-    for family in FAMILIES:
-        mine = sorted((each for each in members if each.family == family), key=lambda each: each.lateral_cm)
-        places = np.array([(m.lateral_cm, m.rotation_rad, m.vertical_difference_cm, m.radius_mm) for m in mine]).T
-        rotation, vertical, radius = (float(np.interp(lateral, places[0], values)) for values in places[1:])
+    for family, make in FAMILIES.items():
+        moved = {radius: make(wheel("AAR-1B"), radius) for radius in MEMBERS_MM[family][: -1 if run.quick else None]}
+        positions = {}
+        for radius, profile in moved.items():
+            run.progress(f"flange root of {radius:g} mm, {family}")
+            positions[radius] = curve_with(profile, MEMBER_CODE).position_in_space
+        if family == "arcs moved":
+            positions[IDENTIFIED_RADIUS_MM] = results["curve", MEMBER_CODE].position_in_space
+        # on tangent track the root is not touched
+        members = sorted(
+            (at.lateral_mm / 10.0, at.roll_rad, (at.vertical_mm - tangent.vertical_mm) / 10.0, radius)
+            for radius, at in positions.items()
+        )
+        laterals, *others = np.transpose(members)
+        rotation, vertical, radius = (float(np.interp(lateral, laterals, values)) for values in others)
         note = f"interpolated to the published lateral translation, at a wide arc of {radius:.1f} mm"
-        for quantity, unit, values in (
-            ("rotation", "rad", (float(row["rotation_rad"]), rotation)),
-            ("vertical translation, curve less tangent", "cm", (sunk, vertical)),
-        ):
-            yield compare("flange root", f"{MEMBER_CODE}, {family}", quantity, unit, values, PREDICTED, note, words="")
+        code = f"{MEMBER_CODE}, {family}"
+        yield Row("flange root", code, "rotation", "rad", rotation, float(row["rotation_rad"]), None, note)
+        quantity = "vertical translation, curve less tangent"
+        yield Row("flange root", code, quantity, "cm", vertical, sunk, None, note)
 
 
 def _printed() -> dict[tuple[str, str], dict[str, str]]:
@@ -202,130 +152,90 @@ def _vertical(printed: dict[tuple[str, str], dict[str, str]], situation: str, co
     return float(printed[situation, code]["vertical_translation_cm"])
 
 
-def table_numbers(rows: Sequence[WheelRailRow]) -> Iterator[ReproducedNumber]:
+def table_rows(results: Results) -> Iterator[Row]:
     """Positions, their differences, and equilibrium residuals beside the published ones."""
     printed = _printed()
-    motions = {(row.situation, row.code): row.motion for row in rows}
-    for row in rows:
-        key = (row.situation, row.code)
-        yield from (_tangent if row.situation == "tangent" else _curve)(row.code, motions, printed)
-        yield from _residuals(row, printed[key])
-
-
-def _number(
-    situation: str,
-    code: str,
-    quantity: str,
-    unit: str,
-    values: tuple[float, float],
-    limit: str,
-    note: str,
-    *,
-    within: bool | None = None,
-) -> ReproducedNumber:
-    """Row of the tables; without ``within`` the limit is `PREDICTED`."""
-    name = f"{situation} {code}"
-    return compare(TABLES[situation], name, quantity, unit, values, PREDICTED, note, words=limit, within=within)
+    motions = {key: result.position_in_space for key, result in results.items()}
+    for (situation, code), result in results.items():
+        yield from (_tangent if situation == "tangent" else _curve)(code, motions, printed)
+        residuals = result.equilibrium.residuals
+        for column, quantity, value in (
+            ("vertical_force_error", "vertical residual", residuals.vertical_residual),
+            ("horizontal_force_error", "lateral residual", residuals.lateral_residual),
+            ("moment_error", "moment residual", residuals.moment_residual),
+            ("resulting_error", "equilibrium residual", residuals.equilibrium_residual),
+        ):
+            limit = Limit(f"below {MAX_RESIDUAL:g}", abs(value) < MAX_RESIDUAL)
+            published = float(printed[situation, code][column])
+            yield Row(TABLES[situation], f"{situation} {code}", quantity, "", value, published, limit, BY_HAND)
 
 
 Motions = dict[tuple[str, str], WheelsetPosition]
 Printed = dict[tuple[str, str], dict[str, str]]
 
 
-def _shown_vertical(situation: str, code: str, motions: Motions, printed: Printed) -> ReproducedNumber:
-    values = (_vertical(printed, situation, code), motions[situation, code].vertical_mm / 10.0)
-    apart = 10.0 * (values[1] - values[0])
-    note = (
-        f"difference {apart:.3f} mm: the published reference position is not given; the same difference in all eight "
-        "rows"
-    )
-    return _number(situation, code, "vertical translation", "cm", values, "", note)
+def _shown_vertical(situation: str, code: str, motions: Motions, printed: Printed) -> Row:
+    published, value = _vertical(printed, situation, code), motions[situation, code].vertical_mm / 10.0
+    note = "the published reference position is not given; the same difference in all eight rows"
+    return Row(TABLES[situation], f"{situation} {code}", "vertical translation", "cm", value, published, None, note)
 
 
-def _tangent(code: str, motions: Motions, printed: Printed) -> Iterator[ReproducedNumber]:
-    motion, row = motions["tangent", code], printed["tangent", code]
+def _tangent(code: str, motions: Motions, printed: Printed) -> Iterator[Row]:
+    motion, row, name = motions["tangent", code], printed["tangent", code], f"tangent {code}"
     yield _shown_vertical("tangent", code, motions, printed)
     if code != FITTED_CODE:
-        first = motions["tangent", FITTED_CODE].vertical_mm
         published = _vertical(printed, "tangent", code) - _vertical(printed, "tangent", FITTED_CODE)
-        values = (published, (motion.vertical_mm - first) / 10.0)
-        yield _number(
-            "tangent", code, f"vertical translation less that of {FITTED_CODE}", "cm", values, f"{SAME_CM:g} cm",
-            "predicted", within=abs(values[1] - values[0]) <= SAME_CM,
-        )  # fmt: skip
-    lateral, roll = motion.lateral_mm / 10.0, motion.roll_rad
+        value = (motion.vertical_mm - motions["tangent", FITTED_CODE].vertical_mm) / 10.0
+        quantity = f"vertical translation less that of {FITTED_CODE}"
+        yield Row(15, name, quantity, "cm", value, published, f"{SAME_CM:g} cm", "predicted")
     note = "predicted: zero by symmetry; the published value comes from the asymmetry of its meshes"
-    yield _number(
-        "tangent", code, "horizontal translation", "cm", (float(row["horizontal_translation_cm"]), lateral),
-        f"{SYMMETRIC_CM:g} cm", note, within=abs(lateral) <= SYMMETRIC_CM,
-    )  # fmt: skip
-    yield _number(
-        "tangent", code, "rotation", "rad", (float(row["rotation_rad"]), roll), f"{1e3 * SYMMETRIC_RAD:g} mrad", note,
-        within=abs(roll) <= SYMMETRIC_RAD,
-    )  # fmt: skip
+    lateral, roll = motion.lateral_mm / 10.0, motion.roll_rad
+    limit = Limit(f"{SYMMETRIC_CM:g} cm", abs(lateral) <= SYMMETRIC_CM)
+    published = float(row["horizontal_translation_cm"])
+    yield Row(15, name, "horizontal translation", "cm", lateral, published, limit, note)
+    limit = Limit(f"{1e3 * SYMMETRIC_RAD:g} mrad", abs(roll) <= SYMMETRIC_RAD)
+    yield Row(15, name, "rotation", "rad", roll, float(row["rotation_rad"]), limit, note)
 
 
-def _curve(code: str, motions: Motions, printed: Printed) -> Iterator[ReproducedNumber]:
-    motion, row = motions["curve", code], printed["curve", code]
+def _curve(code: str, motions: Motions, printed: Printed) -> Iterator[Row]:
+    motion, row, name = motions["curve", code], printed["curve", code], f"curve {code}"
     yield _shown_vertical("curve", code, motions, printed)
     sunk = (motion.vertical_mm - motions["tangent", code].vertical_mm) / 10.0
     published = _vertical(printed, "curve", code) - _vertical(printed, "tangent", code)
-    limit = percent(PREDICTED)
-    yield _number(
-        "curve", code, "vertical translation, curve less tangent", "cm", (published, sunk), limit, "predicted"
-    )
-    lateral = (float(row["horizontal_translation_cm"]), motion.lateral_mm / 10.0)
+    yield Row(16, name, "vertical translation, curve less tangent", "cm", sunk, published, PREDICTED, "predicted")
+    limit, note = PREDICTED, "predicted"
     if code == FITTED_CODE:
-        close = abs(lateral[1] / lateral[0] - 1.0) <= FIT
-        note = "fitted: the radius of the wheel's wide arc is chosen for it"
-        yield _number("curve", code, "horizontal translation", "cm", lateral, percent(FIT), note, within=close)
-    else:
-        yield _number("curve", code, "horizontal translation", "cm", lateral, limit, "predicted")
-    rotation = (float(row["rotation_rad"]), motion.roll_rad)
-    yield _number("curve", code, "rotation", "rad", rotation, limit, "predicted")
-    if code == FITTED_CODE:
-        return
-    yield from _apart(code, code, BODY_MM, motions, printed)
+        limit, note = FIT, "fitted: the radius of the wheel's wide arc is chosen for it"
+    published = float(row["horizontal_translation_cm"])
+    yield Row(16, name, "horizontal translation", "cm", motion.lateral_mm / 10.0, published, limit, note)
+    yield Row(16, name, "rotation", "rad", motion.roll_rad, float(row["rotation_rad"]), PREDICTED, "predicted")
+    if code != FITTED_CODE:
+        yield from _apart(code, name, BODY_MM, motions, printed)
 
 
-def coarse_numbers(progress: Progress, *, quick: bool) -> Iterator[ReproducedNumber]:
-    """Differences of the rows of the curve with larger elements away from contact; of one row if ``quick``."""
+def coarse_rows(run: Run) -> Iterator[Row]:
+    """Differences of the rows of the curve with larger elements away from contact; of one row if quick."""
     motions, printed = {}, _printed()
-    codes = (MEMBER_CODE, FITTED_CODE) if quick else CODES
+    codes = (MEMBER_CODE, FITTED_CODE) if run.quick else CODES
     for code in codes:
-        progress(f"curve, {code}, {COARSE_MM:g} mm away from contact")
-        motions["curve", code] = run_published("curve", code, COARSE_MM).result.position_in_space
+        run.progress(f"curve, {code}, {COARSE_MM:g} mm away from contact")
+        motions["curve", code] = run_published("curve", code, COARSE_MM).position_in_space
     for code in codes:
         if code != FITTED_CODE:
-            yield from _apart(code, f"{code}, {COARSE_MM:g} mm away from contact", COARSE_MM, motions, printed)
+            yield from _apart(code, f"curve {code}, {COARSE_MM:g} mm away from contact", COARSE_MM, motions, printed)
 
 
-def _apart(code: str, name: str, body_mm: float, motions: Motions, printed: Printed) -> Iterator[ReproducedNumber]:
+def _apart(code: str, name: str, body_mm: float, motions: Motions, printed: Printed) -> Iterator[Row]:
     """How far a row of the curve is from the fitted one."""
     row, motion = printed["curve", code], motions["curve", code]
     base, first = printed["curve", FITTED_CODE], motions["curve", FITTED_CODE]
-    given = body_mm == BODY_MM
     note = "the element size away from contact is not given and determines these differences"
-    for quantity, unit, column, computed in (
+    for quantity, unit, column, value in (
         ("horizontal translation", "cm", "horizontal_translation_cm", (motion.lateral_mm - first.lateral_mm) / 10.0),
         ("rotation", "rad", "rotation_rad", motion.roll_rad - first.roll_rad),
     ):
-        values = (float(row[column]) - float(base[column]), computed)
-        yield _number(
-            "curve", name, f"{quantity} less that of {FITTED_CODE}", unit, values, "same sign" if given else "",
-            f"predicted, its sign: {note}" if given else note, within=values[0] * computed > 0.0,
-        )  # fmt: skip
-
-
-def _residuals(row: WheelRailRow, printed: dict[str, str]) -> Iterator[ReproducedNumber]:
-    residuals = row.result.equilibrium.residuals
-    for column, quantity, value in (
-        ("vertical_force_error", "vertical residual", residuals.vertical_residual),
-        ("horizontal_force_error", "lateral residual", residuals.lateral_residual),
-        ("moment_error", "moment residual", residuals.moment_residual),
-        ("resulting_error", "equilibrium residual", residuals.equilibrium_residual),
-    ):
-        yield _number(
-            row.situation, row.code, quantity, "", (float(printed[column]), value), f"below {MAX_RESIDUAL:g}", BY_HAND,
-            within=abs(value) < MAX_RESIDUAL,
-        )  # fmt: skip
+        published = float(row[column]) - float(base[column])
+        limit, text = None, note
+        if body_mm == BODY_MM:
+            limit, text = Limit("same sign", published * value > 0.0), f"predicted, its sign: {note}"
+        yield Row(16, name, f"{quantity} less that of {FITTED_CODE}", unit, value, published, limit, text)

@@ -1,6 +1,6 @@
 """Tangent and curve by finite and virtual elements of both orders, and patches beside those of a fine direct mesh."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,7 @@ from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_posit
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheel_patch import spatial_patch
 from flangeway.railway.wheelset.wheelset_model import build_model
-from studies.published_numbers import ReproducedNumber, compare
+from studies.study import Limit, Row, Run, percent
 from studies.wheelset3d.one_wheel import FIXED, pressed_wheel
 
 SITUATIONS: Mapping[str, Mapping[str, float]] = {
@@ -27,53 +27,39 @@ METHODS = (("fem", 2), ("vem", 2), ("fem", 1), ("vem", 1))
 FORCE_LIMIT, PRESSURE_LIMIT = 1e-3, 0.01
 
 
-@dataclass(frozen=True, eq=False)
-class MethodRun:
-    """One situation by one kind of elements."""
-
-    situation: str
-    method: str
-    order: int
-    result: SpatialResult
-
-
-def method_runs(*, quick: bool = False, progress: Callable[[str], None] = lambda _: None) -> Iterator[MethodRun]:
-    """Solve both situations by each kind of elements, by those of order 2 if quick."""
-    for method, order in METHODS[: 2 if quick else None]:
+def method_rows(run: Run) -> Iterator[Row]:
+    """Forces and pressures of both situations by each kind of elements beside those of the first; order 2 if quick."""
+    base: dict[str, SpatialResult] = {}
+    for method, order in METHODS[: 2 if run.quick else None]:
+        code = f"{method} {order}"
         cases = {
             name: SpatialWheelsetCase.from_values({"method": method, "order": order, **values})
             for name, values in SITUATIONS.items()
         }
-        progress(f"{method} {order}")
+        run.progress(code)
         model = cases["tangent"].spatial_model()
-        surfaces = running_surfaces(cases["tangent"].problem(), model, progress=progress)
+        surfaces = running_surfaces(cases["tangent"].problem(), model, progress=run.progress)
         for name, case in cases.items():
             result = solve_position(SpatialWheelset(case.problem(), surfaces, model), {})
-            yield MethodRun(name, method, order, result)
+            run.check(f"{name}, {code}", result.status)
+            if (method, order) == METHODS[0]:
+                base[name] = result
+            else:
+                yield from _beside(name, code, base[name], result)
 
 
-def method_numbers(runs: list[MethodRun]) -> Iterator[ReproducedNumber]:
-    """Forces and pressures of the other elements beside those of the first."""
-    first = {run.situation: run for run in runs if (run.method, run.order) == METHODS[0]}
-    for run in runs:
-        base = first[run.situation]
-        if run is base:
-            continue
-        table, code = run.situation, f"{run.method} {run.order}"
-        for side in SIDES:
-            known, found = (each.result.force_on_wheel_N(side) for each in (base, run))
-            limit = FORCE_LIMIT * float(np.hypot(*known))
-            for name, *values in zip(("lateral", "vertical"), known, found, strict=True):
-                pair = float(values[0]), float(values[1])
-                yield compare(
-                    table, code, f"{name} force, {side} wheel", "N", pair, limit,
-                    words=f"{100.0 * FORCE_LIMIT:g} % of the contact force", within=abs(pair[1] - pair[0]) <= limit,
-                )  # fmt: skip
-            known_patches, patches = ([each for each in one.result.patches if each.side == side] for one in (base, run))
-            for known_patch, patch in zip(known_patches, patches, strict=True):
-                pressures = known_patch.ellipse.max_pressure, patch.ellipse.max_pressure
-                name = f"maximum pressure, {side} wheel, {known_patch.region}"
-                yield compare(table, code, name, "MPa", pressures, PRESSURE_LIMIT)
+def _beside(table: str, code: str, base: SpatialResult, result: SpatialResult) -> Iterator[Row]:
+    for side in SIDES:
+        known, found = (each.force_on_wheel_N(side) for each in (base, result))
+        allowed = FORCE_LIMIT * float(np.hypot(*known))
+        for name, wanted, value in zip(("lateral", "vertical"), known.tolist(), found.tolist(), strict=True):
+            limit = Limit(f"{percent(FORCE_LIMIT)} of the contact force", abs(value - wanted) <= allowed)
+            yield Row(table, code, f"{name} force, {side} wheel", "N", value, wanted, limit)
+        known_patches, patches = ([each for each in one.patches if each.side == side] for one in (base, result))
+        for known_patch, patch in zip(known_patches, patches, strict=True):
+            name = f"maximum pressure, {side} wheel, {known_patch.region}"
+            value, wanted = patch.ellipse.max_pressure, known_patch.ellipse.max_pressure
+            yield Row(table, code, name, "MPa", value, wanted, PRESSURE_LIMIT)
 
 
 @dataclass(frozen=True)
@@ -107,7 +93,7 @@ DIRECT = {
 DIRECT_LIMIT = 5e-3
 
 
-def direct_numbers(name: str) -> Iterator[ReproducedNumber]:
+def direct_numbers(name: str) -> Iterator[Row]:
     """Maximum pressure and semi-axes of a tabulated compliance beside those of a mesh that is fine in the patch."""
     given = DIRECT[name]
     case = {**given.case, "axle_load_kN": 2e-3 * given.force}
@@ -118,7 +104,7 @@ def direct_numbers(name: str) -> Iterator[ReproducedNumber]:
     wheelset = SpatialWheelset(problem, running_surfaces(problem, FIXED), FIXED)
     (found,) = pressed_wheel(wheelset, "right", given.force).patches
     for (quantity, unit, known), (_, _, value) in zip(_measures(direct), _measures(found), strict=True):
-        yield compare(name, f"{given.force / 1e3:g} kN", quantity, unit, (known, value), DIRECT_LIMIT)
+        yield Row(name, f"{given.force / 1e3:g} kN", quantity, unit, value, known, DIRECT_LIMIT)
 
 
 def _measures(patch: ContactEllipse) -> tuple[tuple[str, str, float], ...]:

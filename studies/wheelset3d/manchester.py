@@ -1,12 +1,12 @@
 """The Manchester contact benchmark, case A-2.2, left wheel: S1002 on UIC60 in 21 positions, beside CONTACT."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
-from studies.published_numbers import ReproducedNumber, compare, published_rows
+from studies.study import Row, Run, published_rows
 from studies.wheelset3d.one_wheel import FIXED, PressedWheel, as_half_spaces, pressed_wheel
 
 FORCE = 10e3
@@ -25,8 +25,6 @@ TABLE = "Manchester A-2.2"
 PRESSURE_LIMIT, FORCE_LIMIT, POSITION_LIMIT_MM = 0.03, 0.01, 0.3
 STEEPEST_RAD = 0.3
 """Contact angle up to which numbers of half-spaces are a measure for real bodies."""
-QUICK = 5
-"""Every so many positions are computed if quick."""
 CENTRE = "CONTACT gives the centre of the squared overlap of the undeformed surfaces instead of that of the pressure"
 STEEP = "steep or divided contact: half-spaces are no measure for it"
 
@@ -50,17 +48,15 @@ class BenchmarkPosition:
         return self.published["angle"] < STEEPEST_RAD and len(self.real.patches) == 1
 
 
-def benchmark_positions(
-    *, quick: bool = False, progress: Callable[[str], None] = lambda _: None
-) -> Iterator[BenchmarkPosition]:
-    """Press the left wheel in each position."""
+def benchmark_positions(run: Run, *, every: int) -> Iterator[BenchmarkPosition]:
+    """Press the left wheel in the positions, or every so many of them."""
     problem = SpatialWheelsetCase.from_values(CASE).problem()
-    real = running_surfaces(problem, FIXED, progress=progress)
+    real = running_surfaces(problem, FIXED, progress=run.progress)
     half = {side: as_half_spaces(each) for side, each in real.items()}
     rows = published_rows("manchester_a22_left.csv")
-    for row in rows[:: QUICK if quick else 1]:
+    for row in rows[::every]:
         values = {name: float(value) for name, value in row.items()}
-        progress(f"Manchester A-2.2, y = {values['y']:g} mm")
+        run.progress(f"Manchester A-2.2, y = {values['y']:g} mm")
         # CONTACT's axes x ahead and z down: both angles have the opposite sign
         model = replace(FIXED, yaw_rad=-values["yaw"])
         found = [
@@ -70,25 +66,22 @@ def benchmark_positions(
         yield BenchmarkPosition(values, *found)
 
 
-def benchmark_numbers(position: BenchmarkPosition) -> Iterator[ReproducedNumber]:
+def benchmark_numbers(position: BenchmarkPosition) -> Iterator[Row]:
     """Pressure, force, contact point and height of one position."""
     published, real, half = position.published, position.real, position.half_spaces
     limited = position.comparable
-    words, note = (None, "") if limited else ("", STEEP)
+    note = "" if limited else STEEP
     p0 = published["p0"]
     for quantity, found in (("maximum pressure", real), ("maximum pressure of half-spaces", half)):
-        values = (p0, found.patches[0].max_pressure)
-        yield compare(TABLE, position.code, quantity, "MPa", values, PRESSURE_LIMIT, note, words=words)
-    values = (published["normal_force"], real.normal_force)
-    yield compare(TABLE, position.code, "normal force", "N", values, FORCE_LIMIT, note, words=words)
+        value = found.patches[0].max_pressure
+        yield Row(TABLE, position.code, quantity, "MPa", value, p0, PRESSURE_LIMIT if limited else None, note)
+    value, limit = published["normal_force"], FORCE_LIMIT if limited else None
+    yield Row(TABLE, position.code, "normal force", "N", real.normal_force, value, limit, note)
     # y to the right is to the gauge side of a left wheel
     for quantity, place in (
         ("contact point on the wheel", real.interpenetration_mm),
         ("centre of pressure on the wheel", real.centre_of_pressure_mm),
     ):
-        pair = published["wheel_y"], -place
         shown = not limited or quantity.startswith("centre")
-        yield compare(
-            TABLE, position.code, quantity, "mm", pair, POSITION_LIMIT_MM, CENTRE if shown else "",
-            words="" if shown else f"{POSITION_LIMIT_MM:g} mm", within=abs(pair[0] - pair[1]) <= POSITION_LIMIT_MM,
-        )  # fmt: skip
+        near, why = (None, CENTRE) if shown else (f"{POSITION_LIMIT_MM:g} mm", "")
+        yield Row(TABLE, position.code, quantity, "mm", -place, published["wheel_y"], near, why)

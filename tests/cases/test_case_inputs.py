@@ -7,7 +7,7 @@ import pytest
 
 from flangeway.campaign import Campaign
 from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase, find_case
-from flangeway.cases.case import RENAMED, GivenText
+from flangeway.cases.case import OF_REPORT, RENAMED, GivenText
 from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
@@ -56,7 +56,7 @@ def test_every_input_reaches_the_problem():
     }
     files_only |= {"wheel_tape_mm", "left_wheel_tape_mm", "rail_position_mm", "left_rail_position_mm"}
     files_only |= {"wheel_angle_deg", "left_wheel_angle_deg"}
-    files_only |= {"units"}  # of results
+    files_only |= set(OF_REPORT)
     assert set(changes) | set(together) | files_only == set(WheelsetTangentCase.model_fields)
     default = repr(WheelsetTangentCase().problem())
     for key, value in changes.items():

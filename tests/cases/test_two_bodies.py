@@ -11,7 +11,6 @@ from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.formats import read_mesh
-from flangeway.formats.mesh_repair import part_of_mesh
 from flangeway.mesh import rectangle_grid
 from flangeway.report.case_outputs import write_case
 
@@ -440,7 +439,7 @@ def test_both_blocks_of_one_abaqus_file_are_pressed(tmp_path):
 def test_a_part_of_a_mesh_keeps_its_sets():
     """Cells chosen from a mesh keep their places, areas and what is left of the named edges and cells."""
     mesh = rectangle_grid(3.0, 2.0, 3, 2, cells="quadrilaterals").with_cell_set("left", [0, 3])
-    part = part_of_mesh(mesh, np.array([0, 1, 3]))
+    part = mesh.part(np.array([0, 1, 3]))
     assert part.cell_areas == pytest.approx(mesh.cell_areas[[0, 1, 3]])
     assert part.cell_centroids == pytest.approx(mesh.cell_centroids[[0, 1, 3]])
     assert part.cell_sets["left"].tolist() == [0, 2]

@@ -136,9 +136,8 @@ def test_results_do_not_depend_on_the_number_of_threads(tmp_path):
 def test_the_page_tells_the_programs_numbers():
     """Names and numbers on the page are those of the program."""
     assert f"assembly | {BYTES_AN_ENTRY} bytes" in TEXT
-    of_one = sizing.BYTES_A_TRIANGLE
     assert (
-        f"{of_one['delaunay']} bytes for each triangle, {of_one['frontal-delaunay']} with `frontal-delaunay`; "
+        f"{sizing.BYTES_A_TRIANGLE} bytes for each triangle; "
         f"{sizing.BYTES_A_BOUNDARY_EDGE} for each edge on the boundary; "
         f"up to {sizing.BYTES_A_SEED:,} for each point along a refinement"
     ) in TEXT

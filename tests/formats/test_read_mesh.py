@@ -87,7 +87,7 @@ def two_parts():
 
 
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize(("version", "binary"), [(2.2, 0), (2.2, 1), (4.0, 0), (4.1, 0), (4.1, 1)])
+@pytest.mark.parametrize(("version", "binary"), [(2.2, 0), (2.2, 1), (4.1, 0), (4.1, 1)])
 def test_gmsh_groups_become_sets(two_parts, tmp_path, version, binary, order):
     """Physical surfaces and curves come back by name, or number, from each version, also those of one name."""
     two_parts.model.mesh.setOrder(order)

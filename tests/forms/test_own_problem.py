@@ -160,6 +160,7 @@ WRONG = {
     "fixed unknowns": lambda s: solve(stiffness(s), load(s, 1.0), [99]),
     "two or more": lambda s: convergence(lambda _: {"e": 1.0}, [s.mesh]),
     "other arguments": lambda s: stiffness(s, lambda x, y: x + y),
+    "complex": lambda s: load(s, lambda p: 1j * p[:, 0]),
     "gives shape": lambda s: load(s, lambda p: 1.0),
 }
 

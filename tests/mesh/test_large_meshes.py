@@ -75,12 +75,9 @@ def compare(expected, make):
 
 whole, side = square(1.0), Refinement([(-0.5, -0.5), (0.5, -0.5)], 0.0007, 0.15)
 two = Section({"left": Region(rectangle(1.0, 1.0)), "right": Region(rectangle(1.0, 1.0, (1.0, 0.0)))})
-for size, fine, algorithm in [
-    (0.014, (), "delaunay"), (0.009, (), "delaunay"), (0.006, (), "delaunay"),
-    (0.009, (), "frontal-delaunay"), (0.05, (side,), "delaunay"),
-]:
-    expected = mesh_bound([Region(whole)], size, fine, algorithm)
-    compare(expected, lambda: triangulate(whole, size=size, refinements=fine, algorithm=algorithm))
+for size, fine in [(0.014, ()), (0.009, ()), (0.006, ()), (0.05, (side,))]:
+    expected = mesh_bound([Region(whole)], size, fine)
+    compare(expected, lambda: triangulate(whole, size=size, refinements=fine))
 compare(mesh_bound(two.regions, 0.012), lambda: triangulate_section(two, size=0.012))
 """
 NEEDS_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="memory and processes are looked at as in Linux")
@@ -121,7 +118,7 @@ def test_a_growth_of_one_is_bounded():
 @pytest.mark.ci
 @NEEDS_LINUX
 def test_the_memory_is_near_what_is_measured():
-    """Gmsh's memory is estimated to 20 % of the measured peak, at three sizes, by both algorithms and for sections.
+    """Gmsh's memory is estimated to 20 % of the measured peak, at three sizes and for sections.
 
     With a refinement along a side up to 2.5 times of it.
     """
@@ -200,7 +197,7 @@ def test_a_process_of_its_own_makes_the_same_mesh(monkeypatch):
             hole = square(0.3).transformed(Placement(0.3, (3.0, 2.0)))
             fine = Refinement([(3.0, 3.0)], 0.02, 0.2)
             yield triangulate(circle(1.0, (3.0, 2.0)), size=0.2, refinements=[fine], holes=[hole])
-            yield triangulate_section(HALVES, size=0.1, algorithm="frontal-delaunay")
+            yield triangulate_section(HALVES, size=0.1)
 
     here = list(both())
     assert reports == []

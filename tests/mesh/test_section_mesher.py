@@ -88,10 +88,3 @@ def test_sections_far_from_the_origin_are_meshed_like_near_ones():
     np.testing.assert_allclose(far.cell_areas.sum(), 0.08, rtol=1e-7)
     assert far.n_cells == near.n_cells
     assert far.cell_centroids[:, 0].min() > 999_999.0
-
-
-def test_an_unknown_algorithm_is_refused_for_several_parts_too():
-    """The message lists the two algorithms, as for one part."""
-    section = Section({"a": Region(square(0.2)), "b": Region(square(0.2, (0.2, 0.0)))})
-    with pytest.raises(InputError, match=r"'delaunay', 'frontal-delaunay'"):
-        triangulate_section(section, size=0.05, algorithm="quads")

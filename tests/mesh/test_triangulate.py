@@ -24,11 +24,10 @@ def spacings(mesh, name):
     return np.hypot(*np.diff(mesh.points[mesh.chain(name)], axis=0).T)
 
 
-@pytest.mark.parametrize("algorithm", ["delaunay", "frontal-delaunay"])
 @pytest.mark.parametrize("n", [10, 14, 20, 40])
-def test_a_square_gets_the_edges_asked_for(n, algorithm):
+def test_a_square_gets_the_edges_asked_for(n):
     """A size of 1/n makes n equal edges a side, and the triangles fill the square."""
-    mesh = triangulate(square(1.0), size=1.0 / n, algorithm=algorithm)
+    mesh = triangulate(square(1.0), size=1.0 / n)
     check(mesh, region_area=1.0)
     for name in ("bottom", "right", "top", "left"):
         np.testing.assert_allclose(spacings(mesh, name), 1.0 / n, rtol=1e-9)
@@ -195,20 +194,15 @@ def test_gmsh_is_imported_only_when_it_is_needed():
     assert run.stdout.split() == ["False", "False"]
 
 
-@pytest.mark.parametrize("library", ["libGLU.so.1", "libXft.so.2"])
-def test_a_missing_library_is_named_with_its_packages(monkeypatch, library):
-    """Where the system lacks a library of Gmsh's, the message names it and what brings it."""
+def test_a_missing_library_is_named_with_the_packages(monkeypatch):
+    """Where the system lacks a library of Gmsh's, the message names it and what brings all of them."""
 
     def fail(name):
-        raise OSError(f"{library}: cannot open shared object file: No such file or directory")
+        raise OSError("libGLU.so.1: cannot open shared object file: No such file or directory")
 
     monkeypatch.setattr(gmsh_mesher.importlib, "import_module", fail)
-    stem = library.split(".", maxsplit=1)[0]
-    with pytest.raises(MissingLibraryError) as caught:
+    with pytest.raises(MissingLibraryError, match=r"libGLU.so.1(?s:.)*apt-get install (?s:.)*libglu1-mesa"):
         triangulate(square(1.0), size=0.2)
-    assert f"{stem} (Debian package {gmsh_mesher.DEBIAN_PACKAGES[stem]})" in str(caught.value)
-    assert "apt-get install" in str(caught.value)
-    assert "libglu1-mesa" in str(caught.value)
 
 
 @pytest.mark.parametrize("size", [0.0, -1.0, math.nan, math.inf, 1.01, 1e-5])
@@ -230,12 +224,6 @@ def test_wrong_refinements_are_refused(wrong):
     """A refinement without size, growth or points is refused."""
     with pytest.raises(InputError):
         Refinement(**{"points": [(0.0, 0.0)], "size": 0.1, "growth": 0.1, **wrong})
-
-
-def test_an_unknown_algorithm_is_refused():
-    """The message lists the two algorithms."""
-    with pytest.raises(InputError, match=r"'delaunay', 'frontal-delaunay'"):
-        triangulate(square(1.0), size=0.5, algorithm="quads")
 
 
 @pytest.mark.parametrize("scale", [1e-4, 1e5])

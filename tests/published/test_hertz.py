@@ -1,108 +1,104 @@
-"""The published Hertz problem: oscillations of stresses and pressures, and what removes them.
-
-Forces and extreme stresses of all codes on M1 and M2 are in `tests/validation/test_reproduce_hertz.py`.
-"""
+"""The published Hertz problem: its meshes, contacts, oscillations; its numbers are in `flangeway reproduce hertz`."""
 
 import numpy as np
 import pytest
 
+from flangeway.cases import load_case
 from flangeway.cases.bodies.bodies_model import build_bodies
-from flangeway.contact import press
+from flangeway.cases.bodies.presets import HertzCase
+from flangeway.contact import Multiplier, NodeToSegment, Penalty, SegmentToSegment, press
+from flangeway.elements import Virtual
+from flangeway.errors import InputError
+from flangeway.mesh import check
+from flangeway.post import stresses_along
 from flangeway.solve import StepSettings
-from studies.hertz.hertz_reproduced import (
-    EXTREMES,
-    SurfacePressure,
-    hertz_row,
-    published_case,
-    published_value,
-)
+from studies.hertz import largest_patch, oscillation, published_case
 
-FORCE = 251.84
 P0 = 671.5
 
 
-@pytest.fixture(scope="module")
-def halved():
-    """Polygons and triangles of order 2 on M1 to M3 with the penalty halved by refinement."""
-    return {(code, level): hertz_row(code, level, "halved") for code in ("FDO2", "VVO2") for level in (1, 2, 3)}
+def model_of(code, level=1, variant="printed"):
+    """Meshed discs and their contact."""
+    return build_bodies(published_case(code, level, variant).bodies())
 
 
-@pytest.fixture(scope="module")
-def smooth():
-    """Polygons and triangles of order 2 on M3, segment-to-segment with multipliers between the circles."""
-    return {code: hertz_row(code, 3, "segments") for code in ("FDO2", "VVO2")}
+@pytest.mark.parametrize("name", ["upper", "lower"])
+@pytest.mark.parametrize("code", ["FDO1", "VVO1", "HEO2"])
+def test_half_discs_are_sound_meshes(code, name):
+    """Each kind of mesh is sound, has the half disc's area to 1 %, and its fine arc about the apex in the origin."""
+    mesh = model_of(code).bodies[name].problem.space.mesh
+    check(mesh)
+    assert mesh.cell_areas.sum() == pytest.approx(np.pi * 8.0, rel=0.01)
+    arc = mesh.points[mesh.edge_set("arc")]
+    sign = -1.0 if name == "lower" else 1.0
+    assert (sign * arc[..., 1]).min() == pytest.approx(0.0, abs=1e-3)
+    assert np.abs(arc[..., 0]).max() == pytest.approx(4.0 * np.sin(np.pi / 11.0), rel=1e-9)
+    np.testing.assert_allclose(mesh.points[mesh.edge_set("cut")][..., 1], sign * 4.0, atol=1e-12)
 
 
-@pytest.mark.ci
-def test_every_load_step_converges_in_few_iterations(halved, smooth):
-    """All ten load steps of all configurations converge in six iterations or fewer."""
-    for row in (*halved.values(), *smooth.values()):
-        assert row.status.converged, (row.name, row.status.message)
-        assert len(row.iterations) == 10
-        assert max(row.iterations) <= 6
+def test_edges_of_the_arc_are_halved_once():
+    """A halved side makes each triangle with one edge on it a quadrilateral and leaves area and others alone."""
+    mesh, fine = (model_of(code).bodies["lower"].problem.space.mesh for code in ("FDO2", "HEO2"))
+    n_arc = len(mesh.edge_set("arc"))
+    assert len(fine.edge_set("arc")) == 2 * n_arc
+    assert fine.n_points == mesh.n_points + n_arc
+    assert (fine.cell_sizes[fine.cell_set("polygons")] == 4).all()
+    assert (fine.cell_sizes[fine.cell_set("triangles")] == 3).all()
+    np.testing.assert_allclose(fine.cell_areas, mesh.cell_areas, rtol=1e-9)
 
 
-def test_polygons_of_order_2_have_the_published_force_and_stresses_on_m3():
-    """VVO2 on M3, penalty as printed: force within 0.5 % of the reference, extremes of Tables 12 to 14 within 3 %."""
-    row = hertz_row("VVO2", 3, "printed")
-    assert row.force == pytest.approx(FORCE, rel=0.005)
-    for table, (name, _) in EXTREMES.items():
-        assert row.extremes[name] == pytest.approx(published_value(str(table), "VVO2", 3), rel=0.03)
+def test_variants_name_contact():
+    """Node-to-segment has the printed penalty at nodes; segment-to-segment multipliers, dual weights and circles."""
+    contact = model_of("FDO1").contacts[0]
+    assert contact.enforcement == Penalty(1e5, per="node")
+    assert contact.pairing == NodeToSegment(slack=0.02)
+    assert contact.secondary.curve is None
+    smooth = model_of("VVO2", variant="segments").contacts[0]
+    assert smooth.enforcement == Multiplier()
+    assert smooth.pairing == SegmentToSegment(weighting="dual")
+    assert smooth.secondary.curve is not None
+    assert smooth.secondary.part.body.space.element == Virtual(2)
 
 
-def test_oscillation_of_stresses_grows_as_published(halved):
-    """With the halved penalty sigma_3 of triangles of order 2 overshoots more on each finer mesh, as in Table 12."""
-    overshoot = [halved["FDO2", level].extremes["principal_3"] for level in (1, 2, 3)]
-    published = [published_value("12", "FDO2", level) for level in (1, 2, 3)]
-    assert (np.diff(overshoot) < 0.0).all()
-    assert (np.diff(published) < 0.0).all()
-    np.testing.assert_allclose(overshoot, published, rtol=0.06)
+def test_other_discs_meet_hertz_too():
+    """Unequal radii, materials, sizes and elements with fine arcs give Hertz's maximum pressure within 2 %."""
+    results = load_case(
+        "hertz",
+        radius_mm=2.0,
+        lower_radius_mm=6.0,
+        young_MPa=20e3,
+        lower_young_MPa=10e3,
+        lower_poisson=0.25,
+        order=2,
+        lower_method="vem",
+        size_mm=0.012,
+        lower_size_mm=0.015,
+        body_size_mm=0.5,
+        indentation_mm=0.03,
+        fine_arc_deg=50.0,
+        enforcement="multiplier",
+    ).run()
+    assert results.status.converged
+    assert abs(results.summary.results["max_pressure_difference"]) < 0.02
 
 
-def test_oscillation_of_pressures_is_as_published(halved):
-    """Pressures oscillate by 10 % or more on triangles of order 2; on polygons it vanishes (Figure 76)."""
-    for level in (1, 2, 3):
-        assert halved["FDO2", level].pressure.oscillation > 0.1
-    on_polygons = [halved["VVO2", level].pressure.oscillation for level in (1, 2, 3)]
-    assert on_polygons[0] > 0.05 > on_polygons[1] > on_polygons[2]
-    assert on_polygons[2] < 0.01
-
-
-def test_segments_and_multipliers_give_hertz_pressure(smooth):
-    """On M3 the pressure is within 1.5 % of p0 from Hertz's but for the end elements; it oscillates by below 0.5 %."""
-    for row in smooth.values():
-        assert row.pressure_difference < 0.015
-        assert row.pressure.oscillation < 0.005
-
-
-def test_segments_and_multipliers_give_hertz_stress_and_width(smooth):
-    """On M3 the least principal stress is within 1 % of -p0, the half width within 2 %, the force within 0.5 %."""
-    for row in smooth.values():
-        assert row.extremes["principal_3"] == pytest.approx(-P0, rel=0.01)
-        assert row.half_width == pytest.approx(0.23876, rel=0.02)
-        assert row.force == pytest.approx(FORCE, rel=0.005)
-
-
-def test_stresses_on_the_line_of_symmetry_are_those_of_a_disc(smooth):
-    """From 0.1 to 1 cm down, stresses are within 1 % of p0 from those in a disc; a half plane's differ by over 2 %."""
-    row = smooth["VVO2"]
-    depth = -row.line.points[:, 1]
-    inner = depth > 0.1
-    computed = row.line.stresses.components[inner][:, :3]
-    disc = row.theory.axis_stresses_in_disc(depth[inner], 4.0)
-    half_plane = row.theory.stresses(0.0, depth[inner])
-    assert np.abs(computed - disc).max() < 0.01 * P0
-    assert np.abs(computed - half_plane).max() > 0.02 * P0
-
-
-def test_corners_of_straight_edges_show_in_the_pressure():
-    """On M2 the multipliers of polygons err by over 1.5 % between straight edges, by less than 1 % between circles."""
-    case = published_case("VVO2", 2, "segments")
-    rough, curved = (case.model_copy(update={"curved": on_circle}).run() for on_circle in (False, True))
-    assert rough.status.converged
-    differences = [SurfacePressure.of(run.contact).maximum_difference(run.theory, 0.025) for run in (rough, curved)]
-    assert differences[1] < 0.01
-    assert differences[0] > 0.015
+def test_wrong_input_is_refused():
+    """An arc too narrow for the contact, or of a block, halved edges without it, and two penalties are refused."""
+    values = published_case("FDO1", 1).model_dump(exclude_unset=True)
+    for changed, named in (
+        ({"fine_arc_deg": 6.0}, "fine_arc_deg"),
+        ({"lower": "block"}, "block"),
+        ({"fine_arc_deg": None, "halved_edges": True}, "halved_edges"),
+    ):
+        with pytest.raises(InputError, match=named):
+            HertzCase.from_values({**values, **changed}).check()
+    case = published_case("FDO1", 1).bodies()
+    contact = case.contacts[0].model_copy(update={"penalty_MPa_mm": 1.0})
+    with pytest.raises(InputError, match="nodal_penalty_N_per_mm"):
+        case.model_copy(update={"contacts": [contact]}).check()
+    body = case.bodies[0].model_copy(update={"halved_side": "side"})
+    with pytest.raises(InputError, match="halved_side"):
+        case.model_copy(update={"bodies": [body, case.bodies[1]]}).check()
 
 
 def test_condensed_and_sparse_paths_agree():
@@ -115,3 +111,36 @@ def test_condensed_and_sparse_paths_agree():
     for body in model.bodies.values():
         one, other = (each.field(body.part).displacements for each in (condensed, sparse))
         np.testing.assert_allclose(one, other, atol=1e-9 * 0.05)
+
+
+def test_every_load_step_converges_and_stresses_on_the_axis_are_those_of_a_disc():
+    """Ten steps of six iterations at most; from 0.1 to 1 cm down within 1 % of p0, a half plane's are 2 % off."""
+    case = published_case("VVO2", 3, "segments")
+    run = case.run()
+    assert [step.state.status.iterations <= 6 for step in run.contact.steps] == [True] * 10
+    line = stresses_along(run.bodies["lower"].field, (0.0, -0.1), (0.0, -1.0), 101)
+    depth, computed = -line.points[:, 1], line.stresses.components[:, :3]
+    theory = case.theory(float(run.contact.forces[0, 1]))
+    assert np.abs(computed - theory.axis_stresses_in_disc(depth, 4.0)).max() < 0.01 * P0
+    assert np.abs(computed - theory.stresses(0.0, depth)).max() > 0.02 * P0
+
+
+@pytest.mark.parametrize(("code", "least", "most"), [("FDO2", 0.1, 1.0), ("VVO2", 0.0, 0.05)])
+def test_oscillation_of_pressures_is_as_published(code, least, most):
+    """Pressures on M2 oscillate by 10 % or more on triangles of order 2, by less than 5 % on polygons (Figure 76)."""
+    x, patch = largest_patch(published_case(code, 2, "halved").run().contact)
+    assert least < oscillation(patch.normal_forces / np.gradient(x)) < most
+
+
+def test_corners_of_straight_edges_show_in_the_pressure():
+    """On M2 the multipliers of polygons err by over 1.5 % between straight edges, by less than 1 % between circles."""
+    case, differences = published_case("VVO2", 2, "segments"), []
+    for on_circle in (False, True):
+        run = case.model_copy(update={"curved": on_circle}).run()
+        assert run.status.converged
+        x, patch = largest_patch(run.contact)
+        inside = np.abs(np.abs(x) - run.theory.half_width) > 0.025
+        apart = np.abs(patch.pressures - run.theory.pressure(x))[inside].max()
+        differences.append(apart / run.theory.max_pressure)
+    assert differences[1] < 0.01
+    assert differences[0] > 0.015

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from flangeway.elements import Lagrange, Virtual
-from studies.curved.curved_reproduced import solved
+from studies.curved import solved
 
 ORDERS = [("Lamé", Virtual(2), 1.75), ("Lamé", Virtual(3), 2.65), ("Lamé", Virtual(4), 3.5), ("Lamé", Lagrange(3), 2.8)]
 ORDERS += [("Kirsch", Virtual(2), 1.75), ("Kirsch", Virtual(3), 2.6), ("Kirsch", Virtual(4), 3.5)]

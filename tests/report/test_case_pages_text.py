@@ -16,6 +16,7 @@ from flangeway.post import corner_stresses
 from flangeway.report import scenes
 from flangeway.report.bodies.bodies_page import bodies_record
 from flangeway.report.bodies.body_fields import bodies_fields, body_fields, body_steps
+from flangeway.report.figures.display import shown_cells
 from flangeway.report.figures.newton_history import load_steps, newton_figure, steps_table
 from flangeway.report.page.case_text import case_text, command_line, section_command
 from flangeway.report.page.html_page import report_page
@@ -129,18 +130,18 @@ def test_only_the_sides_of_cells_are_mesh_lines(hertz):
     """Of the triangles that cells of order 2 are cut into, the sides between rim places are the edges in pieces."""
     for each in bodies_fields(hertz):
         mesh = hertz.bodies[each.name].field.problem.space.mesh
-        assert len(np.unique(each.places)) == each.places.max() + 1 > each.n_rim_places
-        assert each.n_rim_places == mesh.n_points + mesh.n_edges
-        corners = each.places[each.mesh.cell_points].reshape(-1, 3)
+        assert len(np.unique(each.shown.places)) == each.shown.places.max() + 1 > each.shown.n_rim_places
+        assert each.shown.n_rim_places == mesh.n_points + mesh.n_edges
+        corners = each.shown.places[each.shown.mesh.cell_points].reshape(-1, 3)
         sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
-        lines = np.unique(sides[(sides < each.n_rim_places).all(axis=1)], axis=0)
+        lines = np.unique(sides[(sides < each.shown.n_rim_places).all(axis=1)], axis=0)
         assert len(lines) == 2 * mesh.n_edges
 
 
 def test_very_many_points_are_shown_as_whole_cells(hertz, hertz_steps, monkeypatch):
     """Beyond the largest number of points the page shows each cell once, with the values at its corners."""
     assert all(part.cells is not None for part in scenes.bodies_scene(hertz, hertz_steps).parts)
-    monkeypatch.setattr(scenes, "MOST_POINTS", sum(each.mesh.n_points for each in hertz_steps.fields[-1]) - 1)
+    monkeypatch.setattr(scenes, "MAX_POINTS", sum(each.shown.mesh.n_points for each in hertz_steps.fields[-1]) - 1)
     scene = scenes.bodies_scene(hertz, hertz_steps)
     for part in scene.parts:
         body = hertz.bodies[part.name]
@@ -150,8 +151,9 @@ def test_very_many_points_are_shown_as_whole_cells(hertz, hertz_steps, monkeypat
         corners = corner_stresses(body.field.problem, body.field.displacements).components
         assert part.point_arrays["stresses"][-1] == pytest.approx(corners)
     assert "corners" in scene.notes[-1]
-    with_points = body_fields("upper", hertz.bodies["upper"], 2)
-    at_corners = body_fields("upper", hertz.bodies["upper"], 1)
+    upper = hertz.bodies["upper"]
+    with_points = body_fields("upper", upper, shown_cells(upper.field.problem.space, 2))
+    at_corners = body_fields("upper", upper, shown_cells(upper.field.problem.space, 1))
     assert with_points.stresses.von_mises.max() >= at_corners.stresses.von_mises.max() * (1.0 - 1e-9)
 
 

@@ -68,20 +68,6 @@ def test_higher_orders_are_cut_into_triangles(tmp_path, order, pieces):
         assert np.abs(middle - wanted).max() < 0.05 * np.abs(wanted).max()
 
 
-def test_averaged_stresses_have_one_value_at_a_place():
-    """Asked for averages, points at one place have one stress; without they do not."""
-    solution = bent(2)
-    for averaged in (False, True):
-        frame = solution_frame(solution, averaged=averaged)
-        keys = np.round(frame.mesh.points, 9)
-        _, place = np.unique(keys, axis=0, return_inverse=True)
-        values = np.asarray(frame.point_data["stress"])[:, 0]
-        low, high = np.full(place.max() + 1, np.inf), np.full(place.max() + 1, -np.inf)
-        np.minimum.at(low, place, values)
-        np.maximum.at(high, place, values)
-        assert ((high - low).max() < 1e-9) == averaged
-
-
 def test_a_series_opens_all_its_files_in_time(tmp_path):
     """The PVD names every file with its time, number and part, and is whole after each frame."""
     file = tmp_path / "load.pvd"

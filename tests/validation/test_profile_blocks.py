@@ -22,7 +22,7 @@ def test_wheel_and_rail_agree_with_calculix() -> None:
     assert found.status.converged
     numbers = list(profile_numbers(found))
     assert [each.quantity for each in numbers] == ["p0", "along", "across", "approach", "x"]
-    assert all(each.within and each.required for each in numbers)
+    assert all(each.within for each in numbers)
     assert found.hertz(found.patches[0]) is None
 
 

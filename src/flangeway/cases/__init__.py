@@ -1,43 +1,46 @@
 """Cases by name, their inputs, their runs, and what these leave for programs to read."""
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
-from flangeway.cases.bodies.cook import CookCode, CookRow, cook_row, solve_cook
+from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, CookRow, cook_grid, cook_row, solve_cook
 from flangeway.cases.case import Case, Run, RunnableCase
 from flangeway.cases.case_file import CASES, find_case, load_case
 from flangeway.cases.case_template import schema, write_template
 from flangeway.cases.summary import Summary, write_summary
-from flangeway.cases.wheelset.summarise import summarise
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, wheelset
 from flangeway.cases.wheelset.wheelset_case import (
-    CaseRun,
     Convergence,
     WheelsetCase,
     WheelsetCurveCase,
     WheelsetTangentCase,
     run_halved,
 )
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 
 __all__ = [
     "CASES",
+    "NEARLY_INCOMPRESSIBLE_WORK",
     "BodiesRun",
     "BodyResult",
     "Case",
-    "CaseRun",
     "Convergence",
     "CookCode",
     "CookRow",
     "Run",
     "RunnableCase",
+    "SpatialWheelsetCase",
     "Summary",
     "WheelsetCase",
     "WheelsetCurveCase",
+    "WheelsetRun",
     "WheelsetTangentCase",
+    "cook_grid",
     "cook_row",
     "find_case",
     "load_case",
     "run_halved",
     "schema",
     "solve_cook",
-    "summarise",
+    "wheelset",
     "write_summary",
     "write_template",
 ]

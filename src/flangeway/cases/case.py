@@ -3,7 +3,7 @@
 import difflib
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
@@ -12,7 +12,7 @@ import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
-from flangeway.cases.summary import Summary
+from flangeway.cases.summary import Summary, summary_numbers
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
 from flangeway.solve import Status
@@ -21,6 +21,9 @@ from flangeway.types import Key
 from flangeway.units import Units, UsUnit, in_us_units, same_quantity, us_key
 
 Progress = Callable[[str], None]
+
+OF_REPORT = ("units", "report_title", "project", "author", "date")
+"""Inputs that change nothing of what is computed."""
 
 RENAMED = {
     "cant": "rail_inclination",
@@ -115,6 +118,12 @@ class Case(Table):
     units: Units = Field(
         "metric", description="units of results and messages; an input has the unit at the end of its key"
     )
+    report_title: str | None = Field(
+        None, max_length=200, description="title of the report (default: that of the case)"
+    )
+    project: str | None = Field(None, max_length=200, description="project, for the report")
+    author: str | None = Field(None, max_length=200, description="author, for the report")
+    date: str | None = Field(None, max_length=60, description="date, for the report (default: today)")
     _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
 
     essential: ClassVar[tuple[str, ...]] = ()  # keys that are set in a new case file; the others are there as comments
@@ -170,6 +179,27 @@ class RunnableCase(Case):
     @abstractmethod
     def check(self) -> None:
         """Raise `InputError` for what is wrong beyond single values, without computing."""
+
+    def columns(self) -> tuple[str, ...]:
+        """Return the columns of a row of a campaign if they are known before it is computed."""
+        return ()
+
+    def patch_columns(self) -> tuple[str, ...]:
+        """Return the columns of the table of patches of a campaign."""
+        return ()
+
+    def row(self, run: Any) -> dict[str, Any]:
+        """Return the numbers of a run by columns of a row of a campaign: all single numbers of its summary."""
+        return summary_numbers(run.summary)
+
+    def patch_rows(self, run: Any) -> list[dict[str, Any]]:  # noqa: ARG002 (cases without patches)
+        """Return the rows of a run in the table of patches of a campaign."""
+        return []
+
+    def warnings_of(self, run: Any) -> Sequence[str]:
+        """Return what limits the results of a run."""
+        content = run.summary.to_dict()
+        return content.get("warnings") or content.get("notices") or ()
 
     @abstractmethod
     def run(self, progress: Progress = lambda _: None) -> Run:
@@ -409,7 +439,7 @@ def _input_error(
             allow.append("one of them")
             advice.append(f"leave {name} or the other one out")
         elif field is None:
-            known = sorted(table.model_fields, key="units".__eq__)  # the last one of the list
+            known = sorted(table.model_fields, key=OF_REPORT.__contains__)  # the last ones of the list
             us = {each: unit.name for each in known if (unit := us_key(each))}
             shown = [us.get(each, each) for each in known] if in_us else known
             inside = key_text(key[:-1])

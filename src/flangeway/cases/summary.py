@@ -3,8 +3,9 @@
 import dataclasses
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -43,17 +44,35 @@ class Summary(SummaryPart):
     timings_s: dict[str, float]  # seconds of each stage and in total
     peak_memory_MB: float = field(default_factory=lambda: peak_memory_bytes() / 1e6)  # noqa: N815 (the unit)
     versions: dict[str, str] = field(default_factory=versions)
+    parts: dict[str, Any] = field(default_factory=dict)  # the numbers of this kind of case, by their keys
 
     def to_dict(self) -> dict[str, Any]:
         """Return what ``summary.json`` holds: strings, booleans, ints, floats, None, lists and dictionaries."""
-        return dataclasses.asdict(self)
+        content = dataclasses.asdict(self)
+        return content | content.pop("parts")
 
 
 class RunResult(Result):
     """What a run of a case returns; its tables are those of its summary."""
 
     main_table: ClassVar[str]  # name of the table that it is about
-    summary: Any  # a `Summary`; the dataclasses below this class say which
+    case: Any  # the inputs
+    status: Any  # how it ended
+    timings_s: Any  # seconds by stage
+
+    def parts(self) -> dict[str, Any]:
+        """Return the numbers of this kind of run, as ``summary.json`` has them."""
+        raise NotImplementedError
+
+    @cached_property
+    def summary(self) -> Summary:
+        """What ``summary.json`` holds."""
+        return Summary(
+            status=StatusSummary(self.status.converged, self.status.message),
+            case={"name": self.case.name, **self.case.model_dump()},
+            timings_s=dict(self.timings_s),
+            parts=self.parts(),
+        )
 
     @property
     def tables(self) -> dict[str, ResultTable]:
@@ -69,6 +88,27 @@ class RunResult(Result):
     def table(self) -> ResultTable:
         """The table that it is about."""
         return self.tables.get(self.main_table, ResultTable({}))
+
+
+NO_RESULTS = ("timings_s", "peak_memory_MB", "case", "versions", "status")
+"""Parts of summaries that are no result of a row, or depend on the machine and on what it computed before."""
+
+
+def summary_numbers(summary: Summary) -> dict[str, Any]:
+    """Return all single numbers of a summary, and remarks on them, named by their paths with underscores."""
+    content = summary.to_dict()
+    return dict(_numbers({key: part for key, part in content.items() if key not in NO_RESULTS}, ""))
+
+
+def _numbers(value: Any, path: str) -> Iterable[tuple[str, Any]]:
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _numbers(inner, f"{path}_{key}" if path else str(key))
+    elif isinstance(value, list | tuple):
+        for number, inner in enumerate(value, 1):
+            yield from _numbers(inner, f"{path}_{number}")
+    elif isinstance(value, float | int) or (value is not None and path.endswith("_remark")):
+        yield path, value
 
 
 def summary_text(summary: Summary | Mapping[str, Any]) -> str:

@@ -83,7 +83,9 @@ def geometry(
     file = Path(case)
     is_toml = file.suffix.lower() == ".toml"
     if file.suffix.lower() in PROFILES_ALONE:
-        raise InputError(f"{case}, which is a profile", "a case", f"give it with --wheel or --rail: --wheel {case}")
+        raise InputError(
+            f"expected a case, got the profile file {case}", "a case", f"give it with --wheel or --rail: --wheel {case}"
+        )
     if not is_toml and (file.suffix or is_file(file)):
         return _conicity(file, settings, out, show)
     from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case  # noqa: PLC0415
@@ -239,7 +241,6 @@ ProfileLimit = Annotated[
     float | None,
     typer.Option("--limit", metavar="UM", help="Maximum displacement of a point by smoothing.", show_default=False),
 ]
-ProfileDrop = Annotated[bool, typer.Option("--drop-outliers", help="Leave out single points off the curve.")]
 ProfileJoin = Annotated[
     str | None,
     typer.Option(
@@ -280,7 +281,6 @@ def profile(
     tape: ProfileTape = None,
     smooth: ProfileSmooth = None,
     limit: ProfileLimit = None,
-    drop_outliers: ProfileDrop = False,
     position: ProfilePosition = None,
     join: ProfileJoin = None,
     to: ProfileTo = None,
@@ -299,7 +299,7 @@ def profile(
     )
     from flangeway.system.output_folder import refuse_unwritable, text_writer, write_together  # noqa: PLC0415
 
-    options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, drop_outliers, position)
+    options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, position)
     with show.progress():
         runs = run_profiles(names, options, join)
     folder = out or Path("out", f"profile-{Path(names[0]).stem}" if len(names) == 1 else "profiles")
@@ -317,3 +317,34 @@ def profile(
 
     show.record(profile_record(done, command_typed()), folder, convert)
     return True
+
+
+ProfileFolderName = Annotated[
+    Path, typer.Argument(metavar="FOLDER", help="Folder with files of wheels or rails.", parser=path_given)
+]
+ProfilePartner = Annotated[
+    str | None,
+    typer.Option(
+        "--partner",
+        metavar="NAME",
+        help="Bundled rail for the wheels, or wheel for the rails; 60E1 or S1002, of American bodies 136RE or AAR-1B",
+        show_default=False,
+        autocompletion=completion(profile_names),
+    ),
+]
+
+
+@app.command()
+@shows_results
+def profiles(folder: ProfileFolderName, partner: ProfilePartner = None, out: Out = None, *, show: Show) -> bool:
+    """Wear, gauge measures and conicity of all profiles in a folder, the most worn first (out/profiles-FOLDER)."""
+    from flangeway.cases.profile.profile_folder import run_folder  # noqa: PLC0415
+    from flangeway.report.profile.profile_outputs import BATCH_NAMES, folder_record  # noqa: PLC0415
+    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+
+    name = folder.resolve().name
+    target = out or Path("out", f"profiles-{name}")
+    refuse_unwritable(target, BATCH_NAMES)
+    with show.progress() as progress:
+        done = run_folder(folder, partner, progress)
+    return show.record(folder_record(done, name, command_typed()), target)

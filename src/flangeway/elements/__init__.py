@@ -3,6 +3,7 @@
 from flangeway.elements.cell_matrices import CellMatrices, cell_matrices
 from flangeway.elements.energy_stiffness import energy_stiffness
 from flangeway.elements.lagrange import Lagrange
+from flangeway.elements.monomials import Frame
 from flangeway.elements.polygon_quadrature import polygon_quadrature
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.elements.serendipity import Serendipity
@@ -22,6 +23,7 @@ __all__ = [
     "CellMatrices",
     "DiagonalStabilisation",
     "Element",
+    "Frame",
     "Function",
     "IdentityStabilisation",
     "Lagrange",

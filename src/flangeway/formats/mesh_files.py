@@ -3,7 +3,6 @@
 import contextlib
 import io
 import re
-import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,6 @@ from flangeway.formats.abaqus_mesh import read_abaqus
 from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, repaired_mesh
 from flangeway.mesh.connectivity import next_in_row
 from flangeway.mesh.curved import PIECES, as_polylines
-from flangeway.mesh.gmsh_mesher import gmsh_model
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.file_content import is_file
 from flangeway.types import Ints
@@ -31,13 +29,10 @@ _CORNERS = {
 """Number of corners, which come first, of meshio's plane cells and lines."""
 
 
-_OPTIONS = {"General.Terminal": 0, "Mesh.MshFileVersion": 4.1, "Mesh.Binary": 0, "Mesh.SaveAll": 0}
-
-
 def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
     """Read a plane mesh of triangles, quadrilaterals or polygons.
 
-    - Gmsh (``.msh``, versions 2.2, 4.0 and 4.1): physical surfaces become cell sets, physical curves edge sets, by
+    - Gmsh (``.msh``, versions 2.2 and 4.1): physical surfaces become cell sets, physical curves edge sets, by
       their names or, where they have none, their numbers.
     - Abaqus (``.inp``): element sets become cell sets, surfaces and node sets edge sets.
     - What meshio reads by the file's ending, such as VTU with polygons, VTK, XDMF, MED, Nastran. Cells of a VTU written
@@ -94,7 +89,7 @@ def _read_meshio(file: Path) -> DrawnMesh:
     start = file.read_bytes()[:20]
     kind = "gmsh" if suffix == ".msh" and start.startswith(b"$MeshFormat") else known[suffix][0]
     if kind == "gmsh" and start.split()[1:2] == [b"4"]:
-        return _read_version_4(file)
+        raise InputError(f"{file} in Gmsh's format 4.0", "4.1 or 2.2", "open it in Gmsh, and export it again")
     printed_text = io.StringIO()
     try:
         # meshio prints faults on the console and ends the program on some
@@ -117,18 +112,6 @@ def _read_meshio(file: Path) -> DrawnMesh:
         raise InputError(f"{file}: {printed}", "triangles, quadrilaterals and polygons", "export these only")
     names = _physical_names(file) if kind == "gmsh" else {}
     return _drawn(read, names, (f"Said when reading: {printed}",) if printed else ())
-
-
-def _read_version_4(file: Path) -> DrawnMesh:
-    """Read Gmsh's version 4.0, which meshio does not, by way of 4.1 written by Gmsh."""
-    with tempfile.TemporaryDirectory() as folder, gmsh_model(_OPTIONS) as gmsh:
-        newer = Path(folder) / file.name
-        try:
-            gmsh.merge(str(file))
-            gmsh.write(str(newer))
-        except Exception as reason:
-            raise InputError(f"{file}, which Gmsh cannot read: {reason}", "a whole file", "export it again") from reason
-        return _read_meshio(newer)
 
 
 def _physical_names(file: Path) -> dict[tuple[int, int], str]:

@@ -47,7 +47,7 @@ def dxf_section(content: bytes, *, unit: str | None = None) -> DrawnSection:
     agreed = agreed_unit(unit_of(drawing), unit, _HOW)
     with damage_reported():
         loops, chains, ignored = pieces_of(drawing)
-        loops += _joined_chains(chains)
+        loops += joined_chains(chains)
     if not loops:
         raise InputError("a drawing without a closed outline in its model space", "lines and arcs", "draw the outline")
     left_out = [f"Left out: {count} {kind}." for kind, count in sorted(ignored.items())]
@@ -173,34 +173,37 @@ def in_order(pieces: Sequence[DrawnSegment]) -> list[DrawnSegment]:
     return ordered
 
 
-def _joined_chains(chains: Sequence[list[DrawnSegment]]) -> list[list[DrawnSegment]]:
-    """Join chains into loops at their ends, each of which must meet exactly one other."""
+def joined_chains(chains: Sequence[list[DrawnSegment]], *, closed: bool = True) -> list[list[DrawnSegment]]:
+    """Join chains at their ends, each of which must meet exactly one other, or none where they need not be closed."""
     if not chains:
         return []
     ends = np.array([point for chain in chains for point in (chain[0].start, chain[-1].end)])
     tolerance = JOINT_TOLERANCE * max(float(np.hypot(*np.ptp(ends, axis=0))), np.finfo(float).tiny)
     near = cKDTree(ends).query_ball_point(ends, tolerance)
     for number, group in enumerate(near):
-        if len(group) != 2:
+        if len(group) != 2 and (closed or len(group) > 2):
             word = "an open end" if len(group) == 1 else f"{len(group)} ends that meet"
             raise InputError(
                 f"{word} at {point_text(ends[number])}, layer {chains[number // 2][0].name!r}",
                 f"ends that meet one other each, to {tolerance:.3g}",
                 "close the gap, or draw parts that touch as closed polylines",
             )
-    partner = [next(other for other in group if other != number) for number, group in enumerate(near)]
+    partner = {number: other for number, group in enumerate(near) for other in group if other != number}
     left = set(range(len(chains)))
-    loops = []
-    while left:
-        place = 2 * min(left)  # enter each chain at one of its ends
-        loop: list[DrawnSegment] = []
-        while place // 2 in left:
-            chain = chains[place // 2]
-            left.remove(place // 2)
-            loop += chain if place % 2 == 0 else [reversed_segment(s) for s in reversed(chain)]
-            place = partner[place ^ 1]
-        loops.append(loop)
-    return [_exact_joints(loop) for loop in loops]
+    joined = []
+    # open chains are entered at a free end, closed ones at one of their ends
+    for place in (*(n for n in range(len(ends)) if n not in partner), *range(0, len(ends), 2)):
+        if place // 2 not in left:
+            continue
+        chain: list[DrawnSegment] = []
+        at: int | None = place
+        while at is not None and at // 2 in left:
+            piece = chains[at // 2]
+            left.remove(at // 2)
+            chain += piece if at % 2 == 0 else [reversed_segment(s) for s in reversed(piece)]
+            at = partner.get(at ^ 1)
+        joined.append(_exact_joints(chain) if place in partner else chain)
+    return joined
 
 
 def _exact_joints(loop: list[DrawnSegment]) -> list[DrawnSegment]:

@@ -2,16 +2,15 @@
 
 import importlib
 import math
-import re
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from flangeway.checks import check_positive
-from flangeway.errors import InputError, MissingLibraryError, short
+from flangeway.errors import InputError, MissingLibraryError
 from flangeway.geometry.arrays import IntArray
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
@@ -22,11 +21,10 @@ from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.sizing import Refinement, made, mesh_bound, refuse_size
 from flangeway.types import Floats, Ints
 
-ALGORITHMS = {"delaunay": 5, "frontal-delaunay": 6}  # Gmsh's numbers of the algorithms
-
 OPTIONS = {
     "General.Terminal": 0,
     "General.NumThreads": 1,
+    "Mesh.Algorithm": 5,  # Delaunay
     "Mesh.ElementOrder": 1,
     "Mesh.RandomSeed": 1,
     # the size comes from the background field alone
@@ -43,19 +41,10 @@ OPTIONS = {
 
 _FAR = 100.0  # of the section's size
 
-DEBIAN_PACKAGES = {
-    "libGL": "libgl1",
-    "libGLU": "libglu1-mesa",
-    "libX11": "libx11-6",
-    "libXcursor": "libxcursor1",
-    "libXext": "libxext6",
-    "libXfixes": "libxfixes3",
-    "libXft": "libxft2",
-    "libXinerama": "libxinerama1",
-    "libXrender": "libxrender1",
-    "libfontconfig": "libfontconfig1",
-    "libgomp": "libgomp1",
-}
+DEBIAN_PACKAGES = (
+    *("libfontconfig1", "libgl1", "libglu1-mesa", "libgomp1", "libx11-6", "libxcursor1", "libxext6"),
+    *("libxfixes3", "libxft2", "libxinerama1", "libxrender1"),
+)
 """Debian packages that bring the shared libraries which the Gmsh wheel expects of the system."""
 
 _LOCK = threading.RLock()
@@ -72,14 +61,10 @@ def load_gmsh() -> Any:
             "    apt-get install python3-gmsh, and make the environment with: python3 -m venv --system-site-packages"
         ) from reason
     except OSError as reason:
-        library = re.search(r"(lib[A-Za-z0-9_+-]+)\.so", str(reason))
-        missing = library.group(1) if library else "a shared library"
-        package = DEBIAN_PACKAGES.get(missing)
-        first = f" (Debian package {package})" if package else ""
         raise MissingLibraryError(
-            f"Gmsh needs {missing}{first}, which this system lacks: {reason}\n"
+            f"Gmsh needs a shared library that this system lacks: {reason}\n"
             "  what to do: on Debian or Ubuntu run\n"
-            f"    apt-get install {' '.join(sorted(DEBIAN_PACKAGES.values()))}\n"
+            f"    apt-get install {' '.join(DEBIAN_PACKAGES)}\n"
             "  elsewhere install the packages that bring the same libraries"
         ) from reason
 
@@ -134,7 +119,6 @@ def triangulate(
     size: float,
     refinements: Sequence[Refinement] = (),
     holes: Sequence[Outline] = (),
-    algorithm: Literal["delaunay", "frontal-delaunay"] = "delaunay",
     outline: Curves | None = None,
 ) -> PolyMesh:
     """Return a mesh of triangles of the region inside an outline and outside of its holes.
@@ -155,8 +139,6 @@ def triangulate(
         Where triangles are smaller.
     holes
         Outlines of holes, inside `shape` and apart from each other.
-    algorithm
-        ``"delaunay"`` or ``"frontal-delaunay"`` (more regular, a little slower).
     outline
         All curves of the boundary, as for `dual`: edges on its arcs and splines become curved, see
         `flangeway.mesh.curved`. It may be the shape itself, with the holes in a list, or the spline of which the
@@ -171,17 +153,16 @@ def triangulate(
     ------
     InputError
         If a size makes no mesh or far too many triangles or edges on the boundary, a hole is not
-        inside, the algorithm is unknown, Gmsh refuses the region, or no edge lies on a curve of `outline`.
+        inside, Gmsh refuses the region, or no edge lies on a curve of `outline`.
     OutOfMemoryError
         If there is no memory for so many triangles; see `flangeway.mesh.sizing`.
     MissingLibraryError
         If Gmsh lacks a shared library of the system.
     """
-    _refuse_algorithm(algorithm)
     refuse_size(shape, size)
     region = Region(shape, tuple(holes))  # refuses holes that are not inside or not apart
-    bound = mesh_bound([region], size, refinements, algorithm)
-    mesh = made(bound, _meshed, region, size, tuple(refinements), algorithm)
+    bound = mesh_bound([region], size, refinements)
+    mesh = made(bound, _meshed, region, size, tuple(refinements))
     return mesh if outline is None else curved(mesh, outline)
 
 
@@ -190,7 +171,6 @@ def triangulate_section(
     *,
     size: float,
     refinements: Sequence[Refinement] = (),
-    algorithm: Literal["delaunay", "frontal-delaunay"] = "delaunay",
 ) -> PolyMesh:
     """Return a mesh of triangles of all parts, conforming where they touch; `flangeway.mesh.curved` takes the section.
 
@@ -202,8 +182,6 @@ def triangulate_section(
         Length of a triangle's edge away from refinements.
     refinements
         Where triangles are smaller; see `triangulate`.
-    algorithm
-        As for `triangulate`.
 
     Returns
     -------
@@ -224,27 +202,18 @@ def triangulate_section(
         # Gmsh compares points with a tolerance of their distance from the origin
         away = Placement(translation=(float(middle[0]), float(middle[1])))
         nearer = [Refinement(r.points - middle, r.size, r.growth) for r in refinements]
-        mesh = triangulate_section(
-            section.transformed(away.inverse()), size=size, refinements=nearer, algorithm=algorithm
-        )
+        mesh = triangulate_section(section.transformed(away.inverse()), size=size, refinements=nearer)
         return mesh.placed(away)
     if len(section.parts) == 1:
         ((name, region),) = section.parts.items()
-        mesh = triangulate(region.outer, size=size, refinements=refinements, holes=region.holes, algorithm=algorithm)
+        mesh = triangulate(region.outer, size=size, refinements=refinements, holes=region.holes)
         return mesh.with_cell_set(name, np.arange(mesh.n_cells))
-    _refuse_algorithm(algorithm)
-    bound = mesh_bound(section.regions, size, refinements, algorithm)
-    return made(bound, _meshed_section, dict(section.parts), size, tuple(refinements), algorithm)
+    bound = mesh_bound(section.regions, size, refinements)
+    return made(bound, _meshed_section, dict(section.parts), size, tuple(refinements))
 
 
-def _refuse_algorithm(algorithm: str) -> None:
-    """Refuse the name of an algorithm that is not known."""
-    if algorithm not in ALGORITHMS:
-        raise InputError(f"algorithm = {short(algorithm)}", f"one of {sorted(ALGORITHMS)}", "choose one of them")
-
-
-def _meshed(region: Region, size: float, refinements: Sequence[Refinement], algorithm: str) -> PolyMesh:
-    with gmsh_model(OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
+def _meshed(region: Region, size: float, refinements: Sequence[Refinement]) -> PolyMesh:
+    with gmsh_model(OPTIONS) as gmsh:
         loops = [_add_loop(gmsh.model.geo, loop) for loop in region.loops]
         surface = gmsh.model.geo.addPlaneSurface(
             [gmsh.model.geo.addCurveLoop([curve for curve, _ in loop]) for loop in loops]
@@ -256,11 +225,9 @@ def _meshed(region: Region, size: float, refinements: Sequence[Refinement], algo
         return _of_region(gmsh, surface, region.loops, loops)
 
 
-def _meshed_section(
-    parts: dict[str, Region], size: float, refinements: Sequence[Refinement], algorithm: str
-) -> PolyMesh:
+def _meshed_section(parts: dict[str, Region], size: float, refinements: Sequence[Refinement]) -> PolyMesh:
     section = Section(parts)
-    with gmsh_model(OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
+    with gmsh_model(OPTIONS) as gmsh:
         surfaces = _fragments(gmsh, section)
         seeds = [[gmsh.model.occ.addPoint(*p, 0.0) for p in r.seeds().tolist()] for r in refinements]
         gmsh.model.occ.synchronize()

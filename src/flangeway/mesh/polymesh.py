@@ -403,10 +403,6 @@ class PolyMesh:
         points = np.append(pairs[:, 0], pairs[-1:, 1])
         return _frozen(points)
 
-    def edge_chain(self, *names: str) -> IntArray:
-        """Return the edge numbers (m,) along one or more edge sets; see `chain`."""
-        return self.edge_numbers(self._joined_sets(names))
-
     def _joined_sets(self, names: tuple[str, ...]) -> IntArray:
         if not names:
             raise InputError("no edge set", f"names of {_names(self.edge_sets)}", "give a name")

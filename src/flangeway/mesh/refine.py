@@ -1,5 +1,7 @@
 """Refinement of triangles and polygons, of all cells or of some."""
 
+import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +10,7 @@ from numpy.typing import ArrayLike
 from flangeway.checks import as_numbers, check_integer, is_finite, refused
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray, point_text
-from flangeway.mesh.connectivity import next_in_row, offsets_of, row_numbers
+from flangeway.mesh.connectivity import entries_of, next_in_row, offsets_of, row_numbers
 from flangeway.mesh.curved import Curves, snapped_points
 from flangeway.mesh.cutting import HALVED, cut_polygon, has_notch
 from flangeway.mesh.edge_curves import EdgeCurves
@@ -71,11 +73,7 @@ def refined(
         check_integer("refined", "most_hanging", most_hanging, 1, advice="leave it out for no limit")
     if alike:
         return _finished(_refined_triangles(mesh), outline)
-    mesh, marked = _cut(mesh, marked)
-    sides = cell_sides(mesh)
-    n_sides = np.bincount(sides.cell, minlength=mesh.n_cells)
-    split = _split_edges(mesh, sides, marked)
-    fine = _finished(_Division(mesh, sides, marked, split, n_sides).mesh(), outline)
+    fine = _finished(_divided(*_cut(mesh, marked)), outline)
     if most_hanging is None:
         return fine
     crowded = _crowded(fine, most_hanging)
@@ -87,48 +85,87 @@ def _cut(mesh: PolyMesh, marked: Bools) -> tuple[PolyMesh, Bools]:
     chosen = np.flatnonzero(marked & ~_divisible(mesh, marked))
     if not len(chosen):
         return mesh, marked
-    split = np.zeros(mesh.n_edges, dtype=bool)
-    middles = mesh.n_points + np.arange(mesh.n_edges)  # numbers before the edges that stay whole are left out
-    inner, parts = [np.empty((0, 2))], {}
-    n_points = mesh.n_points + mesh.n_edges
+    parts: dict[int, tuple[Pieces, Floats]] = {}
     for cell in chosen.tolist():
-        start, end = mesh.cell_offsets[cell : cell + 2]
-        ring, edges = mesh.cell_points[start:end], mesh.cell_edges[start:end]
-        pieces, points = cut_polygon(mesh.points[ring], np.ones(len(ring), dtype=bool))
-        n_new = len(points) - 2 * len(ring)
-        numbers = np.concatenate((ring, middles[edges], n_points + np.arange(n_new)))
-        parts[cell] = [numbers[piece] for piece in pieces]
-        used = np.unique(np.concatenate(pieces))
-        split[edges[used[(used >= len(ring)) & (used < 2 * len(ring))] - len(ring)]] = True
-        inner.append(points[2 * len(ring) :])
-        n_points += n_new
-    halves = {tuple(sorted(mesh.edges[edge].tolist())): int(middles[edge]) for edge in np.flatnonzero(split)}
-    rows, parents = [], []
-    for cell, ring in enumerate(np.split(mesh.cell_points, mesh.cell_offsets[1:-1])):
-        for piece in parts.get(cell, [ring]):
-            whole = []
-            for a, b in zip(piece.tolist(), np.roll(piece, -1).tolist(), strict=True):
-                middle = halves.get((min(a, b), max(a, b)))
-                whole += [a] if middle is None else [a, middle]
-            rows.append(whole)
-            parents.append(cell)
-    taken = np.unique(np.concatenate([*rows, np.arange(mesh.n_points)]))
-    number = np.full(n_points, -1)
-    number[taken] = np.arange(len(taken))
-    points = np.vstack([mesh.points, mesh.edge_middles(np.arange(mesh.n_edges)), *inner])[taken]
-    owner = np.array(parents)
-    cell_sets = {name: np.flatnonzero(np.isin(owner, cells)).astype(np.int32) for name, cells in mesh.cell_sets.items()}
+        corners = mesh.points[mesh.cell_points[mesh.cell_offsets[cell] : mesh.cell_offsets[cell + 1]]]
+        pieces, points = cut_polygon(corners, np.ones(len(corners), dtype=bool))
+        parts[cell] = pieces, points[2 * len(corners) :]
+    still = marked.copy()
+    still[chosen] = False
+    fine, owner = _with_parts(mesh, parts)
+    return fine, still[owner]
+
+
+def _divided(mesh: PolyMesh, marked: Bools) -> PolyMesh:
+    """Mesh in which the marked cells are divided about their centroids, triangles at the middles of their sides."""
+    sides, parts = cell_sides(mesh), {}
+    at_point = sides.at_point >= 0
+    # divisions of sides as places in the ring: 2 i at corner i, 2 i + 1 in the middle of the edge behind it
+    entries = sides.entries[np.where(at_point, sides.at_point, sides.in_edge)]
+    places = 2 * (entries - mesh.cell_offsets[sides.cell]) + ~at_point
+    first = np.searchsorted(sides.cell, np.arange(mesh.n_cells + 1))
+    for cell in np.flatnonzero(marked).tolist():
+        n, around = int(mesh.cell_sizes[cell]), places[first[cell] : first[cell + 1]].tolist()
+        ends = [place // 2 + n * (place % 2) for place in around]
+        centre = [2 * n] if len(ends) > 3 else []
+        pieces = []
+        for i, end in enumerate(ends):
+            last = around[i] + 2 * n * (around[i] <= around[i - 1])
+            between = [corner % n for corner in range(around[i - 1] // 2 + 1, (last + 1) // 2)]
+            pieces.append([ends[i - 1], *between, end, *centre])
+        parts[cell] = (pieces if centre else [*pieces, ends]), mesh.cell_centroids[[cell] * len(centre)]
+    return _with_parts(mesh, parts)[0]
+
+
+Pieces = list[list[int]]
+"""Parts of a cell of n points: of its points (below n), the middles of the edges behind them (from n), inner points."""
+
+
+def _with_parts(mesh: PolyMesh, parts: Mapping[int, tuple[Pieces, Floats]]) -> tuple[PolyMesh, Ints]:
+    """Mesh with cells replaced by pieces with inner points (k, 2), and the old cell of each new one.
+
+    Points keep their numbers; the middles of edges that a piece uses follow in the order of the edges, and are points
+    of the neighbours too; then the inner points.
+    """
+    cells = np.array(list(parts), dtype=np.int64)
+    pieces = [piece for pieces, _ in parts.values() for piece in pieces]
+    inner = [points for _, points in parts.values()]
+    first_inner = np.zeros(mesh.n_cells, dtype=np.int64)
+    first_inner[cells] = offsets_of(np.array(list(map(len, inner)), dtype=np.int64))[:-1]
+    # pieces as numbers of points; new ones are numbered with the middles of edges that stay whole
+    owner, counts = np.repeat(cells, [len(rows) for rows, _ in parts.values()]), list(map(len, pieces))
+    local, cell = np.fromiter(itertools.chain.from_iterable(pieces), np.int64), np.repeat(owner, counts)
+    n = mesh.cell_sizes[cell]
+    at, on_edge = mesh.cell_offsets[cell] + local % n, (local >= n) & (local < 2 * n)
+    number = np.where(on_edge, mesh.n_points + mesh.cell_edges[at], mesh.cell_points[at])
+    number = np.where(local < 2 * n, number, mesh.n_points + mesh.n_edges + first_inner[cell] + local - 2 * n)
+    split = np.zeros(mesh.n_edges, dtype=bool)
+    split[mesh.cell_edges[at[on_edge]]] = True
+    # with the other cells, in the order of the cells
+    others = np.flatnonzero(~np.isin(np.arange(mesh.n_cells), cells))
+    owner = np.concatenate((owner, others))
+    order = np.argsort(owner, kind="stable")
+    rows = offsets_of(np.concatenate((counts, mesh.cell_sizes[others])).astype(np.int64))
+    entries, offsets = entries_of(rows, order)
+    owner, ring = owner[order], np.append(number, mesh.cell_points[entries_of(mesh.cell_offsets, others)[0]])[entries]
+    # middles of divided edges go between their ends
+    after, base, cut = ring[next_in_row(offsets)], mesh.n_points + mesh.n_edges + len(local), np.flatnonzero(split)
+    keys = np.append(mesh.edges[cut].astype(np.int64) @ [base, 1], -1)
+    wanted = np.minimum(ring, after) * base + np.maximum(ring, after)
+    edge = np.searchsorted(keys[:-1], wanted)
+    halved = keys[edge] == wanted
+    sizes = np.diff(offsets) + np.add.reduceat(halved, offsets[:-1], dtype=np.int64)
+    ring = np.insert(ring, np.flatnonzero(halved) + 1, mesh.n_points + cut[edge[halved]])
+    taken = np.unique(np.append(ring, np.arange(mesh.n_points)))  # a cut may have points that no piece uses
     fine = PolyMesh(
-        points,
-        offsets_of(np.array([len(row) for row in rows])),
-        number[np.concatenate(rows)].astype(np.int32),
-        cell_sets,
+        np.vstack([mesh.points, mesh.edge_middles(np.arange(mesh.n_edges)), *inner])[taken],
+        offsets_of(sizes),
+        np.searchsorted(taken, ring).astype(np.int32),
+        {name: np.flatnonzero(np.isin(owner, members)).astype(np.int32) for name, members in mesh.cell_sets.items()},
         _halved_sets(mesh, split),
         _halved_curves(mesh, split),
     )
-    still = marked.copy()
-    still[chosen] = False
-    return fine, still[owner]
+    return fine, owner
 
 
 def _divisible(mesh: PolyMesh, marked: Bools) -> Bools:
@@ -246,14 +283,6 @@ def _mask(mesh: PolyMesh, cells: ArrayLike | None) -> Bools:
     return mask
 
 
-def _split_edges(mesh: PolyMesh, sides: Sides, divided: Bools) -> Bools:
-    """Which edges are halved, (n_edges,), when these cells are divided."""
-    halved = sides.in_edge[divided[sides.cell] & (sides.in_edge >= 0)]
-    split = np.zeros(mesh.n_edges, dtype=bool)
-    split[mesh.cell_edges[sides.entries[halved]]] = True
-    return split
-
-
 def _crowded(mesh: PolyMesh, most_hanging: int) -> Bools:
     """Which cells have a side with more hanging points than allowed, (n_cells,)."""
     sides = cell_sides(mesh)
@@ -297,79 +326,6 @@ def _halved_curves(mesh: PolyMesh, split: Bools) -> EdgeCurves | None:
         return None
     edges = mesh.edge_numbers(mesh.curves.pairs)
     return mesh.curves.halved(np.where(split[edges], (mesh.n_points + np.cumsum(split) - 1)[edges], -1))
-
-
-@dataclass(frozen=True, eq=False)
-class _Division:
-    """How the marked cells are divided about their centroids, triangles without one."""
-
-    old: PolyMesh
-    sides: Sides
-    marked: Bools
-    split: Bools
-    n_sides: Ints
-
-    def mesh(self) -> PolyMesh:
-        old = self.old
-        with_centre = np.flatnonzero(self.marked & (self.n_sides > 3))
-        middles = old.edge_middles(np.flatnonzero(self.split))
-        points = np.vstack([old.points, middles, old.cell_centroids[with_centre]])
-        parents, counts, corners = self._rows(with_centre)
-        order = np.argsort(parents, kind="stable")
-        starts = (np.cumsum(counts) - counts)[order]
-        offsets = offsets_of(counts[order])
-        places = np.repeat(starts - offsets[:-1], counts[order]) + np.arange(offsets[-1])
-        owner = parents[order]
-        cell_sets = {}
-        for name, cells in old.cell_sets.items():
-            inside = np.zeros(old.n_cells, dtype=bool)
-            inside[cells] = True
-            cell_sets[name] = np.flatnonzero(inside[owner]).astype(np.int32)
-        halves = _halved_sets(old, self.split), _halved_curves(old, self.split)
-        return PolyMesh(points, offsets, corners[places], cell_sets, *halves)
-
-    def _rows(self, with_centre: Ints) -> tuple[Ints, Ints, IntArray]:
-        """New cells: old cell and number of points of each, and their points one after the other."""
-        ring, offsets, place = self._rings()
-        sizes = np.diff(offsets)
-        groups = [_picked(ring, offsets, np.flatnonzero(~self.marked))]
-        mine = np.flatnonzero(self.marked[self.sides.cell])
-        cell = self.sides.cell[mine]
-        before = _previous(cell)
-        start, end = place[mine][before], place[mine]
-        lengths = (end - start) % sizes[cell] + 1
-        centre = np.full(self.old.n_cells, -1, dtype=np.int64)
-        centre[with_centre] = self.old.n_points + self.split.sum() + np.arange(len(with_centre))
-        counts = lengths + (centre[cell] >= 0)
-        rows = np.repeat(np.arange(len(mine)), counts)
-        step = np.arange(len(rows)) - (np.cumsum(counts) - counts)[rows]
-        at = offsets[cell[rows]] + (start[rows] - offsets[cell[rows]] + step) % sizes[cell[rows]]
-        corners = np.where(step < lengths[rows], ring[at], centre[cell[rows]])
-        groups.append((cell, counts, corners))
-        inner = cell[centre[cell] < 0]
-        groups.append((inner[::3], np.full(len(inner) // 3, 3), ring[end[centre[cell] < 0]]))
-        parents, counts, corners = (np.concatenate(parts) for parts in zip(*groups, strict=True))
-        return parents, counts, corners.astype(np.int32)
-
-    def _rings(self) -> tuple[Ints, Ints, Ints]:
-        """Points of the cells with the new ones among them, offsets, and the place of each side's division."""
-        old, sides = self.old, self.sides
-        halved = self.split[old.cell_edges[sides.entries]]
-        middle = old.n_points + np.cumsum(self.split) - 1
-        counts = 1 + halved
-        at = np.cumsum(counts) - counts
-        ring = np.empty(int(counts.sum()), dtype=np.int64)
-        ring[at] = old.cell_points[sides.entries]
-        ring[at[halved] + 1] = middle[old.cell_edges[sides.entries[halved]]]
-        offsets = np.append(at[old.cell_offsets[:-1]], len(ring))
-        place = np.where(sides.at_point >= 0, at[sides.at_point], at[sides.in_edge] + 1)
-        return ring, offsets, place
-
-
-def _picked(ring: Ints, offsets: Ints, cells: Ints) -> tuple[Ints, Ints, Ints]:
-    counts = np.diff(offsets)[cells]
-    places = np.repeat(offsets[cells] - (np.cumsum(counts) - counts), counts) + np.arange(counts.sum())
-    return cells, counts, ring[places]
 
 
 def _previous(cell: Ints) -> Ints:

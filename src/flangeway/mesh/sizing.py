@@ -24,10 +24,10 @@ MAX_EDGES = 100_000
 """Along one side: Gmsh's time grows with the square where points lie on a line along an axis, to half an hour here."""
 MAX_SEEDS = 5_000_000
 
-TRIANGLES_AN_AREA = {"delaunay": 1.14, "frontal-delaunay": 1.0}
+TRIANGLES_AN_AREA = 1.14
 """Triangles over what the target size alone would make, measured."""
-BYTES_A_TRIANGLE = {"delaunay": 460, "frontal-delaunay": 950}
-"""Of Gmsh and of the mesh taken from it; measured 440 to 480 and 900 to 980."""
+BYTES_A_TRIANGLE = 460
+"""Of Gmsh and of the mesh taken from it; measured 440 to 480."""
 BYTES_A_BOUNDARY_EDGE = 1200
 BYTES_A_SEED = 10_000
 """Up to this much, mostly while Gmsh integrates the size along a curve beside them; measured 2,300 to 10,500."""
@@ -100,9 +100,7 @@ class MeshBound:
     seconds: float
 
 
-def mesh_bound(
-    regions: Sequence[Region], size: float, refinements: Sequence[Refinement] = (), algorithm: str = "delaunay"
-) -> MeshBound:
+def mesh_bound(regions: Sequence[Region], size: float, refinements: Sequence[Refinement] = ()) -> MeshBound:
     """Return what the triangulation of regions that make one section needs at most.
 
     A triangle of the edge length h covers ``sqrt(3) h^2 / 4``. A refinement adds the integral of ``1 / h^2`` over the
@@ -132,10 +130,10 @@ def mesh_bound(
         if found > most:
             raise InputError(f"{given}: about {found:.2g} {kind}", f"sizes that make up to {most} {kind}", what)
     n_edges = np.maximum(sides, 1.0).sum() + added
-    n_triangles = math.ceil(max(TRIANGLES_AN_AREA[algorithm] * _AN_AREA * area, n_edges))
+    n_triangles = math.ceil(max(TRIANGLES_AN_AREA * _AN_AREA * area, n_edges))
     return MeshBound(
         n_triangles,
-        math.ceil(BYTES_A_TRIANGLE[algorithm] * n_triangles + BYTES_A_BOUNDARY_EDGE * n_edges + BYTES_A_SEED * n_seeds),
+        math.ceil(BYTES_A_TRIANGLE * n_triangles + BYTES_A_BOUNDARY_EDGE * n_edges + BYTES_A_SEED * n_seeds),
         2.5e-5 * n_triangles * (1e-5 * n_triangles) ** 0.3 + 1e-7 * float(np.sum(sides**2) + added**2) + 1e-4 * n_seeds,
     )
 

@@ -6,18 +6,18 @@ import numpy as np
 
 from flangeway.cases.bodies.bodies_run import BodiesRun
 from flangeway.cases.section.section_run import SectionRun
-from flangeway.cases.wheelset.wheelset_summary import ContactSummary
 from flangeway.post import shear_stresses
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.report.bodies.body_fields import BodyFields, BodySteps, body_fields, body_steps
+from flangeway.report.figures.display import shown_cells
 from flangeway.report.figures.fields import PartFields
 from flangeway.report.section.section_figures import warping_about_shear_centre
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.report.viewer.scene_model import DISPLACEMENT, Formula
-from flangeway.report.wheelset.wheelset_tables import contact_name
 from flangeway.types import Floats
 
 VIEW_WIDTHS = 8.0  # width of the view of a contact over the half width of the contact
-MOST_POINTS = 400_000  # points of all bodies above which the page shows whole elements, with values at their corners
+MAX_POINTS = 400_000  # points of all bodies above which the page shows whole elements, with values at their corners
 
 _STRESSES: tuple[tuple[str, str, Formula], ...] = (
     ("von_mises_MPa", "von Mises stress", "von-mises"),
@@ -32,14 +32,14 @@ _STRESSES: tuple[tuple[str, str, Formula], ...] = (
 )
 
 
-def wheelset_scene(parts: Sequence[PartFields], contacts: Sequence[ContactSummary]) -> Scene:
-    """Parts of a wheelset with element averages, and a view of each contact of its summary."""
+def wheelset_scene(parts: Sequence[PartFields], patches: Sequence[WheelRailPatch]) -> Scene:
+    """Parts of a wheelset with element averages, and a view of each contact."""
     views = []
-    for contact in contacts:
-        x, y = contact.space_position_mm
-        alone = contact_name(contact, contacts) == contact.side
-        name = f"{contact.side} {'contact' if alone else contact.region}"
-        views.append(View(name, (x, y), VIEW_WIDTHS * contact.half_width_mm))
+    for patch in patches:
+        x, y = patch.pressure.centre.tolist()
+        alone = sum(other.side == patch.side for other in patches) == 1
+        name = f"{patch.side} {'contact' if alone else patch.region}"
+        views.append(View(name, (x, y), VIEW_WIDTHS * patch.pressure.half_width))
     shown = [
         ShownPart(
             part.name,
@@ -69,9 +69,12 @@ def bodies_scene(run: BodiesRun, steps: BodySteps) -> Scene:
     is shown of very many steps.
     """
     orders = [body.field.problem.space.order for body in run.bodies.values()]
-    whole = max(orders) > 1 and sum(each.mesh.n_points for each in steps.fields[-1]) > MOST_POINTS
+    whole = max(orders) > 1 and sum(each.shown.mesh.n_points for each in steps.fields[-1]) > MAX_POINTS
     if whole:
-        steps = body_steps(run, [body_fields(name, body, 1) for name, body in run.bodies.items()])
+        bodies = run.bodies.items()
+        steps = body_steps(
+            run, [body_fields(name, body, shown_cells(body.field.problem.space, 1)) for name, body in bodies]
+        )
     shown = [_shown_body(of_body) for of_body in zip(*steps.fields, strict=True)]
     notes = [
         "Stresses are in the axes of the picture, tension positive, not averaged between elements, as in the VTU "
@@ -103,14 +106,9 @@ def _shown_body(steps: Sequence[BodyFields]) -> ShownPart:
         DISPLACEMENT: np.stack([each.displacement for each in steps]),
         "stresses": np.stack([each.stresses.components for each in steps]),
     }
-    return ShownPart(
-        last.name,
-        last.mesh,
-        arrays,
-        places=last.places,
-        n_rim_places=last.n_rim_places,
-        cells=None if np.array_equal(last.cells, np.arange(last.mesh.n_cells)) else last.cells,
-    )
+    shown = last.shown
+    cells = None if shown.display is None else shown.cells
+    return ShownPart(last.name, shown.mesh, arrays, places=shown.places, n_rim_places=shown.n_rim_places, cells=cells)
 
 
 def _patch_views(run: BodiesRun) -> list[View]:

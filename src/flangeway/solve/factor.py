@@ -120,7 +120,7 @@ class Factor:
             rmatvec=lambda x: self._solve_adjoint(np.ravel(x).astype(kind) / scale) / scale,
             dtype=kind,
         )
-        norm = abs(sp.diags_array(scale) @ self._inner @ sp.diags_array(scale)).sum(axis=0).max()
+        norm = (scale * (abs(self._inner).T @ scale)).max()
         try:
             inverse = float(onenormest(operator, t=1))
         except SingularMatrixError:
@@ -273,8 +273,10 @@ def _unit_scale(matrix: sp.csr_array) -> Floats:
     """Scale of rows and columns after which the largest entry of every row is about one (Ruiz, 2001)."""
     size = np.abs(matrix.diagonal())
     scale = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
-    magnitudes = abs(matrix)
+    magnitudes, filled, maxima = np.abs(matrix.data), np.diff(matrix.indptr) > 0, np.zeros(len(size))
     for _ in range(RUIZ_ITERATIONS):  # each takes the square root of what a row's maximum differs from one
-        maxima = scale * (magnitudes @ sp.diags_array(scale)).max(axis=1).toarray().ravel()
+        # max over j of s_i |A_ij| s_j
+        maxima[filled] = np.maximum.reduceat(magnitudes * scale[matrix.indices], matrix.indptr[:-1][filled])
+        maxima *= scale
         scale = scale / np.sqrt(np.where(maxima > 0.0, maxima, 1.0))
     return scale

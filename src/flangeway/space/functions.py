@@ -39,13 +39,18 @@ def at_points(function: Function, points: Floats) -> Floats:
     Raises
     ------
     InputError
-        If the function gives another shape or a number that is not finite; the message names the place.
+        If the function is complex, gives another shape or a number that is not finite; the message names the place.
 
     """
     given = points.swapaxes(-1, -2)
     rows = given.reshape(-1, 2)
     refuse_other_arguments(function)
-    values = np.asarray(function(rows), dtype=np.float64)
+    values = np.asarray(function(rows))
+    if np.iscomplexobj(values):
+        raise InputError(
+            "a complex function", "real values", "give its real and imaginary parts one by one, or a form to `linear`"
+        )
+    values = np.asarray(values, dtype=np.float64)
     if values.shape[:1] != (len(rows),):
         raise InputError(
             f"a function that gives shape {values.shape} for {len(rows)} points",

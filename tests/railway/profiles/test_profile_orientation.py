@@ -153,17 +153,18 @@ def test_doubled_points_are_left_out_with_a_notice(tmp_path):
     assert any(notice.startswith("2 of") and "line 23" in notice for notice in found.notices)
 
 
-def test_outliers_are_refused_or_left_out(tmp_path):
-    """A point off the curve is refused with its line; --drop-outliers leaves it out, and nothing else."""
+def test_outliers_are_left_out(tmp_path):
+    """A point off the curve is left out with a notice of its line, and nothing else; many are refused."""
     points = wheel_points()
     wrong = points.copy()
     wrong[100] += [0.0, 0.8]
     path = saved(tmp_path, wrong)
-    with pytest.raises(InputError, match="line 102: the point"):
-        read_profile(path)
-    found = read_profile(path, ReadOptions(drop_outliers=True, smooth_mm=0.0))
+    found = read_profile(path, ReadOptions(smooth_mm=0.0))
     np.testing.assert_allclose(found.points, np.delete(points, 100, axis=0), atol=1e-6)
     assert any("line 102" in notice for notice in found.notices)
+    wrong[20:-20:4] += [0.0, 0.8]
+    with pytest.raises(InputError, match=r"off the curve|turn back"):
+        read_profile(saved(tmp_path, wrong))
 
 
 def test_sharp_corners_and_noise_are_no_outliers(tmp_path):

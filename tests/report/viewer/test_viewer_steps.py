@@ -13,7 +13,7 @@ from flangeway.cases import CASES
 from flangeway.post import Stresses, pressure_patches
 from flangeway.report.bodies import body_fields as body_steps
 from flangeway.report.bodies.bodies_page import bodies_record
-from flangeway.report.bodies.body_fields import bodies_fields
+from flangeway.report.bodies.body_fields import bodies_fields, body_fields
 from flangeway.report.case_outputs import write_case
 from flangeway.report.page.html_page import report_page
 from flangeway.report.scenes import bodies_scene
@@ -65,7 +65,7 @@ def page(run, tmp_path_factory):
     for number, step in enumerate(run.contact.steps):
         bodies = run.at_step(step)
         for each in last:
-            each.of(bodies[each.name]).write(folder / f"{each.name}-{number}.vtu")
+            body_fields(each.name, bodies[each.name], each.shown).write(folder / f"{each.name}-{number}.vtu")
     return write_page(folder / "report.html", run)
 
 
@@ -301,9 +301,9 @@ def test_too_many_steps_are_thinned_out_evenly(open_page, run, tmp_path, monkeyp
     whole = bodies_scene(run, steps_of(run))
     assert len(whole.steps) == N_STEPS
     assert whole.steps_note == ""
-    monkeypatch.setattr(body_steps, "MOST_VALUES", n_packed(whole) // 2)
+    monkeypatch.setattr(body_steps, "MAX_VALUES", n_packed(whole) // 2)
     scene = bodies_scene(run, steps_of(run))
-    assert n_packed(scene) <= body_steps.MOST_VALUES
+    assert n_packed(scene) <= body_steps.MAX_VALUES
     assert [name.split(":")[0] for name in scene.steps] == ["1 of 4", "4 of 4"]
     for part, complete in zip(scene.parts, whole.parts, strict=True):
         assert np.array_equal(part.point_arrays["stresses"], complete.point_arrays["stresses"][[0, 3]])
@@ -311,7 +311,7 @@ def test_too_many_steps_are_thinned_out_evenly(open_page, run, tmp_path, monkeyp
     assert "2 of the 4 load steps are shown" in opened.page.inner_text(".viewer-steps-note")
     opened.page.get_by_role("button", name="Previous load step").click()
     assert "1 of 4" in opened.page.inner_text("#viewer-step-name")
-    monkeypatch.setattr(body_steps, "MOST_VALUES", 1)
+    monkeypatch.setattr(body_steps, "MAX_VALUES", 1)
     only = bodies_scene(run, steps_of(run))
     assert only.steps == ()
     assert only.steps_note.startswith("Of the 4 load steps only the last is shown")

@@ -39,6 +39,7 @@ ZONE_OF_LENS = 0.85
 ZONE_OF_HERTZ = 1.6  # the same relative to Hertz's half width, where the force is given
 ZONE_EDGES = 3.0  # edges of the mesh that the fine zone is wider
 MAX_EDGES = 10_000  # on half of the fine zone: more is a mistake in a size
+MAX_RADIUS = 1e6  # radius relative to the elements' size above which a half disc is not meshed
 MIN_PIECES = 17  # minimum number of pieces of the polyline along a fine arc
 MAX_ZONE = 0.75  # half width of the fine zone relative to the radius: wider ones do not fit half discs
 
@@ -204,6 +205,13 @@ class HertzCase(BodiesPreset):
         if self.fine_arc_deg is not None:
             self._refuse_narrow(self.fine_arc_deg)
         zone, size = self._zone(), min(self.size_mm, self.lower_mesh_size)
+        for key, value in (("radius_mm", radius), ("lower_radius_mm", below)):
+            if value > MAX_RADIUS * size:
+                raise InputError(
+                    f"{key} = {value:g} with elements of size_mm = {size:g}",
+                    f"radii up to {MAX_RADIUS:g} times size_mm",
+                    'make it smaller; lower = "block" is flat',
+                )
         smallest = radius if self.lower == "block" else min(radius, below)
         if zone > MAX_ZONE * smallest:
             raise InputError(

@@ -258,7 +258,7 @@ def run_geometry(
     remarks = list(notices)
     progress("finding contact points")
     reach = max(case.maximum_lateral_mm, case.maximum_amplitude_mm + _FURTHER_MM)
-    whole = _scanned(geometry, case, reach)
+    whole = geometry.scanned(reach, case.step_mm, roll=case.roll == "free")
     wanted = math.floor(case.maximum_lateral_mm / case.step_mm + 1e-9) * case.step_mm
     shown = np.abs(whole.lateral_mm) < wanted + 0.5 * case.step_mm
     first, last = np.flatnonzero(shown)[[0, -1]]
@@ -328,14 +328,6 @@ def _loaded_contacts(
         conforms = hertz is not None and conforming(*bodies, hertz.half_width)
         contacts.append(LoadedContact(point, None if conforms else hertz))
     return tuple(contacts)
-
-
-def _scanned(geometry: RigidGeometry, case: GeometryCase, reach: float) -> ContactLocus:
-    """Positions to both sides as far as the wheels touch inside the running surfaces and no flange climbs."""
-    rolls = case.roll == "free"
-    low, high = geometry.limits(reach, roll=rolls)
-    numbers = np.arange(math.ceil(max(low, -reach) / case.step_mm), math.floor(min(high, reach) / case.step_mm) + 1)
-    return geometry.locus(numbers * case.step_mm, roll=rolls)
 
 
 def _title(name: str, case: GeometryCase) -> str:

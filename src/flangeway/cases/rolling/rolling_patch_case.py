@@ -1,31 +1,44 @@
 """The case of one contact patch between half-spaces on which two bodies roll, or shift, with friction."""
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.patch_quantities import ON_SURFACE
 from flangeway.cases.rolling.pressure_table import read_pressures
-from flangeway.cases.rolling.rolling_patch_summary import RollingPatchSummary, ShiftSummary, TheoryForces
-from flangeway.cases.summary import RunResult, StatusSummary
+from flangeway.cases.rolling_quantities import (
+    BY_THEORY,
+    CREEPAGES,
+    FIELDS,
+    FORCES,
+    POWER,
+    SHIFT,
+    T_GAMMAS,
+    THEORY,
+    TRACTION,
+    Creep,
+    CreepResult,
+)
+from flangeway.cases.summary import RunResult
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import creep_curve, roll
-from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, CreepForces, Rolling
-from flangeway.contact.rolling.theories import FAST, TITLES, Theory
+from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
+from flangeway.contact.rolling.theories import FAST, Theory
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
+from flangeway.quantities import Quantity, values
 from flangeway.solve import Status
 from flangeway.types import Floats
 
@@ -33,9 +46,9 @@ from flangeway.types import Floats
 
 COMPONENTS = {"longitudinal": "along", "lateral": "across", "spin": "spin"}
 """Components of creepages by the names of creep curves."""
-CREEPAGES = ("longitudinal_creepage", "lateral_creepage", "spin_creepage_per_m")
+CREEPAGE_KEYS = ("longitudinal_creepage", "lateral_creepage", "spin_creepage_per_m")
 SHIFTS = ("shift_ahead_mm", "shift_right_mm", "shift_rotation_mrad")
-FORCES = ("longitudinal_force_kN", "lateral_force_kN")
+FORCE_KEYS = ("longitudinal_force_kN", "lateral_force_kN")
 MARGIN = 1
 """Cells beyond the ellipse on each side, where pressures are found by contact."""
 
@@ -48,34 +61,83 @@ class RollingPatchRun(RunResult):
     ----------
     case
         The inputs.
-    summary
-        What ``summary.json`` holds.
+    timings_s
+        Seconds by stage.
     contact
         The patch.
-    found
+    state
         What the chosen theory gives; t of the patch is to the right, z ahead, the speed is in m/s.
+    theories
+        What all theories give; none for a shift.
     curve
-        Points of the creep curve of all theories, one theory after the other; none without one.
+        Points of the creep curve by theories; none without one.
+    notices
+        What the reader should know.
 
     """
 
     main_table: ClassVar[str] = "theories"
 
     case: "RollingPatchCase"
-    summary: RollingPatchSummary
+    timings_s: Mapping[str, float]
     contact: RollingContact
-    found: CreepForces
-    curve: Sequence[TheoryForces]
+    state: CreepResult
+    theories: Sequence[CreepResult]
+    curve: Mapping[str, Sequence[CreepResult]]
+    notices: Sequence[str]
 
     @property
     def status(self) -> Status:
         """How it ended."""
-        return self.found.status
+        return self.state.forces.status
+
+    @cached_property
+    def semi_axes(self) -> tuple[float, float]:
+        """Semi-axes along and across of the ellipse with the second moments of the pressures, mm."""
+        ellipse = EllipticContact.of(self.contact, self.state.creepages if self.state.rolls else Creepages())
+        return ellipse.along, ellipse.across
 
     @property
-    def fields(self) -> Rolling | SimplifiedRolling | None:
-        """Tractions, slip and states, which only some theories have."""
-        return self.found if isinstance(self.found, Rolling | SimplifiedRolling) else None
+    def residuals(self) -> dict[str, float]:
+        """See `flangeway.contact.rolling.rolling_result.Rolling.residuals`; none of the fast theories."""
+        found = self.state.forces
+        return found.residuals if isinstance(found, Rolling) else {}
+
+    @property
+    def energy_error(self) -> float | None:
+        """Frictional power less that of forces times creepages, over the power; of the exact theory."""
+        found = self.state.forces
+        if not self.state.rolls or not isinstance(found, Rolling):
+            return None
+        power = abs(found.motion.speed) * found.t_gamma
+        return abs(found.frictional_power - power) / (abs(power) + abs(found.rolling_power) or 1.0)
+
+    def parts(self) -> dict[str, Any]:
+        """See `RunResult.parts`."""
+        return {
+            **values(PATCH, self),
+            **values(STATE, self.state),
+            **values([ENERGY_ERROR], self),
+            "residuals": self.residuals,
+            "theories": [values(BY_THEORY, each) for each in self.theories],
+            "notices": self.notices,
+        }
+
+
+MAX_PRESSURE: Quantity[RollingPatchRun] = Quantity(
+    "max_pressure", "maximum pressure", lambda run: run.contact.pressures.max(), "MPa", ".1f"
+)
+PATCH: tuple[Quantity[RollingPatchRun], ...] = (
+    Quantity("force", "normal force", lambda run: run.contact.force, "kN", ".3f", factor=1e-3),
+    Quantity("semi_axis_along", "semi-axis along", lambda run: run.semi_axes[0], "mm", ".3f"),
+    Quantity("semi_axis_across", "semi-axis across", lambda run: run.semi_axes[1], "mm", ".3f"),
+    MAX_PRESSURE,
+    Quantity("cells", "", lambda run: [part.stop - part.start for part in run.contact.box], parts=ON_SURFACE),
+)
+ENERGY_ERROR: Quantity[RollingPatchRun] = Quantity(
+    "energy_error", "frictional power less forces times creepages, relative", "energy_error", form=".1e"
+)
+STATE: tuple[Creep, ...] = (THEORY, *CREEPAGES, *SHIFT, *FORCES, TRACTION, *T_GAMMAS, POWER, *FIELDS)
 
 
 class RollingPatchCase(RunnableCase):
@@ -85,7 +147,7 @@ class RollingPatchCase(RunnableCase):
     title: ClassVar[str] = "One contact patch that rolls with friction"
     essential: ClassVar[tuple[str, ...]] = (
         *("force_kN", "radius_along_mm", "radius_across_mm"),
-        *(*CREEPAGES, "speed_km_h", "friction"),
+        *(*CREEPAGE_KEYS, "speed_km_h", "friction"),
     )
 
     force_kN: float = Field(80.0, gt=0.0, description="normal force")
@@ -167,15 +229,15 @@ class RollingPatchCase(RunnableCase):
         if self.rolls:
             self.refuse_without_effect(SHIFTS, "speed_km_h", "0")
         else:
-            rolling = (*CREEPAGES, "rolling_theory", "friction_decay_m_per_s")
+            rolling = (*CREEPAGE_KEYS, "rolling_theory", "friction_decay_m_per_s")
             self.refuse_without_effect(rolling, "speed_km_h", "a speed other than 0")
         if self.rolling_theory != "exact":
-            self.refuse_without_effect(FORCES, "rolling_theory", "exact")
+            self.refuse_without_effect(FORCE_KEYS, "rolling_theory", "exact")
         if not self.friction:
-            self.refuse_without_effect([*FORCES, "kinetic_friction"], "friction", "a coefficient above 0")
+            self.refuse_without_effect([*FORCE_KEYS, "kinetic_friction"], "friction", "a coefficient above 0")
         if self.kinetic_friction is None:
             self.refuse_without_effect(["friction_decay_m_per_s"], "kinetic_friction", "a coefficient below friction")
-        for force, *keys in zip(FORCES, CREEPAGES, SHIFTS, strict=False):
+        for force, *keys in zip(FORCE_KEYS, CREEPAGE_KEYS, SHIFTS, strict=False):
             if getattr(self, force) is not None:
                 self.refuse_without_effect(keys, force, "none")
         _ = self._friction
@@ -190,15 +252,14 @@ class RollingPatchCase(RunnableCase):
         along, across = (None if force is None else 1e3 * force for force in self._forces)
         exact = roll(contact, self.motion, force_along=along, force_across=across)
         found = exact if self.rolling_theory == "exact" else FAST[self.rolling_theory](contact, self.motion)
-        states: dict[Theory, CreepForces] = {"exact": exact} if self.rolls else {}
-        states |= {name: theory(contact, exact.motion) for name, theory in FAST.items()} if self.rolls else {}
+        states = [exact, *(theory(contact, exact.motion) for theory in FAST.values())] if self.rolls else []
         rolled = time.perf_counter()
         curve, notices = self._curve(contact, exact.motion, progress)
         total = time.perf_counter()
         timings = {"pressures": pressed - start, "rolling": rolled - pressed, "curve": total - rolled}
         notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *found.notices, *notices))]
-        summary = self._summary(contact, found, states, timings | {"total": total - start}, notices)
-        return RollingPatchRun(self, summary, contact, found, curve)
+        state, *theories = (CreepResult(each, each.motion, contact.force) for each in (found, *states))
+        return RollingPatchRun(self, timings | {"total": total - start}, contact, state, theories, curve, notices)
 
     @property
     def rolls(self) -> bool:
@@ -231,10 +292,10 @@ class RollingPatchCase(RunnableCase):
     @property
     def motion(self) -> Creepages:
         """Creepages with spin in 1/mm and the speed in m/s, or the shift; 0 where a force is given."""
-        values = [getattr(self, key) for key in (CREEPAGES if self.rolls else SHIFTS)]
+        motion = [getattr(self, key) for key in (CREEPAGE_KEYS if self.rolls else SHIFTS)]
         for number, force in enumerate(self._forces):
-            values[number] = 0.0 if force is not None else values[number]
-        return Creepages(values[0], values[1], 1e-3 * values[2], self.speed_km_h / 3.6)
+            motion[number] = 0.0 if force is not None else motion[number]
+        return Creepages(motion[0], motion[1], 1e-3 * motion[2], self.speed_km_h / 3.6)
 
     @property
     def _forces(self) -> tuple[float | None, float | None]:
@@ -252,89 +313,24 @@ class RollingPatchCase(RunnableCase):
 
     def _curve(
         self, contact: RollingContact, motion: Creepages, progress: Progress
-    ) -> tuple[list[TheoryForces], Iterable[str]]:
-        """Points of the creep curve of all theories, and what is to be said about it."""
+    ) -> tuple[dict[str, list[CreepResult]], Iterable[str]]:
+        """Points of the creep curve by theories, and what is to be said about it."""
         if not self.has_curve:
-            return [], ()
+            return {}, ()
         progress("creep curve")
         ellipse, name = EllipticContact.of(contact, motion), COMPONENTS[self.curve]
         c, size = ellipse.coefficients, float(np.sqrt(ellipse.along * ellipse.across))
         rate = {"along": c.c11, "across": c.c22, "spin": c.c23 * size}[name]
         end = self.curve_end * ellipse.friction * ellipse.force / (ellipse.unit * rate)
-        values: Floats = np.linspace(0.0, end, self.curve_points)
-        motions = [replace(motion, **{name: value}) for value in values.tolist()]
+        points: Floats = np.linspace(0.0, end, self.curve_points)
+        motions = [replace(motion, **{name: point}) for point in points.tolist()]
         exact = creep_curve(contact, motions)
-        states: dict[Theory, Sequence[CreepForces]] = {"exact": exact}
+        states: dict[str, Sequence[CreepForces]] = {"exact": exact}
         states |= {theory: [compute(contact, each) for each in motions] for theory, compute in FAST.items()}
         failed = sum(not each.status.converged for each in exact)
         notices = [f"{failed} of {len(exact)} points of the creep curve by the exact theory did not converge"]
-        return [_forces_by(theory, each) for theory, all_of in states.items() for each in all_of], notices[:failed]
-
-    def _summary(
-        self,
-        contact: RollingContact,
-        found: CreepForces,
-        states: dict[Theory, CreepForces],
-        timings_s: dict[str, float],
-        notices: Sequence[str],
-    ) -> RollingPatchSummary:
-        rolls, motion = self.rolls, found.motion
-        ellipse = EllipticContact.of(contact, motion if rolls else Creepages())
-        fields = found if isinstance(found, Rolling | SimplifiedRolling) else None
-        inside = fields.states != NO_CONTACT if fields else None
-        slip = float(np.linalg.norm(fields.slip_velocities, axis=2).max()) if fields else None
-        error = None
-        if rolls and isinstance(found, Rolling):
-            power = abs(motion.speed) * found.t_gamma
-            error = abs(found.frictional_power - power) / (abs(power) + abs(found.rolling_power) or 1.0)
-        shift = None
-        if slip is not None and not rolls:
-            shift = ShiftSummary(
-                longitudinal_mm=float(motion.along),
-                lateral_mm=float(motion.across),
-                rotation_mrad=1e3 * float(motion.spin),
-                max_slip_mm=slip,
-                dissipated_N_mm=found.frictional_power,
-            )
-        return RollingPatchSummary(
-            status=StatusSummary(found.status.converged, found.status.message),
-            case={"name": self.name, **self.model_dump()},
-            timings_s=timings_s,
-            theory=TITLES[self.rolling_theory],
-            force_kN=contact.force / 1e3,
-            semi_axis_along_mm=ellipse.along,
-            semi_axis_across_mm=ellipse.across,
-            max_pressure_MPa=float(contact.pressures.max()),
-            cells=[part.stop - part.start for part in contact.box],
-            longitudinal_force_kN=found.along / 1e3,
-            lateral_force_kN=found.across / 1e3,
-            spin_moment_Nm=found.moment / 1e3,
-            traction_coefficient=float(np.hypot(found.along, found.across)) / contact.force,
-            rolling=_forces_by(self.rolling_theory, found) if rolls else None,
-            shift=shift,
-            frictional_power_W=found.frictional_power if rolls else None,
-            slipping_share=float((fields.states[inside] == SLIPS).mean()) if fields else None,
-            max_traction_MPa=float(np.linalg.norm(fields.tractions, axis=2).max()) if fields else None,
-            max_slip_velocity_m_s=slip if rolls else None,
-            max_power_density_W_mm2=float(fields.power_density.max()) if fields and rolls else None,
-            residuals=found.residuals if isinstance(found, Rolling) else {},
-            energy_error=error,
-            theories=[_forces_by(name, each) for name, each in states.items()],
-            notices=notices,
-        )
-
-
-def _forces_by(theory: Theory, found: CreepForces) -> TheoryForces:
-    motion = found.motion
-    return TheoryForces(
-        theory=TITLES[theory],
-        longitudinal_creepage=float(motion.along),
-        lateral_creepage=float(motion.across),
-        spin_creepage_per_m=1e3 * float(motion.spin),
-        longitudinal_force_kN=found.along / 1e3,
-        lateral_force_kN=found.across / 1e3,
-        spin_moment_Nm=found.moment / 1e3,
-        t_gamma_N=found.t_gamma,
-        t_gamma_without_spin_N=found.products(motion)[0],
-        t_gamma_with_spin_N=sum(found.products(motion)),
-    )
+        curve = {
+            theory: [CreepResult(each, each.motion, contact.force) for each in forces]
+            for theory, forces in states.items()
+        }
+        return curve, notices[:failed]

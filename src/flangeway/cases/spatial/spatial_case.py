@@ -3,6 +3,7 @@
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,7 +13,7 @@ from flangeway.cases.bodies.bodies_model import elements_of
 from flangeway.cases.bodies.bodies_shape import body_shape
 from flangeway.cases.bodies.bodies_tables import BodyTable, FineTable, elastic
 from flangeway.cases.case import Case, Pair, Progress, RunnableCase
-from flangeway.cases.spatial.spatial_summary import SpatialSummary, summarise_spatial
+from flangeway.cases.spatial.spatial_quantities import BODY, CONTACT, PATCH, SpatialBodyResult, SpatialPatchResult
 from flangeway.cases.summary import RunResult
 from flangeway.contact.patch.patch_body import Axis, PatchBody, cast, points_along
 from flangeway.contact.patch.patch_contact import PatchContact, press_patch
@@ -21,6 +22,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.post.patch_stresses import DepthProfile, SectionStresses, depth_profile, patch_stresses
 from flangeway.problems import Elasticity, Foundation, Harmonic
+from flangeway.quantities import values
 from flangeway.solve import Status
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache
@@ -70,27 +72,50 @@ class SpatialRun(RunResult):
     ----------
     case
         The inputs.
-    status
-        How it ended.
-    summary
-        What ``summary.json`` holds.
+    timings_s
+        Seconds by stage.
     contact
         Pressures.
     sections
         Stresses of the lower and the upper body in the plane of the first patch's centre.
     profiles
         The same below this centre.
+    notices
+        What the reader should know.
 
     """
 
     main_table: ClassVar[str] = "patches"
 
     case: Case
-    status: Status
-    summary: SpatialSummary
+    timings_s: Mapping[str, float]
     contact: PatchContact
     sections: tuple[SectionStresses, SectionStresses]
     profiles: tuple[DepthProfile, DepthProfile]
+    notices: Sequence[str]
+
+    @property
+    def status(self) -> Status:
+        """How it ended."""
+        return self.contact.status
+
+    @cached_property
+    def patches(self) -> list[SpatialPatchResult]:
+        """The patches by falling force."""
+        return [SpatialPatchResult(self.contact, ellipse) for ellipse in self.contact.patches]
+
+    @cached_property
+    def bodies(self) -> list[SpatialBodyResult]:
+        """The lower and the upper body."""
+        return [SpatialBodyResult(self.contact, number, profile) for number, profile in enumerate(self.profiles)]
+
+    def parts(self) -> dict[str, Any]:
+        """See `RunResult.parts`."""
+        return values(CONTACT, self.contact) | {
+            "patches": [values(PATCH, patch) for patch in self.patches],
+            "bodies": [values(BODY, body) for body in self.bodies],
+            "notices": self.notices,
+        }
 
 
 class SpatialRunCase(RunnableCase):
@@ -117,10 +142,7 @@ class SpatialRunCase(RunnableCase):
         depths: Floats = np.geomspace(0.25 * cell, DEPTHS * patch.semi_axes[0], 120)
         profiles = depth_profile(lower, patch, depths), depth_profile(upper, patch, depths)
         timings = {"meshing": meshed - start, "contact": pressed - meshed, "total": time.perf_counter() - start}
-        status = found.status
-        case = {"name": self.name, **self.model_dump()}
-        summary = summarise_spatial(case, found, profiles, timings, notices)
-        return SpatialRun(self, status, summary, found, (lower, upper), profiles)
+        return SpatialRun(self, timings, found, (lower, upper), profiles, notices)
 
 
 class SpatialCase(SpatialInputs, SpatialRunCase):

@@ -12,7 +12,7 @@ reports it; the gauge is measured on the head, so that nothing else depends on w
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -60,6 +60,7 @@ A shorter one would be in contact on the nominal outline, without a warning.
 HEIGHTS_MM = (-30.0, 1.0)
 """Height of a measured head's top over that of the nominal rail: worn, but never higher than new."""
 
+BELOW_HEAD_MM = 3.0  # depth below the nominal head from where a file shows the web, which the body has
 HALF_HEAD_MM = 36.0  # distance of a head's middle from its gauge face
 GAUGE_DEPTH_MM = 14.0
 """Depth below the top at which the face of a rail's head is at x = 0 if the file counts from the gauge face."""
@@ -138,6 +139,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         raise InputError(f"--join {name}, a {kind}, for a {measured.kind}", ", ".join(known), "choose one of these")
     if isinstance(measured.surface, Outline):
         raise InputError(f"--join {name} for a closed outline", "a running surface", "leave --join out: it is whole")
+    measured = _above_web(measured, nominal)
     shift, offset = _shift(measured, nominal)
     surface = measured.surface.transformed(Placement(translation=shift))
     outline, joints = _closed(surface, nominal, partial(measured.place, moved=shift))
@@ -153,22 +155,32 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         f"{_tape_text(measured)}"
     )
     source = f"File: {measured.format}. Body: {nominal.source}"
-    if isinstance(nominal, WheelProfile):
-        wheel_profile = WheelProfile(
-            title,
-            outline,
-            running,
-            flange_height_mm=-float(outline.bounds()[0, 1]),
-            flange_back_mm=measured.flange_back_mm,
-            certainty=certainty,
-            source=source,
-            notices=(*notices, *_unmeasured_tip(surface, outline, nominal)),
-        )
-        return Joined(wheel_profile, nominal, surface, joints)
-    notices = (*notices, *_lean(surface, nominal))
-    placing = measured.first_slice and measured.first_slice.transformed(Placement(translation=shift))
-    rail_profile = RailProfile(title, outline, running[::-1], nominal.base_names, certainty, source, notices, placing)
-    return Joined(rail_profile, nominal, surface, joints)
+    notices += (
+        _lean(surface, nominal) if isinstance(nominal, RailProfile) else _unmeasured_tip(surface, outline, nominal)
+    )
+    base = nominal.base_names if isinstance(nominal, RailProfile) else ()
+    profile = _with_body(measured, shift, (title, outline, running, base), (certainty, source, notices))
+    return Joined(profile, nominal, surface, joints)
+
+
+def _with_body(
+    measured: MeasuredProfile,
+    shift: tuple[float, float],
+    shape: tuple[str, Outline, tuple[str, ...], tuple[str, ...]],
+    words: tuple[str, str, tuple[str, ...]],
+) -> RailProfile | WheelProfile:
+    """Return a measured profile with its body as a rail or wheel.
+
+    - `shift`: from the frame of the file to that of the outline.
+    - `shape`: title, outline, names of the running surface in its direction, and of a rail's base.
+    - `words`: certainty, source, notices.
+    """
+    title, outline, running, base = shape
+    if measured.kind == "rail":
+        placing = measured.first_slice and measured.first_slice.transformed(Placement(translation=shift))
+        return RailProfile(title, outline, running[::-1], base, *words, placing)
+    height = -float(outline.bounds()[0, 1])
+    return WheelProfile(title, outline, running, height, measured.flange_back_mm, *words)
 
 
 def clipped_notices(
@@ -206,6 +218,7 @@ def body_distance_mm(measured: MeasuredProfile, name: str) -> float | None:
     The head's ends alone do not tell rails apart.
     """
     nominal = nominal_profile(name)
+    measured = _above_web(measured, nominal)
     try:
         shift = _shift(measured, nominal)[0]
         surface = measured.surface.transformed(Placement(translation=shift))
@@ -213,6 +226,30 @@ def body_distance_mm(measured: MeasuredProfile, name: str) -> float | None:
     except InputError:
         return None
     return float(np.median(nominal.outline.closest(surface.sampled(spacing=SPACING_MM))[2]))
+
+
+def _above_web(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> MeasuredProfile:
+    """Return a rail's head without the web that its file has below it, with a notice."""
+    if not isinstance(nominal, RailProfile) or measured.first_slice is not None:
+        return measured
+    segments = measured.surface.segments
+    heights = np.array([min(segment.start[1], segment.end[1]) for segment in segments])
+    level = float(nominal.outline.bounds(nominal.head_names)[0, 1]) - _rail_shift(measured, nominal)[1] - BELOW_HEAD_MM
+    below = np.flatnonzero(heights < level)
+    if not len(below) or len(below) == len(segments):
+        return measured
+    top = int(np.argmax(heights))
+    first = int(below[below < top].max(initial=-1)) + 1
+    last = int(below[below > top].min(initial=len(segments)))
+    kept = Contour.from_segments(segments[first:last], measured.surface.names[first:last])
+    words = ("gauge side", last < len(segments)), ("field side", first > 0)
+    left_out = [
+        f"{measured.place(point)} ({side})"
+        for (side, is_cut), point in zip(words, (kept.segments[-1].end, kept.segments[0].start), strict=True)
+        if is_cut
+    ]
+    notice = f"What lies below the head is left out, beyond {' and '.join(left_out)}."
+    return replace(measured, surface=kept, notices=(*measured.notices, notice))
 
 
 def _shift(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> tuple[tuple[float, float], float]:
@@ -331,13 +368,9 @@ def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     title, source = f"{measured.title} on a plain body", f"File: {measured.format}."
     certainty = f"Running surface as measured, on a block of steel with upright faces.{_tape_text(measured)}"
     notices = (*measured.notices, *clipped_notices(surface, measured))
-    if is_rail:
-        upright = Placement(translation=(-0.5 * (start[0] + end[0]), -level))
-        placing = measured.first_slice and measured.first_slice.transformed(upright)
-        base = outline.transformed(upright)
-        return RailProfile(title, base, (MEASURED,), ("base",), certainty, source, notices, placing)
-    height = -float(outline.bounds()[0, 1])
-    return WheelProfile(title, outline, (MEASURED,), height, measured.flange_back_mm, certainty, source, notices)
+    shift = (-0.5 * (start[0] + end[0]), -level) if is_rail else (0.0, 0.0)
+    placed = outline.transformed(Placement(translation=shift))
+    return _with_body(measured, shift, (title, placed, (MEASURED,), ("base",)), (certainty, source, notices))
 
 
 def _tape_text(measured: MeasuredProfile) -> str:

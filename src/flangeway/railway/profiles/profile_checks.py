@@ -23,27 +23,25 @@ _MAX_FOLD_MM = 1.0
 _MOST_FOLDED = 20
 _HOOK = 3  # points at the end of a file that may be a stray stroke
 _OUTLIER_UM = 100.0
+MAX_OUTLIERS = 0.05  # part of the points that may be off the curve
 
 Lines = NDArray[np.int64]
 
 
-def checked_points(
-    points: FloatArray, lines: Lines, *, unit_is_sure: bool, drop_outliers: bool
-) -> tuple[FloatArray, Lines, list[str]]:
+def checked_points(points: FloatArray, lines: Lines, *, unit_is_sure: bool) -> tuple[FloatArray, Lines, list[str]]:
     """Return the points (n, 2) in mm that can be used, their lines (n,), and a notice of what was left out or bridged.
 
-    An `InputError` if there are too few points, the length is no profile's, points are out of order, a point is off the
+    An `InputError` if there are too few points, the length is no profile's, points are out of order, many are off the
     curve, or a part is missing.
 
     - `points`: points (n, 2) in mm, in the order of the file.
     - `lines`: line of the file of each.
     - `unit_is_sure`: whether the unit was named; lengths of a profile in an assumed unit have to be usual ones.
-    - `drop_outliers`: whether single points off the curve are left out; else they are refused.
     """
     _refuse_few(points)
     refuse_length(points, unit_is_sure)
     points, lines, notices = _without_doubled(points, lines)
-    points, lines, more = _without_outliers(points, lines, drop_outliers)
+    points, lines, more = _without_outliers(points, lines)
     notices += more
     _refuse_few(points)
     points, lines, folds = _without_folds(points, lines)
@@ -124,19 +122,14 @@ def _off_line(points: FloatArray, starts: FloatArray, ends: FloatArray) -> Float
     return distances
 
 
-def _without_outliers(points: FloatArray, lines: Lines, drop: bool) -> tuple[FloatArray, Lines, list[str]]:
+def _without_outliers(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[str]]:
     found = _outliers(points)
     if not len(found):
         return points, lines, []
     x, y = points[found[0]]
     what = f"line {lines[found[0]]}: the point ({x:.6g}, {y:.6g}) mm"
-    if not drop:
-        more = f", and {len(found) - 1} more" if len(found) > 1 else ""
-        raise InputError(
-            f"{what}, off the curve through its neighbours{more}",
-            "points along one smooth curve",
-            "remove the line, or give --drop-outliers",
-        )
+    if len(found) > MAX_OUTLIERS * len(points):
+        raise InputError(f"{len(found)} points off the curve, the first in {what}", "a smooth curve", "measure again")
     kept = np.setdiff1d(np.arange(len(points)), found)
     return (
         points[kept],

@@ -80,8 +80,6 @@ class ReadOptions:
         Wavelength to smooth by; 0 for none. See `flangeway.railway.profiles.smoothing.smoothed`.
     limit_um
         Maximum distance that smoothing may move a point.
-    drop_outliers
-        Whether to leave out single points off the curve.
     position
         Position of the section in a file of slices: mm along the track, degrees around a wheel.
     """
@@ -94,7 +92,6 @@ class ReadOptions:
     tape_mm: float | None = None
     smooth_mm: float | None = None
     limit_um: float | None = None
-    drop_outliers: bool = False
     position: float | None = None
 
 
@@ -228,9 +225,7 @@ def _profile(
     if raw.contour is not None:
         refuse_length(raw.points * scale, sure)
     else:
-        points, lines, more = checked_points(
-            raw.points * scale, raw.lines, unit_is_sure=sure, drop_outliers=options.drop_outliers
-        )
+        points, lines, more = checked_points(raw.points * scale, raw.lines, unit_is_sure=sure)
         raw = replace(raw, points=points / scale, lines=lines)
     oriented = partial(
         orientation,

@@ -15,6 +15,7 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import BSpline, make_interp_spline
 from scipy.optimize import brentq
 
 from flangeway.checks import as_numbers
@@ -88,21 +89,14 @@ class RollingRadiusDifference:
             )
 
     @cached_property
-    def integral_mm2(self) -> Floats:
-        """Integral of the difference from the first point to each point, exact for straight pieces, (n,)."""
-        steps = np.diff(self.lateral_mm)
-        means = 0.5 * (self.difference_mm[1:] + self.difference_mm[:-1])
-        return np.concatenate(([0.0], np.cumsum(steps * means)))
+    def _integral(self) -> BSpline:
+        """Integral of the difference from the first point, exact for straight pieces."""
+        return make_interp_spline(self.lateral_mm, self.difference_mm, k=1).antiderivative()
 
     def integral(self, lateral_mm: ArrayLike) -> Floats:
         """Integral of the difference from the first point to lateral displacements."""
-        wanted = np.asarray(lateral_mm, dtype=np.float64)
-        self.refuse_outside(wanted)
-        piece = np.clip(np.searchsorted(self.lateral_mm, wanted, side="right") - 1, 0, len(self.lateral_mm) - 2)
-        start, difference = self.lateral_mm[piece], self.difference_mm[piece]
-        slope = (self.difference_mm[piece + 1] - difference) / (self.lateral_mm[piece + 1] - start)
-        step = wanted - start
-        value: Floats = self.integral_mm2[piece] + step * (difference + 0.5 * slope * step)
+        self.refuse_outside(lateral_mm)
+        value: Floats = self._integral(np.clip(lateral_mm, *self.lateral_mm[[0, -1]]))
         return value
 
     @cached_property

@@ -239,15 +239,12 @@ def _with_edges(profile: RigidCurve) -> tuple[Floats, Floats, Floats]:
 
 def _lowest(x: Floats, y: Floats) -> NDArray[np.bool_]:
     """Which points of a chain that may turn back belong to its lower envelope."""
-    steps = np.diff(x)
-    if (steps > -_SAME_MM).all():
+    if (np.diff(x) > -_SAME_MM).all():
         return np.ones(len(x), dtype=np.bool_)
-    low, high = np.minimum(x[1:], x[:-1]), np.maximum(x[1:], x[:-1])
+    # runs along which x grows: parts that turn back are bounded by a lower run
+    ends = np.flatnonzero(np.diff(x) <= -_SAME_MM) + 1
     lowest = np.full(len(x), np.inf)
-    for part in np.array_split(np.arange(len(x)), max(len(x) // 256, 1)):
-        below = (x[part, None] >= low) & (x[part, None] <= high) & (high - low > _SAME_MM)
-        heights = y[:-1] + (x[part, None] - x[:-1]) * np.divide(np.diff(y), steps, where=steps != 0.0, out=0.0 * steps)
-        lowest[part] = np.where(below, heights, np.inf).min(axis=1)
+    for run in np.split(np.arange(len(x)), ends):
+        lowest = np.minimum(lowest, np.interp(x, x[run], y[run], left=np.inf, right=np.inf))
     kept: NDArray[np.bool_] = y <= lowest + _SAME_MM
-    forward = np.concatenate((steps[:1], steps)) > -_SAME_MM
-    return kept & (forward | np.append(forward[1:], True))
+    return kept

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from flangeway.errors import InputError
@@ -25,7 +26,6 @@ MAX_RESIDUAL = 1e-5  # maximum residual force over the load in equilibrium
 NEUTRAL_MM = 1.0  # least length of the positions of a neutral equilibrium
 _TOGETHER_MM = 1e-7  # gap below which a further point touches as well
 _PRECISION_MM = 1e-13
-_SECTIONS = 32
 _NEAR_MM = 1e-6
 _ONE_POINT_MM = 1e-2
 
@@ -272,17 +272,14 @@ def held_ratios(geometry: RigidGeometry, path: TouchingPositions) -> Floats:
 
 def _zeros(geometry: RigidGeometry, load: WheelsetLoad, pairs: Intervals) -> Intervals:
     """Narrow intervals in which the derivative passes through zero, by continuous change or by a jump."""
-    rows = np.arange(len(pairs.level))
-    while float(np.diff(pairs.level, axis=1).max()) > _PRECISION_MM:
-        grid = pairs.divided(_SECTIONS)
-        settled = geometry.touching(grid.level.ravel(), roll=grid.roll.ravel())
-        rising = _derivative(geometry, settled, load).reshape(grid.level.shape) >= 0.0
-        column = np.argmax(rising[:, 1:] != rising[:, :-1], axis=1)
-        found = settled.pairs(rows * grid.level.shape[1] + column)
-        if np.array_equal(found.level, pairs.level):
-            break  # neighbours among the numbers of the machine
-        pairs = found
-    return pairs
+
+    def first_change(positions: TouchingPositions, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+        rising = _derivative(geometry, positions, load).reshape(shape) >= 0.0
+        changes = rising[:, 1:] != rising[:, :-1]
+        columns = np.arange(shape[1] - 1)
+        return columns == np.argmax(changes, axis=1)[:, None]
+
+    return geometry.narrowed(pairs, first_change, _PRECISION_MM)
 
 
 def _reached(derivative: Floats, middle: int, candidates: list[_Candidate]) -> int | None:
@@ -321,15 +318,11 @@ def _position(
         columns.append((x, y, moment / height))
     forces, remainder = nnls(np.array(columns).T, np.array([-along, onto, 0.0]) / onto)
     loaded = (replace(point, normal_force_N=float(force) * onto) for point, force in zip(points, forces, strict=True))
-    cosine, sine = math.cos(load.tilt_rad), math.sin(load.tilt_rad)
-    in_space = WheelsetPosition(
-        cosine * motion.lateral_mm - sine * motion.vertical_mm,
-        sine * motion.lateral_mm + cosine * motion.vertical_mm,
-        motion.roll_rad,
-    )
     kept = tuple(point for point in loaded if point.normal_force_N > 1e-9 * onto)
     neutral = (float(lateral[0]), float(lateral[1])) if candidate.neutral else None
-    return RigidPosition(motion, in_space, kept, candidate.stops and not candidate.neutral, float(remainder), neutral)
+    return RigidPosition(
+        motion, motion.turned(load.tilt_rad), kept, candidate.stops and not candidate.neutral, float(remainder), neutral
+    )
 
 
 def contact_points(locus: ContactLocus, numbers: range) -> list[RigidContactPoint]:
@@ -338,21 +331,18 @@ def contact_points(locus: ContactLocus, numbers: range) -> list[RigidContactPoin
     for side in SIDES:
         at = locus.side(side)
         seen: list[Floats] = []
-        for row in numbers:
-            for touch in [(row, column) for column in np.flatnonzero(at.gaps_mm[row] < _TOGETHER_MM)]:
-                on_wheel = at.wheel_points_mm[touch]
-                if any(float(np.hypot(*(on_wheel - other))) < _ONE_POINT_MM for other in seen):
-                    continue
+        for row, column in np.argwhere(at.gaps_mm[numbers] < _TOGETHER_MM):
+            touch = numbers[row], column
+            on_wheel = at.wheel_points_mm[touch]
+            if all(float(np.hypot(*(on_wheel - other))) >= _ONE_POINT_MM for other in seen):
                 seen.append(on_wheel)
-                in_frames = (at.rail_points_mm, at.points_mm)
-                on_rail, in_track = [(float(x), float(y)) for x, y in (each[touch] for each in in_frames)]
                 columns = (at.contact_angles_rad, at.rolling_radii_mm, at.relative_curvatures_per_mm)
-                angle, radius, curvature = (float(each[touch]) for each in columns)
-                wheel_point = float(on_wheel[0]), float(on_wheel[1])
-                ahead = float(at.ahead_mm[touch])
-                points.append(
-                    RigidContactPoint(side, wheel_point, on_rail, in_track, angle, radius, curvature, 1.0, ahead)
+                angle, radius, curvature = (float(array[touch]) for array in columns)
+                wheel, on_rail, in_track = (
+                    (float(x), float(y)) for x, y in (on_wheel, at.rail_points_mm[touch], at.points_mm[touch])
                 )
+                ahead = float(at.ahead_mm[touch])
+                points.append(RigidContactPoint(side, wheel, on_rail, in_track, angle, radius, curvature, 1.0, ahead))
     return points
 
 

@@ -7,6 +7,7 @@ of the axle's middle turns back when a steep flange climbs.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -163,6 +164,16 @@ class RigidGeometry:
         start = np.interp(wanted, lateral, path.rail_level), np.interp(wanted, lateral, path.roll)
         return self.located(self.touching(wanted, *start, at_axle=True, gaps=True))
 
+    def scanned(self, reach_mm: float, step_mm: float, *, roll: bool = True) -> ContactLocus:
+        """Points of contact to both sides as far as the wheels touch inside their surfaces and no flange climbs.
+
+        - `reach_mm`, `step_mm`: maximum lateral displacement, and distance of the positions, which include the middle.
+        - `roll`: as in `locus`.
+        """
+        low, high = self.limits(reach_mm, roll=roll)
+        numbers = np.arange(math.ceil(max(low, -reach_mm) / step_mm), math.floor(min(high, reach_mm) / step_mm) + 1)
+        return self.locus(numbers * step_mm, roll=roll)
+
     def limits(self, maximum_mm: float, *, roll: bool = True) -> tuple[float, float]:
         """Least and maximum lateral displacement of the axle's middle that `locus` reaches.
 
@@ -232,21 +243,43 @@ class RigidGeometry:
         path = self.path(lateral_mm + _FLANGE_MM)
         lateral = np.abs(self.axle_lateral(path))
         within = np.minimum(lateral[1:], lateral[:-1]) <= lateral_mm
-        found = []
+        jumps = []
         for side in SIDES:
+
+            def jumped(positions: TouchingPositions, shape: tuple[int, ...], side: Side = side) -> NDArray[np.bool_]:
+                arcs = positions.side(side).wheel_arc[:, 0].reshape(shape)
+                return np.abs(np.diff(arcs, axis=-1)) > JUMP_MM
+
             arcs = path.side(side).wheel_arc[:, 0]
-            pairs = path.pairs(np.flatnonzero(within & (np.abs(np.diff(arcs)) > max(JUMP_MM, _FAST * PATH_STEP_MM))))
-            while len(pairs.level) and float(np.diff(pairs.level, axis=1).max()) > TOUCH_TOLERANCE_MM:
-                grid = pairs.divided(_SECTIONS)
-                positions = self.touching(grid.level.ravel(), roll=grid.roll.ravel())
-                arcs = positions.side(side).wheel_arc[:, 0].reshape(grid.level.shape)
-                rows, columns = np.nonzero(np.abs(np.diff(arcs, axis=1)) > JUMP_MM)
-                pairs = positions.pairs(rows * grid.level.shape[1] + columns)
+            fast = np.abs(np.diff(arcs)) > max(JUMP_MM, _FAST * PATH_STEP_MM)
+            pairs = self.narrowed(path.pairs(np.flatnonzero(within & fast)), jumped, TOUCH_TOLERANCE_MM)
             if len(pairs.level):
                 ends = self.located(self.touching(pairs.level.ravel(), roll=pairs.roll.ravel(), gaps=True))
-                found += [ContactJump.between(ends, side, i) for i in range(0, len(ends.lateral_mm), 2)]
-        chosen = (jump for jump in found if abs(jump.motion.lateral_mm) <= lateral_mm)
+                jumps += [ContactJump.between(ends, side, i) for i in range(0, len(ends.lateral_mm), 2)]
+        chosen = (jump for jump in jumps if abs(jump.motion.lateral_mm) <= lateral_mm)
         return tuple(sorted(chosen, key=lambda jump: jump.motion.lateral_mm))
+
+    def narrowed(
+        self,
+        pairs: Intervals,
+        changes: Callable[[TouchingPositions, tuple[int, ...]], NDArray[np.bool_]],
+        tolerance_mm: float,
+    ) -> Intervals:
+        """Narrow intervals to those parts in which something changes, until they are short.
+
+        - `changes`: of positions, in rows of a shape (n, m), between which of them it changes, (n, m - 1).
+        - `tolerance_mm`: length at which an interval is short enough; or its ends are neighbours among the numbers of
+          the machine.
+        """
+        while len(pairs.level) and float(np.diff(pairs.level, axis=1).max()) > tolerance_mm:
+            grid = pairs.divided(_SECTIONS)
+            positions = self.touching(grid.level.ravel(), roll=grid.roll.ravel())
+            rows, columns = np.nonzero(changes(positions, grid.level.shape))
+            shorter = positions.pairs(rows * grid.level.shape[1] + columns)
+            if np.array_equal(shorter.level, pairs.level):
+                break
+            pairs = shorter
+        return pairs
 
     def touching(
         self,

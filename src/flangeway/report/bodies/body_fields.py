@@ -1,7 +1,7 @@
 """Displacements and stresses of the bodies of a case, as their VTU files and the page show them."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +9,11 @@ import numpy as np
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
 from flangeway.contact import LoadStep
 from flangeway.formats import write_vtu
-from flangeway.mesh import PolyMesh
-from flangeway.post import Stresses, corner_stresses
-from flangeway.report.figures.display import Display, display, displayed_stresses
+from flangeway.post import Stresses
+from flangeway.report.figures.display import ShownCells, shown_cells
 from flangeway.report.figures.newton_history import load_steps
 from flangeway.report.figures.series import field_arrays, placed_stresses
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,66 +21,30 @@ class BodyFields:
     """One body at its first place; each cell has points of its own, so that stresses jump between cells."""
 
     name: str  # name of the body
-    mesh: PolyMesh  # the cells; of orders above 1 the triangles that they are cut into to be shown
+    shown: ShownCells  # the cells; of orders above 1 the triangles that they are cut into to be shown
     displacement: Floats  # whole motion of the points in space, mm, shape (n_points, 2)
     stresses: Stresses  # stresses at the points, axes of space, each from its own cell
-    places: Ints  # number of each point's place, the same for the points of several cells there, shape (n_points,)
-    n_rim_places: int  # places below this number are on the rims of the cells of the problem, the others inside
-    cells: Ints  # cell of the problem that each cell is a piece of, shape (n_cells,)
-    shown: Display | None  # how the cells were cut, None where they are shown as they are
 
     def write(self, path: Path, body_id: int = 0) -> None:
         """Write a VTU file; the arrays are those of `field_arrays`, the displacements are the whole motion."""
         arrays = field_arrays(self.displacement, self.stresses)
-        write_vtu(path, self.mesh, arrays, {"cell_number": self.cells}, body_id=body_id)
-
-    def of(self, body: BodyResult) -> "BodyFields":
-        """Fields of the same body with other displacements, at the same points."""
-        motion, stresses = _values(body, self.shown)
-        return replace(self, displacement=motion, stresses=stresses)
+        write_vtu(path, self.shown.mesh, arrays, {"cell_number": self.shown.cells}, body_id=body_id)
 
 
 def bodies_fields(run: BodiesRun) -> Iterator[BodyFields]:
     """Fields of all bodies in their order, with the elements' own fields shown for their order."""
     for name, body in run.bodies.items():
-        yield body_fields(name, body, body.field.problem.space.order)
+        yield body_fields(name, body, shown_cells(body.field.problem.space, body.field.problem.space.order))
 
 
-def body_fields(name: str, body: BodyResult, pieces: int) -> BodyFields:
-    """Fields of a body whose cells' sides are cut into some pieces; with 1 the cells are shown as they are."""
-    space = body.field.problem.space
-    mesh = space.mesh
-    if pieces == 1:
-        used, places = np.unique(mesh.cell_points, return_inverse=True)
-        own = np.arange(len(places), dtype=np.int32)
-        corners = PolyMesh(mesh.points[mesh.cell_points], mesh.cell_offsets, own)
-        return BodyFields(name, corners, *_values(body, None), places, len(used), np.arange(mesh.n_cells), None)
-    shown = display(space, pieces)
-    offsets = 3 * np.arange(len(shown.triangles) + 1, dtype=np.int32)
-    numbers, places = np.unique(shown.places, return_inverse=True)
-    return BodyFields(
-        name,
-        PolyMesh(shown.points, offsets, shown.triangles.astype(np.int32).ravel()),
-        *_values(body, shown),
-        places,
-        int(np.searchsorted(numbers, mesh.n_points + mesh.n_edges * (pieces - 1))),
-        shown.cells[shown.triangles[:, 0]],
-        shown,
-    )
+def body_fields(name: str, body: BodyResult, shown: ShownCells) -> BodyFields:
+    """Fields of a body at the points of its cells as they are shown."""
+    elastic, stresses = shown.values(body.field)
+    motion = body.moved(shown.mesh.points, elastic)
+    return BodyFields(name, shown, motion, placed_stresses(stresses, body.placement))
 
 
-def _values(body: BodyResult, shown: Display | None) -> tuple[Floats, Stresses]:
-    """Whole motion and stresses at the points of a display, without one at the corners of the cells."""
-    values = body.field.displacements
-    if shown is not None:
-        motion = body.moved(shown.points, shown.function(values))
-        return motion, placed_stresses(displayed_stresses(body.field, shown), body.placement)
-    mesh = body.field.problem.space.mesh
-    motion = body.moved(mesh.points, values[: mesh.n_points])[mesh.cell_points]
-    return motion, placed_stresses(corner_stresses(body.field.problem, values), body.placement)
-
-
-MOST_VALUES = 3_000_000  # maximum number of values of all load steps on the page and in the files
+MAX_VALUES = 3_000_000  # maximum number of values of all load steps on the page and in the files
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,18 +59,18 @@ class BodySteps:
 
 
 def body_steps(run: BodiesRun, last: Sequence[BodyFields]) -> BodySteps:
-    """Return the load steps of a run up to `last`, evenly chosen where all have more than `MOST_VALUES` numbers."""
+    """Return the load steps of a run up to `last`, evenly chosen where all have more than `MAX_VALUES` numbers."""
     if run.contact is None:
         return BodySteps(("",), (1,), (last,), "")
     names = [name for name, _ in load_steps(run.contact)]
     earlier, note = run.contact.steps[: len(names) - 1], ""
     names = names[len(names) - 1 - len(earlier) :]
-    chosen = evenly(len(names), MOST_VALUES // _n_values(run, last))
+    chosen = evenly(len(names), MAX_VALUES // _n_values(run, last))
     if len(chosen) < len(names):
         kept = f"{len(chosen)} of the {len(names)} load steps are shown, evenly chosen, the last among them"
         if len(chosen) == 1:
             kept = f"Of the {len(names)} load steps only the last is shown"
-        note = f"{kept}: a page has room for {MOST_VALUES:,} values."
+        note = f"{kept}: a page has room for {MAX_VALUES:,} values."
     fields = [_fields_at(run, earlier[number], last) for number in chosen[:-1]]
     words, numbers = tuple(_words(names, number) for number in chosen), tuple(number + 1 for number in chosen)
     return BodySteps(words, numbers, (*fields, last), note)
@@ -121,15 +84,15 @@ def _words(names: Sequence[str], number: int) -> str:
 
 def _fields_at(run: BodiesRun, step: LoadStep, like: Sequence[BodyFields]) -> list[BodyFields]:
     bodies = run.at_step(step)
-    return [each.of(bodies[each.name]) for each in like]
+    return [body_fields(each.name, bodies[each.name], each.shown) for each in like]
 
 
 def _n_values(run: BodiesRun, fields: Sequence[BodyFields]) -> int:
     """Numbers of one step: displacements of the places and stresses, which elements of order 1 have one a cell."""
     total = 0
     for each in fields:
-        constant = run.bodies[each.name].field.problem.space.order == 1
-        total += 2 * int(each.places.max() + 1) + 4 * (each.mesh.n_cells if constant else each.mesh.n_points)
+        mesh, constant = each.shown.mesh, run.bodies[each.name].field.problem.space.order == 1
+        total += 2 * int(each.shown.places.max() + 1) + 4 * (mesh.n_cells if constant else mesh.n_points)
     return total
 
 

@@ -5,7 +5,6 @@ from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
-from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from flangeway.elements import Reconstruction, monomials
@@ -14,13 +13,13 @@ from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.kernel import cell_centres, kernel_centre, star_parts
-from flangeway.post import Stresses
+from flangeway.post import Stresses, corner_stresses
 from flangeway.post.stress import Polynomials
 from flangeway.problems import ElasticField
 from flangeway.space import CellBatch, Space
 from flangeway.types import Floats, Ints
 
-_Fans: TypeAlias = tuple[Floats, Ints, Ints, Ints, Ints, Ints, Floats]
+_Fans: TypeAlias = tuple[Floats, Ints, Ints, Ints, Ints]
 
 NO_EDGE = -1
 
@@ -40,8 +39,6 @@ class Display:
     triangles: Ints  # counter-clockwise triangles of points (m, 3)
     edge: Ints  # edge of the mesh on which a point lies, `NO_EDGE` for points inside, shape (n,)
     step: Ints  # place on that edge, from 0 at its lower point to `pieces`, shape (n,)
-    outward: Ints  # the two points of the rim between which the ray from the centre through a point ends, shape (n, 2)
-    outward_weights: Floats  # shares of both, shape (n, 2): they add up to one on the rim and to zero at the centre
 
     @property
     def mesh(self) -> PolyMesh:
@@ -94,20 +91,6 @@ class Display:
         values[on_edge] = np.einsum("pn,pni->pi", weights, dofs[nodes])
         return values
 
-    def averaged(self, values: Floats) -> Floats:
-        """Values (n, ...) that are continuous: on the cells' rims means over the cells there, weighted by their areas.
-
-        Inside, what the rim is changed by fades out linearly towards the cell's centre.
-        """
-        flat = values.reshape(len(values), -1)
-        _, places = np.unique(self.places, return_inverse=True)
-        weights = self.mesh.cell_areas[self.cells]
-        total = np.bincount(places, weights)
-        means = [np.bincount(places, weights * column) / total for column in flat.T]
-        changes = np.stack(means, axis=1)[places] - flat
-        inward = np.einsum("pr,prs->ps", self.outward_weights, changes[self.outward])
-        return (flat + inward).reshape(values.shape)
-
 
 def edge_weights(order: int, pieces: int) -> Floats:
     """Weights of an edge's nodes at its equal pieces' ends, (pieces + 1, order + 1): Lagrange's polynomials."""
@@ -139,12 +122,10 @@ def display(space: Space, pieces: int | None = None) -> Display:
         for row in np.flatnonzero(~seen).tolist():
             parts += _star_fans(space, pieces, int(cells[row]), places[row])
     starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
-    triangles, outward = (
-        np.concatenate([part[i] + start for part, start in zip(parts, starts, strict=True)]) for i in (2, 5)
-    )
-    points, weights = (np.concatenate([part[i] for part in parts]) for i in (0, 6))
+    triangles = np.concatenate([part[2] + start for part, start in zip(parts, starts, strict=True)])
+    points = np.concatenate([part[0] for part in parts])
     owner, edge, step = (np.concatenate([part[i] for part in parts]) for i in (1, 3, 4))
-    return Display(space, pieces, points, owner, triangles, edge, step, outward, weights)
+    return Display(space, pieces, points, owner, triangles, edge, step)
 
 
 def _star_fans(space: Space, pieces: int, cell: int, places: Ints) -> list[_Fans]:
@@ -192,30 +173,13 @@ def _fans(
         place = n_each - n * pieces + corner * pieces
         edge[:, place] = edges[:, corner - 1]
         step[:, place] = np.where(forward[:, corner - 1], pieces, 0)
-    outward, weights = _outward(n, pieces)
     return (
         points.reshape(-1, 2),
         np.repeat(cells.astype(np.int64), n_each),
         triangles,
         edge.ravel(),
         step.ravel(),
-        (np.arange(n_cells)[:, None, None] * n_each + outward).reshape(-1, 2),
-        np.tile(weights, (n_cells, 1)),
     )
-
-
-def _outward(n: int, pieces: int) -> tuple[Ints, Floats]:
-    """Points of the rim beyond each point of the rings (m, 2), and their shares times the ring's radius (m, 2)."""
-    first = 1 + n * pieces * (pieces - 1) // 2
-    points, weights = [[first, first]], [[0.0, 0.0]]
-    for j in range(1, pieces + 1):
-        for side in range(n):
-            for t in range(j):
-                low, rest = divmod(t * pieces, j)
-                place, share = side * pieces + low, rest / j
-                points.append([first + place, first + (place + 1) % (n * pieces)])
-                weights.append([(1.0 - share) * j / pieces, share * j / pieces])
-    return np.array(points, dtype=np.int64), np.array(weights)
 
 
 def _ring_triangles(n: int, pieces: int) -> Ints:
@@ -232,12 +196,6 @@ def _ring_triangles(n: int, pieces: int) -> Ints:
     return np.array(rows, dtype=np.int64)
 
 
-def shaded(field: ElasticField, pieces: int | None = None) -> tuple[Triangulation, Stresses]:
-    """Small triangles of a body, see `display`, and the stresses at their corners."""
-    shown = display(field.problem.space, pieces)
-    return Triangulation(shown.points[:, 0], shown.points[:, 1], shown.triangles), displayed_stresses(field, shown)
-
-
 def displayed_stresses(solution: ElasticField, shown: Display) -> Stresses:
     """Stresses at the points of a display, each from its own cell."""
 
@@ -245,3 +203,38 @@ def displayed_stresses(solution: ElasticField, shown: Display) -> Stresses:
         return solution.problem.cell_stresses(batch, solution.displacements)
 
     return Stresses(shown.evaluate(polynomials, 4))
+
+
+@dataclass(frozen=True, eq=False)
+class ShownCells:
+    """Cells for files and the page, each with points of its own: as they are, or cut into triangles."""
+
+    mesh: PolyMesh  # what is shown
+    cells: Ints  # cell of the space that each shown cell is a piece of
+    places: Ints  # number of each point's place, the same for the points of several cells there, shape (n_points,)
+    n_rim_places: int  # places below this number are on the rims of the cells of the space, the others inside
+    space: Space
+    display: Display | None  # how the cells were cut, None where they are shown as they are
+
+    def values(self, field: ElasticField) -> tuple[Floats, Stresses]:
+        """Displacements (n_points, 2) and stresses at the points, in the axes of the field, each from its own cell."""
+        if self.display is not None:
+            return self.display.function(field.displacements), displayed_stresses(field, self.display)
+        corners = self.space.mesh.cell_points
+        return field.displacements[corners], corner_stresses(field.problem, field.displacements)
+
+
+def shown_cells(space: Space, pieces: int | None = None) -> ShownCells:
+    """Cut the cells' sides into some pieces, see `display`; with one piece the cells are shown as they are."""
+    mesh = space.mesh
+    if pieces == 1 or (pieces is None and space.order == 1):
+        used, places = np.unique(mesh.cell_points, return_inverse=True)
+        own = np.arange(len(places), dtype=np.int32)
+        corners = PolyMesh(mesh.points[mesh.cell_points], mesh.cell_offsets, own)
+        return ShownCells(corners, np.arange(mesh.n_cells), places, len(used), space, None)
+    shown = display(space, pieces)
+    offsets = 3 * np.arange(len(shown.triangles) + 1, dtype=np.int32)
+    numbers, places = np.unique(shown.places, return_inverse=True)
+    n_rim = int(np.searchsorted(numbers, mesh.n_points + mesh.n_edges * (shown.pieces - 1)))
+    cut = PolyMesh(shown.points, offsets, shown.triangles.astype(np.int32).ravel())
+    return ShownCells(cut, shown.cells[shown.triangles[:, 0]], places, n_rim, space, shown)

@@ -33,7 +33,7 @@ Component = Literal["magnitude", "x", "y"]
 MANY_TRIANGLES = 60_000
 """Small triangles up to which sides are cut into more pieces than the order needs, for smooth colours."""
 
-MOST_PIECES = 6
+MAX_PIECES = 6
 DEFORMATION_SHARE = 0.05
 SET_LINES = ("solid", (0, (4, 1.5)), (0, (1, 1)))
 COLOURS: Colormap = ListedColormap(mpl.colormaps["magma_r"](np.linspace(0.02, 0.92, 256)))
@@ -164,7 +164,6 @@ def plot_stress(
     quantity: Quantity = "von_mises",
     axes: Axes | None = None,
     *,
-    averaged: bool = False,
     factor: Factor = 0.0,
     unit: str | None = None,
     length_unit: str | None = None,
@@ -178,8 +177,6 @@ def plot_stress(
     quantity
         A component, ``"von_mises"``, ``"in_plane_shear"``, or ``"principal_1"`` (maximum) to ``"principal_3"``, the
         normal stress out of the plane among them.
-    averaged
-        Whether the components are averaged over the cells at each place of their edges, which hides the jumps.
     unit, length_unit
         Units of stresses and lengths.
     axes, factor, limits, edges
@@ -190,9 +187,7 @@ def plot_stress(
         raise InputError(f"quantity = {short(quantity)}", ", ".join(get_args(Quantity)), "choose one of them")
     shown = _fine_display(solution.problem.space)
     stresses = displayed_stresses(solution, shown)
-    if averaged:
-        stresses = Stresses(shown.averaged(stresses.components))
-    label = _with_unit(_stress_name(quantity) + (", averaged" if averaged else ""), unit)
+    label = _with_unit(_stress_name(quantity), unit)
     values = stress_quantity(stresses, quantity)
     return _drawn(solution, shown, values, label, axes, factor, limits, edges, length_unit)
 
@@ -329,7 +324,7 @@ def _fit(axes: Axes, points: Floats) -> None:
 def _fine_display(space: Space) -> Display:
     """A display with about as many triangles as a picture can show."""
     room = np.sqrt(MANY_TRIANGLES / len(space.mesh.cell_points))
-    return display(space, int(max(space.order, min(MOST_PIECES, room))))
+    return display(space, int(max(space.order, min(MAX_PIECES, room))))
 
 
 def _fill(

@@ -13,9 +13,9 @@ from flangeway.errors import InputError
 from flangeway.formats import write_vtu, write_vtu_lines
 from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
-from flangeway.post import Stresses, contact_lines, corner_stresses
+from flangeway.post import Stresses, contact_lines
 from flangeway.problems import ElasticField
-from flangeway.report.figures.display import display, displayed_stresses
+from flangeway.report.figures.display import shown_cells
 from flangeway.solve import ContactState
 from flangeway.types import Floats
 
@@ -51,7 +51,6 @@ def solution_frame(
     time: float = 0.0,
     *,
     pieces: int | None = None,
-    averaged: bool = False,
     part: str = "body",
     unit: str | None = None,
     length_unit: str | None = None,
@@ -69,8 +68,6 @@ def solution_frame(
         Its time.
     pieces
         Number of pieces of each side, by default the order, twice it with curved edges; 1 shows the cells.
-    averaged
-        Whether stresses are averaged over the cells at each place.
     part
         Name of the part.
     unit, length_unit
@@ -79,26 +76,10 @@ def solution_frame(
         Where the body is shown; displacements and stresses are in the axes of that space.
 
     """
-    space, place = solution.problem.space, placement or Placement()
-    mesh = space.mesh
-    pieces = space.order if pieces is None and (mesh.curves is None or space.order == 1) else pieces
-    if pieces == 1 and not averaged:
-        offsets, cells = mesh.cell_offsets, np.arange(mesh.n_cells)
-        numbers = np.arange(len(mesh.cell_points), dtype=np.int32)
-        points, moved = mesh.points[mesh.cell_points], solution.displacements[mesh.cell_points]
-        stresses = corner_stresses(solution.problem, solution.displacements)
-    else:
-        shown = display(space, pieces)
-        offsets = 3 * np.arange(len(shown.triangles) + 1, dtype=np.int32)
-        numbers = shown.triangles.astype(np.int32).ravel()
-        points, moved = shown.points, shown.function(solution.displacements)
-        cells = shown.cells[shown.triangles[:, 0]]
-        stresses = displayed_stresses(solution, shown)
-        if averaged:
-            stresses = Stresses(shown.averaged(stresses.components))
-    own = PolyMesh(points, offsets, numbers).placed(place)
+    place, shown = placement or Placement(), shown_cells(solution.problem.space, pieces)
+    moved, stresses = shown.values(solution)
     arrays = field_arrays(place.vectors(moved), placed_stresses(stresses, place), unit, length_unit)
-    return SeriesFrame(time, own, arrays, {"cell_number": cells}, part)
+    return SeriesFrame(time, shown.mesh.placed(place), arrays, {"cell_number": shown.cells}, part)
 
 
 def field_arrays(

@@ -1,17 +1,21 @@
 """What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables."""
 
+import re
 import shlex
 from collections.abc import Iterator, Mapping
+from datetime import date
 from typing import Any
 
-from flangeway.cases.case import Case, Run, RunnableCase, table_in
+from flangeway.cases.case import OF_REPORT, Case, Run, RunnableCase, table_in
 from flangeway.cases.case_file import FORMAT
 from flangeway.cases.case_template import toml_value, write_case_file
 from flangeway.cases.section.section_run import TorsionCase
+from flangeway.checks import is_number
 from flangeway.report.page.record import Again, Record
 from flangeway.report.page.tables import SummaryTable
+from flangeway.units import unit_in, us_unit
 
-LONGEST = 60  # letters of a value on the page; longer ones are cut there, the case file has them whole
+MAX_LETTERS = 60  # of a value on the page; longer ones are cut there, the case file has them whole
 
 
 def run_record(run: Run, about_files: str, **own: Any) -> Record:
@@ -28,9 +32,29 @@ def run_record(run: Run, about_files: str, **own: Any) -> Record:
         "again": Again(f"flangeway run {file}" if file else command_line(case), case_text(case), file, about_files),
         "versions": summary.versions,
         "inputs": inputs_tables(case),
+        "details": [*filter(None, (case.project, case.author)), case.date or date.today().isoformat()],
+        "changed": inputs_in_words(case),
         "timings_s": summary.timings_s,
     }
-    return Record(**shared | own)
+    fields = shared | own
+    if case.report_title:
+        fields |= {"title": case.report_title, "subtitle": f"{fields['title']}. {fields['subtitle']}"}
+    return Record(**fields)
+
+
+def inputs_in_words(case: Case) -> list[str]:
+    """Return the inputs that are not the defaults, by their meanings; those inside tables are left out."""
+    found = []
+    for key, field in type(case).model_fields.items():
+        value = getattr(case, key)
+        if value == field.default or key in OF_REPORT or table_in(field.annotation) is not None:
+            continue
+        meaning = re.split(r"[;,(:]", field.description or key)[0].strip()
+        unit, number = unit_in(key), is_number(value)
+        other = us_unit(unit) if case.units == "us" and number else None
+        text = f"{other.of(value) if other else value:.6g}" if number else _plain(value)
+        found.append(f"{meaning} {text} {other.name if other else unit}".rstrip())
+    return found
 
 
 def case_text(case: RunnableCase) -> str:
@@ -86,7 +110,7 @@ def _plain(value: object) -> str:
         return "–"
     if isinstance(value, list | tuple | Mapping):
         text = toml_value(value)
-        return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]} ..."
+        return text if len(text) <= MAX_LETTERS else f"{text[: MAX_LETTERS - 4]} ..."
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 

@@ -49,6 +49,8 @@ class Record:
     converged: bool
     message: str  # converged, message: how it ended
     success: str = "converged"  # the word for that
+    details: Sequence[str] = ()  # project, author, date
+    changed: Sequence[str] = ()  # inputs that are not the defaults, in words
     facts: Sequence[tuple[str, str]] = ()  # the most important numbers with units, and what they are
     results: SummaryTable  # the one table of results that the terminal shows
     summary: Summary | Mapping[str, Any]  # the numbers for programs

@@ -4,13 +4,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from flangeway.cases.profile.profile_folder import FOLDER_QUANTITIES, ProfileFolder
 from flangeway.cases.profile.profile_run import MEASURES, QUANTITIES, ProfileRun, converted
 from flangeway.errors import InputError
-from flangeway.quantities import Quantity, columns
+from flangeway.quantities import Quantity, columns, values
 from flangeway.report.page.record import REPORT, Again, Picture, Record
-from flangeway.report.page.tables import table_across, table_of
+from flangeway.report.page.tables import SummaryTable, table_across, table_of
 from flangeway.report.profile.profile_figures import curvature_figure, join_figure, overlay_figure, shape_figure
 from flangeway.system.output_folder import refuse_unwritable
+from flangeway.system.versions import versions
 
 SUMMARY, SHAPE, CURVATURE, JOIN = "profile.json", "profile.png", "curvature.png", "joined.png"
 NAMES = (SHAPE, CURVATURE, JOIN, REPORT, SUMMARY)
@@ -73,10 +75,10 @@ def profile_record(run: ProfileRun, command: str) -> Record:
 
 def profiles_record(runs: Sequence[ProfileRun], command: str) -> Record:
     """Return the measures of several profiles side by side; `command` reads them again."""
-    title: Quantity[ProfileRun] = Quantity("title", "", lambda run: run.profile.title)
+    title: Quantity[ProfileRun] = Quantity("title", "profile", lambda run: run.profile.title)
     kind: Quantity[ProfileRun] = Quantity("kind", "kind", lambda run: run.profile.kind)
     chosen = [quantity for quantity in QUANTITIES if quantity.key in BATCH]
-    shown = [quantity for quantity in MEASURES[:6] if any(quantity.value(run) is not None for run in runs)]
+    shown = [quantity for quantity in MEASURES[:4] if any(quantity.value(run) is not None for run in runs)]
     return Record(
         name=f"{len(runs)} profiles",
         title=f"{len(runs)} profiles",
@@ -105,3 +107,38 @@ def _notes(runs: Sequence[ProfileRun]) -> list[str]:
         notice if len(titles) == len(runs) else f"{notice} ({', '.join(titles)})"
         for notice, titles in by_notice.items()
     ]
+
+
+def folder_record(folder: ProfileFolder, name: str, command: str) -> Record:
+    """Return wear, measures and conicity of the profiles of a folder, the most worn first."""
+    rows = folder.profiles
+    runs = [replace(row.run, profile=replace(row.run.profile, title=row.file)) for row in rows]
+    tables = []
+    for kind in dict.fromkeys(row.run.profile.kind for row in rows):
+        chosen = [row for row in rows if row.run.profile.kind == kind]
+        there = [q for q in FOLDER_QUANTITIES if q.key != "kind" and any(q.value(row) is not None for row in chosen)]
+        if chosen:
+            tables.append(table_of(f"{kind.capitalize()}s, the most worn first", chosen, there))
+    notices = [(row.file, notice) for row in rows for notice in row.run.notices]
+    return Record(
+        name=name,
+        title=f"{len(rows)} profiles of {name}",
+        subtitle="wear against the nearest bundled profile, measures, and conicity in standard gauge with a partner",
+        converged=True,
+        success="read",
+        message=f"{len(rows)} profiles, {len(folder.refused)} files refused",
+        facts=[(f"{rows[0].worst_mm:.2f} mm", f"largest wear: {rows[0].file}")],
+        results=tables[0],
+        tables=[
+            *tables[1:],
+            SummaryTable("Notices", ("file", ""), tuple(notices), of_words=True),
+        ],
+        summary={"profiles": [values(FOLDER_QUANTITIES, row) for row in rows], "refused": folder.refused},
+        summary_file=BATCH_SUMMARY,
+        again=Again(command, files=f"The table is in `{TABLE}`."),
+        versions=versions(),
+        warnings=folder.refused,
+        notes=[row.notice for row in rows if row.notice],
+        pictures=[Picture(OVERLAY, lambda: overlay_figure(runs), OVERLAY_SHOWN)],
+        files=lambda: {TABLE: folder.table.to_csv},
+    )

@@ -9,10 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
-from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM
 from flangeway.railway.rigid.rigid_locus import ContactLocus, SideLocus
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.report.figures.drawing import GREY, HALO, INK, SIDE_COLOURS, Room, figure_with_room
+from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, Room, figure_with_room
 from flangeway.report.profile.profile_figures import sequence_colours
 from flangeway.types import Floats
 
@@ -102,16 +101,6 @@ def conicity_figure(run: GeometryRun | ConicityRun) -> Figure:
     found = run.conicities
     axes.plot(found.amplitudes_mm, found.integration, color=INK, lw=1.5, label="integration of the kinematic motion")
     axes.plot(found.amplitudes_mm, found.regression, "--", color=GREY, lw=1.2, label="linear regression")
-    at_3 = found.at_reference()
-    if at_3 is not None:
-        point = REFERENCE_AMPLITUDE_MM, at_3["integration"]
-        axes.plot(*point, "o", mfc="white", mec=INK)
-        text = f"{point[1]:.3f} at {REFERENCE_AMPLITUDE_MM:g} mm"
-        rises = found.integration[0] < point[1]  # then there is room to the left above the curve
-        side = "right" if rises else "left"
-        axes.annotate(
-            text, point, (-8 if rises else 8, 10), textcoords="offset points", ha=side, fontsize=9, path_effects=[HALO]
-        )
     axes.set_ylim(bottom=0.0)
     axes.set(xlabel="amplitude in mm", ylabel="equivalent conicity")
     if len(found.amplitudes_mm):

@@ -1,23 +1,40 @@
 """Files, report and terminal summary of one contact patch that rolls with friction."""
 
 from collections.abc import Callable
-from dataclasses import asdict
 from functools import partial
-from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase, RollingPatchRun
-from flangeway.cases.rolling.rolling_patch_summary import RollingPatchSummary
-from flangeway.contact.rolling.theories import TITLES, WITH_TRACTIONS
+from flangeway.cases.rolling.rolling_patch_case import (
+    COMPONENTS,
+    ENERGY_ERROR,
+    MAX_PRESSURE,
+    PATCH,
+    STATE,
+    RollingPatchCase,
+    RollingPatchRun,
+)
+from flangeway.cases.rolling_quantities import (
+    BY_THEORY,
+    CREEPAGES,
+    FORCES,
+    LATERAL_FORCE,
+    LONGITUDINAL_FORCE,
+    SLIP_AREA,
+    SPIN_MOMENT,
+    T_GAMMA,
+    TRACTION,
+)
+from flangeway.contact.rolling.theories import WITH_TRACTIONS
 from flangeway.errors import InputError
 from flangeway.formats import write_vtu
+from flangeway.quantities import columns, present
 from flangeway.report.figures.drawing import GREY, INK, SERIES, Room, figure_with_room
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
-from flangeway.report.page.tables import Column, SummaryTable, number, table_across
+from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across
 from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure, shown_fields
 from flangeway.report.spatial.patch_map import strip_mesh
 from flangeway.report.viewer import Scene, ShownPart
@@ -26,7 +43,7 @@ from flangeway.system.output_folder import Writer, text_writer
 from flangeway.types import Floats
 
 MAPS, SECTION, CURVE = "rolling.png", "tractions.png", "creep-curve.png"
-CELLS, CURVE_TABLE, PATCH = "cells.csv", "creep-curve.csv", "patch.vtu"
+CELLS, CURVE_TABLE, PATCH_FILE = "cells.csv", "creep-curve.csv", "patch.vtu"
 CAPTIONS = {
     MAPS: "The patch from above, ahead is up: where it sticks and slips, with arrows of the tractions on the upper "
     "body; slip; frictional power over the area.",
@@ -44,13 +61,10 @@ AXES = {
     "F_y and M_z the longitudinal force, the lateral one, and minus the spin moment",
 }
 STYLES = {
-    TITLES["exact"]: (INK, "-"), TITLES["fastsim"]: (SERIES[0], (0, (5, 2))), TITLES["fastrip"]: (SERIES[2], "--"),
-    TITLES["polach"]: (SERIES[1], "dashdot"), TITLES["linear"]: (GREY, (0, (1, 1.5))),
+    "exact": (INK, "-"), "fastsim": (SERIES[0], (0, (5, 2))), "fastrip": (SERIES[2], "--"),
+    "polach": (SERIES[1], "dashdot"), "linear": (GREY, (0, (1, 1.5))),
 }  # fmt: skip
-CURVES = (
-    ("longitudinal_force_kN", "longitudinal force, kN"), ("lateral_force_kN", "lateral force, kN"),
-    ("spin_moment_Nm", "spin moment, N m"),
-)  # fmt: skip
+CREEPAGE_OF = dict(zip(COMPONENTS, CREEPAGES, strict=True))
 ROOM = Room(left=0.75, right=0.2, bottom=1.05, top=0.2, across=0.75)
 WIDE_IN = 7.5
 """Width of a picture with room for all names beside each other."""
@@ -64,123 +78,62 @@ DIGITS = 6
 def names(case: RollingPatchCase) -> tuple[str, ...]:
     """Names of the files of a run."""
     fields = (MAPS, SECTION) if case.rolling_theory in WITH_TRACTIONS else ()
-    return *fields, *((CURVE, CURVE_TABLE) if case.has_curve else ()), CELLS, PATCH
+    return *fields, *((CURVE, CURVE_TABLE) if case.has_curve else ()), CELLS, PATCH_FILE
 
 
 def rolling_patch_record(run: RollingPatchRun) -> Record:
     """Return what a run of one patch found."""
-    case, summary = run.case, run.summary
+    case, state, units = run.case, run.state, run.case.units
     moves = f"at {case.speed_km_h:g} km/h" if case.rolls else "shifted"
+    across, along = (part.stop - part.start for part in run.contact.box)
+    results = rows_of(PATCH, run, units)
+    results += rows_of(present(STATE[1:], state), state, units)
     return run_record(
         run,
         "The same numbers, for programs, are in `summary.json`; pressures, tractions, slip and states of all cells in "
-        f"`{CELLS}` and, for ParaView, in `{PATCH}`" + (f"; the creep curve in `{CURVE_TABLE}`." if run.curve else "."),
-        subtitle=f"{summary.theory}, {summary.cells[0]} by {summary.cells[1]} cells, {moves}, coefficient of friction "
-        f"{case.friction:g}",
-        facts=_facts(summary),
-        results=_results(summary),
-        warnings=summary.notices,
+        f"`{CELLS}` and, for ParaView, in `{PATCH_FILE}`"
+        + (f"; the creep curve in `{CURVE_TABLE}`." if run.curve else "."),
+        subtitle=f"{state.theory}, {across} by {along} cells, {moves}, coefficient of friction {case.friction:g}",
+        facts=[
+            *(fact(quantity, state, units) for quantity in (LONGITUDINAL_FORCE, LATERAL_FORCE, TRACTION)),
+            fact(MAX_PRESSURE, run, units),
+            *(fact(quantity, state, units) for quantity in present((SLIP_AREA, T_GAMMA), state)),
+        ],
+        results=SummaryTable("Results", ("", "value"), tuple(results)),
+        warnings=run.notices,
         assumptions=[
             "Half-spaces, linear elastic; the patch is flat.",
             "Fast theories take the ellipse with the second moments of the pressures, and the mean material.",
         ],
         scene=lambda: _scene(run),
         pictures=[Picture(name, draw, CAPTIONS[name]) for name, draw in _pictures(run).items()],
-        tables=_tables(summary),
+        tables=_tables(run),
         axes=AXES,
         files=lambda: _files(run),
     )
 
 
-def _facts(summary: RollingPatchSummary) -> list[tuple[str, str]]:
-    facts = [
-        (f"{summary.longitudinal_force_kN:z.3f} kN", "longitudinal force on the upper body"),
-        (f"{summary.lateral_force_kN:z.3f} kN", "lateral force"),
-        (number(summary.traction_coefficient, 3), "traction coefficient"),
-        (f"{summary.max_pressure_MPa:.0f} MPa", "maximum pressure"),
-    ]
-    if summary.slipping_share is not None:
-        facts.append((f"{100.0 * summary.slipping_share:.0f} %", "of the patch slips"))
-    if summary.rolling is not None:
-        facts.append((f"{summary.rolling.t_gamma_N:z.2f} N", "T-gamma"))
-    return facts
-
-
-def _results(summary: RollingPatchSummary) -> SummaryTable:
-    rolling, shift = summary.rolling, summary.shift
-    rows = [
-        (
-            "{along|across}: semi-axis of the patch, mm",
-            (summary.semi_axis_along_mm, summary.semi_axis_across_mm),
-            ".3f",
-        ),
-        ("maximum pressure, MPa", summary.max_pressure_MPa, ".1f"),
-    ]
-    if rolling is not None:
-        rows += [
-            ("{longitudinal|lateral} creepage, %",
-             (100.0 * rolling.longitudinal_creepage, 100.0 * rolling.lateral_creepage), "z.4f"),
-            ("spin creepage, 1/m", rolling.spin_creepage_per_m, "z.4f"),
-        ]  # fmt: skip
-    if shift is not None:
-        rows += [
-            ("shift {ahead|to the right}, mm", (shift.longitudinal_mm, shift.lateral_mm), "z.6f"),
-            ("rotation, mrad", shift.rotation_mrad, "z.4f"),
-            ("maximum slip, mm", shift.max_slip_mm, ".6f"),
-            ("work of friction, N mm", shift.dissipated_N_mm, ".4g"),
-        ]
-    rows += [
-        ("force {ahead|to the right}, kN", (summary.longitudinal_force_kN, summary.lateral_force_kN), "z.4f"),
-        ("spin moment, N m", summary.spin_moment_Nm, "z.3f"),
-        ("traction coefficient", summary.traction_coefficient, ".4f"),
-    ]
-    if summary.slipping_share is not None:
-        rows.append(("slip area, %", 100.0 * summary.slipping_share, ".1f"))
-        rows.append(("maximum traction, MPa", summary.max_traction_MPa, ".1f"))
-    if rolling is not None:
-        rows += [
-            ("T-gamma, N", rolling.t_gamma_N, "z.3f"),
-            ("  forces times creepages, N", rolling.t_gamma_without_spin_N, "z.3f"),
-            ("  and spin moment times spin, N", rolling.t_gamma_with_spin_N, "z.3f"),
-            ("frictional power, W", summary.frictional_power_W, "z.1f"),
-            ("maximum power density, W/mm²", summary.max_power_density_W_mm2, "z.2f"),
-            ("maximum slip velocity, m/s", summary.max_slip_velocity_m_s, ".4f"),
-        ]
-    columns: list[Column] = [(name, partial(_constant, value), form) for name, value, form in rows]
-    return table_across("Results", ["value"], [summary], columns)
-
-
-def _constant(value: object, _: object) -> object:
-    return value
-
-
-def _tables(summary: RollingPatchSummary) -> list[SummaryTable]:
-    quantities: list[Column] = [
-        ("longitudinal force, kN", "longitudinal_force_kN", "z.4f"),
-        ("lateral force, kN", "lateral_force_kN", "z.4f"),
-        ("spin moment, N m", "spin_moment_Nm", "z.3f"),
-        ("T-gamma, N", "t_gamma_N", "z.3f"),
-    ]
-    found = []
-    if summary.theories:
-        names_of = [each.theory for each in summary.theories]
-        found.append(table_across("The same creepages by all theories", names_of, summary.theories, quantities))
-    if summary.residuals:
-        rows = [(f"law of friction: {name}", f"{value:.1e}") for name, value in summary.residuals.items()]
-        if summary.energy_error is not None:
-            rows.append(("frictional power less forces times creepages, over it", f"{summary.energy_error:.1e}"))
+def _tables(run: RollingPatchRun) -> list[SummaryTable]:
+    found, names = [], [each.theory for each in run.theories]
+    if names:
+        caption = "The same creepages by all theories"
+        found.append(table_across(caption, names, run.theories, (*FORCES, T_GAMMA), units=run.case.units))
+    if run.residuals:
+        rows = [(f"law of friction: {name}", f"{value:.1e}") for name, value in run.residuals.items()]
+        rows += rows_of([ENERGY_ERROR], run)
         found.append(SummaryTable("Residuals", ("", "value"), tuple(rows)))
     return found
 
 
 def _shown(run: RollingPatchRun) -> ShownRolling:
     # t of the patch is drawn to the right
-    return ShownRolling("patch", run.found, run.contact, abs(run.found.motion.speed), 0.0, -1.0)
+    forces = run.state.forces
+    return ShownRolling("patch", forces, run.contact, abs(forces.motion.speed), 0.0, -1.0)
 
 
 def _pictures(run: RollingPatchRun) -> dict[str, Callable[[], Figure]]:
     found: dict[str, Callable[[], Figure]] = {}
-    if run.fields is not None:
+    if run.state.cells is not None:
         found[MAPS] = lambda: rolling_figure([_shown(run)])
         found[SECTION] = lambda: section_figure(run)
     if run.curve:
@@ -193,14 +146,14 @@ def main_figure(run: RollingPatchRun) -> Figure:
     for draw in _pictures(run).values():
         return draw()
     raise InputError(
-        f"a picture of {run.summary.theory} without a creep curve", "a theory with tractions, or a curve", "choose one"
+        f"a picture of {run.state.theory} without a creep curve", "a theory with tractions, or a curve", "choose one"
     )
 
 
 def section_figure(run: RollingPatchRun) -> Figure:
     """Draw tractions and their limit through the middle of the patch, along and across."""
-    assert run.fields is not None
-    contact, tractions = run.contact, run.fields.tractions
+    assert run.state.cells is not None
+    contact, tractions = run.contact, run.state.cells.tractions
     middles = contact.places
     limit = contact.friction.limits[0][:, None] * contact.pressures
     row, strip = (int(np.abs(each).argmin()) for each in middles)
@@ -224,38 +177,33 @@ def section_figure(run: RollingPatchRun) -> Figure:
 def creep_curve_figure(run: RollingPatchRun) -> Figure:
     """Draw forces and spin moment over the creepage of the curve by all theories."""
     spin = run.case.curve == "spin"
-    key = f"{run.case.curve}_creepage" + "_per_m" * spin
+    creepage = CREEPAGE_OF[run.case.curve]
+    x = f"spin creepage, {creepage.unit}" if spin else f"{creepage.label}, %"
+    percent = 1.0 if spin else 100.0
     limit = run.contact.friction.limits[0][0] * run.contact.force / 1e3
-    least = {"_kN": ROUND_OFF * limit, "_Nm": ROUND_OFF * limit * run.summary.semi_axis_along_mm}
-    drawn = [
-        (name, label)
-        for name, label in CURVES
-        if max(abs(getattr(each, name)) for each in run.curve) > least[name[name.rindex("_") :]]
-    ]
+    least = {"kN": ROUND_OFF * limit, "Nm": ROUND_OFF * limit * run.semi_axes[0]}
+    every = [point for points in run.curve.values() for point in points]
+    drawn = [force for force in FORCES if max(abs(force.value(point)) for point in every) > least[force.unit]]
     figure, (panels,) = figure_with_room(max(3.7 * len(drawn), 6.5), 3.9, ROOM, n_columns=len(drawn))
-    for axes, (name, label) in zip(panels, drawn, strict=True):
-        for theory, points in groupby(run.curve, key=lambda each: each.theory):
-            values: Floats = np.array([(getattr(each, key), getattr(each, name)) for each in points])
+    for axes, force in zip(panels, drawn, strict=True):
+        for theory, points in run.curve.items():
+            line: Floats = np.array([(percent * creepage.value(each), force.value(each)) for each in points])
             colour, style = STYLES[theory]
-            axes.plot(
-                (1.0 if spin else 100.0) * values[:, 0], values[:, 1], color=colour, ls=style, lw=1.3, label=theory
-            )
-        if run.summary.rolling is not None:
-            here = run.summary.rolling
-            at = (1.0 if spin else 100.0) * getattr(here, key), getattr(here, name)
-            axes.plot(*at, "D", color=SERIES[3], ms=5.5, label="this state", zorder=5)
+            axes.plot(*line.T, color=colour, ls=style, lw=1.3, label=points[0].theory)
+        here = percent * creepage.value(run.state), force.value(run.state)
+        axes.plot(*here, "D", color=SERIES[3], ms=5.5, label="this state", zorder=5)
         low, high = axes.get_ylim()
-        others = [getattr(each, name) for each in run.curve if each.theory != TITLES["linear"]]
-        if name.endswith("_Nm") and any(others):
+        others = [force.value(each) for theory, points in run.curve.items() if theory != "linear" for each in points]
+        if force is SPIN_MOMENT and any(others):
             most = FAR * float(np.abs(others).max())
             axes.set_ylim(max(low, -most), min(high, most))
-        if name.endswith("_kN"):
+        if force is not SPIN_MOMENT:
             axes.set_ylim(max(low, -FAR * limit), min(high, FAR * limit))
             for sign in (-1.0, 1.0):
                 if low < sign * limit < high:
                     axes.axhline(sign * limit, color=GREY, lw=0.8, ls=(0, (10, 4)), label="limit of friction")
         axes.axhline(0.0, color=GREY, lw=0.6)
-        axes.set(xlabel=f"{run.case.curve} creepage, {'1/m' if spin else '%'}", ylabel=label)
+        axes.set(xlabel=x, ylabel=force.labels()[0])
         axes.grid(color="#e4e4e4", linewidth=0.5)
     _legend(figure)
     return figure
@@ -271,14 +219,15 @@ def _legend(figure: Figure) -> None:
 def _fields(run: RollingPatchRun) -> dict[str, Floats]:
     """Fields of the cells, (n_cells, n_strips) or vectors to the right and ahead with a third component 0."""
     found = {"pressure_MPa": run.contact.pressures}
-    if run.fields is None:
+    cells = run.state.cells
+    if cells is None:
         return found
     flat = ((0, 0), (0, 0), (0, 1))
-    found["traction_MPa"] = np.pad(run.fields.tractions, flat)
-    found["slip_velocity_m_s" if run.case.rolls else "slip_mm"] = np.pad(run.fields.slip_velocities, flat)
+    found["traction_MPa"] = np.pad(cells.tractions, flat)
+    found["slip_velocity_m_s" if run.case.rolls else "slip_mm"] = np.pad(cells.slip_velocities, flat)
     if run.case.rolls:
-        found["frictional_power_W_mm2"] = run.fields.power_density
-    return found | {"stick_slip_state": run.fields.states.astype(np.float64)}
+        found["frictional_power_W_mm2"] = cells.power_density
+    return found | {"stick_slip_state": cells.states.astype(np.float64)}
 
 
 def _scene(run: RollingPatchRun) -> Scene:
@@ -306,23 +255,24 @@ def _cells_table(run: RollingPatchRun) -> str:
     """Fields of the cells with pressure as CSV, places from the centre of pressure."""
     s, z = run.contact.places
     loaded = run.contact.pressures > 0.0
-    columns: dict[str, Floats] = {
+    cells: dict[str, Floats] = {
         "right_mm": np.broadcast_to(s[:, None], loaded.shape)[loaded],
         "ahead_mm": np.broadcast_to(z, loaded.shape)[loaded],
     }
     for name, values in _fields(run).items():
         if values.ndim == 2:
-            columns[name] = values[loaded]
+            cells[name] = values[loaded]
             continue
         quantity, unit = next(
             (name.removesuffix(unit), unit) for unit in ("_MPa", "_m_s", "_mm") if name.endswith(unit)
         )
-        columns |= {f"{quantity}_{word}{unit}": values[loaded][:, axis] for axis, word in ((1, "ahead"), (0, "right"))}
-    return ResultTable(columns).csv(DIGITS)
+        cells |= {f"{quantity}_{word}{unit}": values[loaded][:, axis] for axis, word in ((1, "ahead"), (0, "right"))}
+    return ResultTable(cells).csv(DIGITS)
 
 
 def _files(run: RollingPatchRun) -> dict[str, Writer]:
-    files: dict[str, Writer] = {CELLS: text_writer(_cells_table(run)), PATCH: partial(_write_patch, run)}
+    files: dict[str, Writer] = {CELLS: text_writer(_cells_table(run)), PATCH_FILE: partial(_write_patch, run)}
     if run.curve:
-        files[CURVE_TABLE] = text_writer(ResultTable.of_rows([asdict(each) for each in run.curve]).csv(DIGITS))
+        points = [point for points in run.curve.values() for point in points]
+        files[CURVE_TABLE] = text_writer(columns(BY_THEORY, points).csv(DIGITS))
     return files

@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from flangeway.cases.patch_quantities import AXES as SEMI_AXES
+from flangeway.cases.patch_quantities import MAX_PRESSURE
 from flangeway.cases.spatial.spatial_case import SpatialRun
-from flangeway.cases.spatial.spatial_summary import SpatialSummary
+from flangeway.cases.spatial.spatial_quantities import APPROACH, BODY, LOAD, MAX_VON_MISES, PATCH
 from flangeway.contact.patch.patch_body import points_along
 from flangeway.formats import write_vtu
 from flangeway.mesh import PolyMesh
@@ -17,7 +19,7 @@ from flangeway.report.figures.drawing import named
 from flangeway.report.figures.series import write_collection
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
-from flangeway.report.page.tables import Column, SummaryTable, table_across, with_whole
+from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across, with_whole
 from flangeway.report.spatial.patch_map import surface_mesh
 from flangeway.report.spatial.spatial_figures import depth_figure, patch_figure, pressure_figure
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
@@ -37,7 +39,8 @@ NEAR = 6.0
 AXES = {
     "x, y, z": "to the right, up, and along the prisms towards the reader of a section",
     "force": "on the upper body",
-    "angle": "from z to the longer semi-axis; positive to the left, seen from above with z up",
+    "a, b": "longer and shorter semi-axis of the ellipse with the same second moments of pressure as Hertz's",
+    "orientation": "from z to the major axis; positive to the left, seen from above with z up",
     "stresses": "tension positive; below the patch x is along the surface, y along its normal",
 }
 
@@ -67,24 +70,22 @@ def _mesh(section: SectionStresses) -> PolyMesh:
 def spatial_record(run: SpatialRun) -> Record:
     """Return what a run of two bodies in contact in three dimensions found."""
     corners = cache(lambda: [section.corners() for section in run.sections])
-    summary = run.summary
-    patch = summary.patches[0]
+    units, (patch, *_), n = run.case.units, run.patches, len(run.patches)
+    across, along = run.contact.loaded.shape
+    highest = max(run.bodies, key=lambda body: body.von_mises[0])
+    names = [body.name for body in run.bodies]
     return run_record(
         run,
         "The same numbers, for programs, are in `summary.json`; `surface.vtu` has pressures and gaps, "
         "`section-lower.vtu` and `section-upper.vtu` stresses, for ParaView.",
-        subtitle=f"{len(summary.patches)} patch{'es' * (len(summary.patches) > 1)} on {summary.cells[0]} by "
-        f"{summary.cells[1]} cells",
+        subtitle=f"{n} patch{'es' * (n > 1)} on {across} by {along} cells",
         facts=[
-            (f"{patch.max_pressure_MPa:.5g} MPa", "maximum pressure"),
-            (f"{patch.semi_axes_mm[0]:.4g} mm", "longer semi-axis of the patch"),
-            (f"{patch.semi_axes_mm[1]:.4g} mm", "shorter semi-axis"),
-            (f"{1e-3 * summary.force_N[1]:.5g} kN", "force"),
-            (f"{summary.approach_mm:.4g} mm", "approach"),
-            (f"{max(b.max_von_mises.value_MPa for b in summary.bodies):.4g} MPa", "maximum von Mises stress below it"),
+            *(fact(quantity, patch, units) for quantity in (MAX_PRESSURE, SEMI_AXES)),
+            *(fact(quantity, run.contact, units) for quantity in (LOAD, APPROACH)),
+            fact(MAX_VON_MISES, highest, units, highest.name),
         ],
-        results=_results(summary),
-        warnings=summary.notices,
+        results=_results(run),
+        warnings=run.notices,
         assumptions=[
             "Linear elastic bodies, small strains, contact without friction.",
             "Each body is a prism along z of unlimited length; of a body of revolution the true surface is in the gap, "
@@ -94,7 +95,7 @@ def spatial_record(run: SpatialRun) -> Record:
         ],
         scene=lambda: _scene(run, corners()),
         pictures=[Picture(name, partial(draw, run), f"{words}.") for name, (draw, words) in PICTURES.items()],
-        tables=[_bodies_table(summary)],
+        tables=[table_across("Bodies, and stresses below the first patch", names, run.bodies, BODY, units=units)],
         axes=AXES,
         files=lambda: _files(run, corners()),
     )
@@ -119,8 +120,8 @@ def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
         numbers: Ints = places.astype(np.int64)
         parts.append(ShownPart(section.body.name, own, arrays, places=numbers, n_rim_places=len(used)))
     fields = [ShownField(name, named(name)[0], "MPa", "Stresses", name, "value") for name in corners[0].by_name]
-    patch = run.summary.patches[0]
-    view = View("patch", (patch.centre_mm[0], patch.centre_mm[1]), NEAR * patch.semi_axes_mm[0])
+    patch = run.contact.patches[0]
+    view = View("patch", (float(patch.centre[0]), float(patch.centre[1])), NEAR * patch.semi_axes[0])
     note = (
         f"Stresses in the plane z = {run.sections[0].z:z.3f} mm, of the centre of the first patch, in the axes of the "
         "picture, tension positive, as in the VTU files of the sections."
@@ -128,32 +129,10 @@ def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
     return Scene(parts, fields, [view], notes=(note,))
 
 
-def _results(summary: SpatialSummary) -> SummaryTable:
+def _results(run: SpatialRun) -> SummaryTable:
     """Approach, stresses of the bodies, and the patches, one column a patch."""
-    quantities: list[Column] = [
-        ("force {x|y}, N", "force_N", "z.1f"),
-        ("centre of pressure {x|y|z}, mm", "centre_mm", "z.3f"),
-        ("maximum pressure, MPa", "max_pressure_MPa", ".1f"),
-        ("  Hertz, MPa", "hertz_pressure_MPa", ".1f"),
-        ("{longer|shorter} semi-axis, mm", "semi_axes_mm", ".4f"),
-        ("  Hertz, {longer|shorter}, mm", "hertz_semi_axes_mm", ".4f"),
-        ("orientation of the major axis, degrees", "angle_deg", "z.1f"),
-        ("area, mm²", "area_mm2", ".3f"),
-        ("cells {across|along z}", "cells", "d"),
-    ]
-    names = [f"patch {number}" for number in range(1, len(summary.patches) + 1)]
-    whole = {"approach from first touch, mm": f"{summary.approach_mm:.5g}"}
-    for body in summary.bodies:
-        whole[f"von Mises below the first patch, {body.name}, MPa"] = f"{body.max_von_mises.value_MPa:.1f}"
-    return with_whole(table_across("Results", names, summary.patches, quantities), whole)
-
-
-def _bodies_table(summary: SpatialSummary) -> SummaryTable:
-    quantities: list[Column] = [
-        *(("elements", "elements", ","), ("unknowns", "unknowns", ","), ("wavenumbers", "wavenumbers", "d")),
-        ("maximum von Mises stress below the first patch, MPa", lambda body: body.max_von_mises.value_MPa, ".1f"),
-        ("  at the depth, mm", lambda body: body.max_von_mises.depth_mm, ".3f"),
-        ("maximum Tresca stress below the first patch, MPa", lambda body: body.max_tresca.value_MPa, ".1f"),
-        ("  at the depth, mm", lambda body: body.max_tresca.depth_mm, ".3f"),
-    ]
-    return table_across("Bodies", [body.name for body in summary.bodies], summary.bodies, quantities)
+    units, names = run.case.units, [f"patch {number}" for number in range(1, len(run.patches) + 1)]
+    whole = rows_of([APPROACH], run.contact, units)
+    for body in run.bodies:
+        whole += rows_of([MAX_VON_MISES], body, units, body.name)
+    return with_whole(table_across("Results", names, run.patches, PATCH, units=units), dict(whole))

@@ -12,7 +12,14 @@ import re
 
 from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
-from flangeway.railway.profiles.formats.raw_profile import Kind, RawProfile, leading_numbers, number_of, numbered_points
+from flangeway.railway.profiles.formats.raw_profile import (
+    Kind,
+    RawProfile,
+    keys_and_rows,
+    leading_numbers,
+    number_of,
+    points_in,
+)
 from flangeway.railway.profiles.formats.two_column import one_line
 
 TAPE_MM = 70.0  # usual distance of the tape line from the flange's back (EN 13715)
@@ -35,39 +42,15 @@ def read_miniprof(text: str, kind: Kind) -> RawProfile:
         raise InputError(
             "a MiniProf file of several profiles", "one profile a file", "save the profile that you want alone"
         )
-    old = any("MINIPROF" in line for line in lines[:_N_FIRST_LINES])
-    header: dict[str, tuple[int, str]] = {}
-    rows: list[tuple[int, list[float]]] = []
-    in_data = False
-    for number, line in enumerate(lines, 1):
-        words = re.split(r'["!%]', line, maxsplit=1)[0]
-        if not words.strip():
-            in_data = in_data or not line.strip()
-        elif "=" in words:
-            key, _, value = words.partition("=")
-            header[key.strip().lower()] = (number, value.strip())
-        elif in_data or not old:
-            values = leading_numbers(words)
-            if values:
-                rows.append((number, values))
-            elif rows:
-                raise InputError(f"line {number}: {words.strip()[:60]!r}", "a point", "correct this line")
-    return _profile(header, rows, kind)
-
-
-def _profile(header: dict[str, tuple[int, str]], rows: list[tuple[int, list[float]]], kind: Kind) -> RawProfile:
+    if any("MINIPROF" in line for line in lines[:_N_FIRST_LINES]):  # words without keys, up to the first empty line
+        lines = [""] * lines.index("") + lines[lines.index("") :] if "" in lines else []
+    header, rows = keys_and_rows((n, re.split(r'["!%]', line, maxsplit=1)[0]) for n, line in enumerate(lines, 1))
     line, columns = header.get("columndef", (0, ""))
     names = [name.strip().upper() for name in columns.split(",")] if columns else ["X", "Y"]
     if "X" not in names or "Y" not in names:
         raise InputError(f"line {line}: ColumnDef={columns}", "columns X and Y", "save the file with both")
-    first, second = names.index("X"), names.index("Y")
+    points, numbers = points_in(rows, names.index("X"), names.index("Y"))
     notices: list[str] = []
-    for number, values in rows:
-        if len(values) <= max(first, second):
-            raise InputError(
-                f"line {number}: {len(values)} numbers", f"{max(first, second) + 1} or more", "correct this line"
-            )
-    points, lines = numbered_points([(number, values[first], values[second]) for number, values in rows])
     if header.get("xypoints", (0, ""))[1]:
         wanted = number_of(header["xypoints"][1], "XYPoints", header["xypoints"][0])
         if len(points) < 0.9 * wanted:
@@ -86,11 +69,12 @@ def _profile(header: dict[str, tuple[int, str]], rows: list[tuple[int, list[floa
         notices.append(
             f"The header has {', '.join(side)}; the profile is used as it is, --mirror makes it the other side."
         )
-    tape = _tape(header) if kind == "wheel" else None
+    line, value = header.get("wheeldiametertaperline", (0, ""))
+    tape = number_of(value, "WheelDiameterTaperline", line) if value and kind == "wheel" else None
     title = next((header[key][1] for key in ("mpdn", "comment", "filename", "uof1") if header.get(key, (0, ""))[1]), "")
     return RawProfile(
         points,
-        lines,
+        numbers,
         unit="mm",
         unit_is_sure=False,
         kind=kind,
@@ -99,11 +83,6 @@ def _profile(header: dict[str, tuple[int, str]], rows: list[tuple[int, list[floa
         title=title,
         notices=tuple(notices),
     )
-
-
-def _tape(header: dict[str, tuple[int, str]]) -> float | None:
-    line, value = header.get("wheeldiametertaperline", (0, ""))
-    return number_of(value, "WheelDiameterTaperline", line) if value else None
 
 
 def write_miniprof(points: FloatArray, kind: Kind, title: str, back_mm: float = TAPE_MM) -> str:

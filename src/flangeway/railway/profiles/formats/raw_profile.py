@@ -2,9 +2,9 @@
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +74,46 @@ def numbered_points(rows: Sequence[tuple[int, float, float]]) -> tuple[FloatArra
             )
     table = np.array(rows, dtype=np.float64)
     return table[:, 1:].copy(), table[:, 0].astype(np.int64)
+
+
+Header: TypeAlias = dict[str, tuple[int, str]]
+"""Line and value by the key in small letters."""
+
+
+def keys_and_rows(lines: Iterable[tuple[int, str]]) -> tuple[Header, list[tuple[int, list[float]]]]:
+    """Return the lines ``key = value`` of a text, and its rows of numbers, each after its number of line.
+
+    An `InputError` if words stand between the rows; words before them are no points.
+
+    - `lines`: numbers of lines, and lines without comments.
+    """
+    header: Header = {}
+    rows: list[tuple[int, list[float]]] = []
+    for number, words in lines:
+        key, equals, value = words.partition("=")
+        values = leading_numbers(words)
+        if equals:
+            header[key.strip().lower()] = (number, value.strip().strip("'"))
+        elif values:
+            rows.append((number, values))
+        elif rows and words.strip():
+            raise InputError(f"line {number}: {words.strip()[:60]!r}", "a point", "correct this line")
+    return header, rows
+
+
+def points_in(
+    rows: Sequence[tuple[int, list[float]]], first: int = 0, second: int = 1
+) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Return points (n, 2) from two columns of rows, and their lines (n,); errors as of `numbered_points`.
+
+    An `InputError` if a row is shorter.
+    """
+    for number, values in rows:
+        if len(values) <= max(first, second):
+            raise InputError(
+                f"line {number}: {len(values)} numbers", f"{max(first, second) + 1} or more", "correct this line"
+            )
+    return numbered_points([(number, values[first], values[second]) for number, values in rows])
 
 
 def leading_numbers(line: str) -> list[float]:

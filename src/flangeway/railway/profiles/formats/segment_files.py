@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
 from flangeway.formats import outline_csv, outline_dxf
@@ -63,7 +62,12 @@ def read_dxf_profile(content: bytes) -> RawProfile:
         raise InputError("a drawing without lines or arcs in its model space", "a profile", "draw it in model space")
     notices = tuple(f"Left out: {count} {kind}." for kind, count in sorted(ignored.items()))
     empty = RawProfile(np.zeros((1, 2)), np.zeros(1, dtype=np.int64), notices=notices)
-    return _profile(_chained(loops + chains), outline_dxf.unit_of(drawing), empty)
+    joined = outline_dxf.joined_chains(loops + chains, closed=False)
+    if len(joined) > 1:
+        raise InputError(
+            f"{len(joined)} chains of lines and arcs apart", "one chain", "leave the profile alone in the drawing"
+        )
+    return _profile(joined[0], outline_dxf.unit_of(drawing), empty)
 
 
 def _profile(drawn: Sequence[DrawnSegment], unit: str | None, stated: RawProfile) -> RawProfile:
@@ -139,34 +143,6 @@ def _moved(segment: DrawnSegment, start: Point, end: Point, maximum: float) -> D
     if abs(math.hypot(*ray) - math.dist(segment.centre, end)) > 2.0 * maximum:
         return segment  # which is refused
     return replace(moved, centre=(segment.centre[0] - off * along[0], segment.centre[1] - off * along[1]))
-
-
-def _chained(pieces: Sequence[list[DrawnSegment]]) -> list[DrawnSegment]:
-    """Order pieces into one chain, each end of which meets one other or, at both ends of the chain, none."""
-    ends = np.array([point for piece in pieces for point in (piece[0].start, piece[-1].end)])
-    size = max(float(np.hypot(*np.ptp(ends, axis=0))), float(np.abs(ends).max()), 1e-12)
-    near = cKDTree(ends).query_ball_point(ends, JOINT_TOLERANCE * size)
-    crowded = next((number for number, group in enumerate(near) if len(group) > 2), None)
-    free = [number for number, group in enumerate(near) if len(group) == 1]
-    if crowded is not None or len(free) not in (0, 2):
-        x, y = ends[crowded if crowded is not None else free[0]]
-        what = "several lines that meet" if crowded is not None else f"{len(free)} open ends, the first"
-        raise InputError(
-            f"{what} at ({x:.6g}, {y:.6g})", "one chain of lines and arcs", "leave the profile alone in it"
-        )
-    place = free[0] if free else 0
-    left = set(range(len(pieces)))
-    chain: list[DrawnSegment] = []
-    while place // 2 in left:
-        piece = pieces[place // 2]
-        left.remove(place // 2)
-        chain += piece if place % 2 == 0 else [outline_dxf.reversed_segment(s) for s in reversed(piece)]
-        place = next((other for other in near[place ^ 1] if other != place ^ 1), place)
-    if left:
-        raise InputError(
-            f"{len(left)} lines or arcs apart from the profile", "one chain", "leave the profile alone in it"
-        )
-    return chain
 
 
 def write_segment_csv(contour: Contour, kind: str, title: str, origin: str, tape_mm: float | None = None) -> str:

@@ -18,13 +18,12 @@ from flangeway.railway.profiles.formats.raw_profile import (
     KINDS,
     Kind,
     RawProfile,
-    leading_numbers,
+    keys_and_rows,
     number_of,
-    numbered_points,
+    points_in,
 )
 from flangeway.railway.profiles.formats.two_column import one_line
 
-_SECTIONS = ("header", "spline", "point")
 _MM_PER_M = 1000.0
 
 
@@ -35,31 +34,24 @@ def read_simpack(text: str, kind: Kind) -> RawProfile:
 
     - `kind`: from the ending of its name.
     """
-    keys: dict[str, tuple[int, str]] = {}
-    rows: list[tuple[int, float, float]] = []
-    open_sections: list[str] = []
+    content: list[tuple[int, str]] = []
+    sections: list[str] = []
     for number, line in enumerate(text.splitlines(), 1):
-        words = _without_comment(line).strip()
+        # a comment ends a line, not inside quotes
+        words = (re.match(r"(?:[^!%']|'[^']*')*", line) or [""])[0].strip()
         section, _, edge = words.rpartition(".")
-        if not words:
-            continue
-        if edge in ("begin", "end") and "=" not in words:
-            _enter_or_leave(open_sections, section, edge, number)
-        elif "=" in words:
-            key, _, value = words.partition("=")
-            # both sections have a key `type`
-            name = f"header.{key.strip()}" if open_sections[-1:] == ["header"] else key.strip()
-            keys[name] = (number, value.strip().strip("'"))
-        elif open_sections[-1:] == ["point"]:
-            values = leading_numbers(words)
-            if len(values) < 2:
-                raise InputError(f"line {number}: {words[:60]!r}", "two numbers, y and z", "correct this line")
-            rows.append((number, values[0], values[1]))
-    if open_sections:
-        raise InputError(
-            f"a section {open_sections[-1]}.begin without its end", "whole sections", "the file was cut off"
-        )
-    points, lines = numbered_points(rows)
+        if edge == "begin":
+            sections.append(section)
+        elif edge == "end":
+            if sections[-1:] != [section]:
+                raise InputError(f"line {number}: {section}.end without its beginning", "whole sections", "check it")
+            sections.pop()
+        else:  # both sections have a key `type`
+            content.append((number, f"header.{words}" if sections[-1:] == ["header"] else words))
+    if sections:
+        raise InputError(f"a section {sections[-1]}.begin without its end", "whole sections", "the file was cut off")
+    keys, rows = keys_and_rows(content)
+    points, lines = points_in(rows)
     sure = _refuse_other_kind(keys, kind)
     points, lines, per_metre = _processed(points, lines, keys)
     return RawProfile(
@@ -71,27 +63,6 @@ def read_simpack(text: str, kind: Kind) -> RawProfile:
         upwards=False,
         title=keys.get("comment", (0, ""))[1] or keys.get("file", (0, ""))[1],
     )
-
-
-def _without_comment(line: str) -> str:
-    """Cut a comment off, not inside quotes."""
-    match = re.match(r"(?:[^!%']|'[^']*')*", line)
-    return match[0] if match else ""
-
-
-def _enter_or_leave(open_sections: list[str], section: str, edge: str, number: int) -> None:
-    if section not in _SECTIONS:
-        raise InputError(
-            f"line {number}: section {section!r}", ", ".join(_SECTIONS), "check that it is a Simpack profile"
-        )
-    if edge == "begin":
-        open_sections.append(section)
-    elif open_sections[-1:] == [section]:
-        open_sections.pop()
-    else:
-        raise InputError(
-            f"line {number}: {section}.end without its beginning", "whole sections", "check the file's structure"
-        )
 
 
 def _refuse_other_kind(keys: dict[str, tuple[int, str]], kind: Kind) -> bool:

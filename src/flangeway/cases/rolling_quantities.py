@@ -1,0 +1,162 @@
+"""Numbers of patches that roll with friction: by one theory, on one body, ahead and to the right."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.fastsim import SimplifiedRolling
+from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, CreepForces, Rolling
+from flangeway.contact.rolling.theories import TITLES
+from flangeway.quantities import Quantity
+from flangeway.types import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class CreepResult:
+    """Creep forces of a patch on its second body.
+
+    Parameters
+    ----------
+    forces
+        Creep forces in the patch's axes.
+    creepages
+        Creepages at the patch's origin, one number each.
+    normal_force
+        In N.
+    sign
+        1 where t of the patch is to the right, -1 where it is to the left.
+    scale
+        Speed in m/s over the speed of the forces' motion.
+
+    """
+
+    forces: CreepForces
+    creepages: Creepages
+    normal_force: float
+    sign: float = 1.0
+    scale: float = 1.0
+
+    @property
+    def rolls(self) -> bool:
+        """Whether the bodies roll; otherwise the second one is shifted, and creepages are shifts."""
+        return self.forces.motion.rolls
+
+    @property
+    def theory(self) -> str:
+        """The theory's name."""
+        return TITLES["exact"] if isinstance(self.forces, Rolling) else self.forces.theory
+
+    @property
+    def moment(self) -> float:
+        """Spin moment about the normal, N m, counter-clockwise from above."""
+        return 1e-3 * self.sign * self.forces.moment
+
+    @property
+    def t_gamma(self) -> tuple[float, float, float] | None:
+        """T-gamma: power over speed; creep forces times creepages without, and with, spin; N. None for a shift."""
+        without, by_spin = self.forces.products(self.creepages)
+        return (self.forces.t_gamma, without, without + by_spin) if self.rolls else None
+
+    @property
+    def cells(self) -> Rolling | SimplifiedRolling | None:
+        """Tractions, slip and states, which only some theories have."""
+        return self.forces if isinstance(self.forces, Rolling | SimplifiedRolling) else None
+
+    @property
+    def slip_fraction(self) -> float | None:
+        """Cells that slip over those in contact."""
+        cells = self.cells
+        return None if cells is None else float((cells.states[cells.states != NO_CONTACT] == SLIPS).mean())
+
+    def maximum(self, values: Callable[[Rolling | SimplifiedRolling], Floats]) -> float | None:
+        """Maximum magnitude over the cells; None of theories without tractions."""
+        cells = self.cells
+        return None if cells is None else float(np.linalg.norm(np.atleast_3d(values(cells)), axis=2).max())
+
+    @property
+    def max_slip(self) -> float | None:
+        """Maximum slip velocity, m/s, of a shift the slip, mm."""
+        slip = self.maximum(lambda cells: cells.slip_velocities)
+        return None if slip is None else self.scale * slip
+
+    @property
+    def power_density(self) -> float | None:
+        """Maximum power over area, W/mm²; None for a shift."""
+        power = self.maximum(lambda cells: cells.power_density.clip(min=0.0))
+        return self.scale * power if self.rolls and power is not None else None
+
+
+Creep = Quantity[CreepResult]
+
+
+def _rolling(value: Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
+    """A number that only rolling has."""
+    return lambda found: value(found) if found.rolls else None
+
+
+def _shifting(value: Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
+    """A number that only a shift has."""
+    return lambda found: None if found.rolls else value(found)
+
+
+def _t_gamma(number: int) -> Callable[[CreepResult], float | None]:
+    return lambda found: None if found.t_gamma is None else found.t_gamma[number]
+
+
+THEORY: Creep = Quantity("theory", "theory", "theory")
+LONGITUDINAL_CREEPAGE: Creep = Quantity(
+    "longitudinal_creepage", "longitudinal creepage", _rolling(lambda f: f.creepages.along), form="z.4%"
+)
+LATERAL_CREEPAGE: Creep = Quantity(
+    "lateral_creepage", "lateral creepage", _rolling(lambda f: f.sign * f.creepages.across), form="z.4%"
+)
+SPIN_CREEPAGE: Creep = Quantity(
+    "spin_creepage", "spin creepage", _rolling(lambda f: 1e3 * f.sign * f.creepages.spin), "1/m", "z.4f"
+)
+CREEPAGES = (LONGITUDINAL_CREEPAGE, LATERAL_CREEPAGE, SPIN_CREEPAGE)
+LONGITUDINAL_FORCE: Creep = Quantity(
+    "longitudinal_force", "longitudinal force", lambda f: f.forces.along, "kN", "z.4f", factor=1e-3
+)
+LATERAL_FORCE: Creep = Quantity(
+    "lateral_force", "lateral force", lambda f: f.sign * f.forces.across, "kN", "z.4f", factor=1e-3
+)
+SPIN_MOMENT: Creep = Quantity("spin_moment", "spin moment", "moment", "Nm", "z.3f")
+FORCES = (LONGITUDINAL_FORCE, LATERAL_FORCE, SPIN_MOMENT)
+TRACTION: Creep = Quantity(
+    "traction_coefficient",
+    "traction coefficient",
+    lambda f: float(np.hypot(f.forces.along, f.forces.across)) / f.normal_force,
+    form=".4f",
+    meaning="creep force over normal force",
+)
+T_GAMMA: Creep = Quantity("t_gamma", "T-gamma", _t_gamma(0), "N", "z.3f", meaning="frictional power over the speed")
+T_GAMMAS: tuple[Creep, ...] = (
+    T_GAMMA,
+    Quantity("t_gamma_without_spin", "  forces times creepages", _t_gamma(1), "N", "z.3f"),
+    Quantity("t_gamma_with_spin", "  and spin moment times spin", _t_gamma(2), "N", "z.3f"),
+)
+SLIP_AREA: Creep = Quantity("slipping_share", "slip area", "slip_fraction", form=".1%")
+MAX_TRACTION: Creep = Quantity(
+    "max_traction", "maximum traction", lambda f: f.maximum(lambda cells: cells.tractions), "MPa", ".1f"
+)
+FIELDS: tuple[Creep, ...] = (
+    SLIP_AREA,
+    MAX_TRACTION,
+    Quantity("max_slip_velocity", "maximum slip velocity", _rolling(lambda f: f.max_slip), "m/s", ".4f"),
+    Quantity("max_power_density", "maximum frictional power density", "power_density", "W/mm²", "z.2f"),
+)
+"""What theories with tractions have."""
+BY_THEORY: tuple[Creep, ...] = (THEORY, *CREEPAGES, *FORCES, *T_GAMMAS)
+SHIFT: tuple[Creep, ...] = (
+    Quantity("shift_ahead", "shift ahead", _shifting(lambda f: f.creepages.along), "mm", "z.6f"),
+    Quantity("shift_right", "shift to the right", _shifting(lambda f: f.sign * f.creepages.across), "mm", "z.6f"),
+    Quantity("shift_rotation", "rotation", _shifting(lambda f: 1e3 * f.sign * f.creepages.spin), "mrad", "z.4f"),
+    Quantity("max_slip", "maximum slip", _shifting(lambda f: f.max_slip), "mm", ".6f"),
+    Quantity("dissipated", "work of friction", _shifting(lambda f: f.forces.frictional_power), "N mm", ".4g"),
+)
+POWER: Creep = Quantity(
+    "frictional_power", "frictional power", _rolling(lambda f: f.scale * f.forces.frictional_power), "W", "z.1f"
+)

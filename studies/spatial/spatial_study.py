@@ -1,0 +1,40 @@
+"""Bodies in three dimensions by plane problems: what ``flangeway reproduce spatial`` computes."""
+
+from collections.abc import Iterator
+
+from studies.spatial.cosine_loads import ELEMENTS, bar_rows, plane_strain_row, revolution_numbers
+from studies.spatial.patches import conforming_rows, hertz_rows
+from studies.spatial.point_loads import rail_rows, square_numbers
+from studies.study import Curves, Row, Run, Study
+
+
+def rows(run: Run) -> Iterator[Row]:
+    """Rows of all parts; if quick, the finest mesh of short waves is left out but for the element of order 3."""
+    for element in sorted(ELEMENTS):
+        run.progress(f"bar under a cosine pressure, {element}")
+        yield from bar_rows(run, element)
+    yield plane_strain_row()
+    run.progress("body of revolution")
+    yield from revolution_numbers()
+    run.progress("square on a half-space")
+    yield from square_numbers()
+    run.progress("rail on a foundation")
+    yield from rail_rows()
+    yield from hertz_rows(run)
+    yield from conforming_rows(run)
+
+
+SPATIAL = Study(
+    "spatial",
+    rows,
+    (
+        Curves(
+            "bar",
+            "Error of the displacements of a bar under a cosine pressure over the sides of its polygon for three "
+            "wavenumbers: each element falls at its rate, virtual elements of order 3 below 1e-5",
+            "sides of the polygon",
+            "error over the exact displacement",
+            logarithmic=True,
+        ),
+    ),
+)

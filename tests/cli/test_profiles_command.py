@@ -1,0 +1,83 @@
+"""`flangeway profiles FOLDER`: wear, measures and conicity of all profiles of a folder."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from flangeway.cases.profile.profile_folder import run_folder
+from flangeway.cases.rigid.rigid_case import find_geometry_case
+from flangeway.cases.rigid.rigid_run import run_geometry
+from flangeway.errors import InputError
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.profiles.formats.two_column import write_two_column
+
+FLANGE_MM, TREAD_MM, SIDE_MM, TOP_MM = 2.5, 1.5, 4.0, 3.0
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """New wheel and rail, a thin flange, a worn tread, a head narrowed and lowered, and a file of something else."""
+    tread = wheel("S1002").running_surface.sampled(spacing=0.25)
+    head = rail("60E1").running_surface.sampled(spacing=0.25) - [0.0, 172.0]
+    thin = tread - np.interp(tread[:, :1], (-62.0, -50.0, -37.0, -25.0), (0.0, 1.0, 1.0, 0.0)) * [FLANGE_MM, 0.0]
+    hollow = tread + np.interp(tread[:, :1], (-30.0, -15.0), (0.0, 1.0)) * [0.0, TREAD_MM]
+    narrow = head + np.clip(-head[:, :1] / 30.0, 0.0, 1.0) * [SIDE_MM, 0.0] - [0.0, TOP_MM]
+    for name, points in (("new", tread), ("thin", thin), ("hollow", hollow)):
+        text = write_miniprof(points, "wheel", name) if name == "new" else write_two_column(points, "wheel", name, 70.0)
+        (tmp_path / f"{name}.{'whl' if name == 'new' else 'txt'}").write_text(text)
+    (tmp_path / "head.ban").write_text(write_miniprof(head, "rail", "head"))
+    (tmp_path / "narrow.txt").write_text(write_two_column(narrow, "rail", "narrow"))
+    (tmp_path / "empty.txt").write_text("no profile\n")
+    (tmp_path / "notes.md").write_text("not read\n")
+    return tmp_path
+
+
+def test_wear_is_what_was_taken_away(folder):
+    """Each wear is what the file was made with, 0 of new profiles, and the most worn comes first."""
+    done = run_folder(folder)
+    rows = {row.file: row for row in done.profiles}
+    assert [row.file for row in done.profiles[:2]] == ["narrow.txt", "thin.txt"]
+    assert rows["new.whl"].wear_mm == pytest.approx({"tread_wear": 0.0, "flange_wear": 0.0}, abs=0.02)
+    assert rows["thin.txt"].wear_mm["flange_wear"] == pytest.approx(FLANGE_MM, abs=0.05)
+    assert rows["hollow.txt"].wear_mm["tread_wear"] == pytest.approx(TREAD_MM, abs=0.05)
+    assert rows["head.ban"].wear_mm["side_wear"] == pytest.approx(0.0, abs=0.02)
+    assert rows["narrow.txt"].wear_mm["side_wear"] == pytest.approx(SIDE_MM, abs=0.05)
+    assert rows["narrow.txt"].wear_mm["top_wear"] == pytest.approx(TOP_MM, abs=0.05)
+    (refused,) = done.refused
+    assert "empty.txt" in refused
+
+
+def test_conicity_is_that_of_the_geometry(folder):
+    """A new wheel and a new rail have the conicity that `flangeway geometry` has of the pair, from their files."""
+    pair = run_geometry("s1002-60e1", find_geometry_case("s1002-60e1", {"step_mm": 0.1}))
+    wanted = pair.conicities.at_reference()["integration"]
+    for row in run_folder(folder).profiles:
+        if row.file in ("new.whl", "head.ban"):
+            assert row.conicity == pytest.approx(wanted, rel=0.02)
+
+
+def test_the_command_writes_table_picture_and_report(call, folder, tmp_path):
+    """The table has a row for each profile that was read, the warnings the file that was not."""
+    code, out, err = call("profiles", folder, "--out", tmp_path / "found")
+    assert code == 0, err
+    assert "empty.txt" in out
+    assert {path.name for path in (tmp_path / "found").iterdir()} == {
+        "profiles.csv",
+        "profiles.json",
+        "profiles.png",
+        "report.html",
+    }
+    with (tmp_path / "found" / "profiles.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["file"] for row in rows][:1] == ["narrow.txt"]
+    assert len(rows) == 5
+    assert float(rows[0]["side_wear_mm"]) == pytest.approx(SIDE_MM, abs=0.05)
+
+
+def test_folders_without_profiles_are_refused(tmp_path):
+    """No folder, and a folder of other files, are refused by their name."""
+    for path in (tmp_path / "none", tmp_path):
+        with pytest.raises(InputError, match=str(path)):
+            run_folder(path)

@@ -1,1 +1,0 @@
-"""Curved edges beside chords: `flangeway reproduce curved`."""
