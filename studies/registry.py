@@ -3,6 +3,7 @@
 from studies.conicity import CONICITY
 from studies.contact_patch import CONTACT_PATCH
 from studies.curved import CURVED
+from studies.damage import DAMAGE
 from studies.elasticity import ELASTICITY
 from studies.forms import FORMS
 from studies.friction.friction_study import FRICTION
@@ -31,5 +32,6 @@ STUDIES: dict[str, Study] = {
         FRICTION,
         VEM_CONTACT,
         FORMS,
+        DAMAGE,
     )
 }

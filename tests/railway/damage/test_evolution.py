@@ -112,7 +112,7 @@ def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
 def test_a_symmetric_case_stays_symmetric() -> None:
     """On straight track both wheels, each by itself, wear alike to 1e-9 mm, and the area is that of the energy."""
     collective = Collective([state()], separate=True)
-    first, *_, last = Evolution(collective, {"wheel": ENERGY}, settings(5e4)).run()
+    first, *_, last = Evolution(collective, {"wheel": ENERGY}, settings(2e4)).run()
     left, right = (last.surfaces["wheel", side] for side in ("left", "right"))
     assert np.abs(left.depth - right.depth).max() < 1e-9
     assert right.depth.max() > 0.02

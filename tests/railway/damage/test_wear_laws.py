@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.railway.damage.wear_laws import ArchardLaw, BrrLaw, CellLoads, EnergyLaw, OwnLaw, PerPatch, UsfdLaw
+from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, EnergyLaw, OwnLaw, PerPatch, UsfdLaw
 
 A, B, FORCE, FRICTION, SPEED, HARDNESS, K = 6.0, 4.0, 1e5, 0.3, 30.0, 2700.0, 0.0035
 P0 = 1.5 * FORCE / (np.pi * A * B)
@@ -96,16 +96,6 @@ def test_level_moves_through_the_ranges_of_the_map() -> None:
     assert ends == pytest.approx([30e-4, 40e-4])
 
 
-def test_brr_volume_is_its_area_times_the_circumference() -> None:
-    """At 90 N 22.5 / D mm2/km are worn off a wheel; over the circumference 22.5 pi mm3/km."""
-    cells = patch(0.003)
-    assert cells.t_gamma_N == pytest.approx(90.0, rel=1e-3)
-    volume = 1e6 * float((BrrLaw().rates(cells) * cells.areas).sum())
-    assert volume == pytest.approx(np.pi * 0.25 * cells.t_gamma_N)
-    jump = [BrrLaw(branch).area_times_diameter(200.0) for branch in ("published", "continuous")]
-    assert jump == pytest.approx([84.0, 25.0])
-
-
 def test_energy_law_takes_energy_times_its_constant() -> None:
     """0.02 mm3/kJ of 300 J/m are 0.006 mm3/m, and 156 ug/kJ = 0.156 mg/kJ the same."""
     cells = patch(0.01)
@@ -148,7 +138,6 @@ def test_per_patch_differs_from_local_only_where_the_constant_varies() -> None:
         (lambda: EnergyLaw(0.0, "mm3/J"), "constant"),
         (lambda: OwnLaw(lambda p, s, q: p, ""), "unit"),
         (lambda: UsfdLaw("smooth"), "branch"),
-        (lambda: BrrLaw("smooth"), "branch"),
         (lambda: OwnLaw(lambda p, s, q: -p, "mm/m").rates(patch(0.01, 4)), "own law"),
     ],
 )

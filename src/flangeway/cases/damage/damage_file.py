@@ -10,13 +10,13 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError, short
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
-from flangeway.railway.damage.wear_laws import ArchardLaw, BrrLaw, EnergyLaw, PerPatch, UsfdLaw, WearLaw
+from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, PerPatch, UsfdLaw, WearLaw
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.system.file_content import is_file
 from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.types import Key
 
-LAWS: dict[str, type[Any]] = {"archard": ArchardLaw, "usfd": UsfdLaw, "brr": BrrLaw, "energy": EnergyLaw}
+LAWS: dict[str, type[Any]] = {"archard": ArchardLaw, "usfd": UsfdLaw, "energy": EnergyLaw}
 KEYS = ("collective", "sides", "inputs", "states", "evolution", "wear", "limits")
 SIDES_ALLOWED = ("mean", "separate")
 

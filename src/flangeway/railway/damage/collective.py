@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
@@ -94,17 +95,13 @@ class Collective:
                 found[self.key(role, side)] = of_side
         return found
 
-    def problem_with(
-        self, state: RunningState, profiles: Mapping[SurfaceKey, WheelProfile | RailProfile]
-    ) -> WheelsetProblem:
+    def problem_with(self, state: RunningState, profiles: Mapping[SurfaceKey, Any]) -> WheelsetProblem:
         """The problem of a state with other profiles."""
         track, wheelset = state.problem.track, state.problem.wheelset
-        right, left = profiles.get(("rail", "right")), profiles.get(("rail", "left"))
-        if isinstance(right, RailProfile):
-            track = replace(track, rail=right, left_rail=left if isinstance(left, RailProfile) else None)
-        right, left = profiles.get(("wheel", "right")), profiles.get(("wheel", "left"))
-        if isinstance(right, WheelProfile):
-            wheelset = replace(wheelset, wheel=right, left_wheel=left if isinstance(left, WheelProfile) else None)
+        if ("rail", "right") in profiles:
+            track = replace(track, rail=profiles["rail", "right"], left_rail=profiles.get(("rail", "left")))
+        if ("wheel", "right") in profiles:
+            wheelset = replace(wheelset, wheel=profiles["wheel", "right"], left_wheel=profiles.get(("wheel", "left")))
         return replace(state.problem, track=track, wheelset=wheelset)
 
 

@@ -12,7 +12,8 @@ elements over the depth. Deviators have three components, in the base
 
 J2 flow with kinematic hardening (Prager), implicit along the path: with ``eta = s - C pi`` and the strain increment
 ``d_i = pi_i - pi_(i-1)`` from the cell ahead, ``eta_i = P(eta_i + r d_i)``, where P projects on von Mises' circle of
-radius ``sqrt 2 k``; one semismooth Newton solves it for all cells that yield in a passage. Melan's limit of repeated
+radius ``sqrt 2 k``; one semismooth Newton solves it for all cells that yield in a passage. r is the shear modulus: with
+twice of it cells leave and enter the set of those that yield without end at ``p0 / k = 5``. Melan's limit of repeated
 rolling is what passages show: shakedown where increments vanish, ratchetting where shear strain grows.
 """
 
@@ -223,17 +224,17 @@ class RollingLine:
         matrix = self._behind.reshape(shape)
         column = np.repeat(np.arange(n_x), n_z)
         layer = np.tile(np.arange(n_z), n_x)
-        radius, scale, three = np.sqrt(2.0), 2.0, np.arange(3)
+        radius, three = np.sqrt(2.0), np.arange(3)
         increments = np.zeros_like(known) if start is None else start.reshape(-1, 3).copy()
         for number in range(1, MAX_NEWTON + 1):
             used = np.flatnonzero(increments.any(axis=1))
             eta = known + np.einsum("icjd,jd->ic", matrix[:, :, used], increments[used])
             eta -= hardening * np.cumsum(increments.reshape(n_x, n_z, 3), axis=0).reshape(-1, 3)
-            trial = eta + scale * increments
+            trial = eta + increments
             size = np.linalg.norm(trial, axis=1)
             active = np.flatnonzero(size > radius)
             error = np.where(
-                (size > radius)[:, None], eta - radius * trial / np.maximum(size, radius)[:, None], scale * increments
+                (size > radius)[:, None], eta - radius * trial / np.maximum(size, radius)[:, None], increments
             )
             if np.abs(error).max() <= NEWTON_TOLERANCE * radius:
                 return increments.reshape(n_x, n_z, 3), number
@@ -244,7 +245,7 @@ class RollingLine:
             block -= hardening * same[:, None, :, None] * np.eye(3)[None, :, None, :]
             tangent = block - np.einsum("icd,idje->icje", projected, block)
             diagonal = np.arange(len(active))
-            tangent[diagonal, :, diagonal] -= scale * projected
+            tangent[diagonal, :, diagonal] -= projected
             moved = np.zeros_like(increments)
             # cells that leave the active set lose their increments, which moves the others
             gone = np.setdiff1d(used, active)

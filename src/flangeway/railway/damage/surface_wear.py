@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import Rolling
@@ -112,14 +113,14 @@ def row_wear(result: SpatialResult, laws: dict[Role, WearLaw]) -> list[RowWear]:
             worn = np.flatnonzero(areas)
             if not worn.size:
                 continue
-            areas, (ends, radii) = areas[worn], _ends(rolling, rolling.rows.start + worn, role)
-            found.append(RowWear(rolling.patch.side, role, ends, areas, radii, damage))
+            ends, radii = _ends(rolling, role)
+            found.append(RowWear(rolling.patch.side, role, ends[worn], areas[worn], radii[worn], damage))
     return found
 
 
-def _ends(rolling: RollingPatch, rows: Floats, role: Role) -> tuple[Floats, Floats]:
-    """Ends of rows of cells (n, 2, 2) in the frame of a profile, and their distances from the axle (n,)."""
-    state = rolling.patch.state
+def _ends(rolling: RollingPatch, role: Role) -> tuple[Floats, Floats]:
+    """Ends of the rows of cells (n, 2, 2) in the frame of a profile, and their distances from the axle (n,)."""
+    state, rows = rolling.patch.state, rolling.rows
     surfaces, cells = state.grid.surfaces, state.grid.grid.cells[rows]
     pressed = state.forces[rows] * (state.forces[rows] > 0.0)
     pressed = np.where(pressed.any(axis=1, keepdims=True), pressed, 1.0)
@@ -128,18 +129,8 @@ def _ends(rolling: RollingPatch, rows: Floats, role: Role) -> tuple[Floats, Floa
     if role == "rail":
         points = surfaces.rail_points(cells.ravel())[0]
         return surfaces.rail_frame.inverse().points(points).reshape(-1, 2, 2), radii
-    # positions on the wheel at the ends of the cells: a line through the middles of both neighbours, or the last two
-    middles = cells.mean(axis=1)
-    if len(rows) > 1:
-        slopes = np.diff(along) / np.diff(middles)
-        first = along[0] + slopes[0] * (cells[:, 0] - middles[0])
-        last = along[-1] + slopes[-1] * (cells[:, 1] - middles[-1])
-        low = np.where(cells[:, 0] < middles[0], first, np.interp(cells[:, 0], middles, along))
-        high = np.where(cells[:, 1] > middles[-1], last, np.interp(cells[:, 1], middles, along))
-    else:
-        half = 0.5 * np.diff(cells, axis=1)[:, 0]
-        low, high = along - half, along + half
-    x = np.stack((low, high), axis=1).ravel()
+    # the ends of the cells lie on lines through the middles of neighbours
+    x = make_interp_spline(cells.mean(axis=1), along, k=1)(cells.ravel())
     points = np.stack((x, surfaces.wheel.over(x).y), axis=1)
     return surfaces.wheel_frame.inverse().points(points).reshape(-1, 2, 2), radii
 

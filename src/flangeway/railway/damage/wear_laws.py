@@ -4,14 +4,15 @@ A point of the surface that passes through the patch loses ``integral of rate dx
 distance x along rolling. A rate is a depth in mm over the distance rolled in mm, of one of the two bodies. Sources:
 
 - Archard (1953, J. Appl. Phys. 24): ``rate = k p |slip| / H``. The map of k over slip velocity and pressure is that of
-  Jendel (2002, Wear 253, 83-89), quoted from memory: its ranges are in `JENDEL`.
+  Jendel (2002, Wear 253, 83-89): its ranges are in `JENDEL`.
 - USFD: T-gamma over area, Braghin, Lewis, Dwyer-Joyce and Bruni (2006, Wear 261, 1253-1264), wheels of R8T on rails of
-  UIC 60 900A; constants quoted from memory. As first published the rate jumps from 55 to 4779 ug/m/mm2 at 77.2 N/mm2;
-  later authors let the third branch begin where the second one ends.
-- BRR: T-gamma of a patch, Pearce and Sherratt (1991, Wear 144, 343-351): area worn off a wheel's profile over the
-  distance, 0.25 T-gamma / D mm2/km up to 100 N, 25 / D up to 200 N, ``(1.19 T-gamma - 154) / D`` beyond, with the
-  wheel's diameter D in mm. Times the circumference it is a volume over the distance that does not depend on D.
+  UIC 60 900A. As first published the rate jumps from 55 to 4779 ug/m/mm2 at 77.2 N/mm2; later authors let the third
+  branch begin where the second one ends.
 - Energy: volume over dissipated energy, a constant (Fouvry et al., 2003, Wear 255).
+
+The ranges of k, both limits of USFD and its three constants are those that `docs/theory/damage.md` lists, with how each
+was checked. The original papers are not open. The law of British Rail Research (Pearce and Sherratt, 1991) is left out:
+no open source with its constants was at hand.
 
 Whether a law is evaluated in each cell (local) or once for a patch (`PerPatch`) changes its result where its constant
 depends on the load: say which.
@@ -217,40 +218,6 @@ class UsfdLaw:
     def rates(self, cells: CellLoads) -> Floats:
         """See `WearLaw`."""
         return RATE_UNITS["ug/m/mm2"] * self.micrograms(cells.energy)
-
-
-@dataclass(frozen=True)
-class BrrLaw:
-    """T-gamma of a patch by British Rail Research; the depth is spread over the patch as the dissipated energy is.
-
-    - `branch`: ``"published"``: with the jump at 200 N; ``"continuous"``: the third branch begins where the second one
-      ends.
-    """
-
-    branch: str = "published"
-
-    def __post_init__(self) -> None:
-        if self.branch not in ("continuous", "published"):
-            raise InputError(f"BrrLaw(branch={self.branch!r})", "continuous, published", "choose one of them")
-
-    @property
-    def name(self) -> str:
-        """See `WearLaw`."""
-        return (
-            f"T-gamma of a patch, BRR, third branch {'continuous' if self.branch == 'continuous' else 'as published'}"
-        )
-
-    def area_times_diameter(self, t_gamma_N: float) -> float:
-        """Area worn off a wheel's profile per km times the wheel's diameter, mm3/km."""
-        if t_gamma_N < 200.0:
-            return min(0.25 * t_gamma_N, 25.0)
-        return 1.19 * t_gamma_N - (154.0 if self.branch == "published" else 213.0)
-
-    def rates(self, cells: CellLoads) -> Floats:
-        """See `WearLaw`."""
-        t_gamma = cells.t_gamma_N
-        volume = np.pi * self.area_times_diameter(t_gamma) * 1e-6  # mm3/km to mm3/mm
-        return np.asarray(cells.energy * (volume / t_gamma if t_gamma > 0.0 else 0.0))
 
 
 @dataclass(frozen=True)

@@ -149,22 +149,9 @@ class WornSurface:
         return np.asarray(areas @ np.diff(before, axis=1) / self.worn_lengths)
 
     def arc_lengths(self, points: Floats) -> Floats:
-        """Arc lengths (m,) of the new surface at points (m, 2) of the worn one."""
-        contour = self.worn.running_surface
-        if contour is self.surface or not self.depth.any():
-            number, s, _ = self.surface.closest(points)
-            return self._starts[number] + s * np.diff(self._starts)[number]
-        # the worn chain has segments of its own: its arc length goes with that of the pieces
-        number, s, _ = contour.closest(points)
-        lengths = np.array([each.length for each in contour.segments])
-        starts = np.append(0.0, np.cumsum(lengths))
-        at_bounds = self._chain_lengths(contour, starts)
-        return np.interp(starts[number] + s * lengths[number], at_bounds, self.bounds)
-
-    def _chain_lengths(self, contour: Contour, starts: Floats) -> Floats:
-        """Arc lengths of the worn chain at the ends of the pieces."""
-        number, s, _ = contour.closest(self.worn_points)
-        return np.maximum.accumulate(starts[number] + s * np.diff(starts)[number])
+        """Arc lengths (m,) of the new surface at points (m, 2) of the worn one, which lie on its normals."""
+        number, s, _ = self.surface.closest(points)
+        return np.asarray(self._starts[number] + s * np.diff(self._starts)[number])
 
     def filtered(self, increment: Floats, filter_mm: float = FILTER_MM) -> Floats:
         """Increment of the depth (n,) without short waves, of the same area.
@@ -318,8 +305,3 @@ class WornSurface:
     def from_tread(self) -> Contour:
         """The worn surface with the origin of wheels on the worn tread at the tape line."""
         return self.worn.running_surface.transformed(Placement(0.0, (0.0, -self.radius_loss_mm)))
-
-
-def roughness_per_mm(depth: Floats, spacing_mm: float) -> float:
-    """Root mean square of the second derivative of a depth (n,), 1/mm: ridges of an unstable evolution raise it."""
-    return float(np.sqrt(np.mean((np.diff(depth, 2) / spacing_mm**2) ** 2)))

@@ -17,7 +17,7 @@ from flangeway.system.versions import versions
 
 STEPS_CSV = "steps.csv"
 PROFILES_PNG, OVER_DISTANCE_PNG = "profiles.png", "over-distance.png"
-MOST_PROFILES = 6
+MAX_PROFILES = 6
 PROFILES_TEXT = (
     "Depth of wear along the running surfaces, new to worn; below it net T-gamma damage at the end: above 0 cracks "
     "grow, below 0 they are worn off."
@@ -142,7 +142,7 @@ def profiles_figure(steps: Sequence[EvolutionStep], unit: str) -> Figure:
     keys = list(steps[0].surfaces)
     figure = new_figure(5.0 * len(keys), 5.0)
     axes = figure.subplots(2, len(keys), squeeze=False, sharex="col", height_ratios=(2, 1))
-    shown = np.unique(np.linspace(0, len(steps) - 1, min(len(steps), MOST_PROFILES)).round().astype(int))
+    shown = np.unique(np.linspace(0, len(steps) - 1, min(len(steps), MAX_PROFILES)).round().astype(int))
     for column, (role, side) in enumerate(keys):
         above, below = axes[:, column]
         for number, index in enumerate(shown[shown > 0]):

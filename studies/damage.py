@@ -1,0 +1,163 @@
+"""Damage: wear laws, worn areas, indices of rolling contact fatigue and repeated rolling beside closed forms."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.railway.damage.rolling_fatigue import DangVan, surface_fatigue_index, t_gamma_damage
+from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
+from flangeway.railway.damage.surface_wear import patch_loads, row_wear
+from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, UsfdLaw, WearLaw
+from flangeway.railway.damage.worn_surface import WornSurface
+from flangeway.railway.wheelset.spatial_result import solve_spatial
+from flangeway.types import Floats
+from studies.study import Curves, Limit, Row, Run, Study
+
+A_MM, B_MM, FORCE_N, FRICTION, CREEPAGE, SPEED_m_s = 6.0, 4.0, 1e5, 0.3, 0.01, 30.0
+"""Hertz's ellipse in full slip, 2 a along rolling."""
+HARDNESS_MPa, WEAR_COEFFICIENT = 2700.0, 0.0035
+P0_MPa = 1.5 * FORCE_N / (np.pi * A_MM * B_MM)
+LAW_LIMIT, ROUND_OFF, POWER_LIMIT = 1e-3, 1e-10, 1e-6
+STEEL = RollingSteel(300.0)
+LOADS = (
+    (0.0, 3.95, "shakedown", "Melan"),
+    (0.0, 4.05, "ratchetting", "Melan"),
+    (0.1, 3.45, "shakedown", "Melan"),
+    (0.1, 3.70, "ratchetting", "Melan"),
+    (0.0, 3.5, "shakedown", "Bhargava et al. (1985)"),
+    (0.0, 4.35, "ratchetting", "Bhargava et al. (1985)"),
+    (0.0, 5.0, "ratchetting", "Bhargava et al. (1985)"),
+)
+"""Friction, p0 / k, and what repeated rolling over perfectly plastic steel comes to by whom."""
+FIRST_YIELD = 3.107
+"""p0 / k at which von Mises' criterion is reached below a line contact without friction."""
+CURVE = {"size_scale": 6.0, "order": 1, "patch_cells": 14, "curve_radius_m": 600.0, "speed_km_h": 80.0, "friction": 0.3}
+"""A wheelset in a curve on coarse meshes; areas and powers are those of its cells whatever the mesh."""
+
+
+def full_slip(n: int = 600) -> tuple[CellLoads, Floats]:
+    """Cells of the ellipse in full slip, and the distance y of their rows (n,) from the middle."""
+    x, y = ((2.0 * np.arange(n) + 1.0 - n) / n * half for half in (A_MM, B_MM))
+    pressures = P0_MPa * np.sqrt(np.maximum(1.0 - (x / A_MM) ** 2 - (y[:, None] / B_MM) ** 2, 0.0))
+    along = np.zeros((n, n, 2))
+    along[..., 1] = 1.0
+    slips = CREEPAGE * along * (pressures > 0.0)[..., None]
+    areas = np.full((n, n), 4.0 * A_MM * B_MM / n**2)
+    return CellLoads(pressures, -FRICTION * pressures[..., None] * along, slips, areas, SPEED_m_s), y
+
+
+def wear_rows() -> Iterator[Row]:
+    """Depths of a passage in full slip, volume and T-gamma."""
+    cells, y = full_slip()
+    row_integral = P0_MPa * np.pi * A_MM / 2.0  # of the pressure along rolling in the middle, N/mm
+    width = y[1] - y[0]
+    usfd = 5.3e-3 / 7800.0 * FRICTION * CREEPAGE * row_integral
+    exact: dict[str, tuple[WearLaw, float]] = {
+        "Archard": (
+            ArchardLaw(HARDNESS_MPa, WEAR_COEFFICIENT),
+            WEAR_COEFFICIENT / HARDNESS_MPa * CREEPAGE * row_integral,
+        ),
+        "USFD": (UsfdLaw(), usfd),
+    }
+    for name, (law, middle) in exact.items():
+        depths = (law.rates(cells) * cells.areas).sum(axis=1) / width
+        for at in (0.0, 2.0, 3.5):
+            value = middle * (1.0 - (at / B_MM) ** 2)
+            yield Row(
+                name, f"y = {at:g} mm", "depth of a passage", "mm", float(np.interp(at, y, depths)), value, LAW_LIMIT
+            )
+    volume = 1e3 * float((exact["Archard"][0].rates(cells) * cells.areas).sum())
+    value = 1e3 * WEAR_COEFFICIENT / HARDNESS_MPa * CREEPAGE * FORCE_N
+    yield Row("Archard", "full slip", "volume over distance", "mm^3/m", volume, value, LAW_LIMIT)
+    yield Row("full slip", "", "T-gamma", "N", cells.t_gamma_N, FRICTION * FORCE_N * CREEPAGE, LAW_LIMIT)
+    law = ArchardLaw(HARDNESS_MPa)
+    for velocity, pressure, k in ((0.1, 0.5, 5.5e-4), (0.45, 0.5, 35e-4), (0.9, 0.5, 5.5e-4), (0.1, 0.9, 350e-4)):
+        computed = float(law.coefficients(np.array([velocity]), np.array([pressure * HARDNESS_MPa]))[0])
+        yield Row("Jendel (2002)", f"{velocity:g} m/s, {pressure:g} H", "wear coefficient", "", computed, k, ROUND_OFF)
+
+
+def fatigue_rows() -> Iterator[Row]:
+    """Surface fatigue index, T-gamma damage and Dang Van's stress."""
+    for a, b, friction, k, published in (
+        (8.6, 6.18, 0.0064, 300.0, -0.3275387327059806),
+        (6.0, 4.0, 0.3, 300.0, 0.14920355262768992),
+    ):
+        index, code = surface_fatigue_index(friction, (a, b), FORCE_N, k), f"a = {a:g}, b = {b:g} mm"
+        yield Row("Ekberg et al. (2002)", code, "FI surf", "", index, published, ROUND_OFF)
+        exact = friction - k / (1.5 * FORCE_N / (np.pi * a * b))
+        yield Row("Hertz", code, "FI surf less friction less k/p0", "", index - exact, 0.0, ROUND_OFF)
+    for t_gamma, damage in ((15.0, 0.0), (65.0, 10.0), (175.0, 0.0)):
+        net = 1e6 * float(t_gamma_damage(np.array(t_gamma)).net)
+        yield Row("Burstow (2004)", f"{t_gamma:g} N", "damage of an axle", "1e-6", net, damage, ROUND_OFF)
+    angles = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    shear, tension, slope = 100.0 * np.cos(angles), 100.0 * np.cos(angles), 0.3
+    none = np.zeros_like(angles)
+    for code, history, exact in (
+        ("alternating shear", (none, none, none, shear, none, none), 100.0),
+        ("alternating tension", (tension, none, none, none, none, none), 50.0 + slope * 100.0 / 3.0),
+        ("turning shear", (none, none, none, shear, 100.0 * np.sin(angles), none), 100.0),
+    ):
+        found = DangVan(200.0, slope).of(np.stack(history, axis=1)[None]).equivalent_MPa[0]
+        yield Row("Dang Van", code, "equivalent stress", "MPa", float(found), exact, 1e-4)
+
+
+def rolling_rows(run: Run) -> Iterator[Row]:
+    """Repeated rolling of a line contact over perfectly plastic steel."""
+    stress = np.linalg.norm(RollingLine(1.0, 0.0, STEEL, 20).elastic, axis=2).max()
+    yield Row("Melan", "friction 0", "p0/k at first yield", "", float(np.sqrt(2.0) / stress), FIRST_YIELD, LAW_LIMIT)
+    for friction, factor, state, source in LOADS:
+        run.progress(f"repeated rolling, friction {friction:g}, p0/k = {factor:g}")
+        rolled = RollingLine(factor, friction, STEEL, 8, depth=1.0).repeated()
+        code = f"friction {friction:g}, p0/k = {factor:g}"
+        added, limit = float(rolled.increments[-1]), Limit(state, rolled.state == state)
+        yield Row(source, code, "plastic strain of the last passage over k/G", "", added, 0.0, limit)
+        passages = np.arange(1, len(rolled.increments) + 1)
+        run.curve("passages", f"friction {friction:g}", f"p0/k = {factor:g}", passages, rolled.increments, ".-")
+    run.progress("residual stress on two meshes")
+    coarse, fine = (RollingLine(3.5, 0.0, STEEL, cells, depth=1.0).repeated(1).residual_MPa for cells in (8, 16))
+    for number, axis in enumerate(("along", "axial")):
+        values = float(coarse[:, number].min()), float(fine[:, number].min())
+        yield Row("one passage", "p0/k = 3.5, 8 cells for 16", f"residual stress, {axis}", "MPa", *values, 0.03)
+
+
+def wheelset_rows(run: Run) -> Iterator[Row]:
+    """T-gamma and worn areas of a wheelset in a curve."""
+    for theory in ("fastsim", "exact"):
+        run.progress(f"wheelset in a curve, {theory}")
+        case = SpatialWheelsetCase.from_values(CURVE | {"rolling_theory": theory})
+        result = solve_spatial(case.problem(), case.spatial_model())
+        run.check(f"wheelset in a curve, {theory}", result.status)
+        for number, patch in enumerate(result.rolling, 1):
+            t_gamma = patch_loads(patch).t_gamma_N
+            value = patch.power_W / patch.speed_m_s
+            yield Row("curve", f"{theory}, patch {number}", "T-gamma of the cells", "N", t_gamma, value, POWER_LIMIT)
+        wheel, rail = result.problem.wheelset.wheel, result.problem.track.rail
+        for row in row_wear(result, {"wheel": UsfdLaw(), "rail": UsfdLaw()}):
+            surface = WornSurface(wheel if row.role == "wheel" else rail)
+            area = float((surface.deposited(row.ends, row.areas) * surface.worn_lengths).sum())
+            value = float(row.areas.sum())
+            yield Row("curve", f"{theory}, {row.side} {row.role}", "worn area", "mm^2", area, value, ROUND_OFF)
+
+
+def rows(run: Run) -> Iterator[Row]:
+    """All of it."""
+    yield from wear_rows()
+    yield from fatigue_rows()
+    yield from rolling_rows(run)
+    yield from wheelset_rows(run)
+
+
+DAMAGE = Study(
+    "damage",
+    rows,
+    (
+        Curves(
+            "passages",
+            "Maximum plastic strain that a passage adds: it vanishes below Melan's limit and stays above",
+            "passage",
+            "plastic strain over k/G",
+            logarithmic=True,
+        ),
+    ),
+)
