@@ -130,8 +130,9 @@ def wheelset_rows(run: Run) -> Iterator[Row]:
         run.check(f"wheelset in a curve, {theory}", result.status)
         for number, patch in enumerate(result.rolling, 1):
             t_gamma = patch_loads(patch).t_gamma_N
-            value = patch.power_W / patch.speed_m_s
-            yield Row("curve", f"{theory}, patch {number}", "T-gamma of the cells", "N", t_gamma, value, POWER_LIMIT)
+            error = t_gamma * patch.speed_m_s / patch.power_W - 1.0
+            quantity = "T-gamma of the cells by power over speed less 1"
+            yield Row("curve", f"{theory}, patch {number}", quantity, "", error, 0.0, POWER_LIMIT)
         wheel, rail = result.problem.wheelset.wheel, result.problem.track.rail
         for row in row_wear(result, {"wheel": UsfdLaw(), "rail": UsfdLaw()}):
             surface = WornSurface(wheel if row.role == "wheel" else rail)
