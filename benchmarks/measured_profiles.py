@@ -1,8 +1,8 @@
 """Public measured profiles in the default case, each with a nominal partner: what converges, and why others do not.
 
 The files are those of the program CONTACT (github.com/eve70a/CONTACT, testbank and examples); none is copied here.
-``python -m benchmarks.measured_profiles FOLDER [LATERAL_MM...]`` prints a table in Markdown: a line for each file, or
-for three sections of a file of slices.
+``python -m benchmarks.measured_profiles FOLDER [LATERAL_MM...]`` prints two tables in Markdown: a line for each file,
+or for three sections of a file of slices, with a nominal partner; and one for each measured wheel on a measured rail.
 """
 
 import sys
@@ -20,6 +20,15 @@ from flangeway.railway.profiles.profile_file import ReadOptions, sections_of
 
 ENDINGS = (".prr", ".prw", ".ban", ".whl", *SLICES)
 LATERAL_MM = (-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0)
+PAIRS_MM = (-6.0, -3.0, 0.0, 3.0, 6.0)
+MEASURED = {
+    "wheel": (
+        *(f"Car{number}_0001r.whl" for number in (7216, 7358, 7422, 7813)),
+        *("avg_wheel.whl", "whl_left_iter288.whl", "whl_left_iter795.whl", "worn_high_mileage.prw"),
+    ),
+    "rail": ("avg_HR.BAN", "avg_low2.ban", "rail_left_iter288.ban", "rail_left_iter795.ban", "site_b_hr.prr"),
+}
+"""Files of vehicles and tracks that instruments measured, or that were worn by computation."""
 AMERICAN = ("136RE", "AAR-1B", "heavy-haul")
 PARTNERS = {"rail": ("S1002", "AAR-1B"), "wheel": ("60E1", "136RE")}
 """Nominal partner of a profile on a European body, and on an American one."""
@@ -66,6 +75,13 @@ def rows_of(file: Path, position: float | None, lateral_mm: Sequence[float | Non
     values: dict[str, Any] = {measured.kind: str(file), "wheel" if measured.kind == "rail" else "rail": partner}
     if position is not None:
         values[position_key(measured.kind)] = position
+    yield from pair_rows(name, partner, values, lateral_mm)
+
+
+def pair_rows(
+    name: str, partner: str, values: dict[str, Any], lateral_mm: Sequence[float | None]
+) -> Iterator[MeasuredRow]:
+    """Run a wheel and a rail in the default case, free for None, and at lateral positions."""
     for lateral in lateral_mm:
         given = values if lateral is None else {**values, "lateral_mm": lateral}
         try:
@@ -73,27 +89,39 @@ def rows_of(file: Path, position: float | None, lateral_mm: Sequence[float | Non
         except InputError as reason:
             yield MeasuredRow(name, partner, lateral, "refused", str(reason))
             continue
-        end = "converged" if run.summary.status.converged else "not converged"
-        yield MeasuredRow(name, partner, lateral, end, run.summary.status.message, tuple(run.summary.warnings))
+        end = "converged" if run.status.converged else "not converged"
+        yield MeasuredRow(name, partner, lateral, end, run.status.message, tuple(run.warnings))
 
 
 def table(folder: Path, lateral_mm: Sequence[float | None] = (None, *LATERAL_MM)) -> Iterator[str]:
-    """Lines of the table."""
-    yield "| file | partner | converged at, mm | otherwise |"
-    yield "|---|---|---|---|"
+    """Lines of the table of each file with a nominal partner."""
+    yield from ("| file | partner | converged at, mm | otherwise |", "|---|---|---|---|")
     for file, position in profile_files(folder):
-        rows = list(rows_of(file, position, lateral_mm))
-        good = ", ".join("free" if row.lateral_mm is None else f"{row.lateral_mm:g}" for row in rows if _good(row))
-        other: dict[str, list[str]] = {}
-        for row in rows:
-            if not _good(row):
-                words = row.words.replace(str(file.parent) + "/", "").splitlines()
-                place = "free" if row.lateral_mm is None else f"{row.lateral_mm:g}"
-                other.setdefault(f"{row.end}: {'; '.join(words[1:2] if 'lateral disp' in words[0] else words[:1])}", [])
-                other[next(reversed(other))].append(place)
-        reasons = "; ".join(f"{', '.join(places)}: {words}" for words, places in other.items())
-        mirrored = " (mirrored)" if any("left-hand" in each for row in rows for each in row.warnings) else ""
-        yield f"| {rows[0].file}{mirrored} | {rows[0].partner} | {good} | {reasons} |"
+        yield _line(list(rows_of(file, position, lateral_mm)), folder)
+
+
+def pairs_table(folder: Path, lateral_mm: Sequence[float | None] = PAIRS_MM) -> Iterator[str]:
+    """Lines of the table of measured wheels on measured rails."""
+    yield from ("| wheel | rail | converged at, mm | otherwise |", "|---|---|---|---|")
+    for wheel in MEASURED["wheel"]:
+        for rail in MEASURED["rail"]:
+            values = {"wheel": str(folder / wheel), "rail": str(folder / rail)}
+            yield _line(list(pair_rows(wheel, rail, values, lateral_mm)), folder)
+
+
+def _line(rows: list[MeasuredRow], folder: Path) -> str:
+    """Line of a table: where a pair converges, and why it does not elsewhere."""
+    other: dict[str, list[str]] = {}
+    for row in rows:
+        if row.end != "converged":
+            words = row.words.replace(f"{folder}/", "").splitlines()
+            place = "free" if row.lateral_mm is None else f"{row.lateral_mm:g}"
+            reason = "; ".join(words[1:2] if "lateral disp" in words[0] else words[:1])
+            other.setdefault(f"{row.end}: {reason}", []).append(place)
+    good = ", ".join("free" if row.lateral_mm is None else f"{row.lateral_mm:g}" for row in rows if _good(row))
+    reasons = "; ".join(f"{', '.join(places)}: {words}" for words, places in other.items())
+    mirrored = " (mirrored)" if any("left-hand" in warning for row in rows for warning in row.warnings) else ""
+    return f"| {rows[0].file}{mirrored} | {rows[0].partner} | {good} | {reasons} |"
 
 
 def _good(row: MeasuredRow) -> bool:
@@ -101,5 +129,8 @@ def _good(row: MeasuredRow) -> bool:
 
 
 if __name__ == "__main__":
-    for line in table(Path(sys.argv[1]), [None, *map(float, sys.argv[2:] or LATERAL_MM)]):
-        print(line, flush=True)
+    given = Path(sys.argv[1])
+    positions = [*map(float, sys.argv[2:])]
+    for lines in (table(given, [None, *(positions or LATERAL_MM)]), [""], pairs_table(given, positions or PAIRS_MM)):
+        for line in lines:
+            print(line, flush=True)

@@ -9,10 +9,10 @@ import numpy as np
 from flangeway.errors import InputError, short
 from flangeway.types import Floats
 
-SMALLEST, LARGEST = 1e-100, 1e100
+MIN_POSITIVE, MAX_POSITIVE = 1e-100, 1e100
 """Limits of positive numbers, beyond any unit's choice: products of a few of them neither vanish nor overflow."""
 
-MOST = 2**31 - 1
+MAX_COUNT = 2**31 - 1
 """Largest count: what numbers of points and cells can hold."""
 
 
@@ -79,10 +79,10 @@ def check_finite(
 def check_positive(
     owner: str, name: str, value: object, allowed: str = "a positive number", advice: str = "correct the value"
 ) -> float:
-    """Return a number from `SMALLEST` to `LARGEST`; see `check_finite`."""
+    """Return a number from `MIN_POSITIVE` to `MAX_POSITIVE`; see `check_finite`."""
     number = check_finite(owner, name, value, allowed, advice)
-    if number > 0.0 and not SMALLEST <= number <= LARGEST:
-        raise refused(owner, name, value, f"{allowed} from {SMALLEST:g} to {LARGEST:g}", "choose other units")
+    if number > 0.0 and not MIN_POSITIVE <= number <= MAX_POSITIVE:
+        raise refused(owner, name, value, f"{allowed} from {MIN_POSITIVE:g} to {MAX_POSITIVE:g}", "choose other units")
     if number <= 0.0:
         raise refused(owner, name, value, allowed, advice)
     return number
@@ -100,7 +100,7 @@ def check_integer(
     name: str,
     value: object,
     least: int,
-    most: int = MOST,
+    most: int = MAX_COUNT,
     allowed: str = "",
     advice: str = "correct the value",
 ) -> int:
@@ -116,7 +116,7 @@ def check_integer(
     """
     number = int(value) if isinstance(value, Integral) and is_number(value) else None
     if number is None or not least <= number <= most:
-        upto = " or more" if most == MOST and (number is None or number < least) else f" to {most}"
+        upto = " or more" if most == MAX_COUNT and (number is None or number < least) else f" to {most}"
         raise refused(owner, name, value, allowed or f"a whole number, {least}{upto}", advice)
     return number
 

@@ -11,8 +11,8 @@ from datetime import date, time
 from numbers import Number
 from pathlib import Path, PurePath
 
-LONGEST_VALUE = 80
-LONG_LIST = 200
+MAX_LETTERS_OF_VALUE = 80
+MAX_LETTERS_OF_LIST = 200
 DEBUG_VARIABLE = "FLANGEWAY_DEBUG"
 """Environment variable that ``--debug`` sets for this process and its workers."""
 
@@ -20,12 +20,12 @@ _PLAIN = str.maketrans("", "", "<>")
 
 
 def short(value: object) -> str:
-    """Write a value for a message as a user would, cut where it is longer than `LONGEST_VALUE` characters."""
+    """Write a value for a message as a user would, cut where it is longer than `MAX_LETTERS_OF_VALUE` characters."""
     try:
         text = _written(value)
     except ValueError:  # Python writes no integer of more than some thousands of digits
         return "a number of thousands of digits"
-    return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 3] + "..."
+    return text if len(text) <= MAX_LETTERS_OF_VALUE else text[: MAX_LETTERS_OF_VALUE - 3] + "..."
 
 
 def _written(value: object) -> str:
@@ -33,7 +33,7 @@ def _written(value: object) -> str:
     if hasattr(value, "tolist") and not isinstance(value, type):  # of NumPy
         value = value.tolist()
     if isinstance(value, list | tuple):
-        inside = ", ".join(map(_written, value[:LONGEST_VALUE]))
+        inside = ", ".join(map(_written, value[:MAX_LETTERS_OF_VALUE]))
         return f"[{inside}]" if isinstance(value, list) else f"({inside}{',' * (len(value) == 1)})"
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{_written(key)}: {_written(each)}" for key, each in value.items()) + "}"
@@ -67,7 +67,7 @@ class InputError(FlangewayError):
 
     def __init__(self, given: str, allowed: str, advice: str) -> None:
         parts = [f"allowed: {allowed}", f"what to do: {advice}"]
-        if len(allowed) > LONG_LIST:  # nobody reads a page of keys before "did you mean"
+        if len(allowed) > MAX_LETTERS_OF_LIST:  # nobody reads a page of keys before "did you mean"
             parts.reverse()
         super().__init__("\n  ".join([given, *parts]))
         self.given = given
@@ -106,7 +106,7 @@ def unforeseen(error: BaseException) -> str:
         if Path(frame.f_code.co_filename).is_relative_to(package)
     ]
     why = " ".join(str(error).split())
-    why = why if len(why) <= 2 * LONGEST_VALUE else f"{why[: 2 * LONGEST_VALUE]}..."
+    why = why if len(why) <= 2 * MAX_LETTERS_OF_VALUE else f"{why[: 2 * MAX_LETTERS_OF_VALUE]}..."
     sentence = (
         f"an error that nobody foresaw, {type(error).__name__}{f' ({why})' if why else ''} in "
         f"{places[-1] if places else 'flangeway'}: please report it as an issue of the project flangeway, with the "

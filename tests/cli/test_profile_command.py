@@ -37,7 +37,7 @@ def test_a_measured_head_on_a_rail(call, files, tmp_path):
     assert status == 0, err
     for words in ("rail, CSV", "in (given)", "top (from the numbers)", "deviation, maximum, μm"):
         assert " ".join(words.split()) in " ".join(out.split())
-    assert "gap to the nominal outline" in out
+    assert "gap to nominal, first end, mm" in out
     folder = tmp_path / "out" / "profile-worn"
     assert {path.name for path in folder.iterdir()} == FILES | {"joined.png"}
     for path in folder.glob("*.png"):
@@ -77,7 +77,7 @@ def _options(**given):
         ("S1002", "flange height Sh, mm 28.000"),
         ("heavy-haul", "tape line is"),
         ("aar-1b", "An approximation"),
-        ("60E1", "width of the head"),
+        ("60E1", "head width at 14 mm"),
         ("136re-8", "crown radius 8 in"),
     ],
 )

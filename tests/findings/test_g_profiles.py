@@ -102,6 +102,21 @@ def test_g7_a_touch_does_not_depend_on_what_else_is_computed():
         assert among.lift[0, 0] == pytest.approx(alone.lift[0, 0], abs=1e-9)
 
 
+def test_g6_a_web_below_the_head_is_left_out_and_said(tmp_path):
+    """A head whose file goes on down an upright line for 25 mm stands as the head alone; a note has the coordinates."""
+    points = head()
+    down = points[-1] - np.column_stack((np.zeros(100), np.linspace(0.25, 25.0, 100)))
+    with_web = rail_named(saved(tmp_path, np.vstack((points, down)), "web.ban"), None, "60E1")
+    plain = rail_named(saved(tmp_path, points, "plain.ban"), None, "60E1")
+    (note,) = [each for each in with_web.notices if "below the head" in each]
+    assert "web.ban (gauge side)" in note
+    assert with_web.outline.area == pytest.approx(plain.outline.area, rel=2e-3)
+    at = np.linspace(-20.0, 20.0, 41)
+    tops = [one.running_surface.sampled(spacing=0.05) for one in (with_web, plain)]
+    heights = [np.interp(at, points[::-1, 0], points[::-1, 1]) for points in tops]
+    np.testing.assert_allclose(heights[0], heights[1], atol=2e-3)
+
+
 def test_g8_a_left_rail_is_mirrored_with_a_warning(tmp_path):
     """Wear of 3 mm at the field side mirrors a head, with a warning that names the key; 1 mm does not, nor the key."""
     right = read_profile(saved(tmp_path, head(3.0), "right.ban"))
@@ -129,7 +144,7 @@ def test_g8_a_mirrored_rail_is_warned_of_in_the_summary(tmp_path):
     left = saved(tmp_path, head(3.0) * [-1.0, 1.0], "left.ban")
     values = {"rail": left, "lateral_mm": 1.0, "rail_support": "fixed", "size_scale": 6.0, "order": 1}
     run = SpatialWheelsetCase.from_values(values).run()
-    assert sum("left-hand" in each and "rail_mirror = false" in each for each in run.summary.warnings) == 1
+    assert sum("left-hand" in each and "rail_mirror = false" in each for each in run.warnings) == 1
 
 
 def test_r8_a_wheel_worn_in_memory_stands_on_its_worn_surface():

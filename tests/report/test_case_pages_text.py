@@ -141,7 +141,7 @@ def test_only_the_sides_of_cells_are_mesh_lines(hertz):
 def test_very_many_points_are_shown_as_whole_cells(hertz, hertz_steps, monkeypatch):
     """Beyond the largest number of points the page shows each cell once, with the values at its corners."""
     assert all(part.cells is not None for part in scenes.bodies_scene(hertz, hertz_steps).parts)
-    monkeypatch.setattr(scenes, "MOST_POINTS", sum(each.shown.mesh.n_points for each in hertz_steps.fields[-1]) - 1)
+    monkeypatch.setattr(scenes, "MAX_POINTS", sum(each.shown.mesh.n_points for each in hertz_steps.fields[-1]) - 1)
     scene = scenes.bodies_scene(hertz, hertz_steps)
     for part in scene.parts:
         body = hertz.bodies[part.name]

@@ -48,7 +48,7 @@ def test_a_table_beyond_its_tolerance_ends_with_status_1(known, call, tmp_path, 
     """As JSON and quietly too."""
     error = [{"side": "left", "jump": False, "force": 1.5, "normal_force": 0.0}]
     monkeypatch.setattr(table_build, "_differences", lambda *_: error)
-    monkeypatch.setattr(table_build, "MOST_PASSES", 1)
+    monkeypatch.setattr(table_build, "MAX_PASSES", 1)
     status, out, err = call(*COMMAND, "--json", "--no-pictures", "--out", "made")
     assert status == 1
     assert err == "" or "positions" in err

@@ -12,7 +12,7 @@ from flangeway.errors import InputError, short
 from flangeway.system.file_content import csv_cells, csv_separator
 
 RANGE_KEYS = ("from", "to", "n", "step")
-MOST_ROWS = 1_000_000
+MAX_ROWS = 1_000_000
 MAX_VALUE = 1e100  # no input is larger; up to it ends and steps of ranges do not overflow
 VALUES_ALLOWED = "a list such as [100, 150, 200], or a range such as { from = -7, to = 7, n = 141 }"
 
@@ -44,7 +44,7 @@ def values_of(key: str, given: Any, place: str) -> list[Any]:
         )
     if not given:
         raise InputError(f"{place}vary.{key} = []", "one value or more", "give values, or leave the key out")
-    if len(given) > MOST_ROWS:
+    if len(given) > MAX_ROWS:
         refuse_too_many(len(given), place)
     seen: set[bytes] = set()
     for value in given:
@@ -76,13 +76,13 @@ def _range(key: str, given: dict[str, Any], place: str) -> list[float]:
     low, high = float(given["from"]), float(given["to"])
     if "n" in given:
         number = given["n"]
-        if not isinstance(number, int) or not 2 <= number <= MOST_ROWS:
-            raise InputError(f"{name}.n = {short(number)}", f"a whole number from 2 up to {MOST_ROWS}", "give another")
+        if not isinstance(number, int) or not 2 <= number <= MAX_ROWS:
+            raise InputError(f"{name}.n = {short(number)}", f"a whole number from 2 up to {MAX_ROWS}", "give another")
         steps = number - 1
     else:
         step = float(given["step"])
-        steps = round((high - low) / step) if abs(step) * MOST_ROWS > abs(high - low) else 0
-        if not 1 <= steps < MOST_ROWS or not math.isclose(low + steps * step, high, abs_tol=1e-9 * abs(step)):
+        steps = round((high - low) / step) if abs(step) * MAX_ROWS > abs(high - low) else 0
+        if not 1 <= steps < MAX_ROWS or not math.isclose(low + steps * step, high, abs_tol=1e-9 * abs(step)):
             raise InputError(
                 f"{name}.step = {step:g}",
                 f"a step that leads from {low:g} to {high:g}",
@@ -104,8 +104,8 @@ def grid(varied: Mapping[str, list[Any]], place: str) -> list[dict[str, Any]]:
 
 def refuse_too_many(n_rows: int, place: str) -> None:
     """Refuse more rows than one campaign can have."""
-    if n_rows > MOST_ROWS:
-        raise InputError(f"{place}{n_rows} rows", f"up to {MOST_ROWS}", "make several campaigns of it")
+    if n_rows > MAX_ROWS:
+        raise InputError(f"{place}{n_rows} rows", f"up to {MAX_ROWS}", "make several campaigns of it")
 
 
 def read_table(path: Path) -> list[dict[str, Any]]:

@@ -50,7 +50,7 @@ TableWorkers = Annotated[
 ]
 WithFmu = Annotated[bool, typer.Option("--fmu", help="Write FMUs too (FMI 2 and 3); needs a C compiler.")]
 
-MOST_VALUES = 10_000
+MAX_VALUES = 10_000  # of an axis of a table
 
 
 @app.command("creep-table")
@@ -104,7 +104,7 @@ def values_of(text: str, option: str) -> list[float]:
             return numbers
         low, high, step = numbers
         count = round((high - low) / step)
-        if not 0 < count < MOST_VALUES or abs(low + count * step - high) > 1e-9 * abs(step):
+        if not 0 < count < MAX_VALUES or abs(low + count * step - high) > 1e-9 * abs(step):
             raise ValueError
     except (ValueError, ZeroDivisionError, OverflowError):
         raise InputError(

@@ -83,7 +83,9 @@ def geometry(
     file = Path(case)
     is_toml = file.suffix.lower() == ".toml"
     if file.suffix.lower() in PROFILES_ALONE:
-        raise InputError(f"{case}, which is a profile", "a case", f"give it with --wheel or --rail: --wheel {case}")
+        raise InputError(
+            f"expected a case, got the profile file {case}", "a case", f"give it with --wheel or --rail: --wheel {case}"
+        )
     if not is_toml and (file.suffix or is_file(file)):
         return _conicity(file, settings, out, show)
     from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case  # noqa: PLC0415

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flangeway.errors import LONGEST_VALUE, InputError, short
+from flangeway.errors import MAX_LETTERS_OF_VALUE, InputError, short
 from flangeway.formats.mesh_repair import DrawnMesh
 
 _PLANE = re.compile(r"(?:CPE|CPS|CAX|CPEG|CGAX|M3D|S|STRI|R3D)(3|4|6|8|9|65)(?:[A-Z0-9]*)$")
@@ -111,7 +111,7 @@ def read_abaqus(path: Path) -> DrawnMesh:
         if block.keyword in _READ or block.keyword in _GENERATING:
             _take(model, block)
         elif block.keyword not in _SILENT:
-            left[f"*{block.keyword[:LONGEST_VALUE]}"] = None
+            left[f"*{block.keyword[:MAX_LETTERS_OF_VALUE]}"] = None
     if left:
         named = ", ".join([*left][:MOST_NAMED]) + (f" and {len(left) - MOST_NAMED} others" * (len(left) > MOST_NAMED))
         model.notices.append(

@@ -3,10 +3,7 @@
 from flangeway.post.adaptive import (
     AdaptiveRun,
     AdaptiveStep,
-    RefinementRow,
     adapt,
-    refine_adaptively,
-    refine_uniformly,
     stress_errors,
 )
 from flangeway.post.contact_checks import ContactChecks, check_contact, cut_zones
@@ -43,7 +40,6 @@ __all__ = [
     "PressurePatch",
     "Reaction",
     "RecoveredStresses",
-    "RefinementRow",
     "SectionConstants",
     "StressLine",
     "Stresses",
@@ -63,8 +59,6 @@ __all__ = [
     "pressure_patches",
     "reactions",
     "recovered_stresses",
-    "refine_adaptively",
-    "refine_uniformly",
     "relative_nodal_residual",
     "section_constants",
     "shear_stresses",

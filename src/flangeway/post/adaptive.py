@@ -1,8 +1,8 @@
-"""Refinement driven by an error estimate (solve, estimate, mark, refine, again), and beside it uniform refinement."""
+"""Refinement driven by an error estimate: solve, estimate, mark, refine, again."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, Literal, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -10,15 +10,11 @@ from flangeway.elements import polygon_quadrature
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh, doerfler_marking, refined
 from flangeway.mesh.curved import Curves
-from flangeway.post.recovery import recovered_stresses
 from flangeway.results import Result, ResultTable
 from flangeway.solve import ElasticitySolution, Status
 from flangeway.types import Floats
 
 Solution = TypeVar("Solution")
-Solve = Callable[[PolyMesh], ElasticitySolution]
-Measure = Callable[[ElasticitySolution], tuple[float, float]]
-"""Gives the true error of a solution and the size of the exact one, both in the energy norm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,24 +143,6 @@ def _ended(steps: list[AdaptiveStep[Solution]], tolerance: float, reason: str) -
     return AdaptiveRun(tuple(steps), Status(not reason, message, len(steps)))
 
 
-@dataclass(frozen=True, eq=False)
-class RefinementRow:
-    """Errors of one solution.
-
-    - `refinement`: ``"uniform"`` or ``"adaptive"``.
-    - `n_unknowns`: components of displacement at nodes, prescribed ones too; those inside cells are condensed.
-    - `error`, `estimated_error`: error of the stresses in the energy norm over the exact norm: true, and estimated by
-      recovery.
-    """
-
-    refinement: Literal["uniform", "adaptive"]
-    mesh: PolyMesh
-    n_unknowns: int
-    error: float
-    estimated_error: float
-    solution: ElasticitySolution
-
-
 def stress_errors(
     solution: ElasticitySolution, exact: Callable[[Floats], Floats], *, degree: int
 ) -> tuple[float, float]:
@@ -186,35 +164,3 @@ def stress_errors(
             squares[i] += problem.thickness * float(np.einsum("sqe,st,tqe,qe->", field, compliance, field, weights))
     error, size = np.sqrt(squares).tolist()
     return error, size
-
-
-def refine_uniformly(solve: Solve, mesh: PolyMesh, measure: Measure, n_levels: int) -> list[RefinementRow]:
-    """Solve on a mesh and on its uniform refinements."""
-    rows = []
-    for level in range(n_levels):
-        mesh = refined(mesh) if level else mesh
-        solution = solve(mesh)
-        rows.append(_row("uniform", solution, recovered_stresses(solution).error, measure))
-    return rows
-
-
-def refine_adaptively(
-    solve: Solve, mesh: PolyMesh, measure: Measure, *, tolerance: float, most_steps: int = 50
-) -> list[RefinementRow]:
-    """Refine a mesh by the recovered stresses' error estimate, see `adapt`, down to a tolerance in the energy norm."""
-    run = adapt(
-        solve,
-        mesh,
-        lambda solution: recovered_stresses(solution).cell_errors,
-        tolerance=tolerance,
-        most_steps=most_steps,
-    )
-    return [_row("adaptive", step.solution, step.error, measure) for step in run.steps]
-
-
-def _row(
-    refinement: Literal["uniform", "adaptive"], solution: ElasticitySolution, estimate: float, measure: Measure
-) -> RefinementRow:
-    space = solution.problem.space
-    error, size = measure(solution)
-    return RefinementRow(refinement, space.mesh, 2 * space.n_nodes, error / size, estimate / size, solution)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.checks import SMALLEST, as_numbers
+from flangeway.checks import MIN_POSITIVE, as_numbers
 from flangeway.errors import InputError
 from flangeway.problems import ElasticField, Elasticity
 from flangeway.problems.loads import GivenForces
@@ -127,7 +127,7 @@ def _solved(
     springs = sum(map(problem.spring_stiffness, problem.springs), sp.csc_array((2 * n_nodes, 2 * n_nodes)))
     step: ElasticitySolution | None = None
     residuals: list[float] = []
-    change, size, reach = np.inf, SMALLEST, SMALLEST  # scales: those of the whole step, which may end at zero
+    change, size, reach = np.inf, MIN_POSITIVE, MIN_POSITIVE  # scales: those of the whole step, which may end at zero
     for _ in range(settings.max_iterations + 1):
         tangents, forces = body.linearised(state, u)
         unbalanced = factor * loads - forces

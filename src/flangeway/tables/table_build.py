@@ -24,8 +24,8 @@ JUMP_MM = 0.1
 """Distance of lateral positions to which a jump of the patches is located."""
 N_POINTS, N_BETWEEN = 12, 3
 """Random creepages at which each patch of the table is checked, and those of patches between its positions."""
-MOST_POSITIONS = 2000
-MOST_PASSES = 4
+MAX_POSITIONS = 2000
+MAX_PASSES = 4
 """Passes in which lateral positions are added where the table is not within its tolerance."""
 REPORT_S = 2.0
 POSITION_KEYS = ("lateral_mm", "yaw_mrad", "axle_load_kN", "vertical_mm", "roll_rad", "car_mass_t", "friction")
@@ -83,8 +83,8 @@ class TableRequest:
                 "leave it out",
             )
         number = len(self.lateral_mm) * len(self.yaw_mrad) * len(self.load_kN)
-        if number > MOST_POSITIONS:
-            raise InputError(f"{number} positions", f"up to {MOST_POSITIONS}", "make several tables of it")
+        if number > MAX_POSITIONS:
+            raise InputError(f"{number} positions", f"up to {MAX_POSITIONS}", "make several tables of it")
 
 
 def make_table(request: TableRequest, *, workers: int | None = None, progress: Progress = lambda _: None) -> CreepTable:
@@ -141,7 +141,7 @@ class _Build:
     def table(self) -> CreepTable:
         """All of it."""
         self._locate_jumps()
-        for left in reversed(range(MOST_PASSES)):
+        for left in reversed(range(MAX_PASSES)):
             self._run("table", self._positions(), self.sampled, N_POINTS)
             found = self._assembled()
             errors = self._errors_between(found)
@@ -150,7 +150,7 @@ class _Build:
                 for error in errors
                 if error["force"] > self.request.tolerance and not error["jump"] and error["width_mm"] > JUMP_MM
             }
-            if not (left and wrong) or len(self._positions()) + len(wrong) > MOST_POSITIONS:
+            if not (left and wrong) or len(self._positions()) + len(wrong) > MAX_POSITIONS:
                 break
             self.lateral = sorted({*self.lateral, *wrong})
             self._locate_jumps()

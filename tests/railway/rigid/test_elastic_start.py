@@ -53,11 +53,8 @@ def test_where_a_rigid_flange_climbs_the_start_is_before_it() -> None:
     """S1002 on 60E1: from 6.9 mm a flange climbs by 70 degrees; a prescribed 8 mm starts before, 5 mm where it is."""
     values = {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0, "back_to_back_mm": 1360.0}
     problems = [WheelsetTangentCase.from_values({**values, "lateral_mm": y}).problem() for y in (5.0, 8.0, -8.0)]
-    before, right, left = (rigid_start(problem).starts for problem in problems)
-    assert [start.lateral_mm for start in before] == [pytest.approx(5.0)]
-    assert 6.5 < right[0].lateral_mm < 7.0
-    assert right[0].vertical_mm < 0.5
-    assert right[1].vertical_mm > 5.0
-    assert right[1].lateral_mm == pytest.approx(8.0)
-    mirrored = [(-each.lateral_mm, each.vertical_mm, -each.roll_rad) for each in left]
-    assert mirrored == [pytest.approx(each.components, abs=1e-8) for each in right]
+    before, right, left = (rigid_start(problem).motion for problem in problems)
+    assert before.lateral_mm == pytest.approx(5.0)
+    assert 6.5 < right.lateral_mm < 7.0
+    assert right.vertical_mm < 0.5
+    assert (-left.lateral_mm, left.vertical_mm, -left.roll_rad) == pytest.approx(right.components, abs=1e-8)

@@ -129,7 +129,7 @@ class RollerBetweenPlatesCase(ChainPreset):
     """A roller that contact alone holds between two plates, of which the upper one is pressed and then shifted."""
 
     name: ClassVar[str] = "roller-between-plates"
-    title: ClassVar[str] = "A roller between two plates rolls by half of the way of the upper one"
+    title: ClassVar[str] = "A roller between two plates moves half as far as the upper plate"
     essential: ClassVar[tuple[str, ...]] = ("radius_mm", "force_N", "shift_mm", "friction", "size_mm")
 
     radius_mm: float = Field(20.0, gt=0.0, description="radius of the roller")

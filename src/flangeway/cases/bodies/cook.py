@@ -40,7 +40,7 @@ FINER_AT_CORNERS = (4.0, 4.0, 8.0, 10.0)
 limit, and at the last but one the shear of the loaded side does not fit the free one."""
 
 MAX_LEVEL = 6
-HIGHEST_PUBLISHED_ORDER = 2
+MAX_PUBLISHED_ORDER = 2
 LETTERS = {"fem": "F", "vem": "V", "mixed": "H"}
 PUBLISHED_POISSON = 1.0 / 3.0
 
@@ -124,7 +124,7 @@ def cook_triangles(level: int) -> PolyMesh:
 
 def published_virtual(order: int) -> Virtual:
     """Virtual element with the published stabilisation, half of the trace; above order 2, unpublished, the default."""
-    return Virtual(order, TraceStabilisation() if order <= HIGHEST_PUBLISHED_ORDER else None)
+    return Virtual(order, TraceStabilisation() if order <= MAX_PUBLISHED_ORDER else None)
 
 
 def method_space(triangles: PolyMesh, method: str, order: int) -> Space:

@@ -80,8 +80,8 @@ def _of_run(quantity: Quantity[ProfileRun]) -> Quantity[FolderProfile]:
 
 
 WEAR: dict[Kind, dict[str, str]] = {
-    "wheel": {"tread_wear": "tread wear: Sh less nominal", "flange_wear": "flange wear: nominal Sd less Sd"},
-    "rail": {"top_wear": "top wear", "side_wear": "side wear, 14 mm below the top"},
+    "wheel": {"tread_wear": "tread wear", "flange_wear": "flange wear"},
+    "rail": {"top_wear": "top wear", "side_wear": "side wear at 14 mm"},
 }
 """Wear by kind and name.
 

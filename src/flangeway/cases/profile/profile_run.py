@@ -145,15 +145,15 @@ MEASURES: tuple[Quantity[ProfileRun], ...] = tuple(
     for key, label in {
         "flange_height": "flange height Sh",
         "flange_thickness": "flange thickness Sd",
-        "flange_slope": "flange slope measure qR",
-        "head_width": "width of the head, 14 mm below its top",
-        "gauge_drop": "drop 25 mm from the middle, gauge side",
-        "field_drop": "drop 25 mm from the middle, field side",
-        "gauge_half_width": "half width 14 mm below the top, gauge side",
-        "field_half_width": "half width 14 mm below the top, field side",
+        "flange_slope": "flange slope qR",
+        "head_width": "head width at 14 mm",
+        "gauge_drop": "gauge drop at 25 mm",
+        "field_drop": "field drop at 25 mm",
+        "gauge_half_width": "gauge half width at 14 mm",
+        "field_half_width": "field half width at 14 mm",
     }.items()
 )
-"""Gauge measures of wheels (EN 15313) and of heads."""
+"""Gauge measures of wheels (EN 15313), and of heads: widths 14 mm below the top, drops 25 mm beside the middle."""
 QUANTITIES: tuple[Quantity[ProfileRun], ...] = (
     Quantity("kind", "kind", _how("kind", lambda taken: taken.kind)),
     Quantity("format", "format", lambda run: run.profile.format),
@@ -180,7 +180,7 @@ QUANTITIES: tuple[Quantity[ProfileRun], ...] = (
     Quantity("joined_to", "joined to", lambda run: run.join and run.join.nominal.title),
     Quantity(
         "gap",
-        "gap to the nominal outline",
+        "gap to nominal",
         lambda run: run.join and [joint.gap_mm for joint in run.join.joints],
         "mm",
         ".3f",
@@ -229,7 +229,7 @@ def _as_cases_see_it(profile: MeasuredProfile, name: str) -> tuple[str, ...]:
         RigidCurve.from_contour(body.running_surface)
     except InputError as reason:
         return (f"Cases refuse it: {reason.given}; allowed is {reason.allowed}; {reason.advice}.",)
-    return tuple(each for each in body.notices if each.startswith("Beyond"))
+    return tuple(notice for notice in body.notices if notice.startswith(("Beyond", "What lies below")))
 
 
 def run_profiles(names: Sequence[str], options: ReadOptions, join: str | None = None) -> list[ProfileRun]:

@@ -32,7 +32,7 @@ from flangeway.system.versions import versions
 
 METHODS = ("fem", "vem")
 
-HIGHEST_VIRTUAL_ORDER = 6
+MAX_VIRTUAL_ORDER = 6
 STEEL_KG_M3 = 7850.0
 _USUAL_TRIANGLES = 3000
 _MOST_TRIANGLES = 30_000
@@ -60,7 +60,7 @@ class SectionOptions:
         """Check what can be checked without the section."""
         if self.method not in METHODS:
             raise InputError(f"--method {self.method}", "fem or vem", "choose one of them")
-        highest = HIGHEST_ORDER if self.method == "fem" else HIGHEST_VIRTUAL_ORDER
+        highest = HIGHEST_ORDER if self.method == "fem" else MAX_VIRTUAL_ORDER
         if not 1 <= self.order <= highest:
             raise InputError(
                 f"--order {self.order} with --method {self.method}", f"1 to {highest}", "leave it out for 2"

@@ -12,7 +12,7 @@ reports it; the gauge is measured on the head, so that nothing else depends on w
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -60,6 +60,7 @@ A shorter one would be in contact on the nominal outline, without a warning.
 HEIGHTS_MM = (-30.0, 1.0)
 """Height of a measured head's top over that of the nominal rail: worn, but never higher than new."""
 
+BELOW_HEAD_MM = 3.0  # depth below the nominal head from where a file shows the web, which the body has
 HALF_HEAD_MM = 36.0  # distance of a head's middle from its gauge face
 GAUGE_DEPTH_MM = 14.0
 """Depth below the top at which the face of a rail's head is at x = 0 if the file counts from the gauge face."""
@@ -138,6 +139,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         raise InputError(f"--join {name}, a {kind}, for a {measured.kind}", ", ".join(known), "choose one of these")
     if isinstance(measured.surface, Outline):
         raise InputError(f"--join {name} for a closed outline", "a running surface", "leave --join out: it is whole")
+    measured = _above_web(measured, nominal)
     shift, offset = _shift(measured, nominal)
     surface = measured.surface.transformed(Placement(translation=shift))
     outline, joints = _closed(surface, nominal, partial(measured.place, moved=shift))
@@ -216,6 +218,7 @@ def body_distance_mm(measured: MeasuredProfile, name: str) -> float | None:
     The head's ends alone do not tell rails apart.
     """
     nominal = nominal_profile(name)
+    measured = _above_web(measured, nominal)
     try:
         shift = _shift(measured, nominal)[0]
         surface = measured.surface.transformed(Placement(translation=shift))
@@ -223,6 +226,30 @@ def body_distance_mm(measured: MeasuredProfile, name: str) -> float | None:
     except InputError:
         return None
     return float(np.median(nominal.outline.closest(surface.sampled(spacing=SPACING_MM))[2]))
+
+
+def _above_web(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> MeasuredProfile:
+    """Return a rail's head without the web that its file has below it, with a notice."""
+    if not isinstance(nominal, RailProfile) or measured.first_slice is not None:
+        return measured
+    segments = measured.surface.segments
+    heights = np.array([min(segment.start[1], segment.end[1]) for segment in segments])
+    level = float(nominal.outline.bounds(nominal.head_names)[0, 1]) - _rail_shift(measured, nominal)[1] - BELOW_HEAD_MM
+    below = np.flatnonzero(heights < level)
+    if not len(below) or len(below) == len(segments):
+        return measured
+    top = int(np.argmax(heights))
+    first = int(below[below < top].max(initial=-1)) + 1
+    last = int(below[below > top].min(initial=len(segments)))
+    kept = Contour.from_segments(segments[first:last], measured.surface.names[first:last])
+    words = ("gauge side", last < len(segments)), ("field side", first > 0)
+    left_out = [
+        f"{measured.place(point)} ({side})"
+        for (side, is_cut), point in zip(words, (kept.segments[-1].end, kept.segments[0].start), strict=True)
+        if is_cut
+    ]
+    notice = f"What lies below the head is left out, beyond {' and '.join(left_out)}."
+    return replace(measured, surface=kept, notices=(*measured.notices, notice))
 
 
 def _shift(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> tuple[tuple[float, float], float]:

@@ -22,7 +22,6 @@ MARGIN_MM = 8.0
 """Gap in the rigid equilibrium within which a second point may come into contact: flanges may push the rails apart."""
 
 END_MM = 2.0  # points nearer to the end of a running surface are where it ends, not where smooth curves come close
-APART_MM = 0.1  # lateral distance below which two positions are the same start
 
 CLIMBING_RAD = math.radians(45.0)
 """Contact angle above which a rigid flange climbs; elastic rails deflect there, and no flange rises."""
@@ -44,20 +43,14 @@ class RigidStart:
     rigid rails would lift it by some millimetres, elastic ones deflect.
 
     - `geometry`: rigid geometry of the wheelset on its track.
-    - `starts`: displacements of the axle's middle in equilibrium, or perhaps so for elastic wheels: the one that is
-      reached first, then the others, and the middle of the track. At a prescribed lateral displacement: where the
-      flange does not climb yet, then, if that is elsewhere, at the lateral displacement itself.
+    - `motion`: displacement of the axle's middle in the equilibrium that is reached, or at a prescribed lateral
+      displacement, or before it where the flange does not climb yet.
     - `equilibrium`: all equilibria under the load; None at a prescribed lateral displacement.
     """
 
     geometry: RigidGeometry
-    starts: tuple[WheelsetPosition, ...]
+    motion: WheelsetPosition
     equilibrium: RigidEquilibrium | None
-
-    @property
-    def motion(self) -> WheelsetPosition:
-        """Displacement of the axle's middle in the first start."""
-        return self.starts[0]
 
     @property
     def relative_curvature_per_mm(self) -> float:
@@ -129,36 +122,26 @@ def rigid_start(problem: WheelsetProblem, geometry: RigidGeometry | None = None)
     geometry = geometry or RigidGeometry.of(problem.track, problem.wheelset)
     lateral = problem.prescribed.lateral_mm
     if lateral is not None:
-        return RigidStart(geometry, _prescribed_starts(geometry, lateral), None)
+        return RigidStart(geometry, _prescribed_start(geometry, lateral), None)
     equilibrium = rigid_equilibrium(geometry, problem.load)
-    middle = geometry.located(geometry.touching(np.array([0.0]), at_axle=True)).motion(0)
-    found = [*(position.motion for position in equilibrium.positions), middle]
     if problem.track.is_symmetric and problem.wheelset.is_symmetric and problem.load.in_track[0] == 0.0:
         # the middle is in equilibrium, though it need not be stable
-        found.insert(0, middle)
-    else:
-        found.insert(0, equilibrium.reached().motion)
-    starts: list[WheelsetPosition] = []
-    for motion in found:
-        if all(abs(motion.lateral_mm - other.lateral_mm) > APART_MM for other in starts):
-            starts.append(motion)
-    return RigidStart(geometry, tuple(starts), equilibrium)
+        middle = geometry.located(geometry.touching(np.array([0.0]), at_axle=True)).motion(0)
+        return RigidStart(geometry, middle, equilibrium)
+    return RigidStart(geometry, equilibrium.reached().motion, equilibrium)
 
 
-def _prescribed_starts(geometry: RigidGeometry, lateral: float) -> tuple[WheelsetPosition, ...]:
+def _prescribed_start(geometry: RigidGeometry, lateral: float) -> WheelsetPosition:
     """The position at a prescribed lateral displacement; before it, the last one in which the flange does not climb."""
     ends = geometry.locus([lateral, 0.0])
     at_it = ends.motion(0)
     if _steepest(ends)[0] <= CLIMBING_RAD and at_it.vertical_mm - ends.vertical_mm[1] <= CLIMBED_MM:
-        return (at_it,)
+        return at_it
     n_steps = max(math.ceil(abs(lateral) / SCAN_MM), 1)
-    try:
-        scan = geometry.locus(lateral * np.arange(n_steps) / n_steps)
-    except InputError:
-        return (at_it,)
+    scan = geometry.locus(lateral * np.arange(n_steps) / n_steps)
     climbing = np.flatnonzero(_steepest(scan) > CLIMBING_RAD)
     last = int(climbing[0]) - 1 if len(climbing) else n_steps - 1
-    return (at_it,) if last < 0 else (scan.motion(last), at_it)
+    return at_it if last < 0 else scan.motion(last)
 
 
 def _steepest(locus: ContactLocus) -> Floats:

@@ -17,8 +17,8 @@ from flangeway.report.figures.plots import COLOURS
 from flangeway.report.page.tables import marked
 from flangeway.types import Floats
 
-BRIGHTEST_SHARE = 0.999  # fraction of the values within the colour range: stresses at sharp corners are singular
-HIGHEST_IN, LOWEST_IN, WIDEST_IN = 5.0, 1.6, 11.0  # of panels: height, least height of all, width of all
+COLOUR_QUANTILE = 0.999  # fraction of the values within the colour range: stresses at sharp corners are singular
+MAX_HEIGHT_IN, MIN_HEIGHT_IN, MAX_WIDTH_IN = 5.0, 1.6, 11.0  # of panels: height, least height of all, width of all
 LETTERS_PER_IN = 13  # of the title
 LABELS_IN, BAR_IN = 0.8, 1.0  # for the labels of a panel and its title, for the bar of colours
 MARGIN = 0.04
@@ -28,7 +28,7 @@ def stress_figure(run: BodiesRun) -> Figure:
     """Draw von Mises stress on the deformed bodies; where they touch, once more near the contact."""
     drawn = {name: _drawn(body) for name, body in run.bodies.items()}
     values = np.concatenate([stress for _, _, stress in drawn.values()])
-    maximum = float(np.quantile(values, BRIGHTEST_SHARE)) or float(values.max()) or 1.0
+    maximum = float(np.quantile(values, COLOUR_QUANTILE)) or float(values.max()) or 1.0
     norm = Normalize(0.0, maximum)
     points = np.vstack([place for place, _, _ in drawn.values()])
     windows = [_window(points)]
@@ -39,8 +39,10 @@ def stress_figure(run: BodiesRun) -> Figure:
         if width < 0.7 * float(np.ptp(points, axis=0).max()):
             windows.append(np.array([middle - width / 2.0, middle + width / 2.0]))
     widths = [float(np.divide(*np.ptp(window, axis=0))) for window in windows]  # of panels one inch high
-    height = min(HIGHEST_IN, WIDEST_IN / sum(widths))
-    figure = new_figure(height * sum(widths) + LABELS_IN * len(windows) + BAR_IN, max(height, LOWEST_IN) + LABELS_IN)
+    height = min(MAX_HEIGHT_IN, MAX_WIDTH_IN / sum(widths))
+    figure = new_figure(
+        height * sum(widths) + LABELS_IN * len(windows) + BAR_IN, max(height, MIN_HEIGHT_IN) + LABELS_IN
+    )
     figure.set_layout_engine("compressed")
     both = figure.subplots(1, len(windows), squeeze=False, width_ratios=widths)[0]
     for axes, window in zip(both, windows, strict=True):

@@ -22,20 +22,20 @@ from flangeway.units import NUMBER, Units
 
 DATABASE = "campaign.sqlite"
 TABLES = tuple(f"{name}.{kind}" for kind in FORMATS for name in ("results", "patches"))
-MOST, MOST_WARNINGS = 10, 3  # reasons and lines of the table of results, and warnings
-FIRST = ("_max_pressure_MPa", "_lateral_over_vertical", "_normal_force_N", "_contact_angle_deg")
+MAX_REASONS, MAX_WARNINGS = 10, 3  # reasons and lines of the table of results, and warnings
+FIRST = ("_max_pressure_MPa", "_lateral_over_vertical", "_normal_force_kN", "_contact_angle_deg")
 SHOWN = {
-    LOCUS: "Points of contact over what varies; size of the dots by force",
+    LOCUS: "Contact points against the varied input; dots sized by force",
     PRESSURE_MAP: "Maximum pressure over two inputs",
-    PRESSURE: "Maximum pressure over what varies",
-    RATIO: "L/V of both wheels over what varies",
-    FORCES: "Normal, lateral and vertical forces of both wheels over what varies",
+    PRESSURE: "Maximum pressure against the varied input",
+    RATIO: "L/V of both wheels against the varied input",
+    FORCES: "Normal, lateral and vertical forces of both wheels against the varied input",
 }
-MOST_NUMBERS = 8
+MAX_NUMBERS = 8
 LARGER_UNITS = {"N": ("kN", 1e-3), "rad": ("mrad", 1e3)}
 """Units in which the page has forces and angles, with their factors."""
 ROUND_OFF = 1e-9  # a column of lengths, forces, pressures or angles below it is zero
-MOST_DECIMALS = 7
+MAX_DECIMALS = 7
 
 
 def check_campaign_folder(folder: Path) -> None:
@@ -66,11 +66,13 @@ def campaign_record(end: CampaignProgress, table: CampaignTable, kind: str, comm
     return Record(
         name=table.name,
         title=f"{table.name}: a campaign of {table.case}",
-        subtitle=f"{end.n_rows} rows of {table.case}, varied: {', '.join(table.keys) or 'nothing'}",
+        subtitle=f"{end.n_rows} runs of case {table.case!r}; varied: {', '.join(table.keys) or 'nothing'}",
         converged=end.all_converged,
         message=", ".join(f"{number} {status}" for status, number in counts.items()),
         facts=[(f"{number}", f"rows {status}") for status, number in counts.items()] + _extremes(table),
-        results=SummaryTable("Range of the results over all rows", ("", "minimum", "median", "maximum"), shown[:MOST]),
+        results=SummaryTable(
+            "Range of the results over all rows", ("", "minimum", "median", "maximum"), shown[:MAX_REASONS]
+        ),
         summary={
             "campaign": table.name,
             "case": table.case,
@@ -87,8 +89,8 @@ def campaign_record(end: CampaignProgress, table: CampaignTable, kind: str, comm
         versions=versions(),
         warnings=_warnings(failures, warned),
         pictures=[Picture(name, draw, f"{SHOWN[name]}.") for name, draw in campaign_figures(table).items()],
-        tables=[SummaryTable("Further results", ("", "minimum", "median", "maximum"), shown[MOST:])]
-        if len(ranges) > MOST
+        tables=[SummaryTable("Further results", ("", "minimum", "median", "maximum"), shown[MAX_REASONS:])]
+        if len(ranges) > MAX_REASONS
         else [],
         inputs=[
             SummaryTable(
@@ -105,19 +107,21 @@ def campaign_record(end: CampaignProgress, table: CampaignTable, kind: str, comm
 
 def _warnings(failures: Sequence[tuple[tuple[str, str], Sequence[int]]], warned: Mapping[str, int]) -> list[str]:
     """Sentences on the most frequent reasons of failures and warnings, and how many others there are."""
-    found = [f"{len(rows)} {status}: {message}; rows {_numbers(rows)}" for (status, message), rows in failures[:MOST]]
-    if len(failures) > MOST:
-        found.append(f"{len(failures) - MOST} other reasons: column message of results.csv")
+    found = [
+        f"{len(rows)} {status}: {message}; rows {_numbers(rows)}" for (status, message), rows in failures[:MAX_REASONS]
+    ]
+    if len(failures) > MAX_REASONS:
+        found.append(f"{len(failures) - MAX_REASONS} other reasons: column message of results.csv")
     alike: dict[str, list[tuple[str, int]]] = {}  # warnings that differ in numbers only
     for text, n in warned.items():
         alike.setdefault(re.sub(NUMBER, "", text), []).append((text, n))
     kinds = sorted(alike.values(), key=lambda each: -sum(n for _, n in each))
-    for kind in kinds[:MOST_WARNINGS]:
+    for kind in kinds[:MAX_WARNINGS]:
         n = sum(each for _, each in kind)
         numbers = ", numbers of the first" * (len(kind) > 1)
         found.append(f"in {n} row{'s' * (n != 1)}{numbers}: {kind[0][0]}")
-    if len(kinds) > MOST_WARNINGS:
-        found.append(f"{len(kinds) - MOST_WARNINGS} others: column warnings of results.csv")
+    if len(kinds) > MAX_WARNINGS:
+        found.append(f"{len(kinds) - MAX_WARNINGS} others: column warnings of results.csv")
     return found
 
 
@@ -142,7 +146,7 @@ def _shown_range(key: str, values: list[float]) -> tuple[str, ...]:
     if unit and size < ROUND_OFF:
         size, numbers = 0.0, [0.0] * len(numbers)
     decimals = 0 if all(isinstance(value, int) for value in values) or not size else 4 - math.floor(math.log10(size))
-    form = f"z.{max(decimals, 0)}f" if decimals <= MOST_DECIMALS else ".3g"
+    form = f"z.{max(decimals, 0)}f" if decimals <= MAX_DECIMALS else ".3g"
     name = f"{side}: {words}" if side in SIDES else words
     return (f"{name}, {unit}" if unit else name, *(format(float(value), form) for value in numbers))
 
@@ -161,5 +165,5 @@ def _extremes(table: CampaignTable) -> list[tuple[str, str]]:
 
 
 def _numbers(rows: Sequence[int]) -> str:
-    shown = ", ".join(str(row) for row in rows[:MOST_NUMBERS])
-    return shown if len(rows) <= MOST_NUMBERS else f"{shown}, and {len(rows) - MOST_NUMBERS} more"
+    shown = ", ".join(str(row) for row in rows[:MAX_NUMBERS])
+    return shown if len(rows) <= MAX_NUMBERS else f"{shown}, and {len(rows) - MAX_NUMBERS} more"

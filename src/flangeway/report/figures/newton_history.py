@@ -14,7 +14,7 @@ from flangeway.solve import ContactState
 
 MIN_ERROR = 1e-17  # value for errors of exactly zero on the logarithmic axis
 ERRORS = {"residual": "residual over the total force", "change": "change over the maximum displacement"}
-MOST_NAMED = 12  # maximum number of steps with names in the figure
+MAX_NAMED = 12  # maximum number of steps with names in the figure
 
 
 def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
@@ -50,7 +50,7 @@ def newton_figure(steps: Sequence[tuple[str, ContactState]]) -> Figure:
             label = "force correction" if not corrected else None
             axes.axvline(at[place] + 0.5, color=GREY, lw=0.8, ls=":", label=label)
             corrected = True
-        if 1 < len(named) <= MOST_NAMED:
+        if 1 < len(named) <= MAX_NAMED:
             axes.text(
                 start + 0.6, 0.98, name, fontsize=8, color=GREY, va="top", transform=axes.get_xaxis_transform()
             )  # fmt: skip

@@ -33,7 +33,7 @@ Component = Literal["magnitude", "x", "y"]
 MANY_TRIANGLES = 60_000
 """Small triangles up to which sides are cut into more pieces than the order needs, for smooth colours."""
 
-MOST_PIECES = 6
+MAX_PIECES = 6
 DEFORMATION_SHARE = 0.05
 SET_LINES = ("solid", (0, (4, 1.5)), (0, (1, 1)))
 COLOURS: Colormap = ListedColormap(mpl.colormaps["magma_r"](np.linspace(0.02, 0.92, 256)))
@@ -324,7 +324,7 @@ def _fit(axes: Axes, points: Floats) -> None:
 def _fine_display(space: Space) -> Display:
     """A display with about as many triangles as a picture can show."""
     room = np.sqrt(MANY_TRIANGLES / len(space.mesh.cell_points))
-    return display(space, int(max(space.order, min(MOST_PIECES, room))))
+    return display(space, int(max(space.order, min(MAX_PIECES, room))))
 
 
 def _fill(

@@ -17,7 +17,7 @@ METRIC_PARTS = (
     "Numbers and pictures are in US units; fields to explore, animations, JSON, Parquet and ParaView files are metric."
 )
 UNIT_COLUMN = "in"  # of a table: the unit of the numbers on both sides of it, each row its own
-FEWEST_DIGITS = 3  # of a converted number that is not below one before
+MIN_DIGITS = 3  # of a converted number that is not below one before
 SENTENCES = ("message", "warnings")  # columns of CSV files with text of the program; other texts are names
 
 
@@ -94,7 +94,7 @@ def _cell(text: str, unit: UsUnit | None) -> str:
         if not form.endswith("g"):
             decimals = int((re.search(r"\.(\d+)f", form) or "00")[1]) + round(math.log10(unit.metric))
             if value and abs(value) >= 1.0:  # 70 mm are 2.76 in, not 2.8
-                decimals = max(decimals, FEWEST_DIGITS - 1 - math.floor(math.log10(abs(unit.of(value)))))
+                decimals = max(decimals, MIN_DIGITS - 1 - math.floor(math.log10(abs(unit.of(value)))))
             form = f"{'z' * form.startswith('z')}.{max(decimals, 0)}f"
         found = formatted(unit.of(value), form)
     else:

@@ -23,7 +23,7 @@ from flangeway.report.figures.drawing import (
 )
 from flangeway.types import Floats
 
-WIDTH_IN, LOWEST_IN, HIGHEST_IN = 7.2, 3.4, 9.0
+WIDTH_IN, MIN_HEIGHT_IN, MAX_HEIGHT_IN = 7.2, 3.4, 9.0
 N_ARROWS = 18
 TITLE_LETTERS = 60
 SHORTEST_ARROW = 0.03  # of the longest
@@ -151,7 +151,7 @@ def _contours(run: SectionRun, values: Floats, title: str) -> Figure:
 
 def _new(run: SectionRun) -> tuple[Figure, Axes]:
     width, height = np.ptp(run.space.mesh.points, axis=0)
-    figure = new_figure(WIDTH_IN, float(np.clip(0.8 * WIDTH_IN * height / width + 0.9, LOWEST_IN, HIGHEST_IN)))
+    figure = new_figure(WIDTH_IN, float(np.clip(0.8 * WIDTH_IN * height / width + 0.9, MIN_HEIGHT_IN, MAX_HEIGHT_IN)))
     figure.set_layout_engine("compressed")
     return figure, figure.subplots()
 
