@@ -89,8 +89,8 @@ def pair_rows(
         except InputError as reason:
             yield MeasuredRow(name, partner, lateral, "refused", str(reason))
             continue
-        end = "converged" if run.summary.status.converged else "not converged"
-        yield MeasuredRow(name, partner, lateral, end, run.summary.status.message, tuple(run.summary.warnings))
+        end = "converged" if run.status.converged else "not converged"
+        yield MeasuredRow(name, partner, lateral, end, run.status.message, tuple(run.warnings))
 
 
 def table(folder: Path, lateral_mm: Sequence[float | None] = (None, *LATERAL_MM)) -> Iterator[str]:

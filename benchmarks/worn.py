@@ -19,7 +19,7 @@ from benchmarks.measurement import ITSELF, Measurement, timed
 from flangeway.cases import WheelsetTangentCase
 from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.cases.rigid.rigid_run import GeometryRun, run_geometry
-from flangeway.cases.wheelset.wheelset_case import CaseRun
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
@@ -85,7 +85,7 @@ def quick() -> Iterator[Measurement]:
     yield from _measured(4.0)
 
 
-def _equilibrium(values: dict[str, Any]) -> CaseRun:
+def _equilibrium(values: dict[str, Any]) -> WheelsetRun:
     return WheelsetTangentCase.from_values(values).run()
 
 

@@ -10,7 +10,8 @@ A kind of result has a list of quantities. From the same list come
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 from flangeway.results import ResultTable
@@ -114,6 +115,19 @@ class Quantity(Generic[T_contra]):
         return us_unit(self.unit) if units == "us" and self.unit else None
 
 
+def of_part(part: Callable[[Any], Any], quantity: Quantity[Any]) -> Quantity[Any]:
+    """Return the quantity of a part as one of the whole; None where the whole does not have the part.
+
+    - `part`: function of the whole that returns the part, or None.
+    """
+
+    def of(function: Callable[[Any], Any], whole: Any) -> Any:
+        found = part(whole)
+        return None if found is None else function(found)
+
+    return replace(quantity, of=partial(of, quantity.value), factor=1.0, remark=partial(of, quantity.remark))
+
+
 def key_unit(unit: str) -> str:
     """Return a unit as keys have it: ``kN/mm`` is ``kN_per_mm``, ``1/m`` is ``per_m``, ``mm²`` is ``mm2``."""
     words = unit.translate(_SUPERSCRIPTS).removeprefix("1").replace("/", "_per_").replace(" ", "_")
@@ -130,16 +144,23 @@ def present(quantities: Iterable[Quantity[T_contra]], source: T_contra) -> list[
     return [quantity for quantity in quantities if quantity.value(source) is not None]
 
 
+def column_names(quantities: Iterable[Quantity[Any]], units: Units = "metric") -> list[str]:
+    """Return the keys with units, one for each part."""
+    return [name for quantity in quantities for name in quantity.column_names(units)]
+
+
+def numbers(quantities: Iterable[Quantity[T_contra]], source: T_contra, units: Units = "metric") -> list[Any]:
+    """Return the numbers of an object, one for each of `column_names`."""
+    return [number for quantity in quantities for number in quantity.each(source, units)]
+
+
 def columns(
-    quantities: Iterable[Quantity[T_contra]], sources: Sequence[T_contra], units: Units = "metric"
+    quantities: Sequence[Quantity[T_contra]], sources: Sequence[T_contra], units: Units = "metric"
 ) -> ResultTable:
     """Return a table of numbers with a row for each object, in a system of units."""
-    table: dict[str, list[Any]] = {}
-    for quantity in quantities:
-        rows = [quantity.each(source, units) for source in sources]
-        for number, name in enumerate(quantity.column_names(units)):
-            table[name] = [row[number] for row in rows]
-    return ResultTable(table)
+    rows = [numbers(quantities, source, units) for source in sources]
+    names = column_names(quantities, units)
+    return ResultTable({name: [row[number] for row in rows] for number, name in enumerate(names)})
 
 
 def reference(quantities: Iterable[Quantity[Any]]) -> list[tuple[str, str, str]]:

@@ -51,7 +51,7 @@ def rigid_differences_mm(result: WheelsetResult) -> tuple[Floats, float]:
 
 def solve_varied(case: WheelsetCase, values: dict[str, float]) -> WheelsetResult:
     """Solve a case with changed inputs from a cold start."""
-    return type(case).from_values({**case.model_dump(exclude_unset=True), **values}).run(cold=True).result
+    return type(case).from_values({**case.model_dump(exclude_unset=True), **values}).run(cold=True).plane
 
 
 def contact_name(result: WheelsetResult, patch: WheelRailPatch) -> str:

@@ -109,7 +109,7 @@ def _regions(run: Run, finite: WheelsetResult) -> Iterator[Row]:
     for crown in () if run.quick else (8.0, 14.0):
         run.progress(f"crown radius {crown:g} in")
         case = WheelsetCurveCase.from_values({"crown_radius_in": crown, "order": 2, "wheel": IDENTIFIED})
-        crowns[crown] = case.run(cold=True).result
+        crowns[crown] = case.run(cold=True).plane
     for crown, result in crowns.items():
         regions = sorted(contact_name(result, patch) for patch in result.patches)
         code, order = "curve FO{}, crown {:g} in", result.model.problem.discretisation.order

@@ -14,7 +14,7 @@ from flangeway.campaign import Campaign, CampaignProgress, chunk, results
 from flangeway.campaign import database as table
 from flangeway.campaign.campaign import Row
 from flangeway.campaign.chunk import Chunk, compute
-from flangeway.campaign.columns import PATCH_COLUMNS, WHEELSET_COLUMNS, RowResult
+from flangeway.campaign.columns import RowResult
 from flangeway.campaign.database import CampaignDatabase
 from flangeway.errors import InputError, MissingLibraryError
 from flangeway.railway.wheelset import wheelset_mesh
@@ -62,15 +62,15 @@ def test_a_row_is_in_equilibrium_and_its_patches_add_up(sweep):
     _, found = sweep
     assert set(found.rows["status"]) == {"converged"}
     assert np.allclose(
-        found.numbers("left_vertical_force_N") + found.numbers("right_vertical_force_N"), 300e3, rtol=1e-6
+        found.numbers("left_vertical_force_kN") + found.numbers("right_vertical_force_kN"), 300e3, rtol=1e-6
     )
     sides, rows = np.array(found.patches["side"]), np.array(found.patches["row"])
     for side, sign in (("left", 1.0), ("right", -1.0)):
-        for kind in ("normal_force_N", "lateral_force_N"):
+        for kind in ("normal_force_kN", "lateral_force_kN"):
             forces = np.array(found.patches[kind], dtype=float)
             sums = [forces[(sides == side) & (rows == row)].sum() for row in found.rows["row"]]
             assert found.numbers(f"{side}_{kind}") == pytest.approx(sums)
-        ratio = sign * found.numbers(f"{side}_lateral_force_N") / found.numbers(f"{side}_vertical_force_N")
+        ratio = sign * found.numbers(f"{side}_lateral_force_kN") / found.numbers(f"{side}_vertical_force_kN")
         assert found.numbers(f"{side}_lateral_over_vertical") == pytest.approx(ratio)
     # mirrored positions: what is left is right
     left, right = found.numbers("left_max_pressure_MPa"), found.numbers("right_max_pressure_MPa")
@@ -82,9 +82,9 @@ def test_many_positions_together_are_each_as_computed_alone(sweep, tmp_path):
     campaign, found = sweep
     row = campaign.rows[7]
     (alone,) = compute(Chunk((row,))).results
-    for name in ("vertical_mm", "left_max_pressure_MPa", "right_rail_x_mm", "right_half_width_mm"):
+    for name in ("vertical_mm", "left_max_pressure_MPa", "right_rail_position_x_mm", "right_half_width_mm"):
         assert found.rows[name][7] == pytest.approx(alone.values[name], rel=0.08), name
-    for name in ("left_vertical_force_N", "right_vertical_force_N"):
+    for name in ("left_vertical_force_kN", "right_vertical_force_kN"):
         assert found.rows[name][7] == pytest.approx(alone.values[name], rel=5e-3), name
 
 
@@ -115,7 +115,7 @@ def test_rows_computed_together_report_unreliable_pressures(sweep):
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
 def test_tables_come_back_as_they_were_written(sweep, tmp_path, kind):
     """Both tables are the same after a way through a file: names, order, every number exactly."""
-    _, found = sweep
+    campaign, found = sweep
     files = write_export(found, tmp_path, kind)
     assert [file.name for file in files] == [f"results.{kind}", f"patches.{kind}"]
     for file, columns in zip(files, (found.rows, found.patches), strict=True):
@@ -130,8 +130,8 @@ def test_tables_come_back_as_they_were_written(sweep, tmp_path, kind):
         else:
             parquet = pytest.importorskip("pyarrow.parquet")
             assert parquet.read_table(file).to_pydict() == columns
-    assert list(found.patches) == list(PATCH_COLUMNS)
-    assert set(WHEELSET_COLUMNS) | {"row", "status", "message", "warnings"} == set(found.rows)
+    assert list(found.patches) == list(campaign.patch_columns)
+    assert set(campaign.known_columns) | {"row", "status", "message", "warnings"} == set(found.rows)
 
 
 def test_chosen_columns_alone_are_exported_and_the_database_keeps_all(tmp_path):
@@ -141,7 +141,7 @@ def test_chosen_columns_alone_are_exported_and_the_database_keeps_all(tmp_path):
     _, found = computed(tmp_path, text + f"[results]\ncolumns = {columns}\n")
     assert list(found.rows) == ["row", "status", "rail_inclination", *columns, "message", "warnings"]
     with sqlite3.connect(tmp_path / "c.sqlite") as connection:
-        assert connection.execute("SELECT left_rail_x_mm FROM rows").fetchone()[0] is not None
+        assert connection.execute("SELECT left_rail_position_x_mm FROM rows").fetchone()[0] is not None
 
 
 def test_other_cases_give_all_single_numbers_of_their_summary(tmp_path):
@@ -162,8 +162,8 @@ def test_ranges_are_in_words_and_numbers(sweep):
     assert {"left: maximum pressure, MPa", "right: L/V", "left: normal force, kN", "roll, mrad"} <= set(rows)
     assert not [name for name in rows if "_" in name]
     assert not [text for numbers in rows.values() for text in numbers if "e" in text]
-    force = record.summary["ranges"]["left_normal_force_N"]
-    assert 1e-3 * force["maximum"] == pytest.approx(float(rows["left: normal force, kN"][2]), rel=1e-4)
+    force = record.summary["ranges"]["left_normal_force_kN"]
+    assert force["maximum"] == pytest.approx(float(rows["left: normal force, kN"][2]), rel=1e-4)
 
 
 @pytest.mark.ci
@@ -180,7 +180,7 @@ def test_pictures_are_chosen_by_what_varies(sweep, tmp_path):
     (axes, *_), offsets = campaign_figures(found)["contact-locus.png"]().axes, found.patches
     drawn = axes.collections[0].get_offsets()
     left = [place for place, side in enumerate(offsets["side"]) if side == "left"]
-    assert np.asarray(drawn)[:, 1] == pytest.approx(np.array([offsets["wheel_x_mm"][place] for place in left]))
+    assert np.asarray(drawn)[:, 1] == pytest.approx(np.array([offsets["wheel_position_x_mm"][place] for place in left]))
 
 
 def test_two_inputs_give_a_map_with_each_pressure_in_its_place(tmp_path):

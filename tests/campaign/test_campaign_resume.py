@@ -308,7 +308,7 @@ def test_wheelsets_in_a_campaign_with_a_killed_worker_are_those_of_a_calm_run(tm
     ((first, rows),) = campaign.chunks
     undisturbed = compute(Chunk(rows, first)).results
     found = results(database)
-    for name in ("vertical_mm", "left_max_pressure_MPa", "right_wheel_x_mm"):
+    for name in ("vertical_mm", "left_max_pressure_MPa", "right_wheel_position_x_mm"):
         assert found.rows[name] == [result.values[name] for result in undisturbed]
     assert len(found.patches["row"]) == sum(len(result.patches) for result in undisturbed)
 

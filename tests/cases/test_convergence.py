@@ -15,31 +15,32 @@ def halved():
 
 def test_halving_a_coarse_mesh_changes_little(halved):
     """Approach changes by less than 2 % and positions by less than 0.2 mm when the mesh is halved."""
-    scales = [summary.case["size_scale"] for summary in halved.summaries]
+    scales = [run.case.size_scale for run in halved.runs]
     assert scales == [4.0, 2.0]
     assert halved.within
     assert 0.0 < halved.changes()["approach_change"] < 0.02
     assert 0.0 < halved.changes()["position_change_mm"] < 0.2
-    cells = [sum(body.elements for body in summary.bodies) for summary in halved.summaries]
+    cells = [sum(body.mesh.n_cells for body in run.result.model.bodies) for run in halved.runs]
     assert cells[1] > 2 * cells[0]
 
 
 @pytest.mark.parametrize("spoil", ["approach", "position", "status", "contacts"])
 def test_too_large_a_change_is_not_within(halved, spoil):
     """An approach off by 3 %, a place off by 0.3 mm, a run that did not converge or has no contact fails the check."""
-    coarse, fine = halved.summaries
+    coarse, fine = halved.runs
+    result = fine.result
     if spoil == "approach":
-        position = replace(fine.position, approach_mm=1.03 * fine.position.approach_mm)
-        fine = replace(fine, position=position)
+        position = result.equilibrium.position
+        lower = replace(position, vertical_mm=position.vertical_mm - 0.03 * result.approach_mm)
+        result = replace(result, equilibrium=replace(result.equilibrium, position=lower))
     elif spoil == "position":
-        left, right = fine.contacts
-        x, y = right.wheel_position_mm
-        fine = replace(fine, contacts=[left, replace(right, wheel_position_mm=[x + 0.3, y])])
+        left, right = result.patches
+        result = replace(result, patches=(left, replace(right, wheel_point_mm=right.wheel_point_mm + 0.3)))
     elif spoil == "status":
-        coarse = replace(coarse, status=replace(coarse.status, converged=False))
+        result = replace(result, status=replace(result.status, converged=False))
     else:
-        fine = replace(fine, contacts=[])
-    spoiled = Convergence((coarse, fine))
+        result = replace(result, patches=())
+    spoiled = Convergence((coarse, replace(fine, result=result)))
     assert not spoiled.within
     assert spoiled.to_json()["within"] is False
 

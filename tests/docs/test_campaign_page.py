@@ -13,8 +13,9 @@ from pathlib import Path
 import pytest
 
 from flangeway import cli
-from flangeway.campaign import columns, results
+from flangeway.campaign import results
 from flangeway.campaign.campaign import ROWS_OF_A_CHUNK
+from flangeway.cases import WheelsetTangentCase
 
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "run-a-campaign.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(python|sh|text|toml|csv)\n(.*?)```", TEXT, flags=re.DOTALL)
@@ -93,4 +94,4 @@ def test_the_page_tells_the_programs_numbers():
     """Limits and names of columns on the page are those of the program."""
     assert f"{ROWS_OF_A_CHUNK} at a time" in TEXT
     for name in re.findall(r'"(\w+_MPa)"', TEXT):
-        assert name in columns.WHEELSET_COLUMNS
+        assert name in WheelsetTangentCase.from_values({}).columns()

@@ -30,8 +30,8 @@ def test_b6_standard_gauge_works_at_the_first_try(profiles):
 def test_b6_standard_gauge_is_computed_and_reported():
     """The elastic case on standard gauge converges, and its summary says which distance of the wheels was taken."""
     run = WheelsetTangentCase.from_values({"gauge_mm": 1435, "size_scale": 6.0}).run()
-    assert run.summary.status.converged
-    assert any("Back to back 1360 mm" in each for each in run.summary.assumptions)
+    assert run.status.converged
+    assert any("Back to back 1360 mm" in each for each in run.case.assumptions(run.result))
 
 
 @pytest.mark.parametrize(

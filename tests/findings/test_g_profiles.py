@@ -144,7 +144,7 @@ def test_g8_a_mirrored_rail_is_warned_of_in_the_summary(tmp_path):
     left = saved(tmp_path, head(3.0) * [-1.0, 1.0], "left.ban")
     values = {"rail": left, "lateral_mm": 1.0, "rail_support": "fixed", "size_scale": 6.0, "order": 1}
     run = SpatialWheelsetCase.from_values(values).run()
-    assert sum("left-hand" in each and "rail_mirror = false" in each for each in run.summary.warnings) == 1
+    assert sum("left-hand" in each and "rail_mirror = false" in each for each in run.warnings) == 1
 
 
 def test_r8_a_wheel_worn_in_memory_stands_on_its_worn_surface():

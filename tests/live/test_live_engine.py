@@ -11,7 +11,7 @@ from flangeway.cases.case_file import read_case
 from flangeway.errors import InputError
 from flangeway.live.engine import LiveEngine, SupersededError
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.report.spatial_wheelset.spatial_wheelset_page import results_table
+from flangeway.report.wheelset.wheelset_page import results_table
 
 COARSE = {"size_scale": "3", "wheel": "S1002", "rail": "60E1"}
 STATES = [
@@ -33,7 +33,7 @@ def test_a_position_has_the_numbers_of_a_run(engine, state):
     found = engine.position(COARSE | state)
     run = load_case("wheelset", **engine.case(COARSE | state).model_dump(exclude_unset=True)).run()
     assert found["converged"]
-    assert found["table"]["rows"] == results_table(run.summary).rows
+    assert found["table"]["rows"] == results_table(run).rows
     assert found["max_pressure_MPa"] == max(patch.ellipse.max_pressure for patch in run.result.patches)
     assert found["lateral_mm"] == run.result.equilibrium.position.lateral_mm
 

@@ -5,7 +5,7 @@ import statistics
 import pytest
 
 from flangeway.cases import load_case
-from flangeway.report.spatial_wheelset.spatial_wheelset_page import results_table
+from flangeway.report.wheelset.wheelset_page import results_table
 
 STANDS = "document.querySelector('#state').className.match(/good|warned/) && !document.querySelector('#tables.stale')"
 
@@ -47,7 +47,7 @@ def test_dropped_profiles_dragged_give_the_numbers_of_a_run(page, served, profil
     cells = page.locator("#tables tr").evaluate_all(
         "rows => rows.slice(1).map(row => [...row.children].map(c => c.textContent))"
     )
-    assert [tuple(row) for row in cells] == [tuple(row) for row in results_table(run.summary).rows]
+    assert [tuple(row) for row in cells] == [tuple(row) for row in results_table(run).rows]
     assert "lateral_mm" in page.inner_text("#command")
 
 

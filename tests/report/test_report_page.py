@@ -16,7 +16,8 @@ from flangeway.report.case_outputs import case_files
 from flangeway.report.page.html_page import report_page
 from flangeway.report.page.tables import SummaryTable
 from flangeway.report.wheelset import wheelset_page as outputs
-from flangeway.report.wheelset.wheelset_page import PICTURES, wheelset_record
+from flangeway.report.wheelset.wheelset_page import PLANE_PICTURES as PICTURES
+from flangeway.report.wheelset.wheelset_page import wheelset_record
 from flangeway.system.output_folder import refuse_unwritable
 
 VOID = {"meta", "img", "br", "link", "input"}
@@ -99,11 +100,9 @@ def test_the_page_says_what_was_computed(text, runs):
     for wanted in ("AAR-1B (approximate)", "10 mm", "Plane strain", "Converged with 1 warning:", *summary["case"]):
         if wanted != "name":
             assert wanted in words
-    for contact in summary["contacts"]:
+    for contact in summary["patches"]:
         assert f"{contact['max_pressure_MPa']:.1f}" in words
     assert f"{summary['position']['approach_mm']:.4f}" in words
-    for row in summary["stresses"]:
-        assert f"{row['max_von_mises_MPa']:.1f}" in words
     assert f"numpy {summary['versions']['numpy']}" in words
     for warning in summary["warnings"]:
         assert warning in words
@@ -119,8 +118,8 @@ def test_pictures_of_the_page_are_the_files(folder, text):
 def test_text_is_escaped_and_warnings_are_shown(runs):
     """Characters of HTML in a message or a warning are shown, not interpreted; a failure is marked."""
     run = runs["fem"]
-    status = replace(run.summary.status, converged=False, message="a <b> & c")
-    changed = replace(run, summary=replace(run.summary, status=status, warnings=["x < y"], contacts=[]))
+    status = replace(run.status, converged=False, message="a <b> & c")
+    changed = replace(run, result=replace(run.result, status=status, warnings=("x < y",), patches=()))
     page = report_page(wheelset_record(changed))
     assert "a &lt;b&gt; &amp; c" in page
     assert "<li>x &lt; y</li>" in page

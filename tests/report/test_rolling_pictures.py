@@ -1,6 +1,6 @@
 """Pictures of patches that roll: what is drawn are the numbers of the patch."""
 
-from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -8,12 +8,13 @@ from matplotlib.collections import QuadMesh
 from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 
-from flangeway.cases.wheelset.rolling_summary import rolling_summary
+from flangeway.cases.wheelset.wheelset_quantities import WheelResult
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fastsim import fastsim
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS
 from flangeway.exact.shakedown import shakedown_limits
+from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.report.rolling.creep_curves import curves_figure
 from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure
 from flangeway.report.rolling.shakedown_figure import shakedown_figure
@@ -99,22 +100,15 @@ def test_patches_lie_in_the_shakedown_diagram_and_their_names_do_not_overlap():
 
 
 def test_nadals_criterion_is_that_of_the_wheel_whose_flange_touches():
-    """Shares of L/V in Nadal's limits, None for a wheel whose flange does not touch, and the statement."""
-    for right, touches, exceeded in ((1.2, True, True), (0.3, True, False), (1.2, False, False)):
-        ratios = {"left": 0.7, "right": right}
-        result = SimpleNamespace(
-            wheelset=SimpleNamespace(model=SimpleNamespace(rolling=SimpleNamespace(speed_m_s=20.0))),
-            equilibrium=SimpleNamespace(
-                state=SimpleNamespace(
-                    rolled=SimpleNamespace(rate_rad_s=43.0, yaw_rad=0.0, yaw_moment_Nmm=0.0, torque_Nmm=0.0)
-                )
-            ),
-            kinematic_wavelength_mm=None,
-            rolling=(),
-            nadal_limit=lambda _: 0.5,
-            lateral_over_vertical=ratios.__getitem__,
-            flange_touches={"left": False, "right": touches}.__getitem__,
-        )
-        found = rolling_summary(result)
-        assert found.shares_of_nadal_limits == [None, right / 0.5 if touches else None]
-        assert found.nadal_criterion_exceeded is exceeded
+    """L/V over Nadal's limit, None for a wheel whose flange does not touch, and the statement."""
+    for ratio, touches, said in (
+        (0.6, True, "exceeded (120 %)"),
+        (0.095, True, "not exceeded (19 %)"),
+        (0.6, False, None),
+    ):
+        result = Mock(spec=SpatialResult, rolling=(1,))
+        result.nadal_limit.return_value, result.flange_touches.return_value = 0.5, touches
+        result.lateral_over_vertical.return_value = ratio
+        wheel = WheelResult(result, "right", [])
+        assert wheel.nadal_fraction == (pytest.approx(ratio / 0.5) if touches else None)
+        assert wheel.nadal_words == said

@@ -12,8 +12,7 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from flangeway.cases import CASES
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
-from flangeway.cases.wheelset.spatial_wheelset_summary import summarise_spatial_wheelset
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.cli.app import app
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
@@ -23,8 +22,8 @@ from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rolli
 from flangeway.report.case_outputs import case_files, case_record, write_case
 from flangeway.report.page import html_page
 from flangeway.report.page.record import print_record
-from flangeway.report.spatial_wheelset.pressure_scene import pressure_scene
-from flangeway.report.spatial_wheelset.wheelset_patches import patch_map
+from flangeway.report.wheelset.pressure_scene import pressure_scene
+from flangeway.report.wheelset.wheelset_patches import patch_map
 
 INPUTS = {"lateral_force_kN": 60.0, "rail": "136RE", "wheel": "AAR-1B", "yaw_mrad": 5.0, "size_scale": 1.5}
 
@@ -54,8 +53,7 @@ def rolling(run):
         found = roll(contact, Creepages(sign * 0.5e-3, -1e-3, -sign * 4e-4))
         patches.append(RollingPatch(patch, found, contact, 20.0))
     result = replace(run.result, rolling=tuple(patches))
-    summary = summarise_spatial_wheelset(run.summary.case, result, run.summary.assumptions, 1.0)
-    return SpatialWheelsetRun(run.case, result, summary)
+    return WheelsetRun(run.case, result, 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -133,15 +131,15 @@ def test_collection_opens_all_surfaces_and_sections(folder):
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_the_volumes_below_the_patches_hold_the_maximum_at_its_position(run, folder, side):
     """The file's maximum von Mises stress is the summary's, at its point; the surface has the pressure."""
-    patches = [each for each in run.summary.patches if each.side == side]
+    patches = [each for each in run.patches if each.patch.side == side]
     for role in ("rail", "wheel"):
         found = meshio.read(folder / f"stresses-{role}-{side}.vtu")
         assert found.cells[0].type == "hexahedron"
-        below = max((getattr(each, f"in_{role}") for each in patches), key=lambda each: each.max_von_mises_MPa)
+        highest, _, point = max((each.maximum(role, "max_von_mises") for each in patches), key=lambda each: each[0])
         mises = found.point_data["von_mises_MPa"]
-        assert mises.max() == pytest.approx(below.max_von_mises_MPa, rel=1e-12)
-        np.testing.assert_allclose(found.points[mises.argmax()], below.max_von_mises_position_mm, atol=1e-9)
-        pressure = max(each.max_pressure_MPa for each in patches)
+        assert mises.max() == pytest.approx(highest, rel=1e-12)
+        np.testing.assert_allclose(found.points[mises.argmax()], point, atol=1e-9)
+        pressure = max(each.max_pressure for each in patches)
         assert found.point_data["stress_MPa"][:, 1].min() == pytest.approx(-pressure, rel=1e-9)
         sides = found.points[found.cells[0].data]
         # no cell is folded: all have volumes of one sign
@@ -186,23 +184,20 @@ def test_tables_hold_the_patches_and_the_stresses_below_them(run, folder):
     """A row a patch with the summary's numbers, empty where there is none; the maxima below are the summary's."""
     with (folder / "patches.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert [(row["side"], row["region"]) for row in rows] == [(p.side, p.region) for p in run.summary.patches]
+    patches = run.summary.to_dict()["patches"]
+    assert [(row["side"], row["region"]) for row in rows] == [(p["side"], p["region"]) for p in patches]
     assert sum(float(row["vertical_force_kN"]) for row in rows) == pytest.approx(200.0, rel=1e-5)
-    for row, patch in zip(rows, run.summary.patches, strict=True):
-        assert float(row["semi_axes_longer_mm"]) == pytest.approx(patch.semi_axes_mm[0], rel=1e-5)
-        assert float(row["wheel_position_x_mm"]) == pytest.approx(patch.wheel_position_mm[0], rel=1e-5)
-        assert float(row["in_rail_max_tresca_MPa"]) == pytest.approx(patch.in_rail.max_tresca_MPa, rel=1e-5)
-        assert float(row["in_rail_max_von_mises_position_z_mm"]) == pytest.approx(
-            patch.in_rail.max_von_mises_position_mm[2], rel=1e-5
-        )
-        assert bool(row["hertz_pressure_MPa"]) == (patch.hertz_pressure_MPa is not None)
+    for row, patch in zip(rows, patches, strict=True):
+        assert float(row["semi_axes_a_mm"]) == pytest.approx(patch["semi_axes_mm"][0], rel=1e-5)
+        assert float(row["wheel_position_x_mm"]) == pytest.approx(patch["wheel_position_mm"][0], rel=1e-5)
+        assert float(row["in_rail_max_tresca_MPa"]) == pytest.approx(patch["in_rail_max_tresca_MPa"], rel=1e-5)
+        assert bool(row["hertz_pressure_MPa"]) == (patch["hertz_pressure_MPa"] is not None)
     with (folder / "subsurface.csv").open(encoding="utf-8") as file:
         below = list(csv.DictReader(file))
-    for patch in run.summary.patches:
-        mises = [
-            float(row["von_mises_MPa"]) for row in below if (row["side"], row["region"]) == (patch.side, patch.region)
-        ]
-        assert max(mises) == pytest.approx(patch.in_rail.von_mises_below_centre_MPa, rel=1e-5)
+    for patch in run.patches:
+        where = patch.patch.side, patch.patch.region
+        mises = [float(row["von_mises_MPa"]) for row in below if (row["side"], row["region"]) == where]
+        assert max(mises) == pytest.approx(patch.below_centre("rail")[0], rel=1e-5)
 
 
 def test_pictures_from_above_have_the_sides_of_the_track(run):
@@ -221,7 +216,7 @@ def test_pictures_from_above_have_the_sides_of_the_track(run):
 def test_a_search_without_patches_has_no_empty_pictures_and_tables(run):
     """Where no equilibrium was found, pictures and tables of patches are left out; position and forces stay."""
     nothing = replace(run.result, patches=(), rolling=())
-    record = case_record(replace(run, result=nothing, summary=replace(run.summary, patches=[])))
+    record = case_record(replace(run, result=nothing))
     assert [picture.file for picture in record.pictures] == ["wheelset.png", "rails.png"]
     assert "Patches" not in [table.caption for table in record.tables]
     assert record.results.rows
@@ -236,9 +231,9 @@ def test_the_terminal_has_room_for_it(run):
     assert len(lines) <= 28
     assert max(len(line) for line in lines if not line.startswith(("Warning: ", "wheelset: "))) <= 80
     text = "\n".join(lines)
-    for patch in run.summary.patches:
-        assert f"{patch.max_pressure_MPa:.1f}" in text
-        assert f"{patch.normal_force_kN:.2f}" in text
+    for patch in run.patches:
+        assert f"{patch.max_pressure:.1f}" in text
+        assert f"{1e-3 * patch.normal_force:.2f}" in text
 
 
 def test_numbers_are_printed_before_the_pictures_are_drawn(run, monkeypatch, tmp_path):
@@ -251,7 +246,7 @@ def test_numbers_are_printed_before_the_pictures_are_drawn(run, monkeypatch, tmp
     monkeypatch.setattr(html_page, "png", failing)
     done = CliRunner().invoke(app, ["run", "wheelset", "--out", str(tmp_path / "out")])
     assert done.exit_code != 0
-    assert f"{run.summary.patches[0].max_pressure_MPa:.1f}" in done.stdout
+    assert f"{run.patches[0].max_pressure:.1f}" in done.stdout
     assert "Report" not in done.stdout
 
 
@@ -288,16 +283,23 @@ def test_the_tables_have_columns_of_friction(rolling, rolling_folder, folder):
     """A row a patch has the summary's creepages and forces; without friction they are empty."""
     with (rolling_folder / "patches.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    for row, patch, own in zip(rows, rolling.summary.patches, rolling.result.rolling, strict=True):
-        assert float(row["rolling_longitudinal_creepage"]) == pytest.approx(own.longitudinal_creepage, rel=1e-5)
-        assert float(row["rolling_t_gamma_N"]) == pytest.approx(own.t_gamma_N, rel=1e-5)
-        assert float(row["rolling_traction_coefficient"]) == pytest.approx(own.used_friction, rel=1e-5)
+    for row, patch, own in zip(rows, rolling.patches, rolling.result.rolling, strict=True):
+        assert float(row["longitudinal_creepage"]) == pytest.approx(own.longitudinal_creepage, rel=1e-5)
+        assert float(row["lateral_creepage"]) == pytest.approx(own.lateral_creepage, rel=1e-5)
+        assert float(row["spin_creepage_per_m"]) == pytest.approx(own.spin_creepage_per_m, rel=1e-5)
+        assert float(row["lateral_creep_force_kN"]) == pytest.approx(1e-3 * own.lateral_creep_force_N, rel=1e-5)
+        assert float(row["spin_moment_Nm"]) == pytest.approx(own.spin_moment_Nm, rel=1e-5)
+        assert float(row["t_gamma_N"]) == pytest.approx(own.t_gamma_N, rel=1e-5)
+        assert float(row["traction_coefficient"]) == pytest.approx(own.used_friction, rel=1e-5)
         strength = 510.0 / np.sqrt(3.0)
-        assert float(row["pressure_over_shear_strength"]) == pytest.approx(patch.max_pressure_MPa / strength, rel=1e-5)
-        assert patch.rolling.frictional_power_W == pytest.approx(20.0 * patch.rolling.t_gamma_N, rel=1e-9)
-        assert 20.0 * own.forces.frictional_power == pytest.approx(patch.rolling.frictional_power_W, rel=1e-9)
+        assert float(row["pressure_over_shear_strength"]) == pytest.approx(patch.max_pressure / strength, rel=1e-5)
+        assert float(row["frictional_power_W"]) == pytest.approx(20.0 * own.forces.frictional_power, rel=1e-5)
+        # normal and creep force together
+        assert [float(row["lateral_force_kN"]), float(row["vertical_force_kN"])] == pytest.approx(
+            1e-3 * own.force_on_wheel_N[:2], rel=1e-5
+        )
     with (folder / "patches.csv").open(encoding="utf-8") as file:
-        assert {row["rolling"] for row in csv.DictReader(file)} == {""}
+        assert {row["longitudinal_creepage"] for row in csv.DictReader(file)} == {""}
 
 
 def test_the_report_has_a_section_on_rolling_only_with_friction(rolling_folder, folder):
@@ -317,11 +319,12 @@ def test_the_terminal_shows_creep_forces_in_80_columns(rolling):
     print_record(console, case_record(rolling))
     text = console.file.getvalue()
     assert max(len(line) for line in text.splitlines() if not line.startswith(("Warning: ", "wheelset: "))) <= 80
-    for patch in rolling.summary.patches:
-        assert f"{patch.rolling.lateral_creep_force_kN:.3f}" in text
+    for patch in rolling.result.rolling:
+        assert f"{1e-3 * patch.lateral_creep_force_N:.4f}" in text
 
 
 def test_stresses_below_include_the_tractions(run, rolling):
     """Below each patch the stresses of the rail are others with friction."""
-    for without, patch in zip(run.summary.patches, rolling.summary.patches, strict=True):
-        assert patch.in_rail.max_von_mises_MPa != pytest.approx(without.in_rail.max_von_mises_MPa, rel=1e-4)
+    for without, patch in zip(run.patches, rolling.patches, strict=True):
+        highest = patch.maximum("rail", "max_von_mises")[0]
+        assert highest != pytest.approx(without.maximum("rail", "max_von_mises")[0], rel=1e-4)

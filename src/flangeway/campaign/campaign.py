@@ -4,13 +4,13 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from flangeway.campaign.columns import POSITION_KEYS, Model, wheelset_columns
+from flangeway.campaign.columns import POSITION_KEYS
 from flangeway.campaign.varying import VALUES_ALLOWED, flattened, grid, read_table, refuse_too_many, values_of
 from flangeway.cases.case import OF_REPORT, RunnableCase, Table, closest
 from flangeway.cases.case_file import FILE_KEYS, is_case_file, read_case
@@ -63,32 +63,20 @@ class Row:
         return case.plane() if isinstance(case, SpatialWheelsetCase) and case.model == "plane" else case
 
     @property
-    def model(self) -> Model | None:
-        """Of a wheelset; None for other cases."""
-        if isinstance(self.computed, SpatialWheelsetCase):
-            return "spatial"
-        return "plane" if isinstance(self.computed, WheelsetCase) else None
-
-    @property
-    def rolls(self) -> bool:
-        """Whether it is a wheelset that rolls with friction."""
-        return isinstance(self.computed, SpatialWheelsetCase) and self.computed.spatial_model().rolling is not None
-
-    @property
     def is_position(self) -> bool:
         """Whether it can be computed together with other positions of the same bodies."""
-        return self.model is not None
+        return isinstance(self.computed, WheelsetCase | SpatialWheelsetCase)
 
     @cached_property
     def bodies(self) -> str:
         """Hash of the inputs that shape the bodies: rows that share it differ in position and load only."""
-        skipped = POSITION_KEYS if self.model else ()
+        skipped = POSITION_KEYS if self.is_position else ()
         return _hash({key: value for key, value in self.content.items() if key not in skipped})
 
 
-def _models(rows: Sequence[Row]) -> frozenset[Model | None]:
-    rolling: set[Model | None] = {"rolling"} if any(row.rolls for row in rows) else set()
-    return frozenset(rolling.union(row.model for row in rows))
+def _columns(names: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
+    """Columns of several rows, each once."""
+    return tuple(dict.fromkeys(name for several in dict.fromkeys(names) for name in several))
 
 
 @dataclass(frozen=True)
@@ -159,9 +147,14 @@ class Campaign:
         return _hash([versions()["flangeway"], *(row.identity for row in self.rows)])
 
     @cached_property
-    def models(self) -> frozenset[Model]:
-        """Models of its wheelsets."""
-        return frozenset(model for model in _models(self.rows) if model)
+    def known_columns(self) -> tuple[str, ...]:
+        """Columns of its results that are known before they are computed."""
+        return _columns(row.computed.columns() for row in self.rows)
+
+    @cached_property
+    def patch_columns(self) -> tuple[str, ...]:
+        """Columns of its table of patches."""
+        return _columns(("row", "side", "number", *row.computed.patch_columns()) for row in self.rows)
 
     @property
     def chunks(self) -> tuple[tuple[Row | None, tuple[Row, ...]], ...]:
@@ -176,7 +169,7 @@ class Campaign:
         chunks: list[tuple[Row | None, tuple[Row, ...]]] = []
         for group in groups.values():
             # in three dimensions the tables of the bodies are most of the work of one position too
-            fewest = 1 if group[0].model == "spatial" else MIN_TOGETHER
+            fewest = 1 if isinstance(group[0].computed, SpatialWheelsetCase) else MIN_TOGETHER
             together = len(group) >= fewest and group[0].is_position
             size = min(max(math.ceil(len(group) / 8), MIN_TOGETHER), ROWS_OF_A_CHUNK) if together else 1
             first = group[0] if together else None
@@ -247,9 +240,8 @@ class _CampaignText(TomlFile):
             rows.append(Row(number, {key: _read(found, key, value) for key, value in values.items()}, found))
         self._check(rows)
         kind = type(rows[0].case)
-        models = _models(rows)
         with rows[0].case.errors_as_written():
-            columns = self._columns(kind, models)
+            columns = self._columns(kind, rows)
         return Campaign(self.file.stem, kind, keys, tuple(rows), columns)
 
     def _refuse_unknown(self) -> None:
@@ -352,19 +344,19 @@ class _CampaignText(TomlFile):
             )
         return value
 
-    def _columns(self, kind: type[RunnableCase], models: Collection[Model | None]) -> tuple[str, ...]:
+    def _columns(self, kind: type[RunnableCase], rows: Sequence[Row]) -> tuple[str, ...]:
         given = self.data.get("results", {})
         for key in given:
             if key not in RESULTS:
                 raise InputError(
                     f"{self._line('results', key)}results.{key}", " and ".join(RESULTS), closest(key, list(RESULTS))
                 )
-        known = wheelset_columns(models)
+        known = _columns(row.computed.columns() for row in rows)
         columns = given.get("columns", [])
         place = self._line("results", "columns")
         if not isinstance(columns, list) or not all(isinstance(name, str) for name in columns):
             raise InputError(f"{place}results.columns = {short(columns)}", "a list of names", "leave it out for all")
-        if columns and None in models:
+        if columns and not all(row.is_position for row in rows):
             raise InputError(
                 f"{place}results.columns with case = {kind.name!r}",
                 "columns of wheelsets",

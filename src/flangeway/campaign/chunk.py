@@ -8,19 +8,18 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from flangeway.campaign.campaign import Row
-from flangeway.campaign.columns import RowResult, spatial_row, summary_row, wheelset_row
+from flangeway.campaign.columns import RowResult, row_of
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.errors import FlangewayError, MissingLibraryError, unforeseen
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset
-from flangeway.railway.wheelset.running_surfaces import running_surfaces
-from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheelset_model import build_model
-from flangeway.railway.wheelset.wheelset_result import solve_condensed, solve_wheelset
+from flangeway.railway.wheelset.wheelset_result import solve_condensed
 from flangeway.system.disk_cache import Cache
 from flangeway.system.versions import versions
 
@@ -92,26 +91,25 @@ def _failed(reason: Exception, seconds: float) -> RowResult:
 
 
 def _computed(case: RunnableCase, start: float) -> RowResult:
-    if isinstance(case, WheelsetCase):
-        result = solve_wheelset(case.problem())
-        return wheelset_row(result, time.perf_counter() - start)
-    return summary_row(case.run().summary, time.perf_counter() - start)
+    run = case.run()
+    return row_of(case, run, time.perf_counter() - start)
 
 
 def _spatial(whole: SpatialWheelset, case: RunnableCase, start: float) -> RowResult:
     """Compute a position in three dimensions, of bodies that are prepared."""
     if not isinstance(case, SpatialWheelsetCase):
         raise TypeError("positions are of wheelsets")
-    prescribed = Prescribed(case.lateral_mm, case.vertical_mm, case.roll_rad)
-    model = case.spatial_model()
-    result = solve_position(whole.at(case.load(), prescribed, model.yaw_rad, model.rolling), {})
-    return spatial_row(result, time.perf_counter() - start)
+    return row_of(case, case.run_on(whole), time.perf_counter() - start)
 
 
 def _plane(whole: PlaneWheelset, row: Row, start: float) -> RowResult:
     """Compute a plane position of bodies that are condensed."""
-    result = solve_condensed(whole.at(_problem(row)))
-    return wheelset_row(result, time.perf_counter() - start)
+    case = row.computed
+    if not isinstance(case, WheelsetCase):
+        raise TypeError("positions are of wheelsets")
+    result = solve_condensed(whole.at(case.problem()))
+    seconds = time.perf_counter() - start
+    return row_of(case, WheelsetRun(case, result, seconds), seconds)
 
 
 def _of(row: Row) -> PlaneWheelset | SpatialWheelset:
@@ -119,9 +117,7 @@ def _of(row: Row) -> PlaneWheelset | SpatialWheelset:
     if row.identity not in _prepared:
         problem = _problem(row)
         if isinstance(row.computed, SpatialWheelsetCase):
-            spatial = row.computed.spatial_model()
-            surfaces = running_surfaces(problem, spatial, cache=Cache.of_user())
-            _prepared[row.identity] = SpatialWheelset(problem, surfaces, spatial)
+            _prepared[row.identity] = row.computed.prepared()
         else:
             # in the middle of level track, which rigid wheels can always reach
             in_the_middle = replace(problem, load=WheelsetLoad(problem.load.vertical_N), prescribed=Prescribed())

@@ -17,10 +17,9 @@ from flangeway.campaign.columns import (
     RowResult,
     Value,
     as_cell,
-    patch_columns,
-    wheelset_columns,
 )
 from flangeway.errors import InputError, MissingLibraryError
+from flangeway.railway.track.placements import SIDES
 from flangeway.results import Result, ResultTable
 from flangeway.system.operating_system import lock_file
 from flangeway.system.versions import versions
@@ -150,8 +149,7 @@ class CampaignDatabase:
         return True
 
     def _create(self, campaign: Campaign) -> None:
-        results = wheelset_columns(campaign.models) if campaign.models else ()
-        patches = patch_columns(campaign.models or ("plane",))
+        results, patches = campaign.known_columns, campaign.patch_columns
         columns = [*campaign.keys, *(name for name in results if name not in campaign.keys)]
         with self._transaction():
             for statement in _TABLES.format(patches=", ".join(map(quoted, patches))).split(";")[:-1]:
@@ -361,7 +359,7 @@ def _wanted(names: list[str], keys: tuple[str, ...], columns: list[str]) -> list
     """Columns in an order that does not depend on the order in which rows were done."""
     own = [name for name in OWN_COLUMNS if name != "identity"]
     found = [name for name in names if name not in (*OWN_COLUMNS, *keys)]
-    if not set(wheelset_columns(())) <= set(names):
+    if f"{SIDES[0]}_n_patches" not in names:  # those of wheelsets are in their order already
         found.sort()
     return [*own[:2], *keys, *(columns or found), *own[2:]]
 

@@ -6,16 +6,15 @@ from flangeway.cases.case import Case, Run, RunnableCase
 from flangeway.cases.case_file import CASES, find_case, load_case
 from flangeway.cases.case_template import schema, write_template
 from flangeway.cases.summary import Summary, write_summary
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, wheelset
-from flangeway.cases.wheelset.summarise import summarise
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import (
-    CaseRun,
     Convergence,
     WheelsetCase,
     WheelsetCurveCase,
     WheelsetTangentCase,
     run_halved,
 )
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 
 __all__ = [
     "CASES",
@@ -23,7 +22,6 @@ __all__ = [
     "BodiesRun",
     "BodyResult",
     "Case",
-    "CaseRun",
     "Convergence",
     "CookCode",
     "CookRow",
@@ -33,6 +31,7 @@ __all__ = [
     "Summary",
     "WheelsetCase",
     "WheelsetCurveCase",
+    "WheelsetRun",
     "WheelsetTangentCase",
     "cook_grid",
     "cook_row",
@@ -41,8 +40,6 @@ __all__ = [
     "run_halved",
     "schema",
     "solve_cook",
-    "summarise",
-    "wheelset",
     "write_summary",
     "write_template",
 ]

@@ -3,7 +3,7 @@
 import difflib
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
@@ -12,7 +12,7 @@ import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
-from flangeway.cases.summary import Summary
+from flangeway.cases.summary import Summary, summary_numbers
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
 from flangeway.solve import Status
@@ -179,6 +179,27 @@ class RunnableCase(Case):
     @abstractmethod
     def check(self) -> None:
         """Raise `InputError` for what is wrong beyond single values, without computing."""
+
+    def columns(self) -> tuple[str, ...]:
+        """Return the columns of a row of a campaign if they are known before it is computed."""
+        return ()
+
+    def patch_columns(self) -> tuple[str, ...]:
+        """Return the columns of the table of patches of a campaign."""
+        return ()
+
+    def row(self, run: Any) -> dict[str, Any]:
+        """Return the numbers of a run by columns of a row of a campaign: all single numbers of its summary."""
+        return summary_numbers(run.summary)
+
+    def patch_rows(self, run: Any) -> list[dict[str, Any]]:  # noqa: ARG002 (cases without patches)
+        """Return the rows of a run in the table of patches of a campaign."""
+        return []
+
+    def warnings_of(self, run: Any) -> Sequence[str]:
+        """Return what limits the results of a run."""
+        content = run.summary.to_dict()
+        return content.get("warnings") or content.get("notices") or ()
 
     @abstractmethod
     def run(self, progress: Progress = lambda _: None) -> Run:

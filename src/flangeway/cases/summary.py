@@ -3,7 +3,7 @@
 import dataclasses
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -88,6 +88,27 @@ class RunResult(Result):
     def table(self) -> ResultTable:
         """The table that it is about."""
         return self.tables.get(self.main_table, ResultTable({}))
+
+
+NO_RESULTS = ("timings_s", "peak_memory_MB", "case", "versions", "status")
+"""Parts of summaries that are no result of a row, or depend on the machine and on what it computed before."""
+
+
+def summary_numbers(summary: Summary) -> dict[str, Any]:
+    """Return all single numbers of a summary, and remarks on them, named by their paths with underscores."""
+    content = summary.to_dict()
+    return dict(_numbers({key: part for key, part in content.items() if key not in NO_RESULTS}, ""))
+
+
+def _numbers(value: Any, path: str) -> Iterable[tuple[str, Any]]:
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _numbers(inner, f"{path}_{key}" if path else str(key))
+    elif isinstance(value, list | tuple):
+        for number, inner in enumerate(value, 1):
+            yield from _numbers(inner, f"{path}_{number}")
+    elif isinstance(value, float | int) or (value is not None and path.endswith("_remark")):
+        yield path, value
 
 
 def summary_text(summary: Summary | Mapping[str, Any]) -> str:

@@ -16,7 +16,8 @@ import numpy as np
 
 from flangeway.cases.case import GivenText, grouped
 from flangeway.cases.rigid.rigid_case import GeometryCase
-from flangeway.cases.wheelset.spatial_wheelset_case import ROLLING_KEYS, SpatialWheelsetCase, SpatialWheelsetRun
+from flangeway.cases.wheelset.spatial_wheelset_case import ROLLING_KEYS, SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.errors import FlangewayError, InputError
 from flangeway.railway.profiles.bundled import REFERENCE_RAIL, REFERENCE_WHEELS, SECTIONS, WHEELS
 from flangeway.railway.profiles.profile_file import READABLE, ReadOptions, read_profile
@@ -28,8 +29,8 @@ from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.case_text import case_text, command_line
 from flangeway.report.page.html_page import report_page
-from flangeway.report.spatial_wheelset.spatial_wheelset_page import results_table, wheelset_facts
-from flangeway.report.spatial_wheelset.wheelset_patches import patch_map
+from flangeway.report.wheelset.wheelset_page import results_table, wheelset_facts
+from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.types import Floats
 
 POSITION_KEYS = (
@@ -139,12 +140,12 @@ class LiveEngine:
         """Return a position with its patches; `SupersededError` if a newer request comes meanwhile."""
         with self._alone() as progress:
             run = self._run(self.case(inputs), progress)
-        result, table = run.result, results_table(run.summary)
+        result, table = run.space, results_table(run)
         return {
             "converged": result.status.converged,
             "message": result.status.message,
             "warnings": list(result.warnings),
-            "facts": wheelset_facts(run.summary),
+            "facts": wheelset_facts(run),
             "table": {"header": table.header, "rows": table.rows},
             "patches": _patches(run),
             "lateral_mm": result.equilibrium.position.lateral_mm,
@@ -191,7 +192,7 @@ class LiveEngine:
             progress("")
             yield progress
 
-    def _run(self, case: SpatialWheelsetCase, progress: Any) -> SpatialWheelsetRun:
+    def _run(self, case: SpatialWheelsetCase, progress: Any) -> WheelsetRun:
         key = repr([getattr(case, name) for name in type(case).model_fields if name not in POSITION_KEYS])
         if key not in self._bodies:
             self._bodies[key] = case.prepared(progress)
@@ -240,17 +241,17 @@ def _geometry(case: SpatialWheelsetCase) -> dict[str, Any]:
     }
 
 
-def _patches(run: SpatialWheelsetRun) -> dict[str, Any]:
+def _patches(run: WheelsetRun) -> dict[str, Any]:
     """Pressures of the cells of both sides from above, with their places to the right and ahead, in mm."""
     found: dict[str, Any] = {}
     for side in SIDES:
-        shown, cells = patch_map(run.result, side), run.result.equilibrium.state.sides[side].cells
+        shown, cells = patch_map(run.space, side), run.space.equilibrium.state.sides[side].cells
         loaded = cells.pressures > 0.0
         if not loaded.any():
             continue
         rows, strips = (np.flatnonzero(loaded.any(axis=axis)) for axis in (1, 0))
         part = slice(max(rows[0] - 1, 0), rows[-1] + 2), slice(max(strips[0] - 1, 0), strips[-1] + 2)
-        tractions = run.result.tractions_of(side)
+        tractions = run.space.tractions_of(side)
         found[side] = {
             "across": _rounded(shown.across(cells.cells[part[0]])),
             "along": _rounded(cells.z[part[1]]),

@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from flangeway.campaign import CampaignTable
-from flangeway.cases import BodiesRun, CaseRun
+from flangeway.cases import BodiesRun, WheelsetRun
 from flangeway.cases.bodies.bodies_run import BodiesCase
 from flangeway.cases.case import Case, Progress, Run
 from flangeway.cases.profile.profile_run import ProfileRun
@@ -16,13 +16,12 @@ from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
 from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase, RollingPatchRun
 from flangeway.cases.section.section_run import SectionRun, TorsionCase, TorsionRun
 from flangeway.cases.spatial.spatial_case import SpatialRun, SpatialRunCase
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, SpatialWheelsetRun
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import InputError
 from flangeway.report.bodies import bodies_page
 from flangeway.report.bodies.bodies_figures import stress_figure
 from flangeway.report.campaign.campaign_figures import campaign_figures
-from flangeway.report.figures.fields import part_fields
 from flangeway.report.figures.plots import plot_result
 from flangeway.report.page.case_text import command_line
 from flangeway.report.page.html_page import write_record
@@ -35,10 +34,7 @@ from flangeway.report.section import section_page
 from flangeway.report.section.section_figures import warping_figure
 from flangeway.report.spatial import spatial_page
 from flangeway.report.spatial.spatial_figures import patch_figure
-from flangeway.report.spatial_wheelset import spatial_wheelset_page
-from flangeway.report.spatial_wheelset.wheelset_patches import section_figure
 from flangeway.report.wheelset import wheelset_page
-from flangeway.report.wheelset.wheelset_figure import wheelset_figure
 from flangeway.results import Result
 
 
@@ -51,8 +47,8 @@ class CaseOutputs:
 
 
 OUTPUTS: dict[type[Case], CaseOutputs] = {
-    WheelsetCase: CaseOutputs(lambda _: wheelset_page.NAMES, wheelset_page.wheelset_record),
-    SpatialWheelsetCase: CaseOutputs(spatial_wheelset_page.names, spatial_wheelset_page.spatial_wheelset_record),
+    WheelsetCase: CaseOutputs(wheelset_page.names, wheelset_page.wheelset_record),
+    SpatialWheelsetCase: CaseOutputs(wheelset_page.names, wheelset_page.wheelset_record),
     BodiesCase: CaseOutputs(lambda _: bodies_page.NAMES, bodies_page.bodies_record),
     SpatialRunCase: CaseOutputs(lambda _: spatial_page.NAMES, spatial_page.spatial_record),
     RollingPatchCase: CaseOutputs(rolling_patch_page.names, rolling_patch_page.rolling_patch_record),
@@ -75,8 +71,7 @@ def _first_of_campaign(table: CampaignTable) -> Figure:
 
 
 PLOTS: dict[type[Result], Callable[[Any], Figure]] = {
-    CaseRun: lambda run: wheelset_figure(run, list(part_fields(run.result))),
-    SpatialWheelsetRun: section_figure,
+    WheelsetRun: wheelset_page.main_figure,
     BodiesRun: stress_figure,
     SpatialRun: patch_figure,
     RollingPatchRun: rolling_patch_page.main_figure,

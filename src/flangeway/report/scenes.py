@@ -6,15 +6,14 @@ import numpy as np
 
 from flangeway.cases.bodies.bodies_run import BodiesRun
 from flangeway.cases.section.section_run import SectionRun
-from flangeway.cases.wheelset.wheelset_summary import ContactSummary
 from flangeway.post import shear_stresses
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.report.bodies.body_fields import BodyFields, BodySteps, body_fields, body_steps
 from flangeway.report.figures.display import shown_cells
 from flangeway.report.figures.fields import PartFields
 from flangeway.report.section.section_figures import warping_about_shear_centre
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.report.viewer.scene_model import DISPLACEMENT, Formula
-from flangeway.report.wheelset.wheelset_tables import contact_name
 from flangeway.types import Floats
 
 VIEW_WIDTHS = 8.0  # width of the view of a contact over the half width of the contact
@@ -33,14 +32,14 @@ _STRESSES: tuple[tuple[str, str, Formula], ...] = (
 )
 
 
-def wheelset_scene(parts: Sequence[PartFields], contacts: Sequence[ContactSummary]) -> Scene:
-    """Parts of a wheelset with element averages, and a view of each contact of its summary."""
+def wheelset_scene(parts: Sequence[PartFields], patches: Sequence[WheelRailPatch]) -> Scene:
+    """Parts of a wheelset with element averages, and a view of each contact."""
     views = []
-    for contact in contacts:
-        x, y = contact.space_position_mm
-        alone = contact_name(contact, contacts) == contact.side
-        name = f"{contact.side} {'contact' if alone else contact.region}"
-        views.append(View(name, (x, y), VIEW_WIDTHS * contact.half_width_mm))
+    for patch in patches:
+        x, y = patch.pressure.centre.tolist()
+        alone = sum(other.side == patch.side for other in patches) == 1
+        name = f"{patch.side} {'contact' if alone else patch.region}"
+        views.append(View(name, (x, y), VIEW_WIDTHS * patch.pressure.half_width))
     shown = [
         ShownPart(
             part.name,

@@ -113,7 +113,7 @@ def viewer_pages(runs, tmp_path_factory):
         parts = list(part_fields(run.result))
         for part in parts:
             write_part(folder / f"{part.name}.vtu", run.result, part.name)
-        return write_page(folder / "page.html", wheelset_scene(parts, run.summary.contacts))
+        return write_page(folder / "page.html", wheelset_scene(parts, run.result.patches))
 
     return page_by
 

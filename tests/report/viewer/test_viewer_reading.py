@@ -80,7 +80,7 @@ def test_the_report_reads_what_the_files_beside_it_hold(open_page, folder):
 
 def test_coordinates_are_those_of_the_pointer(opened, runs):
     """The contact is in the middle of its view, and pixels times the length of the scale bar are millimetres."""
-    contact = next(c for c in runs["vem"].summary.to_dict()["contacts"] if c["side"] == "right")
+    contact = next(c for c in runs["vem"].summary.to_dict()["patches"] if c["side"] == "right")
     opened.fly("right contact")
     box = opened.canvas.bounding_box()
     middle = np.array([box["width"] / 2.0, box["height"] / 2.0])
@@ -90,7 +90,7 @@ def test_coordinates_are_those_of_the_pointer(opened, runs):
     for axis, key in enumerate(("displacement_mm:x", "displacement_mm:y")):
         opened.choose(key)
         drawn[axis] += opened.point(middle[0], middle[1] + 3.0)["value"]
-    assert np.allclose(drawn, np.array(contact["space_position_mm"]) - (0.0, 3.0 * scale), atol=0.03)
+    assert np.allclose(drawn, np.array(contact["track_position_mm"]) - (0.0, 3.0 * scale), atol=0.03)
     below, beside = opened.point(*np.add(middle, (-100, 150))), opened.point(*np.add(middle, (100, 200)))
     moved = np.array([beside["x"] - below["x"], below["y"] - beside["y"]]) / scale
     assert np.allclose(moved, (200.0, 50.0), rtol=0.0, atol=5.0)  # strains and turns of the rail

@@ -1,22 +1,29 @@
 """The case of a wheelset on two rails in three dimensions."""
 
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
-from flangeway.cases.summary import RunResult
-from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, summarise_spatial_wheelset
-from flangeway.cases.wheelset.wheelset_case import CaseRun, WheelsetTangentCase
+from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes
+from flangeway.cases.wheelset.wheelset_quantities import (
+    ROLLING_PATCH_ROW,
+    ROLLING_ROW,
+    SPATIAL_PATCH_ROW,
+    SPATIAL_ROW,
+    WheelResult,
+)
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.patch.contact_ellipse import PARABOLIC
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.theories import Theory
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
+from flangeway.quantities import Quantity
 from flangeway.railway.track.discretisation import Discretisation, Method
 from flangeway.railway.track.placements import RUNNING_CIRCLES_MM
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
@@ -27,7 +34,6 @@ from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_posit
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.supported_rail import RailSupport
 from flangeway.railway.wheelset.whole_wheel import WheelDisc
-from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 
 # ruff: noqa: N815 (units in names)
@@ -50,33 +56,6 @@ ROLLING_KEYS = (
     *("yaw_stiffness_kNm_per_mrad", "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"),
 )
 """Inputs that have an effect with friction only."""
-
-
-@dataclass(frozen=True, eq=False)
-class SpatialWheelsetRun(RunResult):
-    """A wheelset in three dimensions and what came out of it.
-
-    Parameters
-    ----------
-    case
-        The inputs.
-    result
-        The solution.
-    summary
-        What ``summary.json`` holds.
-
-    """
-
-    main_table: ClassVar[str] = "patches"
-
-    case: "SpatialWheelsetCase"
-    result: SpatialResult
-    summary: SpatialWheelsetSummary
-
-    @property
-    def status(self) -> Status:
-        """How it ended."""
-        return self.result.status
 
 
 class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
@@ -194,12 +173,16 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             self.problem()
             self.spatial_model()
 
-    def run(self, progress: Progress = lambda _: None, *, cold: bool = False) -> SpatialWheelsetRun | CaseRun:
+    def run(self, progress: Progress = lambda _: None, *, cold: bool = False) -> WheelsetRun:
         """See `RunnableCase.run`; `cold` computes everything without the user's cache."""
         if self.model == "plane":
             return self.plane().run(progress, cold=cold)
         start = time.perf_counter()
-        return self._of(solve_spatial(self.problem(), self.spatial_model(), cold=cold, progress=progress), start)
+        return WheelsetRun(
+            self,
+            solve_spatial(self.problem(), self.spatial_model(), cold=cold, progress=progress),
+            time.perf_counter() - start,
+        )
 
     def prepared(self, progress: Progress = lambda _: None) -> SpatialWheelset:
         """Return the bodies with their compliance, which positions and loads of the same bodies share."""
@@ -208,18 +191,22 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             problem, running_surfaces(problem, model, cache=Cache.of_user(), progress=progress), model
         )
 
-    def run_on(self, bodies: SpatialWheelset, progress: Progress = lambda _: None) -> SpatialWheelsetRun:
+    def run_on(self, bodies: SpatialWheelset, progress: Progress = lambda _: None) -> WheelsetRun:
         """Compute the case on bodies that are `prepared`, for a case that differs in position, load and friction."""
         start, model = time.perf_counter(), self.spatial_model()
         prescribed = Prescribed(self.lateral_mm, self.vertical_mm, self.roll_rad)
         placed = bodies.at(self.load(), prescribed, model.yaw_rad, model.rolling)
-        return self._of(solve_position(placed, {}, progress), start)
+        return WheelsetRun(self, solve_position(placed, {}, progress), time.perf_counter() - start)
 
-    def _of(self, result: SpatialResult, start: float) -> SpatialWheelsetRun:
-        result = replace(result, warnings=(*self.warnings(), *result.warnings))
-        case = {"name": self.name, **self.model_dump()}
-        summary = summarise_spatial_wheelset(case, result, self._assumptions(result), time.perf_counter() - start)
-        return SpatialWheelsetRun(self, result, summary)
+    @property
+    def row_quantities(self) -> Sequence[Quantity[WheelResult]]:
+        """See `WheelsetInputs.row_quantities`."""
+        return ROLLING_ROW if self.friction else SPATIAL_ROW
+
+    @property
+    def patch_row_quantities(self) -> Sequence[Quantity[Any]]:
+        """See `WheelsetInputs.patch_row_quantities`."""
+        return ROLLING_PATCH_ROW if self.friction else SPATIAL_PATCH_ROW
 
     def plane(self) -> WheelsetTangentCase:
         """Return the plane wheelset of the same inputs; an `InputError` if it does not have one that was given."""
@@ -353,7 +340,8 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             f"Steady rolling at {where} with a coefficient of friction of {self.friction:g}; creep forces by {theory}."
         )
 
-    def _assumptions(self, result: SpatialResult) -> list[str]:
+    def assumptions(self, result: SpatialResult) -> list[str]:
+        """See `WheelsetInputs.assumptions`."""
         problem = result.problem
         return [
             "Three dimensions: each rail is a prism; gaps are computed for true bodies of revolution.",
@@ -369,7 +357,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
         ]
 
 
-def wheelset(**inputs: Any) -> SpatialWheelsetRun | CaseRun:
+def wheelset(**inputs: Any) -> WheelsetRun:
     """Run a wheelset on two rails with some inputs, such as ``wheelset(wheel="S1002", rail="60E1", lateral_mm=2.0)``.
 
     Parameters
@@ -379,8 +367,8 @@ def wheelset(**inputs: Any) -> SpatialWheelsetRun | CaseRun:
 
     Returns
     -------
-    SpatialWheelsetRun | CaseRun
-        What it found, which shows itself in a notebook; a `CaseRun` with ``model="plane"``.
+    WheelsetRun
+        What it found, which shows itself in a notebook.
 
     Raises
     ------

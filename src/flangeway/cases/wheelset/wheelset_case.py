@@ -4,63 +4,33 @@ import time
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
-from flangeway.cases.summary import RunResult
-from flangeway.cases.wheelset.summarise import summarise
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
-from flangeway.cases.wheelset.wheelset_summary import ContactSummary, PublishedPosition, WheelsetSummary
+from flangeway.cases.wheelset.wheelset_profiles import profile_notes
+from flangeway.cases.wheelset.wheelset_quantities import (
+    HALF_WIDTH,
+    ON_RAIL,
+    ON_WHEEL,
+    PRESSURE,
+    AnyPatch,
+)
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.materials import Elastic
+from flangeway.quantities import Quantity, numbers
 from flangeway.railway.track.discretisation import Choice, Discretisation, EnforcementName, Method, PairingName
-from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.railway.wheelset.wheelset_checks import SLICE
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
-from flangeway.solve import Status
 
 # ruff: noqa: N815 (units in names)
 
-PUBLISHED_CM = {
-    ("fem", 1): (-3.122e-1, 7.025e-1, 3.273e-4),
-    ("fem", 2): (-3.126e-1, 7.330e-1, 3.404e-4),
-    ("vem", 1): (-3.122e-1, 7.073e-1, 3.291e-4),
-    ("vem", 2): (-3.125e-1, 7.309e-1, 3.395e-4),
-}
-"""Vertical and horizontal translation in cm and rotation in rad by method and order (Moherdaui 2021, Table 16)."""
-PUBLISHED_REASON = (
-    "Published position of the curve (Moherdaui 2021, Table 16, along horizontal and vertical): its vertical "
-    "displacement is relative to an unknown reference, with a gap of about 2.6 mm; its lateral displacement is "
-    "decided by where the wheel's flange root meets the rail. The root of the AAR-1B is assumed here, which makes the "
-    "lateral displacement 1 to 3 mm larger. `flangeway reproduce wheel-rail` compares with a root that one of the "
-    "published numbers identifies."
+CONFORMING = (
+    "Hertz's theory is left out where wheel and rail conform: where its half width is above half of a radius of either "
+    "profile, or the gap of the profiles at an end of it is 1.5 times that of constant curvature, or less than 1 / 1.5."
 )
-
-
-@dataclass(frozen=True, eq=False)
-class CaseRun(RunResult):
-    """A case of a wheelset and what came out of it.
-
-    Parameters
-    ----------
-    case
-        The inputs.
-    result
-        The solution.
-    summary
-        What ``summary.json`` holds.
-
-    """
-
-    main_table: ClassVar[str] = "contacts"
-
-    case: "WheelsetCase"
-    result: WheelsetResult
-    summary: WheelsetSummary
-
-    @property
-    def status(self) -> Status:
-        """How it ended."""
-        return self.result.status
 
 
 class WheelsetCase(WheelsetInputs, RunnableCase):
@@ -134,11 +104,43 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
         """See `RunnableCase.check`."""
         self.problem()
 
-    def run(self, progress: Progress = lambda _: None, *, cold: bool = False) -> CaseRun:
+    def run(self, progress: Progress = lambda _: None, *, cold: bool = False) -> WheelsetRun:
         """See `RunnableCase.run`; `cold` computes everything without the user's cache."""
         start = time.perf_counter()
         result = solve_wheelset(self.problem(), progress, cold=cold)
-        return CaseRun(self, result, summarise(self, result, time.perf_counter() - start))
+        return WheelsetRun(self, result, time.perf_counter() - start)
+
+    def assumptions(self, result: WheelsetResult) -> list[str]:
+        """See `WheelsetInputs.assumptions`."""
+        problem = result.model.problem
+        wheelset, track = problem.wheelset, problem.track
+        role, reason = problem.primary
+        materials = {"wheels": problem.material_of("wheel"), "rails": problem.material_of("rail")}
+        if materials["wheels"] == materials["rails"]:
+            materials = {"steel": problem.material}
+        return [
+            "Plane strain: the bodies do not stretch in the direction of the track.",
+            SLICE.format(self.thickness_mm),
+            f"Thickness {self.thickness_mm:g} mm: this length of wheel and rail carries the whole load.",
+            *self.derived(),
+            *profile_notes(track, wheelset),
+            *(
+                f"Linear elastic, isotropic {name}: Young's modulus {each.young:g} MPa, Poisson's ratio "
+                f"{each.poisson:g}; no yielding, however high the stress."
+                for name, each in materials.items()
+            ),
+            "Contact without friction.",
+            *([CONFORMING] if any(patch.hertz is None for patch in result.patches) else []),
+            f"The {role}s are the primary surface: {reason}.",
+            "The rails are fixed along their whole base.",
+            "The wheels' cuts and the axle are rigid; the load acts at the car's centre of gravity and stays vertical"
+            + (", its lateral force horizontal." if problem.load.lateral_N else "."),
+            *(
+                ["The left side is the mirror image of the right side, mesh included."]
+                if wheelset.is_symmetric and track.is_symmetric
+                else []
+            ),
+        ]
 
     def problem(self) -> WheelsetProblem:
         """Return the problem to solve.
@@ -191,15 +193,6 @@ class WheelsetCurveCase(WheelsetCase):
         "from-speed: equilibrium superelevation of speed and radius",
     )
 
-    def published_position(self) -> PublishedPosition | None:
-        """Return the published position if all inputs but method and order are those of Moherdaui (2021)."""
-        for key, field in type(self).model_fields.items():
-            default = field.get_default(call_default_factory=True)
-            if key not in ("method", "order") and getattr(self, key) != default:
-                return None
-        vertical, horizontal, roll = PUBLISHED_CM[self.method, self.order]
-        return PublishedPosition(10.0 * vertical, 10.0 * horizontal, roll, PUBLISHED_REASON)
-
 
 MAX_APPROACH_CHANGE = 0.02
 MAX_POSITION_CHANGE_MM = 0.2
@@ -211,17 +204,17 @@ class Convergence:
 
     Parameters
     ----------
-    summaries
-        Summary of each run, coarse mesh first.
+    runs
+        Both runs, coarse mesh first.
 
     """
 
-    summaries: tuple[WheelsetSummary, WheelsetSummary]
+    runs: tuple[WheelsetRun, WheelsetRun]
 
     @property
     def converged(self) -> bool:
         """Whether both runs converged to contact on both sides."""
-        return all(each.status.converged and len(each.contacts) > 0 for each in self.summaries)
+        return all(run.status.converged and len(run.patches) > 0 for run in self.runs)
 
     @property
     def within(self) -> bool:
@@ -234,41 +227,34 @@ class Convergence:
             and changes["position_change_mm"] < MAX_POSITION_CHANGE_MM
         )
 
-    def pairs(self) -> list[tuple[ContactSummary, ContactSummary]]:
+    def pairs(self) -> list[tuple[AnyPatch, AnyPatch]]:
         """Contacts of both runs, side by side: that with the maximum force of each side."""
-        found = []
-        for side in SIDES:
-            one, other = ([c for c in each.contacts if c.side == side] for each in self.summaries)
-            if one and other:
-                found.append((max(one, key=lambda c: c.force_kN), max(other, key=lambda c: c.force_kN)))
-        return found
+        both = zip(*(run.wheels for run in self.runs), strict=True)
+        most = [(one.most_loaded, other.most_loaded) for one, other in both]
+        return [(one, other) for one, other in most if one is not None and other is not None]
 
     def changes(self) -> dict[str, float]:
         """Relative changes of approach, pressure and half width; the maximum change of a position in mm."""
-        coarse, fine = self.summaries
-        pairs = self.pairs()
+        pairs, (coarse, fine) = self.pairs(), self.runs
+        points = (ON_RAIL, ON_WHEEL)
 
-        def relative(key: str) -> float:
-            return max((abs(getattr(b, key) / getattr(a, key) - 1.0) for a, b in pairs), default=float("nan"))
+        def relative(quantity: Quantity[Any]) -> float:
+            return max((abs(quantity.value(b) / quantity.value(a) - 1.0) for a, b in pairs), default=float("nan"))
 
-        shifts = [
-            abs(getattr(a, key)[axis] - getattr(b, key)[axis])
-            for a, b in pairs
-            for key in ("rail_position_mm", "wheel_position_mm")
-            for axis in (0, 1)
-        ]
-        before, after = coarse.position.approach_mm, fine.position.approach_mm
         return {
-            "approach_change": abs(after / before - 1.0),
-            "position_change_mm": max(shifts, default=float("nan")),
-            "max_pressure_change": relative("max_pressure_MPa"),
-            "half_width_change": relative("half_width_mm"),
+            "approach_change": abs(fine.result.approach_mm / coarse.result.approach_mm - 1.0),
+            "position_change_mm": max(
+                (float(np.abs(np.subtract(numbers(points, a), numbers(points, b))).max()) for a, b in pairs),
+                default=float("nan"),
+            ),
+            "max_pressure_change": relative(PRESSURE),
+            "half_width_change": relative(HALF_WIDTH),
         }
 
     def to_json(self) -> dict[str, Any]:
         """What ``converge.json`` holds."""
-        keys = ("status", "position", "residual", "contacts", "bodies", "timings_s")
-        summaries = [each.to_dict() for each in self.summaries]
+        keys = ("status", "position", "residual", "patches", "bodies", "timings_s")
+        summaries = [run.summary.to_dict() for run in self.runs]
         runs = [{"size_scale": s["case"]["size_scale"]} | {key: s[key] for key in keys} for s in summaries]
         return {
             "within": self.within,
@@ -287,11 +273,8 @@ def run_halved(case: WheelsetCase, progress: Progress = lambda _: None) -> Conve
     """
     halved = case.from_values({**case.model_dump(), "size_scale": case.size_scale / 2.0})
     case.problem()
-    summaries = []
-    for run in (case, halved):
 
-        def labelled(sentence: str, scale: float = run.size_scale) -> None:
-            progress(f"size scale {scale:g}: {sentence}")
+    def run(of: WheelsetCase) -> WheelsetRun:
+        return of.run(lambda sentence: progress(f"size scale {of.size_scale:g}: {sentence}"))
 
-        summaries.append(run.run(labelled).summary)
-    return Convergence((summaries[0], summaries[1]))
+    return Convergence((run(case), run(halved)))

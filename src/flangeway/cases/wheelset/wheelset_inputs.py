@@ -1,14 +1,16 @@
 """Inputs of a wheelset on two rails that the rigid and the elastic computation share."""
 
 import math
-from typing import Literal
+from collections.abc import Sequence
+from typing import Any, Literal
 
 from pydantic import Field
 
 from flangeway.cases.case import Case
 from flangeway.cases.wheelset.wheelset_profiles import position_key, rail_named, wheel_named
-from flangeway.cases.wheelset.wheelset_summary import PublishedPosition
+from flangeway.cases.wheelset.wheelset_quantities import MOTION, PLANE_PATCH_ROW, PLANE_ROW, WheelResult, row_columns
 from flangeway.errors import InputError
+from flangeway.quantities import Quantity, column_names, numbers
 from flangeway.railway.profiles.bundled import WheelProfile
 from flangeway.railway.profiles.profile_file import ReadOptions
 from flangeway.railway.track.placements import USUAL_GAUGES, Track, Wheelset, usual_gauge
@@ -144,9 +146,46 @@ class WheelsetInputs(Case):
     young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus of wheels and rails")
     poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio of wheels and rails")
 
-    def published_position(self) -> PublishedPosition | None:
-        """Return the published position for these inputs, if there is one."""
-        return None
+    @property
+    def row_quantities(self) -> Sequence[Quantity[WheelResult]]:
+        """Numbers of a wheel in a row of a campaign."""
+        return PLANE_ROW
+
+    @property
+    def patch_row_quantities(self) -> Sequence[Quantity[Any]]:
+        """Numbers of a patch in the table of patches of a campaign."""
+        return PLANE_PATCH_ROW
+
+    def columns(self) -> tuple[str, ...]:
+        """See `RunnableCase.columns`."""
+        return row_columns(self.row_quantities)
+
+    def patch_columns(self) -> tuple[str, ...]:
+        """See `RunnableCase.patch_columns`."""
+        return tuple(column_names(self.patch_row_quantities))
+
+    def row(self, run: Any) -> dict[str, Any]:
+        """See `RunnableCase.row`: position, and of each side the sums over its patches, and the most loaded one."""
+        wheels = [number for wheel in run.wheels for number in numbers(self.row_quantities, wheel)]
+        return dict(zip(self.columns(), [*numbers(MOTION, run.result), *wheels], strict=True))
+
+    def patch_rows(self, run: Any) -> list[dict[str, Any]]:
+        """See `RunnableCase.patch_rows`: on each side from the field to the gauge."""
+        rows = []
+        for wheel in run.wheels:
+            ordered = sorted(wheel.patches, key=lambda patch: -float(patch.patch.rail_point_mm[0]))
+            for number, patch in enumerate(ordered, 1):
+                found = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
+                rows.append({"side": wheel.side, "number": number} | found)
+        return rows
+
+    def warnings_of(self, run: Any) -> list[str]:
+        """See `RunnableCase.warnings_of`."""
+        return list(run.warnings)
+
+    def assumptions(self, result: Any) -> list[str]:
+        """Return in sentences what a solution rests on."""
+        raise NotImplementedError
 
     def load(self) -> WheelsetLoad:
         """Return weight, lateral force and tilt of the track.

@@ -45,6 +45,11 @@ class WheelsetResult:
     overlaps: tuple[BodyOverlap, ...]
 
     @property
+    def problem(self) -> WheelsetProblem:
+        """Wheelset, track and load."""
+        return self.model.problem
+
+    @property
     def approach_mm(self) -> float:
         """Vertical displacement of the axle's middle, down, from the rigid position to the equilibrium."""
         return self.model.rigid_position.vertical_mm - self.equilibrium.position.vertical_mm

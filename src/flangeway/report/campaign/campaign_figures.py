@@ -50,7 +50,7 @@ def campaign_figures(table: CampaignTable) -> dict[str, Callable[[], Figure]]:
         FORCES: lambda: forces_figure(table, keys[0]),
     }
     needed = {
-        PRESSURE: "max_pressure_MPa", RATIO: "lateral_over_vertical", FORCES: "normal_force_N",
+        PRESSURE: "max_pressure_MPa", RATIO: "lateral_over_vertical", FORCES: "normal_force_kN",
     }  # fmt: skip
     figures = {
         name: draw
@@ -69,13 +69,13 @@ def locus_figure(table: CampaignTable, key: str) -> Figure:
     of_row = dict(zip(table.rows["row"], table.numbers(key), strict=True))
     patches = {name: np.array(values) for name, values in table.patches.items()}
     x = np.array([of_row[row] for row in table.patches["row"]])
-    force = patches["normal_force_N"].astype(float)
+    force = patches["normal_force_kN"].astype(float)
     size = MIN_POINT + (MAX_POINT - MIN_POINT) * force / max(force.max(initial=0.0), 1e-300)
     for column, side in enumerate(SIDES):
         mine = patches["side"] == side
         for line, (body, where) in enumerate((("wheel", "tape line"), ("rail", "centre line"))):
             panel = axes[line, column]
-            y = patches[f"{body}_x_mm"][mine].astype(float)
+            y = patches[f"{body}_position_x_mm"][mine].astype(float)
             panel.scatter(x[mine], y, s=size[mine], color=SIDE_COLOURS[side], alpha=0.6, lw=0)
             panel.grid(color="#dddddd", lw=0.5)
             axes[line, 0].set_ylabel(f"{body}: x from its {where} in mm")
@@ -192,9 +192,9 @@ def _remarked(table: CampaignTable, column: str) -> NDArray[np.bool_]:
     return np.array([remark is not None for remark in remarks], dtype=np.bool_)
 
 
-def _draw_series(axes: Axes, table: CampaignTable, x: str, column: str, factor: float = 1.0) -> None:
-    """Draw a line for each series, its values times a factor; rows without a result leave a gap."""
-    along, values = table.numbers(x), factor * table.numbers(column)
+def _draw_series(axes: Axes, table: CampaignTable, x: str, column: str) -> None:
+    """Draw a line for each series; rows without a result leave a gap."""
+    along, values = table.numbers(x), table.numbers(column)
     for each in _series(table, x):
         y = values[each.rows]
         marker = "o" if len(y) <= 40 else None
@@ -235,7 +235,7 @@ def forces_figure(table: CampaignTable, key: str) -> Figure:
     rows = figure.subplots(3, 2, sharex=True, sharey="row")
     for line, kind in zip(rows, kinds, strict=True):
         for panel, side in zip(line, SIDES, strict=True):
-            _draw_series(panel, table, key, f"{side}_{kind}_force_N", 1e-3)
+            _draw_series(panel, table, key, f"{side}_{kind}_force_kN")
         line[0].set_ylabel(f"{kind} force in kN")
     for top, bottom, side in zip(rows[0], rows[-1], SIDES, strict=True):
         top.set_title(f"{side} wheel", fontsize=9)

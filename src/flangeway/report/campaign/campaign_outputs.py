@@ -23,7 +23,7 @@ from flangeway.units import NUMBER, Units
 DATABASE = "campaign.sqlite"
 TABLES = tuple(f"{name}.{kind}" for kind in FORMATS for name in ("results", "patches"))
 MAX_REASONS, MAX_WARNINGS = 10, 3  # reasons and lines of the table of results, and warnings
-FIRST = ("_max_pressure_MPa", "_lateral_over_vertical", "_normal_force_N", "_contact_angle_deg")
+FIRST = ("_max_pressure_MPa", "_lateral_over_vertical", "_normal_force_kN", "_contact_angle_deg")
 SHOWN = {
     LOCUS: "Contact points against the varied input; dots sized by force",
     PRESSURE_MAP: "Maximum pressure over two inputs",

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from flangeway.cases import CaseRun
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.post import Stresses
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
@@ -55,15 +55,15 @@ class _Zone:
     stresses: Stresses
 
 
-def contact_figure(run: CaseRun, parts: Sequence[PartFields], side: Side) -> Figure:
+def contact_figure(run: WheelsetRun, parts: Sequence[PartFields], side: Side) -> Figure:
     """Draw each contact zone of a side in true shape and scale, in a row of its own, and the forces on the wheel.
 
     Both sides have the same colours. A side without contact is shown whole.
     """
-    patches = [patch for patch in run.result.patches if patch.side == side]
+    patches = [patch for patch in run.plane.patches if patch.side == side]
     windows = [_window([patch]) for patch in patches] or [box([p.points() for p in parts if p.side == side], 6.0)]
     zones = [_zones(parts, side, window) for window in windows]
-    shown = [*zones, *(_zones(parts, patch.side, _window([patch])) for patch in run.result.patches)]
+    shown = [*zones, *(_zones(parts, patch.side, _window([patch])) for patch in run.plane.patches)]
     height = 1.1 + (PANEL_IN - 0.2) * len(windows)
     figure, rows = figure_with_room(3.0 * PANEL_IN, height, ROOM, len(windows), len(COLUMNS))
     for column, (label, values) in enumerate(COLUMNS):
@@ -80,7 +80,7 @@ def contact_figure(run: CaseRun, parts: Sequence[PartFields], side: Side) -> Fig
         bar = figure.colorbar(colours.mappable(), cax=below, orientation="horizontal")
         bar.set_label(f"{label}, element averages", fontsize=9)
         bar.ax.tick_params(labelsize=8)
-    stride = _stride(run.result.patches)
+    stride = _stride(run.plane.patches)
     for row, patch in zip(rows, patches, strict=False):
         _draw_forces(row[1], patch, stride)
         # one sentence over the row, set above its middle panel
@@ -164,13 +164,13 @@ def _on_wheel(patch: WheelRailPatch) -> Floats:
     return sign * patch.pressure.forces
 
 
-def pressure_figure(run: CaseRun) -> Figure:
+def pressure_figure(run: WheelsetRun) -> Figure:
     """Draw the nodes' pressures (Moherdaui 2021, Figure 63) where they act in the track, side by side."""
-    most = max((sum(patch.side == side for patch in run.result.patches) for side in SIDES), default=1)
+    most = max((sum(patch.side == side for patch in run.plane.patches) for side in SIDES), default=1)
     room = Room(across=0.3, bottom=0.65 + 0.4 * max(most, 1))
     figure, ((*both,),) = figure_with_room(13.0, 4.2 + 0.4 * max(most, 1), room, n_columns=2, sharey=True)
     for axes, side in zip(both, SIDES, strict=True):
-        mine = [patch for patch in run.result.patches if patch.side == side]
+        mine = [patch for patch in run.plane.patches if patch.side == side]
         for patch, colour in zip(mine, (INK, *SERIES), strict=False):
             _draw_patch(axes, patch, colour, patch.region if len(mine) > 1 else "nodes")
         outwards = "left: field side, right: gauge side" if side == "left" else "left: gauge side, right: field side"

@@ -1,14 +1,17 @@
 """Report of ``flangeway converge``: a wheelset on its mesh and on the mesh halved."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from matplotlib.figure import Figure
 
 from flangeway.cases import Convergence
 from flangeway.cases.wheelset.wheelset_case import MAX_APPROACH_CHANGE, MAX_POSITION_CHANGE_MM
+from flangeway.cases.wheelset.wheelset_quantities import APPROACH, HALF_WIDTH, ON_RAIL, ON_WHEEL, PRESSURE
+from flangeway.quantities import Quantity
 from flangeway.report.figures.drawing import GREY, INK, SERIES, Room, figure_with_room
 from flangeway.report.page.record import REPORT, Again, Picture, Record
-from flangeway.report.page.tables import SummaryTable, number
+from flangeway.report.page.tables import SummaryTable
 from flangeway.report.page.us_record import UNIT_COLUMN
 
 PICTURE, SUMMARY = "halved.png", "converge.json"
@@ -18,14 +21,15 @@ SHOWN = "Relative changes of approach, maximum pressure and half width when the 
 
 def convergence_record(name: str, convergence: Convergence, command: str) -> Record:
     """Return what changed when the mesh was halved, and whether that is within the limits."""
-    coarse, fine = convergence.summaries
-    stopped = [each.status.message for each in convergence.summaries if not each.status.converged]
+    coarse = convergence.runs[0]
+    scales = [run.case.model_dump()["size_scale"] for run in convergence.runs]
+    stopped = [run.status.message for run in convergence.runs if not run.status.converged]
     limits = f"approach {100.0 * MAX_APPROACH_CHANGE:g} %, positions {MAX_POSITION_CHANGE_MM:g} mm"
     verdict = "within" if convergence.within else "NOT within"
     return Record(
         name=name,
-        title=f"{coarse.case['name']}: the mesh halved",
-        subtitle=f"Size scale {coarse.case['size_scale']:g} beside {fine.case['size_scale']:g}",
+        title=f"{coarse.case.name}: the mesh halved",
+        subtitle=f"Size scale {scales[0]:g} beside {scales[1]:g}",
         converged=convergence.within,
         message="; ".join([*stopped, f"the changes are {verdict} the limits: {limits}"]),
         facts=_convergence_facts(convergence) if convergence.converged else [],
@@ -33,18 +37,15 @@ def convergence_record(name: str, convergence: Convergence, command: str) -> Rec
         summary=convergence.to_json(),
         summary_file=SUMMARY,
         again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
-        versions=coarse.versions,
+        versions=coarse.summary.versions,
         warnings=[
-            text if text in coarse.warnings and text in fine.warnings else f"size scale {scale:g}: {text}"
-            for text, scale in {
-                text: each.case["size_scale"] for each in (fine, coarse) for text in each.warnings
-            }.items()
+            f"size scale {scale:g}: {text}"
+            for run, scale in zip(convergence.runs, scales, strict=True)
+            for text in run.warnings
         ],
-        assumptions=coarse.assumptions,
+        assumptions=coarse.case.assumptions(coarse.result),
         pictures=[Picture(PICTURE, lambda: halved_figure(convergence), f"{SHOWN}.")] if convergence.converged else [],
-        timings_s={
-            f"size scale {each.case['size_scale']:g}": each.timings_s["total"] for each in convergence.summaries
-        },
+        timings_s={f"size scale {scale:g}": run.total_s for run, scale in zip(convergence.runs, scales, strict=True)},
     )
 
 
@@ -60,28 +61,25 @@ def _convergence_facts(convergence: Convergence) -> list[tuple[str, str]]:
 
 def _convergence_table(convergence: Convergence) -> SummaryTable:
     """One row a number of a contact, with both meshes and the change; the last column has the limit."""
-    both = convergence.summaries
+    runs, rows = convergence.runs, []
 
-    def row(
-        name: str, values: Sequence[float], digits: int, limit: str = "–", *, relative: bool = True
-    ) -> tuple[str, ...]:
-        change = values[1] / values[0] - 1.0 if relative else values[1] - values[0]
-        change *= 100.0 if relative else 1.0
-        return (name, *(number(value, digits) for value in values), f"{change:+.3f}", "%" if relative else "mm", limit)
+    def row(name: str, quantity: Quantity[Any], of: Sequence[Any], limit: str = "–") -> tuple[str, ...]:
+        one, other = (quantity.value(each) for each in of)
+        texts = (quantity.texts(each)[0] for each in of)
+        return (f"{name}{quantity.labels()[0]}", *texts, f"{100.0 * (other / one - 1.0):+.3f}", "%", limit)
 
-    shift = f"{MAX_POSITION_CHANGE_MM:g}"
-    approach = [each.position.approach_mm for each in both]
-    rows = [row("approach, mm", approach, 5, f"{100.0 * MAX_APPROACH_CHANGE:g}")]
-    for coarse, fine in convergence.pairs() if convergence.converged else ():
-        pair, name = (coarse, fine), coarse.side
-        rows += [
-            row(f"{name}: x on the rail, mm", [each.rail_position_mm[0] for each in pair], 3, shift, relative=False),
-            row("  x on the wheel, mm", [each.wheel_position_mm[0] for each in pair], 3, shift, relative=False),
-            row("  maximum pressure, MPa", [each.max_pressure_MPa for each in pair], 1),
-            row("  half width, mm", [each.half_width_mm for each in pair], 3),
-        ]
-    rows.append(("unknowns", *(f"{sum(body.unknowns for body in each.bodies):,}" for each in both), "", "", ""))
-    scales = [f"size scale {each.case['size_scale']:g}" for each in both]
+    rows.append(row("", APPROACH, [run.result for run in runs], f"{100.0 * MAX_APPROACH_CHANGE:g}"))
+    for pair in convergence.pairs() if convergence.converged else ():
+        side = pair[0].patch.side
+        for quantity in (ON_RAIL, ON_WHEEL):
+            (one, _), (other, _) = (quantity.value(each) for each in pair)
+            texts = (quantity.texts(each)[0] for each in pair)
+            name = f"{side}: {quantity.labels()[0]}"
+            rows.append((name, *texts, f"{other - one:+.3f}", "mm", f"{MAX_POSITION_CHANGE_MM:g}"))
+        rows += [row(f"{side}: ", quantity, pair) for quantity in (PRESSURE, HALF_WIDTH)]
+    unknowns = [sum(body.stiffness.n for body in run.plane.model.bodies) for run in runs]
+    rows.append(("unknowns", *(f"{n:,}" for n in unknowns), "", "", ""))
+    scales = [f"size scale {run.case.model_dump()['size_scale']:g}" for run in runs]
     return SummaryTable("The mesh halved", ("", *scales, "change", UNIT_COLUMN, "limit"), tuple(rows))
 
 

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Polygon, Rectangle
 from numpy.typing import NDArray
 
-from flangeway.cases import CaseRun
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.railway.track.placements import SIDES, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.report.figures.drawing import (
@@ -31,7 +31,7 @@ ROOM = Room(left=0.72, right=0.75, bottom=1.3, top=0.68, across=0.15)
 FACTORS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
-def wheelset_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
+def wheelset_figure(run: WheelsetRun, parts: list[PartFields]) -> Figure:
     """Draw the left side at the left, the right side at the right, and the sketch between them."""
     figure, ((left, middle, right),) = figure_with_room(13.0, 7.0, ROOM, n_columns=3, width_ratios=(1.0, 1.25, 1.0))
     colours = ColourSteps(np.concatenate([part.stresses.von_mises[_valid(part)] for part in parts]), from_zero=True)
@@ -43,7 +43,7 @@ def wheelset_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
         draw_title(axes, f"{side} wheel and rail".capitalize())
     right.yaxis.set_label_position("right")
     right.yaxis.tick_right()
-    draw_sketch(middle, run.result.model.problem, run.result.equilibrium.position)
+    draw_sketch(middle, run.plane.model.problem, run.plane.equilibrium.position)
     draw_title(middle, _title(run), 11.0)
     below = figure.add_axes((0.12, 0.063, 0.76, 0.027))
     bar = figure.colorbar(colours.mappable(), cax=below, orientation="horizontal")
@@ -81,8 +81,8 @@ def _valid(part: PartFields) -> NDArray[np.bool_]:
     return np.ones(part.mesh.n_cells, dtype=np.bool_) if part.above_web is None else part.above_web
 
 
-def _title(run: CaseRun) -> str:
-    problem = run.result.model.problem
+def _title(run: WheelsetRun) -> str:
+    problem = run.plane.model.problem
     track = problem.track
     inclination = f"rail inclination 1:{1.0 / track.rail_inclination:g}" if track.rail_inclination else "upright"
     return (
@@ -91,8 +91,8 @@ def _title(run: CaseRun) -> str:
     )
 
 
-def _cells(run: CaseRun) -> str:
-    return "triangles" if run.case.method == "fem" else "polygons"
+def _cells(run: WheelsetRun) -> str:
+    return "triangles" if run.plane.problem.discretisation.method == "fem" else "polygons"
 
 
 RIM_WIDTH_MM = 140.0

@@ -1,69 +1,230 @@
-"""Report, files and terminal summary of a wheelset."""
+"""Report, files and terminal summary of a wheelset, in three dimensions or in the plane."""
 
 from collections.abc import Callable, Sequence
 from functools import cache, partial
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
 
-from flangeway.cases import CaseRun
-from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
-from flangeway.cases.wheelset.wheelset_summary import ContactSummary, WheelsetSummary
-from flangeway.railway.track.discretisation import Role
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_case import WheelsetCase
+from flangeway.cases.wheelset.wheelset_quantities import (
+    APPROACH,
+    CREEP_FURTHER,
+    CREEP_MAIN,
+    GAUGE,
+    LATERAL,
+    LOAD,
+    LOAD_FACTOR,
+    MESH,
+    MOTION,
+    NADAL,
+    NADAL_WORDS,
+    PATCH,
+    PLANE_FURTHER,
+    PLANE_MAIN,
+    PRESSURE,
+    RATIO,
+    REFERENCE,
+    RESIDUAL,
+    ROLLING,
+    SHAKEDOWN,
+    SPATIAL_FURTHER,
+    SPATIAL_MAIN,
+    AnyResult,
+    WheelResult,
+)
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
+from flangeway.quantities import Quantity, columns, present
+from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES
+from flangeway.railway.wheelset.whole_sections import whole_sections
 from flangeway.report.figures.fields import PartFields, part_fields, write_part
-from flangeway.report.figures.newton_history import newton_figure
 from flangeway.report.figures.series import write_collection, write_contacts
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
-from flangeway.report.page.tables import marked, number
+from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across, table_of, with_whole
 from flangeway.report.scenes import wheelset_scene
 from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
-from flangeway.report.wheelset.wheelset_figure import wheelset_figure
-from flangeway.report.wheelset.wheelset_tables import (
-    bodies_table,
-    contact_name,
-    contacts_table,
-    position_table,
-    results_table,
-    rigid_table,
-    stresses_table,
+from flangeway.report.wheelset.pressure_scene import pressure_scene
+from flangeway.report.wheelset.rails_along_track import rails_csv, rails_figure, rails_table
+from flangeway.report.wheelset.rolling_patches import AXES as ROLLING_AXES
+from flangeway.report.wheelset.rolling_patches import rolling_names, rolling_pictures
+from flangeway.report.wheelset.running_surface_files import (
+    DIGITS,
+    PARTS,
+    below_table,
+    write_section,
+    write_stresses,
+    write_surface,
 )
-from flangeway.system.output_folder import Writer
+from flangeway.report.wheelset.wheelset_figure import wheelset_figure
+from flangeway.report.wheelset.wheelset_patches import (
+    patches_figure,
+    pressures_figure,
+    section_figure,
+    stresses_figure,
+)
+from flangeway.system.output_folder import Writer, text_writer
 
+PICTURES: dict[str, tuple[Callable[[WheelsetRun], Figure], str, str]] = {
+    "wheelset.png": (
+        section_figure,
+        "Both wheels on their rails in section with contact forces and pressures, and a sketch of the whole between.",
+        "The wheelset in the section through its axle. Violet: the maximum pressure of each position across the rail, "
+        "drawn into the rail along its normal. Arrows: forces on the wheels.",
+    ),
+    "patches.png": (
+        patches_figure,
+        "Pressure maps of the patches on both rails from above, outlined.",
+        "The patches from above, the running surface rolled out flat: pressure, outline, and, where the curvatures "
+        "allow one, Hertz's ellipse for the same force (dashed).",
+    ),
+    "pressure.png": (
+        pressures_figure,
+        "Pressure of each patch across and along the track through its maximum.",
+        "Pressure across and along the track through the maximum of each patch; dashed: Hertz's for the same force.",
+    ),
+    "stresses.png": (
+        stresses_figure,
+        "Von Mises stress below each patch across and along the track, and stresses over the depth.",
+        "The von Mises stress below each patch, across and along the track through its maximum (+), and stresses on "
+        "the normal there: x along the surface across the track, y along the normal, z along the track; of a "
+        "half-space under the tractions of all cells. Bodies of one material: the rail's; without friction the wheel "
+        "has the same.",
+    ),
+}
+"""Pictures of the report by the files' names: what draws them, what they show, and the caption."""
+COLLECTION, PATCHES, BELOW = "wheelset.pvd", "patches.csv", "subsurface.csv"
+SURFACES = {f"{role}-{side}": (side, role) for side, role in PARTS}
+STRESSES = {f"stresses-{name}": part for name, part in SURFACES.items()}
+SECTIONS = {f"section-{name}": part for name, part in SURFACES.items()}
+RAILS_PICTURE, RAILS = "rails.png", "rails.csv"
+RAILS_CAPTION = (
+    "The rails along the track: deflection, motion of the gauge face, and stress along the track in the middle of the "
+    "foot's underside."
+)
+NAMES = (
+    *PICTURES,
+    *(f"{name}.vtu" for name in (*SURFACES, *SECTIONS, *STRESSES)),
+    COLLECTION,
+    PATCHES,
+    BELOW,
+    RAILS_PICTURE,
+    RAILS,
+)
 FILES = (
+    "The same numbers, for programs, are in `summary.json`; a row for each patch, for a spreadsheet, in `patches.csv`; "
+    "the stresses below the patches in `subsurface.csv`; the rails along the track in `rails.csv`; pressures "
+    "and gaps on the running surfaces, displacements and stresses of whole sections through the patches, and stresses "
+    "in the volumes below the patches, in "
+    "`wheelset.pvd`, which ParaView opens with both rails and wheels."
+)
+PLANE_PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
+CONTACT = "contact.vtu"
+PLANE_PICTURES = ("wheelset.png", "stresses-left.png", "stresses-right.png", "pressure.png")
+PLANE_NAMES = (*(f"{part}.vtu" for part in PLANE_PARTS), CONTACT, COLLECTION, *PLANE_PICTURES)
+PLANE_FILES = (
     "The same numbers, for programs, are in `summary.json`; the fields are in `wheelset.pvd`, which ParaView opens "
     "with all four parts."
 )
+TRACK_AXES = {
+    "space": (
+        "The track's axes: x across the track to the right, y up from its plane; origin in the middle of the track at "
+        "the top of the rails; roll counter-clockwise about the axle's middle. Superelevation turns them in space."
+    ),
+    "rail": (
+        "The right rail's profile: x from the middle of its base away from the middle of the track, y up "
+        "from its base, before its inclination. The left rail is its mirror image."
+    ),
+    "wheel": (
+        "The right wheel's profile: x from the tape line away from the middle of the track, y up to the "
+        "axle. The left wheel is its mirror image."
+    ),
+    "forces": "Of the rail on the wheel, the track's axes: a positive lateral force pushes the wheel to the right.",
+    "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards",
+    "contact angle": "of the plane normal to the force from the track's plane, positive towards the flange",
+}
+AXES = TRACK_AXES | {
+    "a, b": "longer and shorter semi-axis of the ellipse with the same second moments of pressure as Hertz's",
+    "z": "along the track, ahead of the axle: x, y, z are left-handed, so that ParaView shows the VTU files "
+    "as seen from ahead; with yaw, patches lie ahead of the axle or behind it",
+    "contact angle": "of the plane normal to the force from the track's plane, positive towards the flange",
+    "angle": "from z to the longer semi-axis, positive towards the gauge side",
+    "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards",
+    "gauge-face deflection": "of the elastic rail, positive outwards, away from the middle of the track",
+    "p0/k": "maximum pressure over the shear strength k = yield strength / sqrt(3). Shakedown state of a circular "
+    "patch: elastic; shakedown, elastic after the first passages; hardening, the same with kinematic hardening; "
+    "yields, in each passage",
+    "stresses": "tension positive; maxima are those of the whole volume below a patch",
+}
 
 
-def wheelset_record(run: CaseRun) -> Record:
+def names(case: SpatialWheelsetCase | WheelsetCase) -> tuple[str, ...]:
+    """Names of the files of a run."""
+    if isinstance(case, WheelsetCase) or case.model == "plane":
+        return PLANE_NAMES
+    return *NAMES, *(rolling_names(case.rolling_theory) if case.friction else ())
+
+
+def wheelset_record(run: WheelsetRun) -> Record:
     """Return what a run of a wheelset found."""
-    summary = run.summary
-    problem = run.result.model.problem
-    contacts = (contacts_table,) if summary.contacts else ()
-    tables = (*contacts, position_table, rigid_table, stresses_table, bodies_table)
-    fields = cache(lambda: list(part_fields(run.result)))
+    fields = cache(lambda: list(part_fields(run.plane)))
+    shared = {
+        "facts": wheelset_facts(run),
+        "results": results_table(run),
+        "sentences": [REFERENCE],
+        "warnings": run.warnings,
+        "assumptions": run.case.assumptions(run.result),
+        "tables": _tables(run),
+    }
+    if run.in_space is None:
+        return run_record(
+            run,
+            PLANE_FILES,
+            subtitle=f"{_what(run)}; plane strain, {run.problem.thickness_mm:g} mm of length; {_method(run)}",
+            scene=lambda: wheelset_scene(fields(), run.plane.patches),
+            pictures=_plane_pictures(run, fields),
+            axes=TRACK_AXES,
+            files=lambda: _plane_files(run),
+            **shared,
+        )
+    rolls = bool(run.space.rolling)
     return run_record(
         run,
         FILES,
-        subtitle=f"Wheel {problem.wheelset.wheel.title} on rail {problem.track.rail.title}; plane strain, "
-        f"{problem.thickness_mm:g} mm of length; {_method(run)}",
-        facts=_facts(summary),
-        results=results_table(summary),
-        sentences=[_reference(summary)],
-        warnings=summary.warnings,
-        assumptions=summary.assumptions,
-        scene=lambda: wheelset_scene(fields(), summary.contacts),
-        pictures=_pictures(run, fields),
-        tables=[table(summary) for table in tables],
-        axes=summary.axes,
+        subtitle=_what(run),
+        scene=lambda: pressure_scene(run),
+        pictures=[*_pictures(run), *rolling_pictures(run)],
+        chapters={"Rolling": _rolling_tables(run)} if rolls else {},
+        axes=AXES | (ROLLING_AXES if rolls else {}),
         files=lambda: _files(run),
+        **shared,
     )
 
 
-def _method(run: CaseRun) -> str:
-    problem = run.result.model.problem
+def main_figure(run: WheelsetRun) -> Figure:
+    """Draw the wheelset on its rails."""
+    return section_figure(run) if run.in_space is not None else wheelset_figure(run, list(part_fields(run.plane)))
+
+
+def _what(run: WheelsetRun) -> str:
+    """What was computed, in words: profiles, axle load, way and speed."""
+    wheelset, track, case = run.problem.wheelset, run.problem.track, run.case
+    words = [f"Wheel {wheelset.wheel.title} on rail {track.rail.title}"]
+    if not (wheelset.is_symmetric and track.is_symmetric):
+        words.append(f"left: wheel {wheelset.wheel_of('left').title} on rail {track.rail_of('left').title}")
+    words.append(f"axle load {run.problem.load.vertical_N / 1e3:.4g} kN")
+    if case.speed_km_h is not None:
+        radius = case.curve_radius_m
+        way = f"curve of {abs(radius):g} m to the {'left' if radius > 0.0 else 'right'}" if radius else "straight track"
+        words.append(f"{way} at {case.speed_km_h:g} km/h")
+    return "; ".join(words)
+
+
+def _method(run: WheelsetRun) -> str:
+    problem = run.problem
     settings = problem.discretisation
     words = []
     for role in ("wheel", "rail"):
@@ -74,58 +235,124 @@ def _method(run: CaseRun) -> str:
     return f"{elements}, the {problem.primary[0]}s are the primary surface"
 
 
-def _reference(summary: WheelsetSummary) -> str:
-    published = summary.published
-    return summary.position.reference + (f" {published.reason}" if published else "")
+def wheelset_facts(run: WheelsetRun) -> list[tuple[str, str]]:
+    """Return the most important numbers with units, and what they are."""
+    units, patches = run.case.units, [*zip(run.patches, run.patch_names, strict=True)]
+    wheels = [wheel for wheel in run.wheels if wheel.lateral_over_vertical is not None]
+    facts = [fact(RATIO, wheel, units, f"{wheel.side} wheel") for wheel in wheels]
+    facts += [(wheel.nadal_words, f"Nadal's criterion, {wheel.side} wheel") for wheel in wheels if wheel.nadal_words]
+    facts.append(fact(LATERAL, run.result, units))
+    facts += [fact(PRESSURE, patch, units, name) for patch, name in patches]
+    loaded = [(patch, name) for patch, name in zip(run.spatial_patches, run.patch_names, strict=False)]
+    if loaded:
+        patch, name = max(loaded, key=lambda each: each[0].max_pressure)
+        if LOAD_FACTOR.value(patch) is not None:
+            facts.append((f"{LOAD_FACTOR.texts(patch)[0]}: {SHAKEDOWN.value(patch)}", f"p0/k and shakedown, {name}"))
+    return facts
 
 
-def _facts(summary: WheelsetSummary) -> list[tuple[str, str]]:
-    contacts = [(each, contact_name(each, summary.contacts)) for each in summary.contacts]
-    return wheelset_facts(summary, f"{summary.position.lateral_mm:z.3f} mm", contacts)
+def _of_wheels(quantities: Sequence[Quantity[WheelResult]], run: WheelsetRun) -> dict[str, dict[str, str]]:
+    """Texts of numbers of the wheels by names and sides."""
+    units = run.case.units
+    return {
+        quantity.labels(units)[0]: {
+            wheel.side: quantity.texts(wheel, units)[0] for wheel in run.wheels if quantity.value(wheel) is not None
+        }
+        for quantity in quantities
+    }
 
 
-def wheelset_facts(
-    summary: WheelsetSummary | SpatialWheelsetSummary,
-    lateral: str,
-    patches: Sequence[tuple[ContactSummary | WheelPatchSummary, str]],
-) -> list[tuple[str, str]]:
-    """L/V of both wheels, the lateral position, the maximum pressure of each patch by its name, and the residual."""
-    facts = [
-        (number(side.lateral_over_vertical, 3), f"L/V of the {side.side} wheel")
-        for side in summary.sides
-        if side.lateral_over_vertical is not None
+def results_table(run: WheelsetRun) -> SummaryTable:
+    """Position, L/V of the wheels and patches, one column a patch; what is of a side is in its first column."""
+    units, sides = run.case.units, [patch.patch.side for patch in run.patches]
+    position: Sequence[Quantity[AnyResult]] = (LATERAL, APPROACH)
+    quantities: Sequence[Quantity[Any]] = PLANE_MAIN
+    wheels: Sequence[Quantity[WheelResult]] = (RATIO,)
+    if run.in_space is not None:
+        rolls = bool(run.space.rolling)
+        position, quantities = MOTION, (*SPATIAL_MAIN, *(CREEP_MAIN if rolls else ()))
+        wheels = (RATIO, *(NADAL if rolls else ()), GAUGE)
+    whole = dict(rows_of(position, run.result, units))
+    table = table_across("Results", run.patch_names, run.patches, quantities, units=units)
+    return with_whole(table, whole, sides, _of_wheels(wheels, run))
+
+
+def _tables(run: WheelsetRun) -> list[SummaryTable]:
+    """Further numbers."""
+    units, result, in_space = run.case.units, run.result, run.in_space is not None
+    further = SPATIAL_FURTHER if in_space else PLANE_FURTHER
+    position = (*MOTION, APPROACH)[3 if in_space else 1 :]
+    rows = rows_of(position, result, units) + rows_of(LOAD, run.problem.load, units)
+    rows += rows_of(RESIDUAL, result.equilibrium.residuals)
+    tables = [
+        table_across("Patches", run.patch_names, run.patches, further, units=units),
+        SummaryTable("Position, load and equilibrium", ("", "value"), tuple(rows)),
+        table_across("Wheels and rails", SIDES, run.wheels, run.wheel_quantities, units=units),
     ]
-    facts.append((lateral, "lateral position of the axle"))
-    for patch, name in patches:
-        pressure = marked(number(patch.max_pressure_MPa, 0) + " MPa", patch.max_pressure_remark)
-        facts.append((pressure, f"maximum pressure, {name}"))
-    residual = summary.residual.equilibrium
-    return [*facts, ("–" if residual is None else f"{residual:.0e}", "equilibrium residual")]
+    if not in_space:
+        tables.append(table_of("Bodies", run.plane.model.bodies, MESH))
+    elif run.space.rails:
+        tables.append(rails_table(run))
+    return tables if run.patches else tables[1:]
 
 
-PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
-COLLECTION, CONTACT = "wheelset.pvd", "contact.vtu"
-PICTURES = (
-    "wheelset.png", "stresses-left.png", "stresses-right.png", "pressure.png",
-    "convergence.png",
-)  # fmt: skip
-NAMES = (*(f"{part}.vtu" for part in PARTS), CONTACT, COLLECTION, *PICTURES)
+def _rolling_tables(run: WheelsetRun) -> list[SummaryTable]:
+    """Creep forces and power of the patches, and how the whole wheelset rolls."""
+    units, patches = run.case.units, run.spatial_patches
+    theory = next(patch.creep.theory for patch in patches if patch.creep is not None)
+    caption = f"Rolling: creep forces by {theory}; the stresses below the patches include their tractions"
+    rows = rows_of(present(ROLLING, run.space), run.space, units)
+    for wheel in run.wheels:
+        rows += rows_of([NADAL_WORDS], wheel, units, f"{wheel.side} wheel") if wheel.nadal_words else []
+    return [
+        table_across(caption, run.patch_names, patches, (*CREEP_MAIN, *CREEP_FURTHER), units=units),
+        SummaryTable("Motion of the wheelset", ("", "value"), tuple(rows)),
+    ]
 
 
-def _files(run: CaseRun) -> dict[str, Writer]:
+def _pictures(run: WheelsetRun) -> list[Picture]:
+    pictures = [Picture(name, partial(draw, run), *words) for name, (draw, *words) in PICTURES.items()]
+    if not run.space.patches:  # a search that found no equilibrium
+        del pictures[1:]
+    if run.space.rails:
+        pictures.append(Picture(RAILS_PICTURE, lambda: rails_figure(run), RAILS_CAPTION))
+    return pictures
+
+
+def _files(run: WheelsetRun) -> dict[str, Writer]:
+    """Return functions that write surfaces and tables, by the files' names."""
+    writers: dict[str, Writer] = {PATCHES: text_writer(columns(PATCH, run.spatial_patches, run.case.units).csv(DIGITS))}
+    if run.space.rails:
+        writers[RAILS] = text_writer(rails_csv(run))
+    for name, (side, role) in SURFACES.items():
+        writers[f"{name}.vtu"] = partial(write_surface, run.space, side, role)
+    sections = {role: whole_sections(run.space, role) for role in ROLES}
+    found = {name: (side, role) for name, (side, role) in SECTIONS.items() if side in sections[role]}
+    for name, (side, role) in found.items():
+        writers[f"{name}.vtu"] = partial(write_section, sections[role][side], side, role)
+    below = {name: part for name, part in STRESSES.items() if any(p.side == part[0] for p in run.space.patches)}
+    for name, (side, role) in below.items():
+        writers[f"{name}.vtu"] = partial(write_stresses, run.space, side, role)
+    files = [(0.0, name, f"{name}.vtu") for name in (*SURFACES, *found, *below)]
+    writers[COLLECTION] = lambda path: write_collection(path, files)
+    writers[BELOW] = text_writer(below_table(run))
+    return writers
+
+
+def _plane_files(run: WheelsetRun) -> dict[str, Writer]:
     """Return functions that write the fields, by the files' names."""
-    result = run.result
-    writers: dict[str, Writer] = {f"{name}.vtu": partial(write_part, result=result, name=name) for name in PARTS}
+    result = run.plane
+    writers: dict[str, Writer] = {f"{name}.vtu": partial(write_part, result=result, name=name) for name in PLANE_PARTS}
     writers[CONTACT] = lambda path: write_contacts(
-        path, result.model.system, result.equilibrium.state, {name: result.placements[name] for name in PARTS}
+        path, result.model.system, result.equilibrium.state, {name: result.placements[name] for name in PLANE_PARTS}
     )
     vtu_files = [(0.0, Path(file).stem, file) for file in writers]
     writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
     return writers
 
 
-def _pictures(run: CaseRun, fields: Callable[[], list[PartFields]]) -> list[Picture]:
-    """Return all pictures in the order of `PICTURES`."""
+def _plane_pictures(run: WheelsetRun, fields: Callable[[], list[PartFields]]) -> list[Picture]:
+    """Return all pictures in the order of `PLANE_PICTURES`."""
     described: list[tuple[Callable[[], Figure], str, str]] = [
         (
             lambda: wheelset_figure(run, fields()),
@@ -152,11 +379,5 @@ def _pictures(run: CaseRun, fields: Callable[[], list[PartFields]]) -> list[Pict
             "Contact pressure along the surface: nodal forces over their areas, and Hertz's theory for the same force "
             "and the profiles' radii at the contact, where the profiles are not conforming.",
         ),
-        (
-            lambda: newton_figure([("", run.result.equilibrium.state)]),
-            "Residual and change of Newton's iterations, on a logarithmic axis.",
-            "Newton's iterations for forces and position: residual of forces over the total force, or violation "
-            "of the contact law, and change of the displacements.",
-        ),
     ]
-    return [Picture(name, *each) for name, each in zip(PICTURES, described, strict=True)]
+    return [Picture(name, *each) for name, each in zip(PLANE_PICTURES, described, strict=True)]

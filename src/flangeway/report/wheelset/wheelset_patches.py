@@ -1,13 +1,12 @@
 """Pictures of a wheelset in three dimensions: its section with the pressures, its patches, the stresses below them."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
+from flangeway.cases.wheelset.wheelset_quantities import patch_name
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.geometry import Placement
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
@@ -48,12 +47,6 @@ WIDEST_IN, HIGHEST_IN = 9.0, 8.0
 """Size of the picture of the patches without labels."""
 
 
-def patch_name(patch: SpatialPatch, patches: Sequence[SpatialPatch]) -> str:
-    """Side of a patch, with its region where the side has several."""
-    alone = sum(other.side == patch.side for other in patches) == 1
-    return patch.side if alone else f"{patch.side}, {patch.region}"
-
-
 def patch_map(result: SpatialResult, side: Side) -> PatchMap:
     """Patches of a side from above, right of the track to the right; lengths from the middle of the rail's profile."""
     state = result.equilibrium.state.sides[side]
@@ -65,9 +58,9 @@ def patch_map(result: SpatialResult, side: Side) -> PatchMap:
     return PatchMap(state.cells, patches, float(np.interp(0.0, middle, stations)), SIDE_SIGN[side])
 
 
-def section_figure(run: SpatialWheelsetRun) -> Figure:
+def section_figure(run: WheelsetRun) -> Figure:
     """Draw both sides in section with their pressures, and the sketch of the whole between them."""
-    result = run.result
+    result = run.space
     problem, motion = result.problem, result.equilibrium.position
     figure, ((left, middle, right),) = figure_with_room(13.0, 5.6, ROOM, n_columns=3, width_ratios=(1.0, 1.0, 1.0))
     highest = max((patch.ellipse.max_pressure for patch in result.patches), default=1.0)
@@ -83,17 +76,17 @@ def section_figure(run: SpatialWheelsetRun) -> Figure:
     return figure
 
 
-def _draw_side(axes: Axes, run: SpatialWheelsetRun, side: Side, highest: float) -> None:
-    result, problem, motion = run.result, run.result.problem, run.result.equilibrium.position
+def _draw_side(axes: Axes, run: WheelsetRun, side: Side, highest: float) -> None:
+    result, problem, motion = run.space, run.space.problem, run.space.equilibrium.position
     wheelset, track = problem.wheelset, problem.track
     placed = (
         (track.rail_of(side).outline, track.placement(side)),
         (wheelset.wheel_of(side).outline, motion.placement(wheelset, side)),
     )
     rail, wheel = (placement.points(outline.sampled(max_deviation=0.01)) for outline, placement in placed)
-    head = next(each for each in run.summary.rails if each.side == side)
-    rail = Placement.about(tuple(rail[rail[:, 1].argmax()].tolist()), head.roll_rad).points(rail)
-    for points in (rail + np.array([head.lateral_mm, head.vertical_mm]), wheel):
+    *shift, roll, _ = result.head_motion(side)
+    rail = Placement.about(tuple(rail[rail[:, 1].argmax()].tolist()), roll).points(rail)
+    for points in (rail + np.array(shift), wheel):
         axes.add_patch(Polygon(points, closed=True, facecolor=STEEL, edgecolor=INK, lw=0.8, alpha=0.85))
     state, mirror = result.equilibrium.state.sides[side], np.array([SIDE_SIGN[side], 1.0])
     points, normals, shown = state.points * mirror, state.normals * mirror, patch_map(result, side)
@@ -126,9 +119,9 @@ def _draw_side(axes: Axes, run: SpatialWheelsetRun, side: Side, highest: float) 
     equal_axes(axes, np.stack((middle - HALF_VIEW_MM, middle + HALF_VIEW_MM)))
 
 
-def patches_figure(run: SpatialWheelsetRun) -> Figure:
+def patches_figure(run: WheelsetRun) -> Figure:
     """Draw the pressures of both sides from above, z ahead, with outlines and Hertz's ellipses, in one scale."""
-    result = run.result
+    result = run.space
     maps = [patch_map(result, side) for side in SIDES]
     boxes = [shown.box for shown in maps]
     for box in boxes:
@@ -162,9 +155,9 @@ def patches_figure(run: SpatialWheelsetRun) -> Figure:
     return figure
 
 
-def pressures_figure(run: SpatialWheelsetRun) -> Figure:
+def pressures_figure(run: WheelsetRun) -> Figure:
     """Draw the pressure across and along the track through the maximum of each patch, beside Hertz's."""
-    result = run.result
+    result = run.space
     patches = result.patches
     count = max(len(patches), 1)
     figure, rows = figure_with_room(10.0, 0.5 + 2.8 * count, ROOM_OF_LINES, count, 2)
@@ -174,8 +167,8 @@ def pressures_figure(run: SpatialWheelsetRun) -> Figure:
         number = next(i for i, (ellipse, _) in enumerate(shown.patches) if ellipse is patch.ellipse)
         draw_sections(across, along, shown, number)
         along.sharey(across)
-        across.set_title(f"{patch_name(patch, patches)}: across".capitalize(), fontsize=10)
-        along.set_title(f"{patch_name(patch, patches)}: along the track".capitalize(), fontsize=10)
+        across.set_title(f"{patch_name(patch)}: across".capitalize(), fontsize=10)
+        along.set_title(f"{patch_name(patch)}: along the track".capitalize(), fontsize=10)
         across.set_ylabel("pressure in MPa")
         across.legend(loc="lower center", fontsize=8)
     rows[-1, 0].set_xlabel("length along the rail's surface in mm")
@@ -190,15 +183,15 @@ def lines_below(result: SpatialResult) -> list[tuple[SpatialPatch, Role]]:
     return [(patch, role) for patch in result.patches for role in roles]
 
 
-def stresses_figure(run: SpatialWheelsetRun) -> Figure:
+def stresses_figure(run: WheelsetRun) -> Figure:
     """Draw the von Mises stress below each patch across and along the track, and stresses over its maximum's depth."""
-    lines = lines_below(run.result)
+    lines = lines_below(run.space)
     count, several = max(len(lines), 1), len({role for _, role in lines}) > 1
     figure, rows = figure_with_room(12.5, 0.5 + 3.3 * count, ROOM_OF_STRESSES, count, 3)
     for panels, (patch, role) in zip(rows, lines, strict=False):
-        field = patch.field(role, run.result.tractions_of(patch.side))
-        where = patch_name(patch, run.result.patches)
-        found, shown = field.max_von_mises, patch_map(run.result, patch.side)
+        field = patch.field(role, run.space.tractions_of(patch.side))
+        where = patch_name(patch)
+        found, shown = field.max_von_mises, patch_map(run.space, patch.side)
         row, _, strip = at = field.nearest(found.position)
         values, highest = field.von_mises, found.value
         across = shown.across(field.along)

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
+from flangeway.cases.wheelset.wheelset_quantities import patch_name
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.mesh import PolyMesh
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.report.rolling.rolling_maps import shown_fields
 from flangeway.report.spatial.patch_map import strip_mesh
-from flangeway.report.spatial_wheelset.running_surface_files import friction_fields
-from flangeway.report.spatial_wheelset.wheelset_patches import patch_name
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
+from flangeway.report.wheelset.running_surface_files import friction_fields
 from flangeway.types import Floats, Ints
 
 RAISED_MM_PER_MPA = 0.01
@@ -25,21 +25,21 @@ NEAR = 40.0
 PRESSURE = "pressure_MPa"
 
 
-def pressure_scene(run: SpatialWheelsetRun) -> Scene:
+def pressure_scene(run: WheelsetRun) -> Scene:
     """Running surfaces of both rails, raised where there is pressure, and a view of each patch."""
-    patches = run.result.patches
-    views = [View(patch_name(patch, patches), (patch.centre_mm[0], patch.centre_mm[2]), NEAR) for patch in patches]
+    patches = run.space.patches
+    views = [View(patch_name(patch), (patch.centre_mm[0], patch.centre_mm[2]), NEAR) for patch in patches]
     note = (
         "Running surfaces of the rails in the track's axes: x to the right, z ahead of the axle, y up. For the eye "
         f"they are raised where there is pressure, by {RAISED_MM_PER_MPA:g} mm for 1 MPa; y is that of the raised "
         "surface, without the rail's deflection. Pressures are means over the cells of the contact, as in the VTU "
         "files of the rails."
     )
-    z = np.concatenate([state.grid.grid.z for state in run.result.equilibrium.state.sides.values()])
+    z = np.concatenate([state.grid.grid.z for state in run.space.equilibrium.state.sides.values()])
     ends = float(z.min()) - ROUND_MM, float(z.max()) + ROUND_MM
-    if run.result.rolling:
+    if run.space.rolling:
         note += " Tractions and slip velocities are shown by their sizes."
-    parts = [_part(run.result, side, ends) for side in SIDES]
+    parts = [_part(run.space, side, ends) for side in SIDES]
     return Scene(
         [part for part, _ in parts],
         parts[0][1],

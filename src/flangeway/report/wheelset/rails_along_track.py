@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.railway.track.placements import Side
 from flangeway.railway.wheelset.rail_along_track import REGIONS, RailAlongTrack
 from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, new_figure
@@ -36,9 +36,9 @@ LINES: tuple[tuple[str, Callable[[RailAlongTrack], Floats]], ...] = (
 """What is drawn along the track, one panel each."""
 
 
-def rails_figure(run: SpatialWheelsetRun) -> Figure:
+def rails_figure(run: WheelsetRun) -> Figure:
     """Draw deflection, gauge face and stress under the foot of both rails along the track, and sleepers with forces."""
-    rails = run.result.rails
+    rails = run.space.rails
     figure = new_figure(9.0, 7.0)
     panels = figure.subplots(len(LINES), 1, sharex=True)
     for axes, (label, values) in zip(panels, LINES, strict=True):
@@ -72,9 +72,9 @@ def _draw_sleepers(axes: Axes, rails: dict[Side, RailAlongTrack]) -> None:
         axes.set_title("forces of the sleepers on the left / right rail, kN", fontsize=9, pad=16, loc="left")
 
 
-def rails_table(run: SpatialWheelsetRun) -> SummaryTable:
+def rails_table(run: WheelsetRun) -> SummaryTable:
     """Return maxima of both rails, with the places of the stresses."""
-    rails = run.result.rails
+    rails = run.space.rails
     quantities: list[Column] = [
         ("top of the rail down, mm", lambda rail: -rail.head[:, 1].min(), ".3f"),
         ("gauge-face deflection, mm", lambda rail: rail.gauge_outward_mm.max(), ".3f"),
@@ -93,11 +93,11 @@ def _peak(region: str, kind: str, rail: RailAlongTrack) -> tuple[float, ...]:
     return value, *place
 
 
-def rails_csv(run: SpatialWheelsetRun) -> str:
+def rails_csv(run: WheelsetRun) -> str:
     """Return both rails along the track as a CSV file, a row for each place."""
     names = "side,z_mm,base_x_mm,base_y_mm,base_roll_rad,head_x_mm,head_y_mm,head_roll_rad,gauge_outward_mm,foot_MPa"
     rows = []
-    for side, rail in run.result.rails.items():
+    for side, rail in run.space.rails.items():
         table = np.column_stack((rail.z_mm, rail.base, rail.head, rail.gauge_outward_mm, _foot(rail)))
         rows += [(side, *row) for row in table.tolist()]
     return ResultTable(dict(zip(names.split(","), zip(*rows, strict=True), strict=True))).csv(6)

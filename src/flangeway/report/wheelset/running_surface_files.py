@@ -1,14 +1,10 @@
 """Files of a wheelset in three dimensions: surfaces and sections for ParaView, patches and lines below as tables."""
 
-from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
-from flangeway.cases.summary import ENDINGS
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
-from flangeway.cases.wheelset.spatial_wheelset_summary import WheelPatchSummary
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.formats import write_vtu, write_vtu_grids
@@ -19,7 +15,7 @@ from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.whole_sections import WholeSection
 from flangeway.report.spatial.patch_map import surface_mesh
-from flangeway.report.spatial_wheelset.wheelset_patches import lines_below
+from flangeway.report.wheelset.wheelset_patches import lines_below
 from flangeway.results import ResultTable
 from flangeway.types import Bools, Floats
 
@@ -129,16 +125,11 @@ def _corners(state: SideState, nodes: Floats, z: Floats) -> tuple[Floats, Floats
     return rail, wheel, gap.gaps < FAR_MM
 
 
-def patches_table(patches: Sequence[WheelPatchSummary]) -> str:
-    """Return the numbers of all patches as CSV, a row each; empty where there is no number."""
-    return ResultTable.of_rows([asdict(patch) for patch in patches], ENDINGS).csv(DIGITS)
-
-
-def below_table(run: SpatialWheelsetRun) -> str:
+def below_table(run: WheelsetRun) -> str:
     """Return the stresses on the normals below the centres of pressure as CSV, a row for each depth."""
     rows: list[dict[str, object]] = []
-    for patch, role in lines_below(run.result):
-        line = patch.below(role, run.result.tractions_of(patch.side))
+    for patch, role in lines_below(run.space):
+        line = patch.below(role, run.space.tractions_of(patch.side))
         where = {"side": patch.side, "region": patch.region, "body": role}
         columns = ResultTable({"depth_mm": line.depths, **line.stresses.by_name})
         rows += [{**where, **dict(zip(columns.columns, row, strict=True))} for row in columns.rows()]

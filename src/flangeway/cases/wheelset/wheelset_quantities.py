@@ -1,0 +1,573 @@
+"""Numbers of a wheelset on its rails, in three dimensions or in the plane: position, wheels, patches, rolling."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from flangeway.cases.patch_quantities import ANGLE, AREA, AXES, CELLS, HERTZ_AXES, HERTZ_PRESSURE
+from flangeway.cases.rolling_quantities import (
+    CREEPAGES,
+    FIELDS,
+    LATERAL_FORCE,
+    LONGITUDINAL_FORCE,
+    SPIN_MOMENT,
+    T_GAMMAS,
+    TRACTION,
+    CreepResult,
+)
+from flangeway.contact.patch.contact_ellipse import ContactEllipse
+from flangeway.exact import PointContact
+from flangeway.post.patch_stresses import DepthProfile, StressField
+from flangeway.problems import LinearBody
+from flangeway.quantities import Quantity, column_names, of_part
+from flangeway.railway.track.discretisation import ROLES, Role
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.track.wheelset_load import WheelsetLoad
+from flangeway.railway.wheelset.equilibrium import RelativeResiduals
+from flangeway.railway.wheelset.spatial_result import SpatialResult
+from flangeway.railway.wheelset.subsurface import SEARCHED, SubsurfaceExtreme, maximum_on, stresses_below
+from flangeway.railway.wheelset.wheel_patch import SpatialPatch
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
+from flangeway.railway.wheelset.wheelset_result import WheelsetResult
+from flangeway.types import Floats
+
+AnyResult = SpatialResult | WheelsetResult
+REFERENCE = (
+    "Position relative to the reference position, in which the axle is level, in the middle of the track, and the "
+    "wheels' tape lines are at the height of the rails' tops (y = 0), in the track's axes. The approach is the descent "
+    "from the position in which rigid wheels touch (in a curve: from the rigid equilibrium)."
+)
+XY, XYZ = ("x", "y"), ("x", "y", "z")
+
+
+@dataclass(frozen=True, eq=False)
+class PlanePatchResult:
+    """A region of contact of a plane wheelset."""
+
+    result: WheelsetResult
+    patch: WheelRailPatch
+
+    @property
+    def force(self) -> Floats:
+        """Force on the wheel, N, shape (2,)."""
+        return self.patch.force_on_wheel_N
+
+    @property
+    def normal_force(self) -> float:
+        """Without friction it is the whole force, N."""
+        return float(np.linalg.norm(self.force))
+
+    @property
+    def contact_angle(self) -> float:
+        """Angle of the tangent to which the force is normal, positive towards the flange, degrees."""
+        return math.degrees(math.atan2(-SIDE_SIGN[self.patch.side] * self.force[0], self.force[1]))
+
+    @property
+    def max_pressure(self) -> float:
+        """In MPa."""
+        return float(self.patch.pressure.pressures.max())
+
+    @property
+    def remark(self) -> str | None:
+        """What limits the maximum pressure."""
+        return self.patch.pressure.remark
+
+    @cached_property
+    def below(self) -> dict[Role, tuple[SubsurfaceExtreme, SubsurfaceExtreme]]:
+        """Maximum in-plane shear and von Mises stress on the normals below the centre of pressure."""
+        found = {}
+        for role in ROLES:
+            line = stresses_below(self.result, self.patch, role)
+            both = line.stresses.in_plane_shear, line.stresses.von_mises
+            shear, mises = (maximum_on(line.distances, values, SEARCHED) for values in both)
+            found[role] = shear, mises
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class PatchResult:
+    """A patch of a wheelset in three dimensions."""
+
+    result: SpatialResult
+    patch: SpatialPatch
+
+    @property
+    def ellipse(self) -> ContactEllipse:
+        """Its equivalent ellipse."""
+        return self.patch.ellipse
+
+    @property
+    def hertz(self) -> PointContact | None:
+        """Hertz's contact for its force and curvatures."""
+        return self.patch.hertz
+
+    @property
+    def remark(self) -> str:
+        """What limits the maximum pressure."""
+        return self.patch.remark
+
+    @property
+    def max_pressure(self) -> float:
+        """In MPa."""
+        return self.patch.ellipse.max_pressure
+
+    @property
+    def normal_force(self) -> float:
+        """In N."""
+        return float(np.linalg.norm(self.patch.force_on_wheel_N))
+
+    @property
+    def force(self) -> Floats:
+        """Force on the wheel with the creep force, N, shape (2,)."""
+        rolling = self.result.rolling_of(self.patch)
+        return self.patch.force_on_wheel_N if rolling is None else rolling.force_on_wheel_N[:2]
+
+    @property
+    def contact_angle(self) -> float:
+        """Angle of the plane normal to the normal force, positive towards the flange, degrees."""
+        return math.degrees(self.patch.contact_angle_rad)
+
+    @cached_property
+    def creep(self) -> CreepResult | None:
+        """Creep forces on the wheel; None without friction."""
+        rolling = self.result.rolling_of(self.patch)
+        if rolling is None:
+            return None
+        forces, sign = rolling.forces, -SIDE_SIGN[self.patch.side]
+        scale = rolling.speed_m_s / abs(forces.motion.speed)
+        return CreepResult(forces, rolling.creepages, rolling.contact.force, sign, scale)
+
+    @property
+    def power(self) -> float | None:
+        """Power that friction dissipates, W."""
+        rolling = self.result.rolling_of(self.patch)
+        return None if rolling is None else rolling.power_W
+
+    @cached_property
+    def fields(self) -> dict[Role, StressField]:
+        """Stresses in the volumes below the patch."""
+        tractions = self.result.tractions_of(self.patch.side)
+        return {role: self.patch.field(role, tractions) for role in ROLES}
+
+    @cached_property
+    def lines(self) -> dict[Role, DepthProfile]:
+        """Stresses on the normals below the centre of pressure."""
+        tractions = self.result.tractions_of(self.patch.side)
+        return {role: self.patch.below(role, tractions) for role in ROLES}
+
+    def maximum(self, role: Role, name: str) -> tuple[float, float, Floats]:
+        """Maximum of a stress in the volume below, MPa, its depth in mm, and its point in the track's axes."""
+        found = getattr(self.fields[role], name)
+        point = self.patch.points_below(role, *(np.array([entry]) for entry in found.position))[0]
+        return found.value, found.position[1], point
+
+    def below_centre(self, role: Role) -> tuple[float, float]:
+        """Maximum von Mises stress on the normal below the centre, MPa, and its depth in mm."""
+        mises = self.lines[role].stresses.von_mises
+        at = int(mises.argmax())
+        return float(mises[at]), float(self.lines[role].depths[at])
+
+
+AnyPatch = PatchResult | PlanePatchResult
+
+
+def patch_name(patch: SpatialPatch | WheelRailPatch) -> str:
+    """Side of a patch, and the part of the rail in contact."""
+    return f"{patch.side} {patch.region}"
+
+
+@dataclass(frozen=True, eq=False)
+class WheelResult:
+    """One wheel on its rail."""
+
+    result: AnyResult
+    side: Side
+    patches: list[AnyPatch]
+
+    @property
+    def highest(self) -> AnyPatch | None:
+        """Patch with the maximum pressure."""
+        return max(self.patches, key=lambda patch: patch.max_pressure, default=None)
+
+    @property
+    def most_loaded(self) -> AnyPatch | None:
+        """Patch with the maximum normal force."""
+        return max(self.patches, key=lambda patch: patch.normal_force, default=None)
+
+    @cached_property
+    def head(self) -> tuple[float, float, float, float]:
+        """Motion of the rail's head, lateral, vertical and roll, and of its gauge face outwards; not of a plane one."""
+        assert isinstance(self.result, SpatialResult)
+        return self.result.head_motion(self.side)
+
+    @property
+    def nadal_limit(self) -> float | None:
+        """Nadal's limit of L/V; None without friction."""
+        rolls = isinstance(self.result, SpatialResult) and self.result.rolling
+        return self.result.nadal_limit(self.side) if isinstance(self.result, SpatialResult) and rolls else None
+
+    @property
+    def nadal_fraction(self) -> float | None:
+        """L/V over Nadal's limit; None for a wheel whose flange does not touch."""
+        limit, ratio = self.nadal_limit, self.lateral_over_vertical
+        if limit is None or ratio is None or not isinstance(self.result, SpatialResult):
+            return None
+        return ratio / limit if self.result.flange_touches(self.side) else None
+
+    @property
+    def nadal_words(self) -> str | None:
+        """Nadal's criterion in words, for the wheel whose flange touches."""
+        fraction = self.nadal_fraction
+        if fraction is None:
+            return None
+        return f"{'exceeded' if fraction > 1.0 else 'not exceeded'} ({100.0 * fraction:.0f} %)"
+
+    @property
+    def lateral_over_vertical(self) -> float | None:
+        """L/V; None without contact."""
+        ratio = self.result.lateral_over_vertical(self.side)
+        return ratio if math.isfinite(ratio) else None
+
+    def total(self, value: Callable[[Any], float | None]) -> float:
+        """Sum of a number over the patches."""
+        return math.fsum(value(patch) or 0.0 for patch in self.patches)
+
+
+# Position, load and residuals
+
+LATERAL: Quantity[AnyResult] = Quantity(
+    "lateral", "lateral position of the axle", lambda r: r.equilibrium.position.lateral_mm, "mm", "z.3f"
+)
+APPROACH: Quantity[AnyResult] = Quantity("approach", "approach after first touch", "approach_mm", "mm", "z.4f")
+MOTION: tuple[Quantity[AnyResult], ...] = (
+    LATERAL,
+    Quantity("vertical", "vertical position", lambda r: r.equilibrium.position.vertical_mm, "mm", "z.4f"),
+    Quantity("roll", "roll", lambda r: r.equilibrium.position.roll_rad, "mrad", "z.3f", factor=1e3),
+)
+POSITION: tuple[Quantity[AnyResult], ...] = (
+    *MOTION,
+    APPROACH,
+    Quantity("horizontal_in_space", "", lambda r: r.position_in_space.lateral_mm, "mm"),
+    Quantity("vertical_in_space", "", lambda r: r.position_in_space.vertical_mm, "mm"),
+    Quantity("stable", "", lambda r: r.equilibrium.stable, meaning="whether it comes back after a small push"),
+    Quantity("reference", "", lambda _: REFERENCE),
+)
+LOAD: tuple[Quantity[WheelsetLoad], ...] = (
+    Quantity("vertical", "", "vertical_N", "kN", factor=1e-3, meaning="weight in space"),
+    Quantity("lateral", "", "lateral_N", "kN", factor=1e-3, meaning="horizontal force in space"),
+    Quantity("tilt", "", "tilt_rad", "rad", meaning="tilt of the track"),
+    Quantity("onto_track", "load normal to the track plane", lambda f: f.in_track[1], "kN", ".3f", factor=1e-3),
+    Quantity(
+        "lateral_in_track", "load parallel to the track plane", lambda f: f.in_track[0], "kN", "z.3f", factor=1e-3
+    ),
+)
+RESIDUAL: tuple[Quantity[RelativeResiduals], ...] = (
+    Quantity("equilibrium", "equilibrium residual", "equilibrium_residual", form=".1e"),
+    Quantity("vertical", "  vertical", "vertical_residual", form=".1e"),
+    Quantity("lateral", "  lateral", "lateral_residual", form=".1e"),
+    Quantity("moment", "  moment", "moment_residual", form=".1e"),
+)
+
+# Patches
+
+SIDE: Quantity[AnyPatch] = Quantity("side", "", lambda p: p.patch.side)
+REGION: Quantity[AnyPatch] = Quantity("region", "", lambda p: p.patch.region)
+NORMAL: Quantity[AnyPatch] = Quantity("normal_force", "normal force", "normal_force", "kN", ".2f", factor=1e-3)
+FORCES: tuple[Quantity[AnyPatch], ...] = (
+    NORMAL,
+    Quantity("lateral_force", "lateral force on the wheel", lambda p: p.force[0], "kN", "z.3f", factor=1e-3),
+    Quantity("vertical_force", "vertical force on the wheel", lambda p: p.force[1], "kN", "z.3f", factor=1e-3),
+)
+CONTACT_ANGLE: Quantity[AnyPatch] = Quantity("contact_angle", "contact angle", "contact_angle", "deg", ".2f")
+ON_RAIL: Quantity[AnyPatch] = Quantity(
+    "rail_position", "position on the rail", lambda p: p.patch.rail_point_mm, "mm", "z.2f", XY
+)
+ON_WHEEL: Quantity[AnyPatch] = Quantity(
+    "wheel_position", "position on the wheel", lambda p: p.patch.wheel_point_mm, "mm", "z.2f", XY
+)
+REMARK: Quantity[AnyPatch] = Quantity("max_pressure_remark", "", "remark", meaning="why it is approximate")
+PRESSURE: Quantity[AnyPatch] = Quantity(
+    "max_pressure", "maximum pressure", "max_pressure", "MPa", ".1f", remark=lambda p: p.remark
+)
+HALF_WIDTH: Quantity[PlanePatchResult] = Quantity(
+    "half_width", "half width", lambda p: p.patch.pressure.half_width, "mm", ".3f"
+)
+
+
+def _line(role: Role, name: str, label: str, number: int) -> tuple[Quantity[PlanePatchResult], ...]:
+    """A stress on the normal below a plane contact, and its depth."""
+    key = f"in_{role}_{name}"
+    return (
+        Quantity(key, f"{label} in the {role}", lambda p: p.below[role][number].value_MPa, "MPa", ".0f"),
+        Quantity(f"{key}_depth", "  at the depth", lambda p: p.below[role][number].depth_mm, "mm", ".2f"),
+    )
+
+
+PLANE_MAIN: tuple[Quantity[PlanePatchResult], ...] = (
+    *FORCES,
+    PRESSURE,
+    Quantity("hertz_pressure", "  Hertz", lambda p: p.patch.hertz and p.patch.hertz.max_pressure, "MPa", ".1f"),
+    HALF_WIDTH,
+    Quantity("hertz_half_width", "  Hertz", lambda p: p.patch.hertz and p.patch.hertz.half_width, "mm", ".3f"),
+    CONTACT_ANGLE,
+    ON_RAIL,
+    ON_WHEEL,
+)
+PLANE_FURTHER: tuple[Quantity[PlanePatchResult], ...] = (
+    Quantity("track_position", "position in the track", lambda p: p.patch.pressure.centre, "mm", "z.2f", XY),
+    Quantity("pressure_oscillation", "pressure oscillation", lambda p: p.patch.pressure.oscillation, form=".2%"),
+    Quantity("nodes", "nodes in contact", lambda p: len(p.patch.pressure.normal_forces), form="d"),
+    *(
+        quantity
+        for role in ROLES
+        for number, (name, label) in enumerate(
+            (("max_in_plane_shear", "in-plane shear stress"), ("max_von_mises", "von Mises stress"))
+        )
+        for quantity in _line(role, name, label, number)
+    ),
+)
+"""PLANE_MAIN, PLANE_FURTHER: numbers of a contact of a plane wheelset; the first ones for the table of results."""
+
+
+def _volume(role: Role, name: str) -> tuple[Quantity[PatchResult], ...]:
+    """A maximum stress in the volume below a patch, its depth and its point, for programs."""
+    key = f"in_{role}_{name}"
+    return (
+        Quantity(key, "", lambda p: p.maximum(role, name)[0], "MPa"),
+        Quantity(f"{key}_depth", "", lambda p: p.maximum(role, name)[1], "mm"),
+        Quantity(f"{key}_position", "", lambda p: p.maximum(role, name)[2], "mm", parts=XYZ),
+    )
+
+
+def _greater(
+    key: str, label: str, of: Callable[[PatchResult, Role], tuple[Any, ...]]
+) -> tuple[Quantity[PatchResult], ...]:
+    """The greater of a stress in rail and wheel, and its depth."""
+
+    def most(patch: PatchResult) -> tuple[Any, ...]:
+        return max((of(patch, role)[:2] for role in ROLES), key=lambda pair: pair[0])
+
+    return (
+        Quantity(key, label, lambda p: most(p)[0], "MPa", ".0f"),
+        Quantity(f"{key}_depth", "  at the depth", lambda p: most(p)[1], "mm", ".2f"),
+    )
+
+
+def _creep(quantity: Quantity[CreepResult]) -> Quantity[PatchResult]:
+    return of_part(lambda patch: patch.creep, quantity)
+
+
+POSITION_ALONG: Quantity[PatchResult] = Quantity(
+    "track_position", "position in the track", lambda p: p.patch.centre_mm, "mm", "z.2f", XYZ
+)
+LONGITUDINAL: Quantity[PatchResult] = Quantity(
+    "longitudinal_position", "longitudinal position", lambda p: p.patch.centre_mm[2], "mm", "z.2f"
+)
+LOAD_FACTOR: Quantity[PatchResult] = Quantity(
+    "pressure_over_shear_strength", "p0/k (load factor)", lambda p: p.result.load_factor(p.patch), form=".2f"
+)
+SHAKEDOWN: Quantity[PatchResult] = Quantity(
+    "shakedown_state", "  shakedown state", lambda p: p.result.shakedown_state(p.patch)
+)
+ROLLING_RADIUS: Quantity[PatchResult] = Quantity(
+    "rolling_radius", "rolling radius", lambda p: p.patch.rolling_radius_mm, "mm", ".3f"
+)
+CREEP_MAIN: tuple[Quantity[PatchResult], ...] = tuple(
+    map(
+        _creep,
+        (
+            *CREEPAGES,
+            replace(LONGITUDINAL_FORCE, key="longitudinal_creep_force", label="longitudinal creep force"),
+            replace(LATERAL_FORCE, key="lateral_creep_force", label="lateral creep force"),
+            TRACTION,
+            *T_GAMMAS[:1],
+        ),
+    )
+)
+CREEP_FURTHER: tuple[Quantity[PatchResult], ...] = (
+    *map(_creep, (SPIN_MOMENT, *T_GAMMAS[1:])),
+    Quantity("frictional_power", "frictional power", "power", "W", ".1f"),
+    *map(_creep, FIELDS),
+)
+"""CREEP_MAIN, CREEP_FURTHER: numbers of a patch that rolls, those of the table of results and further ones."""
+SPATIAL_MAIN: tuple[Quantity[PatchResult], ...] = (
+    NORMAL,
+    PRESSURE,
+    HERTZ_PRESSURE,
+    LOAD_FACTOR,
+    SHAKEDOWN,
+    AXES,
+    CONTACT_ANGLE,
+    ON_RAIL,
+    ON_WHEEL,
+    LONGITUDINAL,
+    *_greater("max_von_mises", "maximum von Mises stress", lambda p, role: p.maximum(role, "max_von_mises")),
+)
+SPATIAL_FURTHER: tuple[Quantity[PatchResult], ...] = (
+    *FORCES[1:],
+    POSITION_ALONG,
+    *_greater("von_mises_below_centre", "von Mises stress below the centre", lambda p, role: p.below_centre(role)),
+    *_greater("max_tresca", "maximum Tresca stress", lambda p, role: p.maximum(role, "max_tresca")),
+    *_greater("max_tension", "maximum tension", lambda p, role: p.maximum(role, "max_tension")),
+    HERTZ_AXES,
+    ANGLE,
+    AREA,
+    Quantity("conformity", "change of contact normal across the patch", lambda p: p.patch.conformity_deg, "deg", ".1f"),
+    ROLLING_RADIUS,
+    CELLS,
+    *(
+        quantity
+        for role in ROLES
+        for name in ("max_von_mises", "max_tresca", "max_tension")
+        for quantity in _volume(role, name)
+    ),
+)
+"""SPATIAL_MAIN, SPATIAL_FURTHER: numbers of a patch, those of the table of results and further ones."""
+PATCH: tuple[Quantity[PatchResult], ...] = (
+    SIDE, REGION, *SPATIAL_MAIN, REMARK, *SPATIAL_FURTHER, *CREEP_MAIN, *CREEP_FURTHER,
+)  # fmt: skip
+PLANE_PATCH: tuple[Quantity[PlanePatchResult], ...] = (SIDE, REGION, *PLANE_MAIN, REMARK, *PLANE_FURTHER)
+
+# Wheels
+
+RATIO: Quantity[WheelResult] = Quantity("lateral_over_vertical", "L/V", "lateral_over_vertical", form="z.4f")
+WHEEL: tuple[Quantity[WheelResult], ...] = (
+    Quantity("n_patches", "patches", lambda w: len(w.patches), form="d"),
+    Quantity("normal_force", "normal force", lambda w: w.total(lambda p: p.normal_force), "kN", ".3f", factor=1e-3),
+    Quantity(
+        "lateral_force",
+        "lateral force on the wheel",
+        lambda w: w.result.force_on_wheel_N(w.side)[0],
+        "kN",
+        "z.3f",
+        factor=1e-3,
+    ),
+    Quantity(
+        "vertical_force",
+        "vertical force on the wheel",
+        lambda w: w.result.force_on_wheel_N(w.side)[1],
+        "kN",
+        "z.3f",
+        factor=1e-3,
+    ),
+    RATIO,
+)
+GAUGE: Quantity[WheelResult] = Quantity("gauge_outward", "gauge-face deflection", lambda w: w.head[3], "mm", "z.3f")
+HEAD: tuple[Quantity[WheelResult], ...] = (
+    Quantity("head_lateral", "railhead lateral displacement", lambda w: w.head[0], "mm", "z.3f"),
+    Quantity("head_vertical", "  up", lambda w: w.head[1], "mm", "z.3f"),
+    Quantity("head_roll", "  roll", lambda w: w.head[2], "mrad", "z.3f", factor=1e3),
+    GAUGE,
+)
+NADAL_FRACTION: Quantity[WheelResult] = Quantity(
+    "share_of_nadal_limit", "  L/V over the limit", "nadal_fraction", form=".0%"
+)
+NADAL: tuple[Quantity[WheelResult], ...] = (
+    Quantity("nadal_limit", "  Nadal's limit", "nadal_limit", form=".3f"),
+    NADAL_FRACTION,
+)
+NADAL_WORDS: Quantity[WheelResult] = Quantity("nadal", "Nadal's criterion", "nadal_words")
+
+
+def _most_loaded(quantity: Quantity[Any]) -> Quantity[WheelResult]:
+    return of_part(lambda wheel: wheel.most_loaded, quantity)
+
+
+def _sum(quantity: Quantity[Any]) -> Quantity[WheelResult]:
+    return replace(quantity, of=lambda wheel: wheel.total(quantity.value), factor=1.0)
+
+
+_ELLIPSE: tuple[Quantity[Any], ...] = (AXES, ANGLE, LONGITUDINAL, ROLLING_RADIUS)
+_POINTS: tuple[Quantity[Any], ...] = (CONTACT_ANGLE, ON_RAIL, ON_WHEEL)
+_HIGHEST = tuple(of_part(lambda wheel: wheel.highest, quantity) for quantity in (PRESSURE, REMARK))
+PLANE_ROW: tuple[Quantity[WheelResult], ...] = (
+    *WHEEL,
+    *_HIGHEST,
+    *(_most_loaded(quantity) for quantity in (HALF_WIDTH, *_POINTS)),
+)
+SPATIAL_ROW: tuple[Quantity[WheelResult], ...] = (
+    *WHEEL,
+    *_HIGHEST,
+    *(_most_loaded(quantity) for quantity in (*_ELLIPSE, *_POINTS)),
+    *HEAD,
+)
+ROLLING_ROW: tuple[Quantity[WheelResult], ...] = (
+    *SPATIAL_ROW,
+    *map(_most_loaded, (*CREEP_MAIN[:3], CREEP_MAIN[5])),
+    *map(_sum, (*CREEP_MAIN[3:5], CREEP_MAIN[6], CREEP_FURTHER[3])),
+    NADAL_FRACTION,
+)
+"""PLANE_ROW, SPATIAL_ROW, ROLLING_ROW: numbers of a wheel in a row of a campaign: sums and the most loaded patch."""
+PLANE_PATCH_ROW: tuple[Quantity[PlanePatchResult], ...] = (SIDE, REGION, *PLANE_MAIN, REMARK)
+SPATIAL_PATCH_ROW: tuple[Quantity[PatchResult], ...] = (
+    SIDE, REGION, *FORCES, PRESSURE, REMARK, HERTZ_PRESSURE, HERTZ_AXES, LOAD_FACTOR, *_ELLIPSE, *_POINTS,
+)  # fmt: skip
+ROLLING_PATCH_ROW = (*SPATIAL_PATCH_ROW, *CREEP_MAIN, CREEP_FURTHER[3])
+"""PLANE_PATCH_ROW, SPATIAL_PATCH_ROW, ROLLING_PATCH_ROW: numbers of its patches, without stresses below."""
+
+
+def row_columns(quantities: Sequence[Quantity[WheelResult]]) -> tuple[str, ...]:
+    """Columns of a row of a campaign: position, and the numbers of both wheels."""
+    names = column_names(quantities)
+    return (*column_names(MOTION), *(f"{side}_{name}" for side in SIDES for name in names))
+
+
+def _rolled(value: Callable[[Any], float]) -> Callable[[SpatialResult], float | None]:
+    """A number of the rolling that is part of the equilibrium."""
+
+    def of(result: SpatialResult) -> float | None:
+        rolled = result.equilibrium.state.rolled
+        return None if rolled is None else value(rolled)
+
+    return of
+
+
+def _frequency(result: SpatialResult) -> float | None:
+    length, motion = result.kinematic_wavelength_mm, result.wheelset.model.rolling
+    return None if length is None or motion is None else 1e3 * motion.speed_m_s / length
+
+
+ROLLING: tuple[Quantity[SpatialResult], ...] = (
+    Quantity("rate", "rotation", _rolled(lambda at: at.rate_rad_s), "rad/s", ".4f"),
+    Quantity("yaw", "yaw", _rolled(lambda at: 1e3 * at.yaw_rad), "mrad", "z.3f"),
+    Quantity(
+        "yaw_moment",
+        "yaw moment from contact forces",
+        _rolled(lambda at: 1e-6 * at.yaw_moment_Nmm),
+        "kNm",
+        "z.3f",
+        meaning="on the wheelset, counter-clockwise from above",
+    ),
+    Quantity("torque", "torque on the axle", _rolled(lambda at: -1e-6 * at.torque_Nmm), "kNm", "z.3f"),
+    Quantity(
+        "traction",
+        "traction",
+        lambda result: 1e-3 * sum(float(patch.creep_force_on_wheel_N[2]) for patch in result.rolling),
+        "kN",
+        "z.3f",
+    ),
+    Quantity("t_gamma", "T-gamma of all patches", lambda r: sum(p.t_gamma_N for p in r.rolling), "N", ".1f"),
+    Quantity("power", "frictional power", lambda r: sum(p.power_W for p in r.rolling), "W", ".0f"),
+    Quantity(
+        "kinematic_wavelength",
+        "kinematic wave (Klingel): length",
+        lambda r: r.kinematic_wavelength_mm,
+        "m",
+        ".2f",
+        meaning="of the equivalent conicity of rigid wheels at 3 mm; none where it is not positive",
+        factor=1e-3,
+    ),
+    Quantity("kinematic_frequency", "  frequency", _frequency, "Hz", ".2f"),
+)
+
+
+MESH: tuple[Quantity[LinearBody], ...] = (
+    Quantity("name", "", "name"),
+    Quantity("unknowns", "unknowns", lambda body: body.stiffness.n, form=","),
+    Quantity("elements", "elements", lambda body: body.space.mesh.n_cells, form=","),
+    Quantity("nodes", "nodes", lambda body: body.space.n_nodes, form=","),
+)
