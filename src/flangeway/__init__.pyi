@@ -8,7 +8,7 @@ from . import post as post
 from . import railway as railway
 from . import rolling as rolling
 from .cases import load_case as load_case
-from .cases import wheelset as wheelset
+from .cases.wheelset.spatial_wheelset_case import wheelset as wheelset
 from .contact import Contact as Contact
 from .contact import Multiplier as Multiplier
 from .contact import NodeToNode as NodeToNode

@@ -6,7 +6,7 @@ from flangeway.cases.case import Case, Run, RunnableCase
 from flangeway.cases.case_file import CASES, find_case, load_case
 from flangeway.cases.case_template import schema, write_template
 from flangeway.cases.summary import Summary, write_summary
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, wheelset
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import (
     Convergence,
     WheelsetCase,
@@ -40,7 +40,6 @@ __all__ = [
     "run_halved",
     "schema",
     "solve_cook",
-    "wheelset",
     "write_summary",
     "write_template",
 ]
