@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from flangeway.contact import NodeToSegment
-from flangeway.contact.search import nearest_edges
 from flangeway.errors import InputError
 
 CHAIN = np.array([[0, 1], [1, 2]])
@@ -14,29 +13,6 @@ def flat_edges(breaks: np.ndarray) -> np.ndarray:
     """Edges along y = 0 from right to left, so that their body is below and they face up."""
     points = np.stack((breaks[::-1], np.zeros(len(breaks))), axis=1)
     return np.stack((points[:-1], points[1:]), axis=1)
-
-
-def test_unequal_edges_are_all_found() -> None:
-    """A node over a long edge finds it although many short edges' middles are nearer."""
-    breaks = np.concatenate(([0.0], np.linspace(10.0, 11.0, 101)))
-    edges = flat_edges(breaks)
-    found = nearest_edges(np.array([[9.0, 0.1], [10.505, 0.1]]), np.array([[0, -1.0], [0, -1.0]]), edges)
-    assert found[0] == len(edges) - 1
-    assert edges[found[1], 0, 0] == pytest.approx(10.51)
-
-
-def test_edges_that_face_away_are_left_out() -> None:
-    """A node meets the near side of a thin plate, not its back, even when it has penetrated beyond the middle."""
-    front, back = flat_edges(np.array([0.0, 2.0])), flat_edges(np.array([0.0, 2.0]))[:, ::-1] - [0.0, 0.5]
-    edges = np.concatenate((front, back))
-    assert nearest_edges(np.array([[1.0, -0.4]]), np.array([[0.0, -1.0]]), edges)[0] == 0
-    assert nearest_edges(np.array([[1.0, -0.4]]), np.array([[0.0, 1.0]]), edges)[0] == 1
-
-
-def test_no_edge_faces_a_node() -> None:
-    """Where every edge faces away the node has no pair."""
-    edges = flat_edges(np.array([0.0, 1.0]))
-    assert nearest_edges(np.array([[0.5, 0.1]]), np.array([[0.0, 1.0]]), edges)[0] == -1
 
 
 def test_a_pair_is_kept_a_little_beyond_its_edge() -> None:

@@ -108,19 +108,6 @@ def test_initial_penetration_is_reported(press) -> None:
     assert deep.initial_penetration[0] == pytest.approx(0.02, rel=1e-6)
 
 
-def test_a_failure_names_what_flips(press) -> None:
-    """Stopped after one iteration, the message names node, place and both parts, and says what to try."""
-    contact = contact_of(press, NodeToSegment(), Multiplier())
-    settings = NewtonSettings(max_iterations=1)
-    solution = press_contacts(contact, None, settings=settings, steps=StepSettings(smallest=0.5))
-    message = solution.status.message
-    assert not solution.status.converged
-    assert "not converged in 1 iteration: contact still comes and goes at node" in message
-    assert "of 'disc' at (" in message
-    assert "on 'block'" in message
-    assert "take smaller steps" in message
-
-
 def test_an_augmented_lagrangian_that_cannot_reach_its_tolerance_says_so(press) -> None:
     """A weak penalty and two corrections end as not converged, with the penetration over the tolerance."""
     law = AugmentedLagrange(1e3, per="length", penetration=1e-9)
@@ -200,25 +187,6 @@ def test_the_suggested_penalty_works(press) -> None:
     exact = press_contacts(given, None)
     assert -solution.state.linearisation.gaps.min() < 0.05 * 0.05
     assert solution.forces[0, 1] == pytest.approx(exact.forces[0, 1], rel=0.03)
-
-
-@pytest.mark.parametrize("pairing", PAIRINGS, ids=["nodes", "segments", "dual"])
-def test_parts_out_of_reach_do_not_touch(press, pairing) -> None:
-    """A disc lifted by 10 mm converges at once without force; dropped from there it ends as if pressed directly."""
-    contact = contact_of(press, pairing, Multiplier())
-    disc = contact.secondary.part
-    away = press_contacts(contact, {disc: Placement(0.0, (0.0, 10.0))})
-    assert away.status.converged
-    assert not away.state.forces.any()
-    assert not away.forces.any()
-    assert pressure_patches(away.system, away.state) == []
-    lifted = type(disc)(disc.name, disc.body, Placement(0.0, (0.0, 3.0)))
-    surface = type(contact.secondary)(lifted, contact.secondary.edges)
-    dropped = press_contacts(
-        Contact(surface, contact.primary, pairing, Multiplier()), {lifted: Placement(0.0, (0.0, -3.05))}
-    )
-    direct = press_contacts(contact, None)
-    assert dropped.forces[0, 1] == pytest.approx(direct.forces[0, 1], rel=1e-9)
 
 
 @pytest.mark.parametrize("pairing", PAIRINGS, ids=["nodes", "segments", "dual"])

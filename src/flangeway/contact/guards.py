@@ -227,7 +227,7 @@ def _paired(
     return nodes, partners, node_edge_gaps(positions[nodes], edges[partners])
 
 
-def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, explained: float) -> Guards:
+def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, explained: float, bent: float) -> Guards:
     """Further nodes of two surfaces that lie behind the other one by more than curves and the law of contact explain.
 
     If sharp corners are among them, only these: they define the direction in which the other body moves, which may
@@ -243,6 +243,8 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
         Which of their nodes are guarded already, each (n_nodes,).
     explained
         Penetration that the law of contact explains.
+    bent
+        Maximum depth that the deformation of edges explains on each side.
 
     Returns
     -------
@@ -261,7 +263,7 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
     ]
     if not (near[0].any() or near[1].any()):
         return found[0], found[1]
-    sagittas = [surface.sagittas(each) for surface, each in zip(surfaces, edges, strict=True)]
+    sagittas = [surface.sagittas(each, bent) for surface, each in zip(surfaces, edges, strict=True)]
     for side, other in ((0, 1), (1, 0)):
         at, places, none = positions[side], surfaces[side].edge_places, np.full(counts[side], -1)
         given = at, places, edges[other], np.flatnonzero(near[side]), node_normals(at, places, bisecting=True), none

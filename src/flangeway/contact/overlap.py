@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 
 from flangeway.contact.kinematics import shape_functions
-from flangeway.contact.surface import sagittas_of
-from flangeway.contact.system import ROUND_OFF, ContactLinearisation, ContactSystem
+from flangeway.contact.surface import CORNER, sagittas_of
+from flangeway.contact.system import MAX_OVERLAP, ROUND_OFF, ContactLinearisation, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.problems import Part
 from flangeway.solve import BodyResponse, ContactState
@@ -18,13 +18,6 @@ from flangeway.types import Floats, Ints
 
 SAMPLES = np.linspace(0.0, 1.0, 6)[:, None]
 """Points of a side of an overlap at which its depth is measured, as parts of the side."""
-
-MAX_OVERLAP = 0.2
-"""Overlap over the maximum displacement of the surfaces, between nodes where bodies bend and meshes do not: elements at
-the end of a contact on a sharp corner leave up to 0.18 on the coarsest meshes that are held to be of use."""
-
-LARGE_OVERLAP = 0.05
-"""The same, above which it is said."""
 
 PASSAGE = 1e-6
 """Depth over the size of the smaller body up to which bodies that slide along each other are apart."""
@@ -70,7 +63,7 @@ class Boundary:
     sagittas: Floats
 
     @classmethod
-    def of_part(cls, part: Part, positions: Floats) -> "Boundary":
+    def of_part(cls, part: Part, positions: Floats, chord_turn: float = CORNER) -> "Boundary":
         """Boundary of a part whose nodes are at positions in space (n_nodes, 2); curved edges become 8 segments."""
         edges = part.body.boundary_edges
         nodes = part.body.edge_nodes(edges)
@@ -78,7 +71,9 @@ class Boundary:
             edges, nodes = edges[:, ::-1], nodes[:, ::-1]
         drawn, deformed = part.placement.points(part.body.nodes)[edges], positions[nodes]
         order, joints = nodes.shape[1] - 1, (edges[:, 0].astype(np.int64), edges[:, 1].astype(np.int64))
-        sagittas = sagittas_of(drawn, drawn, joints)  # what bodies bend is no curve: straight edges have 0
+        sagittas = sagittas_of(
+            drawn, drawn, joints, 0.0, chord_turn
+        )  # what bodies bend is no curve: straight edges have 0
         at_ends = np.zeros(len(part.body.nodes))
         np.maximum.at(at_ends, edges, sagittas[:, None])
         # half a chord beside a corner, as on dual polygons, has no turn that shows the curve: its neighbour has
@@ -213,7 +208,8 @@ def deformed_boundaries(
         points = part.body.nodes
         at = state.placements[number].points(points + field[: len(points)])
         at[system.surface_nodes[number].nodes] = state.positions[first:last]
-        boundaries.append(Boundary.of_part(part, at))
+        surfaces = (side for each in system.contacts for side in (each.secondary, each.primary) if side.part is part)
+        boundaries.append(Boundary.of_part(part, at, max(surface.chord_turn for surface in surfaces)))
     return boundaries
 
 

@@ -354,7 +354,7 @@ def press(
         def keep(share: float, state: ContactState, number: int = number) -> None:
             done.append(LoadStep(number + share, state))
 
-        reached = follow(solve_at, reached, sizes, keep)
+        reached = follow(solve_at, reached, sizes, keep, _uncertain)
         placed = _moved(system.parts, placed, leg, 1.0)
         if not reached.status.converged:
             break
@@ -362,11 +362,6 @@ def press(
     state = reached
     if state.status.converged and not state.nodal_forces.any():
         state = replace(state, status=replace(state.status, message=f"{state.status.message}; nothing touches"))
-    elif state.status.converged:
-        undeformed = state.positions - state.displacements
-        for x, y in np.concatenate([system.corners_on_corners(undeformed, i) for i in range(len(contacts))])[:1]:
-            more = f"; a corner meets a corner at ({x:.4g}, {y:.4g}): the side on which the force acts is arbitrary"
-            state = replace(state, status=replace(state.status, message=state.status.message + more))
     solution = ContactSolution(system, bodies, state, tuple(done), depths)
     if not state.status.converged:
         return solution
@@ -380,6 +375,12 @@ def _errors_of_step(
     states = [state] if start is None else [start, state]
     overlaps = body_overlaps(system, response, state)
     return [*(str(each) for each in overlaps if not each.is_explained), *passages(system, states)]
+
+
+def _uncertain(state: ContactState) -> float:
+    """Sum of the forces that tolerated penetrations leave open."""
+    lin, closed = state.linearisation, (state.forces > 0.0) & np.isfinite(state.linearisation.tolerances)
+    return float((lin.tolerances[closed] / lin.compliances[closed]).sum())
 
 
 def _step_settings(

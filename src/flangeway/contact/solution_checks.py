@@ -6,8 +6,8 @@ import numpy as np
 
 from flangeway.contact.guards import GuardedPairs
 from flangeway.contact.node_to_node import MatchedPairs
-from flangeway.contact.overlap import LARGE_OVERLAP, MAX_OVERLAP, BodyOverlap
-from flangeway.contact.system import ContactLinearisation, ContactSystem
+from flangeway.contact.overlap import BodyOverlap
+from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ContactLinearisation, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product, point_text
 from flangeway.problems import Body, Part
@@ -55,7 +55,13 @@ def check_solution(
 
     """
     errors = [str(each) for each in overlaps if not each.is_explained]
-    warnings: list[str] = []
+    undeformed = state.positions - state.displacements
+    warnings = [
+        f"a corner meets a corner at ({x:.4g}, {y:.4g}): the side that carries the force is arbitrary; move one of "
+        "them, or round them off"
+        for number in range(len(system.contacts) if state.forces.any() else 0)
+        for x, y in system.corners_on_corners(undeformed, number)[:1]
+    ]
     size = max(part.body.size for part in system.parts)
     moved = float(np.linalg.norm(state.displacements, axis=1).max(initial=0.0))
     slide, by_slides = _slide(system, state, errors)

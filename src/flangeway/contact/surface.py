@@ -22,8 +22,11 @@ COLLINEAR = 1e-6
 """Turn between edges, in rad, below which they are one line."""
 
 CORNER = np.deg2rad(15.0)
-"""Turn between edges from which they meet in a corner. Curves are drawn in more chords: what these overlap is allowed,
-what corners overlap is not."""
+"""Turn between edges from which they meet in a corner."""
+
+CHORDS = np.deg2rad(5.0)
+"""Turn between edges up to which they are taken for chords of a curve where none is drawn, 72 or more to a circle: what
+these overlap is allowed, what the sides of a polygon overlap is not. Of a drawn curve it is `CORNER`."""
 
 ROUGH = np.deg2rad(30.0)
 """Turn between edges from which a surface is not smooth in the mean: the pressure may jump there, so that both sides
@@ -298,11 +301,16 @@ class Surface:
         found: Floats = radii[:, :1] + (radii[:, 1:] - radii[:, :1]) * parameters
         return found
 
-    def sagittas(self, edges: Floats) -> Floats:
+    @property
+    def chord_turn(self) -> float:
+        """Turn between edges up to which they are chords of a curve."""
+        return CHORDS if self.curve is None else CORNER
+
+    def sagittas(self, edges: Floats, bent: float) -> Floats:
         """How far a smooth curve may lie from deformed edges (n_edges, order + 1, 2), see `sagittas_of`: (n_edges,)."""
         drawn = self.part.placement.points(self.part.body.nodes[self.edge_nodes[:, [0, -1]]].reshape(-1, 2))
         joints = self.edge_nodes[:, 0].astype(np.int64), self.edge_nodes[:, -1].astype(np.int64)
-        return sagittas_of(drawn.reshape(-1, 2, 2), edges, joints)
+        return sagittas_of(drawn.reshape(-1, 2, 2), edges, joints, bent, self.chord_turn)
 
     @cached_property
     def edge_shares(self) -> Floats:
@@ -336,12 +344,12 @@ def chord_depths(lengths: Floats, before: Floats, after: Floats, limit: float) -
     return np.where(smooth, lengths * turns / 8.0, 0.0)
 
 
-def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints]) -> Floats:
+def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints], bent: float, limit: float) -> Floats:
     """Distance to which a smooth curve may leave each edge or one of its neighbours, shape (n,).
 
-    An edge of a drawn curve turns at both ends to one side, by less than `CORNER`; straight sides do not, and a corner
-    is at one end; see `chord_depths`. What the deformation adds to the turns at both ends is always allowed. A curved
-    edge has at least the distance of its nodes from its chord.
+    An edge of a drawn curve turns at both ends to one side, by less than a limit; straight sides do not, and a corner
+    is at one end; see `chord_depths`. What the deformation adds to the turns at both ends, and the distance of the
+    nodes of a curved edge from its chord, are allowed up to a depth.
 
     Parameters
     ----------
@@ -351,6 +359,10 @@ def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints]) -> F
         Nodes of the deformed edges, shape (n, order + 1, 2).
     joints
         Points at which the edges start and end, each (n,): edges with a common one meet there.
+    bent
+        That depth.
+    limit
+        Turn up to which edges are chords of a curve.
 
     """
     n = len(drawn)
@@ -376,12 +388,11 @@ def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints]) -> F
     # the last edge of a chain is treated as one on the curve of the turn before
     at_start, at_end = np.where(first, at_end, at_start), np.where(last, at_start, at_end)
     lengths = np.linalg.norm(deformed[:, -1] - deformed[:, 0], axis=1)
-    own = chord_depths(np.where(half, 2.0, 1.0) * lengths, at_start, at_end, CORNER)
-    own += lengths / 8.0 * (added + added_before)
+    own = chord_depths(np.where(half, 2.0, 1.0) * lengths, at_start, at_end, limit)
     chord = (deformed[:, -1] - deformed[:, 0]) / lengths[:, None]
     inner = deformed[:, 1:-1] - deformed[:, :1]
     bulge = np.abs(inner[..., 0] * chord[:, None, 1] - inner[..., 1] * chord[:, None, 0]).max(axis=1, initial=0.0)
-    own = np.maximum(own, bulge)
+    own += np.minimum(np.maximum(lengths / 8.0 * (added + added_before), bulge), bent)
     result = own.copy()
     np.maximum.at(result, following[meets], own[meets])
     result[meets] = np.maximum(result[meets], own[following[meets]])

@@ -43,7 +43,7 @@ def check_contact(
 
     Errors: forces or positions that are not finite, nodes that pull, and a penetration of the size of the elastic
     sinking p a / E* (maximum pressure, half width, modulus of contact; for Hertz's contact it is the height of the
-    circle over the half width). Warnings: a corner that meets a corner, a penetration above 5 % of that, or a gap that
+    circle over the half width). Warnings: a penetration above 5 % of that, or a gap that
     a barrier leaves, straight edges in contact whose distance h^2 / 8 R from their curve is above it, regions of fewer
     than 8 segments, and a pressure that oscillates from node to node.
 
@@ -70,12 +70,6 @@ def check_contact(
         forces = state.forces[inside]
         if forces.min(initial=0.0) < -MAX_PULL * np.abs(forces).max(initial=0.0):
             errors.append(f"{name} pulls with {-forces.min():.3g} N at a node, which contact cannot")
-        if forces.any():
-            warnings += [
-                f"in {name} a corner meets a corner at ({x:.4g}, {y:.4g}): which of its sides carries the force is "
-                "arbitrary; move one of them, or round them off"
-                for x, y in system.corners_on_corners(state.positions - state.displacements, number)[:1]
-            ]
         mine = [patch for patch in patches if patch.contact == number]
         depth = float(-lin.gaps[inside][forces > 0.0].min(initial=0.0))
         sinking = max((_sinking(contact, patch) for patch in mine), default=np.inf)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
 
 from flangeway.checks import as_numbers, check_positive
 from flangeway.errors import InputError, short
@@ -394,25 +395,17 @@ class StiffnessBody(LinearBody):
             )
 
     def _side(self, edges: NDArray[np.int32]) -> float:
-        """Positive where most nodes that the stiffness couples to a chain's edges are on its left, negative: right."""
-        owner = np.empty(self._matrix.shape[0], dtype=np.int64)
-        there = self._places >= 0
-        owner[self._places[there]] = np.nonzero(there)[0]
-        ends = np.stack((edges[:, [0, -1]], edges[:, [-1, 0]]), axis=1).reshape(-1, 2)  # each end of each edge
-        forward = np.tile([1.0, -1.0], len(edges))
-        votes = 0.0
-        for component in range(2):
-            rows = self._places[ends[:, 0], component]
-            coupled = sp.coo_array(self._matrix[rows[rows >= 0]])
-            end, near = np.flatnonzero(rows >= 0)[coupled.row], owner[coupled.col]
-            inner = (near < len(self.nodes)) & ~np.isin(near, edges)
-            end, near = end[inner], near[inner]
-            chord = self.nodes[ends[end, 1]] - self.nodes[ends[end, 0]]
-            apart = self.nodes[near] - self.nodes[ends[end, 0]]
-            close = np.linalg.norm(apart, axis=1) <= NEAR * np.linalg.norm(chord, axis=1)
-            votes += float((np.sign(cross_product(chord, apart)) * forward[end])[close].sum())
-        if votes == 0.0 and edges[0, 0] == edges[-1, -1]:
-            x, y = self.nodes[edges[:, 0]].T
-            around = np.allclose([np.ptp(x), np.ptp(y)], np.ptp(self.nodes, axis=0))
-            votes = float(around) * float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum())
-        return votes
+        """Positive where the nodes nearest to a chain's edges are on its left, negative: on its right."""
+        inner = np.setdiff1d(np.arange(len(self.nodes)), edges)
+        starts, chords = self.nodes[edges[:, 0]], self.nodes[edges[:, -1]] - self.nodes[edges[:, 0]]
+        if len(inner):
+            apart, near = cKDTree(self.nodes[inner]).query(starts + chords / 2.0)
+            close = apart <= NEAR * np.linalg.norm(chords, axis=1)
+            votes = float(np.sign(cross_product(chords, self.nodes[inner[near]] - starts))[close].sum())
+            if votes != 0.0:
+                return votes
+        if edges[0, 0] != edges[-1, -1]:
+            return 0.0
+        x, y = self.nodes[edges[:, 0]].T
+        around = np.allclose([np.ptp(x), np.ptp(y)], np.ptp(self.nodes, axis=0))
+        return float(around) * float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum())

@@ -377,8 +377,7 @@ class _Run:
         carried, tangential = (carried_forces(here.current, each, after) for each in (new_forces, new_tangential))
         self.displacements, self.current, self.forces, self.tangential = moved, after, carried, tangential
         self.slides, self.applied, scale = self._slides(after, moved), applied, self._scale()
-        nodal = nodal_forces_of(after, carried, self.slides, tangential, len(self.reference))
-        left = self.parts.residual(self.motions, self.reference + moved, nodal)
+        nodal, left = self._nodal(), self._left()
         left -= self.neutral[0] @ (self.neutral[0].T @ left)
         unbalanced = np.append(nodal - applied, left)
         most = max(float(np.abs(each).max(initial=0.0)) for each in (applied, self.parts.load))
@@ -540,6 +539,14 @@ class _Run:
         motions = active_set.Motions(by_motion, resultants, stiffness, residual, parts.numbers, parts.sizes)
         return answer, matrix, offset, motions
 
+    def _nodal(self) -> Floats:
+        """Forces of the constraints on all surface nodes, shape (n_nodes, 2)."""
+        return nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
+
+    def _left(self) -> Floats:
+        """What is left of forces, loads and springs along the motions of handles, shape (n,)."""
+        return self.parts.residual(self.motions, self.reference + self.displacements, self._nodal())
+
     def _stays_free(self) -> str:
         """Words for the motions that nothing holds in the solution."""
         if not self.parts.n:
@@ -551,8 +558,7 @@ class _Run:
             matrix, rigid, active = self.tangent  # of the last step, which changes nothing any more
             unstable = rigid.unstable(matrix, active, kept)
             self.stable = False if unstable.size else None if free.size else True
-        nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
-        left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
+        left = self._left()
         size = float(np.abs(kept.T @ left).max(initial=0.0))
         why = "nothing prevents"
         if size > UNHELD * self.forces.sum():
@@ -579,8 +585,7 @@ class _Run:
 
     def _unbalanced(self) -> str:
         """Words for the maximum force that is left on a handle."""
-        nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
-        left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
+        left = self._left()
         if not (np.abs(left) > NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)).any():
             return ""
         most = np.zeros_like(left)
@@ -623,10 +628,9 @@ class _Run:
 
     def _loose(self) -> str:
         """Names the parts that move away because nothing answers to their loads."""
-        nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
-        left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
+        left = self._left()
         velocities = self.parts.velocities(self.motions, self.reference + self.displacements)
-        held = np.einsum("niq,ni->q", np.abs(velocities), np.abs(nodal))
+        held = np.einsum("niq,ni->q", np.abs(velocities), np.abs(self._nodal()))
         beyond = NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)
         pushed = np.where((np.abs(left) > beyond) & (held < beyond), left, 0.0)
         words = self.parts.describe(self.motions, pushed[:, None] / np.abs(pushed).max()) if pushed.any() else []
@@ -656,7 +660,7 @@ class _Run:
             self.reference + self.displacements,
             self.current,
             self.forces,
-            nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference)),
+            self._nodal(),
             tuple(self.history),
             friction,
             self.motions,

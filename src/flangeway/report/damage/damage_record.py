@@ -8,7 +8,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.cases.damage.damage_file import DamageInputs
+from flangeway.errors import InputError
 from flangeway.railway.damage.evolution import Evolution, EvolutionStep
+from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.report.figures.drawing import SERIES, axis_name, new_figure
 from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable
@@ -16,12 +19,16 @@ from flangeway.system.output_folder import Writer, text_writer
 from flangeway.system.versions import versions
 
 STEPS_CSV = "steps.csv"
-PROFILES_PNG, OVER_DISTANCE_PNG = "profiles.png", "over-distance.png"
+PROFILES_PNG = "profiles.png"
 MAX_PROFILES = 6
 PROFILES_TEXT = (
     "Depth of wear along the running surfaces, new to worn; below it net T-gamma damage at the end: above 0 cracks "
-    "grow, below 0 they are worn off."
+    "grow, below 0 they are worn off. Over the distance: equivalent conicity at 3 mm, maximum pressure, mean T-gamma "
+    "of all states."
 )
+CONICITY_MM = 3.0
+"""Amplitude of the equivalent conicity, as EN 15302 reports it."""
+OVER_DISTANCE = {"conicity": "conicity at 3 mm", "max_pressure_MPa": "p0 in MPa", "t_gamma_N": "T-gamma in N"}
 
 
 def damage_record(inputs: DamageInputs, steps: Sequence[EvolutionStep], command: str, seconds: float) -> Record:
@@ -33,7 +40,8 @@ def damage_record(inputs: DamageInputs, steps: Sequence[EvolutionStep], command:
     evolution, last, unit = inputs.evolution, steps[-1], inputs.evolution.unit
     unconverged = [text for step in steps for text in step.unconverged]
     ended = f"limit {', '.join(last.reached)}" if last.reached else "the end"
-    row = last.row
+    rows = numbers_over_distance(evolution, steps)
+    row = rows[-1]
     facts = [(f"{last.position:.6g} {unit}", f"to {ended}")]
     for role, side in last.surfaces:
         facts.append(
@@ -50,14 +58,14 @@ def damage_record(inputs: DamageInputs, steps: Sequence[EvolutionStep], command:
         results=SummaryTable(
             "Profiles, first and last",
             ("", "new", "worn"),
-            tuple((_label(key, unit), f"{steps[0].row[key]:.5g}", f"{value:.5g}") for key, value in row.items()),
+            tuple((_label(key, unit), f"{rows[0][key]:.5g}", f"{value:.5g}") for key, value in row.items()),
         ),
         summary={
             "name": inputs.name,
             "unit": unit,
             "position": last.position,
             "reached": list(last.reached),
-            "steps": [step.row for step in steps],
+            "steps": rows,
             "unconverged": unconverged,
             "laws": {role: law.name for role, law in evolution.laws.items()},
             "versions": versions(),
@@ -69,25 +77,20 @@ def damage_record(inputs: DamageInputs, steps: Sequence[EvolutionStep], command:
         warnings=list(dict.fromkeys(unconverged)),
         assumptions=_assumptions(inputs),
         pictures=[
-            Picture(
-                PROFILES_PNG,
-                lambda: profiles_figure(steps, unit),
-                PROFILES_TEXT,
-            ),
-            Picture(
-                OVER_DISTANCE_PNG,
-                lambda: distance_figure(steps, unit),
-                "Deepest wear, maximum pressure and mean T-gamma over the distance.",
-            ),
+            Picture(PROFILES_PNG, lambda: profiles_figure(steps, rows, unit), PROFILES_TEXT),
         ],
         tables=[_states(steps)],
         timings_s={"total": seconds},
-        files=lambda: _files(steps),
+        files=lambda: _files(steps, rows),
     )
 
 
 def _label(key: str, unit: str) -> str:
-    own = {"position": f"distance in {unit}", "t_gamma_N": "mean T-gamma in N"}
+    own = {
+        "position": f"distance in {unit}",
+        "t_gamma_N": "mean T-gamma in N",
+        "conicity": "equivalent conicity at 3 mm",
+    }
     return own.get(key) or axis_name(key)
 
 
@@ -128,20 +131,38 @@ def _states(steps: Sequence[EvolutionStep]) -> SummaryTable:
     return SummaryTable("States on new and worn profiles", header, tuple(rows))
 
 
-def _files(steps: Sequence[EvolutionStep]) -> dict[str, Writer]:
+def numbers_over_distance(evolution: Evolution, steps: Sequence[EvolutionStep]) -> list[dict[str, float]]:
+    """Numbers of each step, with the equivalent conicity on the track of the first state; nan where there is none."""
+    lateral = np.linspace(-2.0, 2.0, 401) * CONICITY_MM
+    rows = []
+    for step in steps:
+        worn = {key: surface.worn for key, surface in step.surfaces.items()}
+        problem = evolution.collective.problem_with(evolution.collective.states[0], worn)
+        try:
+            locus = RigidGeometry.of(problem.track, problem.wheelset, 0.0).locus(lateral)
+            conicity = float(equivalent_conicity(RollingRadiusDifference.of(locus), CONICITY_MM)[0])
+        except InputError:
+            conicity = float("nan")
+        rows.append(step.row | {"conicity": conicity})
+    return rows
+
+
+def _files(steps: Sequence[EvolutionStep], rows: Sequence[dict[str, float]]) -> dict[str, Writer]:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(steps[0].row)
-    writer.writerows([list(map(float, step.row.values())) for step in steps])
+    writer.writerow(rows[0])
+    writer.writerows([list(map(float, row.values())) for row in rows])
     worn = {f"worn-{side}-{role}.csv": text_writer(each.csv()) for (role, side), each in steps[-1].surfaces.items()}
     return {STEPS_CSV: text_writer(text.getvalue()), **worn}
 
 
-def profiles_figure(steps: Sequence[EvolutionStep], unit: str) -> Figure:
-    """Draw the depth of each surface at some distances, and the damage of the last step below."""
+def profiles_figure(steps: Sequence[EvolutionStep], rows: Sequence[dict[str, float]], unit: str) -> Figure:
+    """Draw the depth of each surface at some distances, the damage of the last step, and numbers over the distance."""
     keys = list(steps[0].surfaces)
-    figure = new_figure(5.0 * len(keys), 5.0)
-    axes = figure.subplots(2, len(keys), squeeze=False, sharex="col", height_ratios=(2, 1))
+    figure = new_figure(max(5.0 * len(keys), 8.0), 7.0)
+    grid = figure.add_gridspec(2, 1, height_ratios=(5, 2))
+    profiles, distance = figure.add_subfigure(grid[0]), figure.add_subfigure(grid[1])
+    axes = profiles.subplots(2, len(keys), squeeze=False, sharex="col", height_ratios=(2, 1))
     shown = np.unique(np.linspace(0, len(steps) - 1, min(len(steps), MAX_PROFILES)).round().astype(int))
     for column, (role, side) in enumerate(keys):
         above, below = axes[:, column]
@@ -158,27 +179,9 @@ def profiles_figure(steps: Sequence[EvolutionStep], unit: str) -> Figure:
         below.set_ylabel("net damage")
         below.set_xlabel("lateral position in mm")
         above.legend(fontsize=7)
-    return figure
-
-
-def distance_figure(steps: Sequence[EvolutionStep], unit: str) -> Figure:
-    """Draw depth, pressure and T-gamma over the distance."""
-    figure = new_figure(9.0, 3.2)
-    axes = figure.subplots(1, 3)
-    rows = [step.row for step in steps]
-    depths = [key for key in rows[0] if key.endswith("depth_mm")]
-    for panel, keys, label in zip(
-        axes,
-        (depths, ["max_pressure_MPa"], ["t_gamma_N"]),
-        ("deepest wear in mm", "maximum pressure in MPa", "mean T-gamma in N"),
-        strict=True,
-    ):
-        for number, key in enumerate(keys):
-            panel.plot(
-                [row["position"] for row in rows], [row[key] for row in rows], ".-", color=SERIES[number], label=key
-            )
+    positions = [row["position"] for row in rows]
+    for panel, (key, label) in zip(distance.subplots(1, len(OVER_DISTANCE)), OVER_DISTANCE.items(), strict=True):
+        panel.plot(positions, [row[key] for row in rows], ".-", color=SERIES[0])
         panel.set_xlabel(unit)
         panel.set_ylabel(label)
-    if len(depths) > 1:
-        axes[0].legend([key.split("_")[1] for key in depths], fontsize=7)
     return figure
