@@ -199,7 +199,10 @@ class Curves:
         for axes in panels[len(titles) :]:
             axes.set_axis_off()
         known = {label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)}
-        figure.legend(known.values(), known.keys(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)
+        # a label has about 0.075 in for a letter, and 0.6 in for its line
+        n_columns = max(1, int(figure.get_figwidth() / (0.6 + 0.075 * max(map(len, known)))))
+        handles, labels = known.values(), known.keys()
+        figure.legend(handles, labels, loc="outside lower center", ncols=n_columns, frameon=False, fontsize=9)
         return figure
 
 

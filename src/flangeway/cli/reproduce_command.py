@@ -13,7 +13,7 @@ from flangeway.errors import InputError
 
 NAMES = (
     *("torsion", "elasticity", "hertz", "contact-patch", "wheel-rail", "spatial", "rolling", "wheelset3d", "conicity"),
-    *("curved", "friction", "vem-contact", "forms"),
+    *("curved", "friction", "vem-contact", "forms", "damage"),
 )
 ALL = "all"
 ReproductionName = Annotated[

@@ -195,3 +195,16 @@ rail_position_mm = [50, 100]
     assert issubclass(campaign.case, WheelsetCase)
     np.savetxt(tmp_path / "slice1.txt", head(2.1), fmt="%.5f")
     assert Campaign.from_file(tmp_path / "c.toml").identity != campaign.identity
+
+
+def test_slices_in_metres_need_the_unit(tmp_path):
+    """Slices without a unit count as mm: their length in m is refused with the unit to give, which makes them mm."""
+    file = rail_file(tmp_path)
+    wanted = at(file, 50.0)
+    for slice_ in tmp_path.glob("slice*.txt"):
+        np.savetxt(slice_, np.loadtxt(slice_) / 1000.0, fmt="%.8f")
+    with pytest.raises(InputError) as caught:
+        at(file, 50.0)
+    assert "--unit m" in caught.value.advice
+    found = read_profile(file, ReadOptions(position=50.0, unit="m", smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, wanted.points, atol=1e-4)

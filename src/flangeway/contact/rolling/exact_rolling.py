@@ -141,10 +141,10 @@ def derivatives(found: Rolling) -> Floats:
     """
     if not isinstance(found, Rolling) or found.problem is None or found.state is None:
         raise InputError(f"a result of {found.theory}", "a result of roll", "compute it by the exact theory")
-    step = _Step(found.contact, found.motion, None, found.contact)
-    units = [np.array(each) for each in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
-    columns = [found.problem.derivative(found.state, step.rigid(*each)) for each in units]
-    return np.stack([step.resultants(step.outside(each)) for each in columns], axis=1)
+    places = found.contact.places
+    slips = np.array([Creepages(*unit).rigid(*places) for unit in np.eye(3).tolist()])
+    # (along, across, moment) by forces (t, z): (0, 1), (1, 0), (-z, s), which are the rigid slips of unit creepages
+    return np.array([np.tensordot(slips, adjoint(found, values)[0], axes=3) for values in slips])
 
 
 def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Floats, Floats]:

@@ -218,13 +218,15 @@ def body_distance_mm(measured: MeasuredProfile, name: str) -> float | None:
     The head's ends alone do not tell rails apart.
     """
     nominal = nominal_profile(name)
-    measured = _above_web(measured, nominal)
+    head = _above_web(measured, nominal)
     try:
-        shift = _shift(measured, nominal)[0]
-        surface = measured.surface.transformed(Placement(translation=shift))
-        _joints(surface, nominal, partial(measured.place, moved=shift))
+        shift = _shift(head, nominal)[0]
+        placed = Placement(translation=shift)
+        _joints(head.surface.transformed(placed), nominal, partial(measured.place, moved=shift))
     except InputError:
         return None
+    # with what lies below the head, by which rails differ
+    surface = measured.surface.transformed(placed)
     return float(np.median(nominal.outline.closest(surface.sampled(spacing=SPACING_MM))[2]))
 
 

@@ -174,7 +174,8 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
             slices = read_slices(file, _text(content))
             position = slices.wanted(given.position)
             stem = f"{file.stem} at {position:g} {UNITS[slices.kind]}"
-            found = _profile(slices.section(position, _slice), "slices", given, stem, slices.slice(0, _slice))
+            read, options = partial(_slice, unit=given.unit), replace(given, unit=None)
+            found = _profile(slices.section(position, read), "slices", options, stem, slices.slice(0, read))
             return replace(found, file=file.name)
         if given.position is not None:
             raise InputError(f"--position {given.position:g}", f"a file of slices, {', '.join(SLICES)}", "leave it out")
@@ -193,10 +194,13 @@ def sections_of(file: Path) -> tuple[float, ...]:
         raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
 
 
-def _slice(file: Path) -> RawProfile:
-    """Return the content of the file of a slice."""
+def _slice(file: Path, unit: str | None) -> RawProfile:
+    """Return the content of the file of a slice, in mm if the user gives the unit that it does not name."""
     try:
-        return _read(file_content(file, "a slice"), file.suffix.lower())
+        raw = _read(file_content(file, "a slice"), file.suffix.lower())
+        if unit is None or raw.unit is not None:
+            return raw
+        return replace(raw, points=raw.points * UNITS_MM[agreed_unit(raw, unit)], unit="mm")
     except InputError as reason:
         raise InputError(f"slice {file}: {reason.given}", reason.allowed, reason.advice) from reason
 

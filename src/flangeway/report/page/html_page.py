@@ -19,7 +19,7 @@ from flangeway.report.viewer import field_viewer
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 
 SHOWN_SIZE = 0.55  # pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures
-NUMBER_CELL = re.compile(r"–|yes|no||[-+(\d.,) e/–]+")
+NUMBER_CELL = re.compile(r"–|yes|no||[-+(\d.,) e/–%]+")
 INSTEAD = "The figures above and the figures below show the most important fields."
 Drawn = Sequence[tuple[Picture, bytes]]  # pictures and the contents of their PNG files
 

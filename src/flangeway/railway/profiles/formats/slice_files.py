@@ -98,7 +98,8 @@ class ProfileSlices:
         if raw.kind not in (None, self.kind):
             raise InputError(f"{self.files[number]}: a {raw.kind}", f"slices of a {self.kind}", "correct the list")
         # of texts without a statement CONTACT takes mm and heights downwards
-        return replace(raw, kind=self.kind, unit=raw.unit or "mm", upwards=bool(raw.upwards))
+        sure = raw.unit is not None and raw.unit_is_sure
+        return replace(raw, kind=self.kind, unit=raw.unit or "mm", unit_is_sure=sure, upwards=bool(raw.upwards))
 
 
 def read_slices(file: Path, text: str) -> ProfileSlices:
