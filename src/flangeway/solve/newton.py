@@ -331,7 +331,8 @@ class _Run:
                     f"no friction holds {what}: {words}; take a smaller load or motion, a larger coefficient of "
                     "friction, or hold the part in Body(held=...)"
                 )
-            step = self._step()
+            # deep in first overlaps the geometric stiffness can make the tangent indefinite: K on stiff springs is not
+            step = self._step() or self._step(bend=False)
             if step is None:
                 return (
                     "not converged: the contact laws of a linearised step have no solution; take smaller steps, a "
@@ -420,18 +421,21 @@ class _Run:
         """What the compliance of the law takes from the slips."""
         return np.asarray(lin.compliances * (tangential - self._anchored(self.anchor[2], lin)))
 
-    def _step(self) -> _Step | None:
-        """One iteration; None if the laws of the linearised problem have no solution."""
+    def _step(self, *, bend: bool = True) -> _Step | None:
+        """One iteration; None if the laws of the linearised problem have no solution.
+
+        - `bend`: with the geometric stiffness, by which the tangent may be indefinite deep in a first overlap.
+        """
         current, applied = self.current, np.zeros_like(self.displacements)
         if len(current.nodes) == 0:
             return self.forces, self.tangential, applied, np.zeros(self.parts.n)
-        geometric, constrained = self._laws()
+        geometric, constrained = self._laws(bend=bend)
         if (sparse := self._without_matrix(geometric, constrained)) is not None:
             return self._sparse_step(geometric, constrained, *sparse)
         by_loads, matrix, offset, rigid = self._problem(geometric, constrained)
         m, n = len(self.forces), self.parts.n
         guess = np.concatenate((self.forces, self.tangential))[: len(offset)]
-        for spring in SPRINGS if n else SPRINGS[:1]:
+        for spring in SPRINGS[:1] if bend or not n else SPRINGS:
             sprung = rigid.sprung(matrix.diagonal(), spring) if n else rigid
             own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
             laws = active_set.Laws(current.coefficients, current.barriers, own)
@@ -487,7 +491,7 @@ class _Run:
         applied[current.nodes] = (loads - geometric @ moved).reshape(-1, 2)
         return found.forces[:m], found.forces[m:], applied, np.zeros(0)
 
-    def _laws(self) -> tuple[sp.csr_array, Constrained]:
+    def _laws(self, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
         """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""
         current = self.current
         geometric = current.curvature(-self.forces)
@@ -502,6 +506,7 @@ class _Run:
             compliances = np.tile(compliances, 2)
             slips = self._slips(current, slides) + self._let_back(current, np.zeros(len(violations)))
             violations = np.concatenate((violations, slips))
+        geometric = geometric if bend else sp.csr_array(geometric.shape)
         return geometric, Constrained(at_nodes, jacobian, directions, compliances, violations)
 
     def _problem(
