@@ -62,7 +62,7 @@ def test_a_row_is_in_equilibrium_and_its_patches_add_up(sweep):
     _, found = sweep
     assert set(found.rows["status"]) == {"converged"}
     assert np.allclose(
-        found.numbers("left_vertical_force_kN") + found.numbers("right_vertical_force_kN"), 300e3, rtol=1e-6
+        found.numbers("left_vertical_force_kN") + found.numbers("right_vertical_force_kN"), 300.0, rtol=1e-6
     )
     sides, rows = np.array(found.patches["side"]), np.array(found.patches["row"])
     for side, sign in (("left", 1.0), ("right", -1.0)):
