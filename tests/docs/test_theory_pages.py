@@ -27,7 +27,7 @@ def test_every_name_on_the_page_is_in_the_program(page):
         else:
             for part in name.removeprefix("fw.").removeprefix("flangeway.").split("."):
                 defined = re.search(
-                    rf'(class|def) {part}\b|^\s*{part}\b\s*[:=]|"{part}":|flangeway\.{part}\b', SOURCE, re.MULTILINE
+                    rf'(class|def) {part}\b|^\s*{part}\b\s*[:=]|"{part}"[:,]|flangeway\.{part}\b', SOURCE, re.MULTILINE
                 )
                 assert defined, f"{name} on {page}"
 

@@ -303,8 +303,10 @@ class Surface:
 
     @property
     def chord_turn(self) -> float:
-        """Turn between edges up to which they are chords of a curve."""
-        return CHORDS if self.curve is None else CORNER
+        """Turn between edges up to which they are chords of a curve; edges of a curved mesh are drawn as curves too."""
+        body = self.part.body
+        is_drawn = self.curve is not None or (isinstance(body, Body) and body.mesh.curves is not None)
+        return CORNER if is_drawn else CHORDS
 
     def sagittas(self, edges: Floats, bent: float) -> Floats:
         """How far a smooth curve may lie from deformed edges (n_edges, order + 1, 2), see `sagittas_of`: (n_edges,)."""

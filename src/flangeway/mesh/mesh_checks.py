@@ -144,6 +144,10 @@ def _check_sides_of(mesh: PolyMesh, cells: IntArray) -> None:
     polygons = mesh.polygons(cells)
     lengths = shapely.length(polygons)  # a side that touches another one is nearer to it than this
     doubtful = ~shapely.is_valid(polygons) | (shapely.minimum_clearance(polygons) <= TOUCHING * lengths)
+    # the clearance leaves out a corner that is repeated
+    doubtful |= shapely.get_num_coordinates(shapely.remove_repeated_points(polygons)) < shapely.get_num_coordinates(
+        polygons
+    )
     for cell in cells[doubtful].tolist():
         corners = mesh.cell_points[mesh.cell_offsets[cell] : mesh.cell_offsets[cell + 1]]
         numbers, times = np.unique(corners, return_counts=True)
