@@ -93,7 +93,7 @@ def test_the_runs_of_the_page_find_the_same(followed):
     """A cache that is new and one that is filled give the same results to 1e-12."""
     _, folder = followed
     first, second = (json.loads((folder / name / "summary.json").read_text()) for name in ("first", "second"))
-    for key in ("position", "contacts", "residual", "stresses"):
+    for key in ("position", "patches", "residual", "sides"):
         assert numbers(second[key]) == pytest.approx(numbers(first[key]), rel=1e-12, abs=1e-12)
         assert numbers(first[key])
     assert first["peak_memory_MB"] > 10.0

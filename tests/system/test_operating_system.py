@@ -124,6 +124,7 @@ def test_the_cache_is_where_the_system_keeps_such_files(monkeypatch, given, pare
 
 WITHOUT_UNIX = """
 import multiprocessing, os, signal, subprocess, sys, types
+import psutil  # it has parts of its own for each system, and this one's needs the modules of Unix
 for name in ("fcntl", "grp", "pwd", "resource", "termios"):
     sys.modules[name] = None
 for module, name in ((os, "sched_getaffinity"), (os, "sysconf"), (signal, "pthread_sigmask")):
