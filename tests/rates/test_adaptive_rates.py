@@ -5,24 +5,13 @@ import pytest
 
 from flangeway.elements import Virtual
 from flangeway.forms import Field, interpolate, solve, stiffness
-from flangeway.geometry import polygon, rectangle
-from flangeway.mesh import PolyMesh, agglomerated, doerfler_marking, dual, refined, triangulate
+from flangeway.geometry import polygon
+from flangeway.mesh import agglomerated, doerfler_marking, dual, refined, triangulate
 from flangeway.space import Space
 from flangeway.space.functions import cell_quadrature
+from studies.forms import slit
 
 L_SHAPE = polygon([(-1, -1), (0, -1), (0, 0), (1, 0), (1, 1), (-1, 1)])
-
-
-def slit(make):
-    """A square with a slit from its centre to the right: an upper and a lower half that share points left of it."""
-    upper = make(triangulate(rectangle(2.0, 1.0, (0.0, 0.5)), size=0.25))
-    on_axis = (upper.points[:, 1] == 0.0) & (upper.points[:, 0] <= 1e-9)
-    number = np.where(on_axis, np.arange(upper.n_points), upper.n_points + np.cumsum(~on_axis) - 1)
-    rows = [row.tolist() for row in np.split(upper.cell_points, upper.cell_offsets[1:-1])]
-    mirrored = upper.points[~on_axis] * [1.0, -1.0]
-    mesh = PolyMesh.from_cells(np.vstack((upper.points, mirrored)), rows + [number[row[::-1]].tolist() for row in rows])
-    axis = mesh.points[mesh.boundary_edges][:, :, 1]
-    return mesh.with_edge_set("crack", mesh.boundary_edges[(axis == 0.0).all(axis=1)])
 
 
 DOMAINS = {

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from flangeway.campaign.columns import POSITION_KEYS
 from flangeway.cases.case import GivenText, grouped
 from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.cases.wheelset.spatial_wheelset_case import ROLLING_KEYS, SpatialWheelsetCase
@@ -33,11 +34,7 @@ from flangeway.report.wheelset.wheelset_page import results_table, wheelset_fact
 from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.types import Floats
 
-POSITION_KEYS = (
-    *("units", "lateral_mm", "vertical_mm", "roll_rad", "axle_load_kN", "car_mass_t", "n_axles", "lateral_force_kN"),
-    *("speed_km_h", "curve_radius_m", "superelevation_mm", "cant_deficiency_mm", "superelevation_base_mm", "yaw_mrad"),
-    *("friction", *ROLLING_KEYS),
-)
+SHARED_KEYS = ("units", "friction", *POSITION_KEYS, *ROLLING_KEYS)
 """Inputs that leave the bodies as they are."""
 PROFILE_INPUTS = ("wheel", "rail", "left_wheel", "left_rail")
 LATERAL_MM, STEP_MM = 12.0, 0.05
@@ -193,7 +190,7 @@ class LiveEngine:
             yield progress
 
     def _run(self, case: SpatialWheelsetCase, progress: Any) -> WheelsetRun:
-        key = repr([getattr(case, name) for name in type(case).model_fields if name not in POSITION_KEYS])
+        key = repr([getattr(case, name) for name in type(case).model_fields if name not in SHARED_KEYS])
         if key not in self._bodies:
             self._bodies[key] = case.prepared(progress)
             while len(self._bodies) > MAX_BODIES:
