@@ -65,7 +65,16 @@ class Run(Protocol):
 class Table(BaseModel):
     """A group of inputs inside a case: a table of a case file. A number is a number, not a text nor a truth value."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+    # what stands below an input is its description
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, strict=True, use_attribute_docstrings=True
+    )
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Join the lines of descriptions."""
+        for field in cls.model_fields.values():
+            field.description = field.description and " ".join(field.description.split())
 
     @model_validator(mode="before")
     @classmethod
@@ -115,15 +124,16 @@ class Case(Table):
 
     name: ClassVar[str]
     title: ClassVar[str]
-    units: Units = Field(
-        "metric", description="units of results and messages; an input has the unit at the end of its key"
-    )
-    report_title: str | None = Field(
-        None, max_length=200, description="title of the report (default: that of the case)"
-    )
-    project: str | None = Field(None, max_length=200, description="project, for the report")
-    author: str | None = Field(None, max_length=200, description="author, for the report")
-    date: str | None = Field(None, max_length=60, description="date, for the report (default: today)")
+    units: Units = "metric"
+    """units of results and messages; an input has the unit at the end of its key"""
+    report_title: str | None = Field(None, max_length=200)
+    """title of the report (default: that of the case)"""
+    project: str | None = Field(None, max_length=200)
+    """project, for the report"""
+    author: str | None = Field(None, max_length=200)
+    """author, for the report"""
+    date: str | None = Field(None, max_length=60)
+    """date, for the report (default: today)"""
     _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
 
     essential: ClassVar[tuple[str, ...]] = ()  # keys that are set in a new case file; the others are there as comments

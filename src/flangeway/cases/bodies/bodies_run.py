@@ -5,7 +5,7 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -251,7 +251,7 @@ class BodiesRun(RunResult):
 
     """
 
-    main_table: ClassVar[str] = "bodies"
+    main_table = "bodies"
 
     case: "BodiesCase"
     status: Status

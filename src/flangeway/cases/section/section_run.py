@@ -5,7 +5,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 import scipy.sparse as sp
@@ -344,23 +344,24 @@ class TorsionRun(Result):
 class TorsionCase(RunnableCase):
     """Warping, shear stresses and the constants of a bundled section or of an outline."""
 
-    name: ClassVar[str] = "torsion"
-    title: ClassVar[str] = "A section under torsion: warping, shear stress, and all constants of the section"
-    essential: ClassVar[tuple[str, ...]] = ("section", "method", "order")
+    name = "torsion"
+    title = "A section under torsion: warping, shear stress, and all constants of the section"
+    essential = ("section", "method", "order")
 
-    section: str = Field("136RE", description="136RE, 136RE-8, 136RE-14, 60E1, or an outline file .toml, .csv, .dxf")
-    unit: Literal["mm", "cm", "m", "in", "ft"] | None = Field(
-        None, description="unit of a file that does not name one; coordinates are not converted"
-    )
-    half: bool = Field(False, description="whether a CSV file contains one half only, to be mirrored about x = 0")
-    method: Literal["fem", "vem"] = Field("fem", description="fem is triangles, vem is polygons with virtual elements")
-    order: int = Field(2, ge=1, le=6, description="order of the elements; fem up to 3")
-    size: float | None = Field(
-        None, ge=1e-9, le=1e9, description="edge length in the section's unit (default: chosen from the section)"
-    )
-    poisson: float | None = Field(
-        None, ge=0.0, le=0.5, description="Poisson's ratio for the shear centre (default: Trefftz's shear centre)"
-    )
+    section: str = "136RE"
+    """136RE, 136RE-8, 136RE-14, 60E1, or an outline file .toml, .csv, .dxf"""
+    unit: Literal["mm", "cm", "m", "in", "ft"] | None = None
+    """unit of a file that does not name one; coordinates are not converted"""
+    half: bool = False
+    """whether a CSV file contains one half only, to be mirrored about x = 0"""
+    method: Literal["fem", "vem"] = "fem"
+    """fem is triangles, vem is polygons with virtual elements"""
+    order: int = Field(2, ge=1, le=6)
+    """order of the elements; fem up to 3"""
+    size: float | None = Field(None, ge=1e-9, le=1e9)
+    """edge length in the section's unit (default: chosen from the section)"""
+    poisson: float | None = Field(None, ge=0.0, le=0.5)
+    """Poisson's ratio for the shear centre (default: Trefftz's shear centre)"""
 
     def check(self) -> None:
         """See `RunnableCase.check`."""
