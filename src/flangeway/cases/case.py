@@ -12,7 +12,7 @@ import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
-from flangeway.cases.summary import Summary, summary_numbers
+from flangeway.cases.summary import summary_numbers
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
 from flangeway.solve import Status
@@ -58,7 +58,7 @@ class Run(Protocol):
         """How it ended."""
 
     @property
-    def summary(self) -> Summary:
+    def summary(self) -> dict[str, Any]:
         """Plain numbers with their units in the names."""
 
 
@@ -227,8 +227,7 @@ class RunnableCase(Case):
 
     def warnings_of(self, run: Any) -> Sequence[str]:
         """Return what limits the results of a run."""
-        content = run.summary.to_dict()
-        return content.get("warnings") or content.get("notices") or ()
+        return run.summary.get("warnings") or run.summary.get("notices") or ()
 
     @abstractmethod
     def run(self, progress: Progress = lambda _: None) -> Run:

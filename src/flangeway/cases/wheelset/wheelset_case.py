@@ -270,7 +270,7 @@ class Convergence:
     def to_json(self) -> dict[str, Any]:
         """What ``converge.json`` holds."""
         keys = ("status", "position", "residual", "patches", "bodies", "timings_s")
-        summaries = [run.summary.to_dict() for run in self.runs]
+        summaries = [run.summary for run in self.runs]
         runs = [{"size_scale": s["case"]["size_scale"]} | {key: s[key] for key in keys} for s in summaries]
         return {
             "within": self.within,
