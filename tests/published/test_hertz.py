@@ -79,7 +79,7 @@ def test_other_discs_meet_hertz_too():
         enforcement="multiplier",
     ).run()
     assert results.status.converged
-    assert abs(results.summary.results["max_pressure_difference"]) < 0.02
+    assert abs(results.summary["results"]["max_pressure_difference"]) < 0.02
 
 
 def test_wrong_input_is_refused():

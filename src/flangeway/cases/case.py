@@ -12,7 +12,7 @@ import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
-from flangeway.cases.summary import Summary, summary_numbers
+from flangeway.cases.summary import summary_numbers
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
 from flangeway.solve import Status
@@ -58,14 +58,23 @@ class Run(Protocol):
         """How it ended."""
 
     @property
-    def summary(self) -> Summary:
+    def summary(self) -> dict[str, Any]:
         """Plain numbers with their units in the names."""
 
 
 class Table(BaseModel):
     """A group of inputs inside a case: a table of a case file. A number is a number, not a text nor a truth value."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+    # what stands below an input is its description
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, strict=True, use_attribute_docstrings=True
+    )
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Join the lines of descriptions."""
+        for field in cls.model_fields.values():
+            field.description = field.description and " ".join(field.description.split())
 
     @model_validator(mode="before")
     @classmethod
@@ -115,15 +124,16 @@ class Case(Table):
 
     name: ClassVar[str]
     title: ClassVar[str]
-    units: Units = Field(
-        "metric", description="units of results and messages; an input has the unit at the end of its key"
-    )
-    report_title: str | None = Field(
-        None, max_length=200, description="title of the report (default: that of the case)"
-    )
-    project: str | None = Field(None, max_length=200, description="project, for the report")
-    author: str | None = Field(None, max_length=200, description="author, for the report")
-    date: str | None = Field(None, max_length=60, description="date, for the report (default: today)")
+    units: Units = "metric"
+    """units of results and messages; an input has the unit at the end of its key"""
+    report_title: str | None = Field(None, max_length=200)
+    """title of the report (default: that of the case)"""
+    project: str | None = Field(None, max_length=200)
+    """project, for the report"""
+    author: str | None = Field(None, max_length=200)
+    """author, for the report"""
+    date: str | None = Field(None, max_length=60)
+    """date, for the report (default: today)"""
     _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
 
     essential: ClassVar[tuple[str, ...]] = ()  # keys that are set in a new case file; the others are there as comments
@@ -180,6 +190,25 @@ class RunnableCase(Case):
     def check(self) -> None:
         """Raise `InputError` for what is wrong beyond single values, without computing."""
 
+    position_keys: ClassVar[tuple[str, ...]] = ()
+    """Inputs that leave the bodies as they are: cases that differ in these only share their `prepared` bodies."""
+
+    @property
+    def min_together(self) -> int | None:
+        """Minimum number of cases with the same bodies for which preparing these pays; None: it never does."""
+        return None
+
+    def check_position(self) -> None:
+        """Raise `InputError` for what is wrong with the inputs `position_keys`, where the others are checked."""
+
+    def prepared(self, progress: Progress = lambda _: None) -> Any:
+        """Return the bodies with what all cases with the same bodies share."""
+        raise NotImplementedError
+
+    def run_on(self, bodies: Any, progress: Progress = lambda _: None) -> Run:
+        """Compute the case on bodies that are `prepared` for one that differs in `position_keys` only."""
+        raise NotImplementedError
+
     def columns(self) -> tuple[str, ...]:
         """Return the columns of a row of a campaign if they are known before it is computed."""
         return ()
@@ -198,8 +227,7 @@ class RunnableCase(Case):
 
     def warnings_of(self, run: Any) -> Sequence[str]:
         """Return what limits the results of a run."""
-        content = run.summary.to_dict()
-        return content.get("warnings") or content.get("notices") or ()
+        return run.summary.get("warnings") or run.summary.get("notices") or ()
 
     @abstractmethod
     def run(self, progress: Progress = lambda _: None) -> Run:

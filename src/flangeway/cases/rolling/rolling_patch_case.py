@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -76,7 +76,7 @@ class RollingPatchRun(RunResult):
 
     """
 
-    main_table: ClassVar[str] = "theories"
+    main_table = "theories"
 
     case: "RollingPatchCase"
     timings_s: Mapping[str, float]
@@ -143,69 +143,69 @@ STATE: tuple[Creep, ...] = (THEORY, *CREEPAGES, *SHIFT, *FORCES, TRACTION, *T_GA
 class RollingPatchCase(RunnableCase):
     """Two half-spaces pressed together by a force that roll over each other; all results are those on the upper one."""
 
-    name: ClassVar[str] = "rolling-patch"
-    title: ClassVar[str] = "One contact patch that rolls with friction"
-    essential: ClassVar[tuple[str, ...]] = (
+    name = "rolling-patch"
+    title = "One contact patch that rolls with friction"
+    essential = (
         *("force_kN", "radius_along_mm", "radius_across_mm"),
         *(*CREEPAGE_KEYS, "speed_km_h", "friction"),
     )
 
-    force_kN: float = Field(80.0, gt=0.0, description="normal force")
-    radius_along_mm: float = Field(
-        460.0, gt=0.0, description="relative radius of curvature ahead, 1 / (1 / R_upper + 1 / R_lower)"
-    )
-    radius_across_mm: float = Field(300.0, gt=0.0, description="relative radius of curvature across")
-    semi_axis_along_mm: float | None = Field(
-        None, gt=0.0, description="semi-axis ahead of an ellipse under Hertz's pressure, instead of the radii"
-    )
-    semi_axis_across_mm: float | None = Field(None, gt=0.0, description="its semi-axis across")
-    pressure_file: str | None = Field(
-        None, description="CSV file of pressures, instead of force and shape: right_mm, ahead_mm, pressure_MPa of cells"
-    )
-    young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")
-    poisson: float = Field(0.3, ge=0.0, lt=0.5, description="Poisson's ratio")
-    upper_young_MPa: float | None = Field(
-        None, gt=0.0, description="Young's modulus of the upper body (default: young_MPa)"
-    )
-    upper_poisson: float | None = Field(
-        None, ge=0.0, lt=0.5, description="Poisson's ratio of the upper body (default: poisson)"
-    )
-    longitudinal_creepage: float = Field(
-        0.001, description="slip of the upper body on the lower one ahead, over the speed"
-    )
-    lateral_creepage: float = Field(0.0, description="slip to the right over the speed")
-    spin_creepage_per_m: float = Field(
-        0.0, description="rotation of the upper body, counter-clockwise from above, over the speed"
-    )
-    speed_km_h: float = Field(
-        72.0,
-        description="speed of rolling ahead, negative: backwards, 0: the upper body is shifted and does not roll",
-    )
-    longitudinal_force_kN: float | None = Field(
-        None, description="tangential force on the upper body ahead, instead of the creepage or shift, which is found"
-    )
-    lateral_force_kN: float | None = Field(None, description="the same to the right")
-    shift_ahead_mm: float = Field(0.0, description="shift of the upper body ahead, with speed_km_h = 0")
-    shift_right_mm: float = Field(0.0, description="shift to the right")
-    shift_rotation_mrad: float = Field(0.0, description="rotation, counter-clockwise from above")
-    friction: float = Field(0.3, ge=0.0, description="coefficient of friction, 0: without friction")
-    kinetic_friction: float | None = Field(
-        None, ge=0.0, description="coefficient at high slip velocity (default: friction)"
-    )
-    friction_decay_m_per_s: float = Field(
-        0.0, ge=0.0, description="slip velocity in which the difference of both falls to 1/e"
-    )
-    rolling_theory: Theory = Field("exact", description="exact theory, fastsim, fastrip, polach or linear theory")
-    curve: Literal["longitudinal", "lateral", "spin", "none"] = Field(
-        "longitudinal", description="creepage of the creep curve by all theories; the others are those of the case"
-    )
-    curve_end: float = Field(
-        3.0, gt=0.0, le=1e3,
-        description="its end over the creepage at which linear theory reaches the limit of friction",
-    )  # fmt: skip
-    curve_points: int = Field(25, ge=3, le=1000, description="number of its points")
-    cells_along: int = Field(30, ge=4, le=120, description="number of cells along the patch")
-    cells_across: int = Field(30, ge=4, le=120, description="number of cells across")
+    force_kN: float = Field(80.0, gt=0.0)
+    """normal force"""
+    radius_along_mm: float = Field(460.0, gt=0.0)
+    """relative radius of curvature ahead, 1 / (1 / R_upper + 1 / R_lower)"""
+    radius_across_mm: float = Field(300.0, gt=0.0)
+    """relative radius of curvature across"""
+    semi_axis_along_mm: float | None = Field(None, gt=0.0)
+    """semi-axis ahead of an ellipse under Hertz's pressure, instead of the radii"""
+    semi_axis_across_mm: float | None = Field(None, gt=0.0)
+    """its semi-axis across"""
+    pressure_file: str | None = None
+    """CSV file of pressures, instead of force and shape: right_mm, ahead_mm, pressure_MPa of cells"""
+    young_MPa: float = Field(210e3, gt=0.0)
+    """Young's modulus"""
+    poisson: float = Field(0.3, ge=0.0, lt=0.5)
+    """Poisson's ratio"""
+    upper_young_MPa: float | None = Field(None, gt=0.0)
+    """Young's modulus of the upper body (default: young_MPa)"""
+    upper_poisson: float | None = Field(None, ge=0.0, lt=0.5)
+    """Poisson's ratio of the upper body (default: poisson)"""
+    longitudinal_creepage: float = 0.001
+    """slip of the upper body on the lower one ahead, over the speed"""
+    lateral_creepage: float = 0.0
+    """slip to the right over the speed"""
+    spin_creepage_per_m: float = 0.0
+    """rotation of the upper body, counter-clockwise from above, over the speed"""
+    speed_km_h: float = 72.0
+    """speed of rolling ahead, negative: backwards, 0: the upper body is shifted and does not roll"""
+    longitudinal_force_kN: float | None = None
+    """tangential force on the upper body ahead, instead of the creepage or shift, which is found"""
+    lateral_force_kN: float | None = None
+    """the same to the right"""
+    shift_ahead_mm: float = 0.0
+    """shift of the upper body ahead, with speed_km_h = 0"""
+    shift_right_mm: float = 0.0
+    """shift to the right"""
+    shift_rotation_mrad: float = 0.0
+    """rotation, counter-clockwise from above"""
+    friction: float = Field(0.3, ge=0.0)
+    """coefficient of friction, 0: without friction"""
+    kinetic_friction: float | None = Field(None, ge=0.0)
+    """coefficient at high slip velocity (default: friction)"""
+    friction_decay_m_per_s: float = Field(0.0, ge=0.0)
+    """slip velocity in which the difference of both falls to 1/e"""
+    rolling_theory: Theory = "exact"
+    """exact theory, fastsim, fastrip, polach or linear theory"""
+    curve: Literal["longitudinal", "lateral", "spin", "none"] = "longitudinal"
+    """creepage of the creep curve by all theories; the others are those of the case"""
+    curve_end: float = Field(3.0, gt=0.0, le=1e3)
+    """its end over the creepage at which linear theory reaches the limit of friction"""
+    curve_points: int = Field(25, ge=3, le=1000)
+    """number of its points"""
+    cells_along: int = Field(30, ge=4, le=120)
+    """number of cells along the patch"""
+    cells_across: int = Field(30, ge=4, le=120)
+    """number of cells across"""
 
     def check(self) -> None:
         """See `RunnableCase.check`."""

@@ -41,27 +41,39 @@ DEPTHS = 3.0
 class SpatialBodyTable(BodyTable):
     """A prism along z, or a body of revolution, by its section in the plane z = 0."""
 
-    contact_edges: str | list[str] = Field(description="edge sets of its contact surface, one chain")
-    held_edges: str | list[str] | None = Field(None, description="edge sets that are held")
-    hold: str = Field("xyz", pattern="^[xyz]+$", description="held components, some of x, y, z")
-    foundation_edges: str | list[str] | None = Field(None, description="edge sets on an elastic foundation")
-    foundation_N_mm3: tuple[float, float, float] | None = Field(
-        None, description="pressure per displacement of the foundation along x, y and z", strict=False
-    )
-    axis_mm: Pair | None = Field(None, description="a point of the axis of a body of revolution (default: a prism)")
-    axis_rotation_deg: float = Field(0.0, description="angle of the axis from x, counter-clockwise")
-    yaw_deg: float = Field(0.0, ge=-45.0, le=45.0, description="rotation of the axis about y, from x towards z")
+    contact_edges: str | list[str]
+    """edge sets of its contact surface, one chain"""
+    held_edges: str | list[str] | None = None
+    """edge sets that are held"""
+    hold: str = Field("xyz", pattern="^[xyz]+$")
+    """held components, some of x, y, z"""
+    foundation_edges: str | list[str] | None = None
+    """edge sets on an elastic foundation"""
+    foundation_N_mm3: tuple[float, float, float] | None = Field(None, strict=False)
+    """pressure per displacement of the foundation along x, y and z"""
+    axis_mm: Pair | None = None
+    """a point of the axis of a body of revolution (default: a prism)"""
+    axis_rotation_deg: float = 0.0
+    """angle of the axis from x, counter-clockwise"""
+    yaw_deg: float = Field(0.0, ge=-45.0, le=45.0)
+    """rotation of the axis about y, from x towards z"""
 
 
 class SpatialInputs(Case):
     """Two bodies, one above the other, and the load that presses them together along y."""
 
-    force_kN: float | None = Field(None, gt=0.0, description="force on the upper body, downwards")
-    approach_mm: float | None = Field(None, gt=0.0, description="approach after first touch, instead of force_kN")
-    cell_mm: float | None = Field(None, gt=0.0, description="size of square cells (default: 26 across the patch)")
-    window_mm: Pair | None = Field(None, description="width and length along z of the grid, with cell_mm")
-    tolerance: float = Field(1e-3, gt=0.0, le=0.1, description="interpolation error of the compliances")
-    bodies: list[SpatialBodyTable] = Field(description="the lower body, then the upper one", min_length=2, max_length=2)
+    force_kN: float | None = Field(None, gt=0.0)
+    """force on the upper body, downwards"""
+    approach_mm: float | None = Field(None, gt=0.0)
+    """approach after first touch, instead of force_kN"""
+    cell_mm: float | None = Field(None, gt=0.0)
+    """size of square cells (default: 26 across the patch)"""
+    window_mm: Pair | None = None
+    """width and length along z of the grid, with cell_mm"""
+    tolerance: float = Field(1e-3, gt=0.0, le=0.1)
+    """interpolation error of the compliances"""
+    bodies: list[SpatialBodyTable] = Field(min_length=2, max_length=2)
+    """the lower body, then the upper one"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +97,7 @@ class SpatialRun(RunResult):
 
     """
 
-    main_table: ClassVar[str] = "patches"
+    main_table = "patches"
 
     case: Case
     timings_s: Mapping[str, float]
@@ -148,9 +160,9 @@ class SpatialRunCase(RunnableCase):
 class SpatialCase(SpatialInputs, SpatialRunCase):
     """Two bodies by their sections; x to the right, y up, z along the prisms."""
 
-    name: ClassVar[str] = "spatial"
-    title: ClassVar[str] = "Two prisms or bodies of revolution in contact in three dimensions"
-    essential: ClassVar[tuple[str, ...]] = ("force_kN",)
+    name = "spatial"
+    title = "Two prisms or bodies of revolution in contact in three dimensions"
+    essential = ("force_kN",)
     example: ClassVar[Mapping[str, Any]] = {
         "force_kN": 30.0,
         "bodies": [
