@@ -21,7 +21,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.post import pressure_patches
-from flangeway.solve import NewtonSettings, StepSettings
+from flangeway.solve import StepSettings
 
 PAIRINGS = [NodeToSegment(), SegmentToSegment(), SegmentToSegment(weighting="dual")]
 LAWS = [Penalty(1e7, per="length"), AugmentedLagrange(1e6, per="length", penetration=1e-7), Multiplier()]
