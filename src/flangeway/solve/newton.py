@@ -596,7 +596,10 @@ class _Run:
             named = [self.constraints.describe(key, positions) for key in last.changed[:NAMED]]
             more = f" and {len(last.changed) - NAMED} more" if len(last.changed) > NAMED else ""
             reason = f"contact still comes and goes at {'; '.join(named)}{more}"
-            advice += "; with node-to-segment contact, make the finer surface secondary or take segment-to-segment"
+            advice += (
+                "; with node-to-segment contact, nodes opposite each other change between two edges: take elements of "
+                "another size on one side, as half of it, or segment-to-segment"
+            )
         return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}{unbalanced}; {advice}"
 
     def _unbalanced(self) -> str:
