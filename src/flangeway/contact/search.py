@@ -14,7 +14,7 @@ ZERO_DEPTH = 1e-6
 DEEP = 0.1
 """Depth behind an edge, over the length of the surface there, from which the point may have entered elsewhere."""
 MAX_SAGITTA = 0.25
-"""Height of a curved edge over its chord, over the chord, that no mesh exceeds: a half circle has 0.5, a quarter 0.2."""
+"""Height of a curved edge over its chord, over the chord, beyond all meshes: a quarter of a circle has 0.2."""
 OTHER_EDGE, OWN_EDGE = 4.0, 10.0
 """Depth behind an edge, over the distance from another edge, from which a point entered through that other edge. The
 second value is for an edge with the point itself: it exceeds that of a sharp corner."""
