@@ -6,8 +6,9 @@ from abc import abstractmethod
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import replace
 from types import UnionType
-from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, cast, get_args, get_origin
 
 import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
@@ -259,6 +260,22 @@ class RunnableCase(Case):
             If the mesh generator lacks a shared library of the system.
 
         """
+
+
+class PresetCase(RunnableCase):
+    """A case with a few inputs that stands for a general case."""
+
+    @abstractmethod
+    def general(self) -> RunnableCase:
+        """Return the same as a general case; an `InputError` if the inputs do not go together."""
+
+    def check(self) -> None:
+        """See `RunnableCase.check`."""
+        self.general().check()
+
+    def run(self, progress: Progress = lambda _: None) -> Any:
+        """See `RunnableCase.run`."""
+        return replace(cast("Any", self.general().run(progress)), case=self)
 
 
 def _inputs_of(table: type[Table], path: str, units: Units) -> list[tuple[str, list[tuple[str, str, str, str]]]]:

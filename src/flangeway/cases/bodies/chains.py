@@ -51,8 +51,8 @@ class ChainPreset(BodiesPreset):
     def layout(self) -> Layout:
         """Tables of the general case."""
 
-    def bodies(self) -> TwoBodiesCase:
-        """See `BodiesPreset.bodies`."""
+    def general(self) -> TwoBodiesCase:
+        """See `PresetCase.general`."""
         tables, mine = self.layout(), self.model_dump(include=CONTACT_KEYS)
         material = {"young_MPa": self.young_MPa, "poisson": self.poisson, "order": self.order}
         tables["bodies"] = [material | body for body in tables["bodies"]]
