@@ -69,7 +69,10 @@ class Run(Protocol):
 
 
 class Table(BaseModel):
-    """A group of inputs inside a case: a table of a case file. A number is a number, not a text nor a truth value."""
+    """A group of inputs inside a case: a table of a case file. A number is a number, not a text nor a truth value.
+
+    Build one with `from_values`, which raises `InputError`.
+    """
 
     # what stands below an input is its description
     model_config = ConfigDict(
@@ -82,70 +85,7 @@ class Table(BaseModel):
         for field in cls.model_fields.values():
             field.description = field.description and " ".join(field.description.split())
 
-    @model_validator(mode="before")
-    @classmethod
-    def _typed(cls, values: Any) -> Any:
-        """Read what is `GivenText`, take tuples and NumPy's numbers as Python's, and US units as metric ones."""
-        if not isinstance(values, Mapping):
-            return values
-        metric: dict[str, Any] = {}
-        for key, value in values.items():
-            name, unit = cls.input_named(key)
-            if name not in cls.model_fields or (unit and (name in values or name in metric)):  # unknown, or given twice
-                metric[key] = value
-                continue
-            read = _typed(value, cls.model_fields[name].annotation)
-            metric[name] = unit.to_metric(read) if unit else read
-            if unit:
-                _IN_US_UNITS.get(set()).add(name)
-        return metric
-
-    @classmethod
-    def input_named(cls, key: str) -> tuple[str, UsUnit | None]:
-        """Name of the input that a key means, and the US unit that the key has; the key itself if there is none."""
-        if key not in cls.model_fields:
-            for name in cls.model_fields:
-                unit = us_key(name)
-                if unit is not None and unit.name == key:
-                    return name, unit
-        return key, None
-
-    def refuse_without_effect(self, keys: Iterable[str], key: str, wanted: str, within: str = "") -> None:
-        """Refuse inputs that another one leaves without effect, if they are not those by default.
-
-        - `within`: path of this table in the case, before the inputs' names.
-        """
-        for name in keys:
-            if getattr(self, name) != type(self).model_fields[name].default:
-                raise InputError(
-                    f"{within}{name} = {getattr(self, name)} with {key} = {getattr(self, key)}",
-                    f"{name} with {key} = {wanted}",
-                    f"leave {name} out, or give {key} = {wanted}",
-                )
-
-
-class Case(Table):
-    """Inputs of a computation; units are in the names, and keys that are left out have defaults.
-
-    Build one with `from_values`, which raises `InputError`.
-    """
-
-    name: ClassVar[str]
-    title: ClassVar[str]
-    units: Units = "metric"
-    """units of results and messages; an input has the unit at the end of its key"""
-    report_title: str | None = Field(None, max_length=200)
-    """title of the report (default: that of the case)"""
-    project: str | None = Field(None, max_length=200)
-    """project, for the report"""
-    author: str | None = Field(None, max_length=200)
-    """author, for the report"""
-    date: str | None = Field(None, max_length=60)
-    """date, for the report (default: today)"""
     _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
-
-    essential: ClassVar[tuple[str, ...]] = ()  # keys that are set in a new case file; the others are there as comments
-    example: ClassVar[Mapping[str, Any]] = {}  # values of a new case file where they are not the defaults
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any], where: Callable[[Key], str] = lambda _: "") -> Self:
@@ -182,6 +122,77 @@ class Case(Table):
             _IN_US_UNITS.reset(token)
         case._us_keys |= in_us_units
         return case
+
+    @model_validator(mode="before")
+    @classmethod
+    def _typed(cls, values: Any) -> Any:
+        """Read what is `GivenText`, take tuples and NumPy's numbers as Python's, and US units as metric ones."""
+        if not isinstance(values, Mapping):
+            return values
+        metric: dict[str, Any] = {}
+        for key, value in values.items():
+            name, unit = cls.input_named(key)
+            if name not in cls.model_fields or (unit and (name in values or name in metric)):  # unknown, or given twice
+                metric[key] = value
+                continue
+            read = _typed(value, cls.model_fields[name].annotation)
+            metric[name] = unit.to_metric(read) if unit else read
+            if unit:
+                _IN_US_UNITS.get(set()).add(name)
+        return metric
+
+    @classmethod
+    def called(cls) -> str:
+        """Return what messages call it."""
+        return "the table"
+
+    @classmethod
+    def input_named(cls, key: str) -> tuple[str, UsUnit | None]:
+        """Name of the input that a key means, and the US unit that the key has; the key itself if there is none."""
+        if key not in cls.model_fields:
+            for name in cls.model_fields:
+                unit = us_key(name)
+                if unit is not None and unit.name == key:
+                    return name, unit
+        return key, None
+
+    def refuse_without_effect(self, keys: Iterable[str], key: str, wanted: str, within: str = "") -> None:
+        """Refuse inputs that another one leaves without effect, if they are not those by default.
+
+        - `within`: path of this table in the case, before the inputs' names.
+        """
+        for name in keys:
+            if getattr(self, name) != type(self).model_fields[name].default:
+                raise InputError(
+                    f"{within}{name} = {getattr(self, name)} with {key} = {getattr(self, key)}",
+                    f"{name} with {key} = {wanted}",
+                    f"leave {name} out, or give {key} = {wanted}",
+                )
+
+
+class Case(Table):
+    """Inputs of a computation; units are in the names, and keys that are left out have defaults."""
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    units: Units = "metric"
+    """units of results and messages; an input has the unit at the end of its key"""
+    report_title: str | None = Field(None, max_length=200)
+    """title of the report (default: that of the case)"""
+    project: str | None = Field(None, max_length=200)
+    """project, for the report"""
+    author: str | None = Field(None, max_length=200)
+    """author, for the report"""
+    date: str | None = Field(None, max_length=60)
+    """date, for the report (default: today)"""
+
+    essential: ClassVar[tuple[str, ...]] = ()  # keys that are set in a new case file; the others are there as comments
+    example: ClassVar[Mapping[str, Any]] = {}  # values of a new case file where they are not the defaults
+
+    @classmethod
+    def called(cls) -> str:
+        """See `Table.called`."""
+        return cls.name
 
     def as_written(self, message: str) -> str:
         """Return a message with the inputs that were given in US units in them, or all of it if results are to be."""
@@ -463,7 +474,7 @@ def _advice(key: str, field: FieldInfo, unit: UsUnit | None) -> str:
 
 
 def _input_error(
-    case: type[Case], reason: ValidationError, values: Mapping[str, Any], where: Callable[[Key], str]
+    case: type[Table], reason: ValidationError, values: Mapping[str, Any], where: Callable[[Key], str]
 ) -> InputError:
     """Say in the words of this program what pydantic refuses: what was given, what is allowed and what to do."""
     faults: dict[Key, tuple[str, str, str]] = {}
@@ -493,7 +504,7 @@ def _input_error(
             inside = key_text(key[:-1])
             text = f"{where(key)}there is no input called {short(last)}{f' in {inside}' if inside else ''}"
             names, advice = _known_inputs(table, last, in_us=values.get("units") == "us")
-            faults[key] = text, f"the inputs of {inside or case.name}: {names}", advice
+            faults[key] = text, f"the inputs of {inside or case.called()}: {names}", advice
     given_texts, allow, advices = zip(*faults.values(), strict=True)
     more = [f"and {n_others} more"] if n_others else []
     return InputError(
