@@ -19,13 +19,13 @@ VALUES_ALLOWED = "a list such as [100, 150, 200], or a range such as { from = -7
 
 def flattened(values: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     """Return inputs inside tables by their paths, ``bodies.disc.size_mm``; ranges stay tables."""
-    found: dict[str, Any] = {}
+    by_path: dict[str, Any] = {}
     for key, value in values.items():
         if isinstance(value, dict) and value and not set(value) & set(RANGE_KEYS):
-            found |= flattened(value, f"{above}{key}.")
+            by_path |= flattened(value, f"{above}{key}.")
         else:
-            found[f"{above}{key}"] = value
-    return found
+            by_path[f"{above}{key}"] = value
+    return by_path
 
 
 def values_of(key: str, given: Any, place: str) -> list[Any]:

@@ -26,10 +26,10 @@ def is_file(path: Path) -> bool:
 
 def limited_bytes(file: Path, limit: int) -> tuple[int, bytes]:
     """Size and bytes of a file, none of a larger one; an `OSError` for what is no file, such as a named pipe."""
-    found = file.stat()
-    if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):  # a folder has an error of its own
+    status = file.stat()
+    if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):  # a folder has an error of its own
         raise OSError(errno.EINVAL, "not a file but a pipe or a device")
-    return found.st_size, file.read_bytes() if found.st_size <= limit else b""
+    return status.st_size, file.read_bytes() if status.st_size <= limit else b""
 
 
 def file_content(file: Path, what: str) -> bytes:

@@ -13,7 +13,7 @@ COLUMNS = ("right_mm", "ahead_mm", "pressure_MPa")
 WANTED = f"a CSV file with the columns {', '.join(COLUMNS)}: middles of even cells, and mean pressures"
 OFF_GRID = 0.02
 """Distance of a place from the regular grid, over the size of the cells, that digits explain."""
-MOST_CELLS = 120
+MAX_CELLS = 120
 
 
 def read_pressures(path: Path) -> tuple[PatchGrid, Floats]:
@@ -59,7 +59,7 @@ def read_pressures(path: Path) -> tuple[PatchGrid, Floats]:
 def _on_grid(path: Path, name: str, values: Floats) -> tuple[Ints, Floats]:
     """Numbers of the cells in which places are, and the ends of these cells."""
     different = np.unique(values)
-    if len(different) < 2 or not np.ptp(values) < MOST_CELLS * np.diff(different).min():
+    if len(different) < 2 or not np.ptp(values) < MAX_CELLS * np.diff(different).min():
         raise _uneven(path, name, different)
     # digits are lost in single differences, not in the whole length
     n = round(float(np.ptp(values) / np.diff(different).min())) + 1
@@ -75,6 +75,6 @@ def _uneven(path: Path, name: str, different: Floats) -> InputError:
     steps = f" in steps from {np.diff(different).min():g} mm" if len(different) > 1 else ""
     return InputError(
         f"{path}: {len(different)} different {name}{steps}",
-        f"places on a regular grid of 2 to {MOST_CELLS} cells",
+        f"places on a regular grid of 2 to {MAX_CELLS} cells",
         "interpolate them to even cells",
     )
