@@ -75,6 +75,35 @@ def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
     return [cell.replace(",", ".") if separator != "," and COMMA_NUMBER.fullmatch(cell) else cell for cell in cells]
 
 
+def csv_table(file: Path, what: str) -> list[tuple[int, dict[str, str]]]:
+    """Return the lines of a CSV file by the names in its first line, behind their numbers; empty lines are left out.
+
+    An `InputError` if it cannot be read, a column has no name or that of another, or a line another number of cells.
+
+    - `what`: what is expected, for messages.
+    """
+    try:
+        text = utf8_text(file_content(file, what))
+        separator = csv_separator(text.partition("\n")[0])
+        lines = [(n, csv_cells(line, n, separator)) for n, line in enumerate(text.splitlines(), 1)]
+    except InputError as reason:
+        given = reason.given if str(file) in reason.given else f"{file}, {reason.given}"
+        raise InputError(given, reason.allowed, reason.advice) from reason
+    (first, names), *rows = ((number, cells) for number, cells in lines if any(cells))
+    for column, name in enumerate(names):
+        if not name or name in names[:column]:
+            fault = f"the column {name} twice" if name else "a column without a name"
+            raise InputError(f"{file}, line {first}: {fault}", "each name once", "correct the first line")
+    for number, cells in rows:
+        if len(cells) != len(names):
+            raise InputError(
+                f"{file}, line {number}: {len(cells)} cells",
+                f"{len(names)} values: {', '.join(names)}",
+                "complete the line, or remove it",
+            )
+    return [(number, dict(zip(names, cells, strict=True))) for number, cells in rows]
+
+
 def packaged_rows(package: str, name: str) -> list[dict[str, str]]:
     """Rows of a CSV file in a package's folder ``data`` by column; lines that begin with ``#`` state the source."""
     text = (files(package) / "data" / name).read_text(encoding="utf-8")

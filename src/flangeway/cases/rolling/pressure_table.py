@@ -6,7 +6,7 @@ import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
-from flangeway.system.file_content import csv_cells, csv_separator, file_content
+from flangeway.system.file_content import csv_table
 from flangeway.types import Floats, Ints
 
 COLUMNS = ("right_mm", "ahead_mm", "pressure_MPa")
@@ -25,26 +25,20 @@ def read_pressures(path: Path) -> tuple[PatchGrid, Floats]:
         If it cannot be read, lacks a column, has what is no number, or its places are on no regular grid.
 
     """
-    try:
-        lines = file_content(path, WANTED).decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError as reason:
-        raise InputError(f"{path}: no text in UTF-8", WANTED, "save it as CSV") from reason
-    separator = csv_separator(lines[0])
-    names = csv_cells(lines[0], 1, separator)
-    missing = [name for name in COLUMNS if name not in names]
-    if missing:
-        raise InputError(f"{path}, line 1: no column {' and '.join(missing)}", WANTED, "name the columns")
-    places = [names.index(name) for name in COLUMNS]
-    rows = []
-    for number, line in enumerate(lines[1:], 2):
-        cells = csv_cells(line, number, separator)
+    rows = csv_table(path, WANTED)
+    missing = [name for name in COLUMNS if rows and name not in rows[0][1]]
+    if missing or not rows:
+        what = f"no column {' and '.join(missing)}" if missing else "no cells"
+        raise InputError(f"{path}, line 1: {what}", WANTED, "name the columns")
+    values: Floats = np.empty((len(rows), 3))
+    for cell, (number, row_cells) in zip(values, rows, strict=True):
+        texts = [row_cells[name] for name in COLUMNS]
         try:
-            rows += [[float(cells[place]) for place in places]] if cells else []
-        except (ValueError, IndexError) as reason:
+            cell[:] = [float(text) for text in texts]
+        except ValueError as reason:
             raise InputError(
-                f"{path}, line {number}: {line[:60]!r}", "a number in each column", "correct it"
+                f"{path}, line {number}: {','.join(texts)!r}", "a number in each column", "correct it"
             ) from reason
-    values: Floats = np.array(rows, dtype=np.float64).reshape(-1, 3)
     if not np.isfinite(values).all():
         raise InputError(f"{path}: numbers that are not finite", WANTED, "correct them")
     (row, bounds), (strip, ends) = (_on_grid(path, name, values[:, axis]) for axis, name in enumerate(COLUMNS[:2]))
