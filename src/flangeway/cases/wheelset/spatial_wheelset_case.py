@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.rolling.friction_inputs import FrictionInputs
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes
@@ -19,7 +20,6 @@ from flangeway.cases.wheelset.wheelset_quantities import (
 )
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.patch.contact_ellipse import PARABOLIC
-from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.theories import Theory
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
@@ -52,13 +52,13 @@ THEORIES: dict[Theory, str] = {
 MAX_FRICTION = 1.0
 """Upper bound of coefficients of friction: the driest steel on steel has 0.8, and shakedown limits end at 1."""
 ROLLING_KEYS = (
-    *("kinetic_friction", "friction_decay_m_per_s", "flange_friction", "rolling_theory", "torque_kNm"),
+    *(*FrictionInputs.friction_keys, "flange_friction", "rolling_theory", "torque_kNm"),
     *("yaw_stiffness_kNm_per_mrad", "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"),
 )
 """Inputs that have an effect with friction only."""
 
 
-class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
+class SpatialWheelsetCase(WheelsetInputs, FrictionInputs, RunnableCase):
     """A wheelset on two rails, by default in three dimensions on standard gauge."""
 
     name: ClassVar[str] = "wheelset"
@@ -102,12 +102,6 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
         le=MAX_FRICTION,
         description="coefficient of friction: the wheelset rolls at speed_km_h with creep forces (default, and 0: "
         "without friction)",
-    )
-    kinetic_friction: float | None = Field(
-        None, ge=0.0, le=MAX_FRICTION, description="coefficient at high slip velocity (default: friction)"
-    )
-    friction_decay_m_per_s: float = Field(
-        0.0, ge=0.0, description="slip velocity in which the difference of both falls to 1/e"
     )
     flange_friction: float | None = Field(
         None,
@@ -282,12 +276,10 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
                 "a speed above 0: creep forces are those of rolling",
                 "give speed_km_h, or leave friction out",
             )
-        if self.kinetic_friction is None:
-            self.refuse_without_effect(["friction_decay_m_per_s"], "kinetic_friction", "a coefficient below friction")
         stiffness = self.yaw_stiffness_kNm_per_mrad
         return RollingMotion(
             self.speed_km_h / 3.6,
-            Friction(self.friction, self.kinetic_friction, self.friction_decay_m_per_s),
+            self.friction_law(self.friction, self.rolling_theory),
             self.flange_friction,
             self.curve_radius_m,
             1e-3 * self.yaw_rate_mrad_per_s,
