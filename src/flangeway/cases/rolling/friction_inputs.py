@@ -12,6 +12,8 @@ from flangeway.errors import InputError
 
 # ruff: noqa: N815 (units in names)
 
+MAX_FRICTION = 1.0
+"""Upper bound of coefficients of friction: the driest steel on steel has 0.8, and shakedown limits end at 1."""
 WARM_KEYS = ("friction_falls_from_C", "friction_falls_to_C")
 THERMAL_KEYS = ("temperature_C", "conductivity_W_per_m_K", "density_kg_per_m3", "heat_capacity_J_per_kg_K")
 
@@ -25,7 +27,10 @@ class FrictionInputs(Case):
     )
 
     kinetic_friction: float | None = Field(
-        None, ge=0.0, description="coefficient at high slip velocity or temperature (default: friction)"
+        None,
+        ge=0.0,
+        le=MAX_FRICTION,
+        description="coefficient at high slip velocity or temperature (default: friction)",
     )
     friction_decay_m_per_s: float = Field(
         0.0, ge=0.0, description="slip velocity in which the difference of both falls to 1/e"

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
-from flangeway.cases.rolling.friction_inputs import FrictionInputs
+from flangeway.cases.rolling.friction_inputs import MAX_FRICTION, FrictionInputs
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes
@@ -49,8 +49,6 @@ THEORIES: dict[Theory, str] = {
     "polach": "Polach's formula",
     "linear": "linear theory",
 }
-MAX_FRICTION = 1.0
-"""Upper bound of coefficients of friction: the driest steel on steel has 0.8, and shakedown limits end at 1."""
 ROLLING_KEYS = (
     *(*FrictionInputs.friction_keys, "flange_friction", "rolling_theory", "torque_kNm"),
     *("yaw_stiffness_kNm_per_mrad", "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"),
