@@ -25,7 +25,7 @@ def run(**inputs):
 
 
 def numbers(**inputs):
-    return SimpleNamespace(**run(**inputs).summary.to_dict())
+    return SimpleNamespace(**run(**inputs).summary)
 
 
 def test_contacts_example_with_spin():
@@ -150,14 +150,14 @@ def test_pressures_from_a_file_are_those_of_the_run_that_wrote_it(tmp_path):
     lines = "\n".join(f"{key} = {value}" for key, value in motion.items())
     text = f'case = "rolling-patch"\npressure_file = "cells.csv"\ncurve = "none"\n{lines}\n'
     (tmp_path / "patch.toml").write_text(text, encoding="utf-8")
-    found = SimpleNamespace(**load_case(tmp_path / "patch.toml").run().summary.to_dict())
+    found = SimpleNamespace(**load_case(tmp_path / "patch.toml").run().summary)
     assert found.force_kN == pytest.approx(80.0, rel=1e-5)
     for name in ("longitudinal_force_kN", "lateral_force_kN", "spin_moment_Nm"):
-        assert getattr(found, name) == pytest.approx(before.summary.to_dict()[name], rel=1e-4)
+        assert getattr(found, name) == pytest.approx(before.summary[name], rel=1e-4)
     header, *rows = (tmp_path / "cells.csv").read_text(encoding="utf-8").splitlines()
     right = [row for row in rows if float(row.split(",")[0]) > 0.0]
     (tmp_path / "cells.csv").write_text("\n".join([header, *right]), encoding="utf-8")
-    half = SimpleNamespace(**load_case(tmp_path / "patch.toml").run().summary.to_dict())
+    half = SimpleNamespace(**load_case(tmp_path / "patch.toml").run().summary)
     assert half.force_kN == pytest.approx(40.0, rel=1e-5)
     assert half.semi_axis_across_mm < 0.7 * found.semi_axis_across_mm
 

@@ -1,7 +1,5 @@
 """Inputs of friction that a rolling patch and a wheelset share: how it falls, what it warms, and surface layers."""
 
-from typing import ClassVar
-
 from pydantic import Field
 
 from flangeway.cases.case import Case
@@ -18,41 +16,37 @@ WARM_KEYS = ("friction_falls_from_C", "friction_falls_to_C")
 THERMAL_KEYS = ("temperature_C", "conductivity_W_per_m_K", "density_kg_per_m3", "heat_capacity_J_per_kg_K")
 
 
+FRICTION_KEYS = (
+    *("kinetic_friction", "friction_decay_m_per_s", *WARM_KEYS, *THERMAL_KEYS),
+    *("slope_factor", "slope_remaining", "slope_rate"),
+)
+
+
 class FrictionInputs(Case):
     """How friction depends on slip velocity and temperature, thermal properties, and the slope of creep forces."""
 
-    friction_keys: ClassVar[tuple[str, ...]] = (
-        *("kinetic_friction", "friction_decay_m_per_s", *WARM_KEYS, *THERMAL_KEYS),
-        *("slope_factor", "slope_remaining", "slope_rate"),
-    )
-
-    kinetic_friction: float | None = Field(
-        None,
-        ge=0.0,
-        le=MAX_FRICTION,
-        description="coefficient at high slip velocity or temperature (default: friction)",
-    )
-    friction_decay_m_per_s: float = Field(
-        0.0, ge=0.0, description="slip velocity in which the difference of both falls to 1/e"
-    )
-    friction_falls_from_C: float | None = Field(
-        None, description="temperature of the contact from which friction falls to kinetic_friction, linearly"
-    )
-    friction_falls_to_C: float | None = Field(None, description="temperature at which it has fallen")
-    temperature_C: float = Field(20.0, description="temperature of both bodies away from the contact")
-    conductivity_W_per_m_K: float = Field(50.0, gt=0.0, description="thermal conductivity of both bodies")
-    density_kg_per_m3: float = Field(7850.0, gt=0.0, description="their density")
-    heat_capacity_J_per_kg_K: float = Field(450.0, gt=0.0, description="their specific heat capacity")
-    slope_factor: float = Field(
-        1.0,
-        gt=0.0,
-        le=1.0,
-        description="factor of the initial slope of creep forces, below 1 by layers on the surfaces (Spiryagin's k0)",
-    )
-    slope_remaining: float = Field(
-        1.0, ge=0.0, le=1.0, description="part of slope_factor that remains at large creepages (Spiryagin's alpha)"
-    )
-    slope_rate: float = Field(0.0, ge=0.0, description="how fast it falls with creepage (Spiryagin's beta)")
+    kinetic_friction: float | None = Field(None, ge=0.0, le=MAX_FRICTION)
+    """coefficient at high slip velocity or temperature (default: friction)"""
+    friction_decay_m_per_s: float = Field(0.0, ge=0.0)
+    """slip velocity in which the difference of both falls to 1/e"""
+    friction_falls_from_C: float | None = None
+    """temperature of the contact from which friction falls to kinetic_friction, linearly"""
+    friction_falls_to_C: float | None = None
+    """temperature at which it has fallen"""
+    temperature_C: float = 20.0
+    """temperature of both bodies away from the contact"""
+    conductivity_W_per_m_K: float = Field(50.0, gt=0.0)
+    """thermal conductivity of both bodies"""
+    density_kg_per_m3: float = Field(7850.0, gt=0.0)
+    """their density"""
+    heat_capacity_J_per_kg_K: float = Field(450.0, gt=0.0)
+    """their specific heat capacity"""
+    slope_factor: float = Field(1.0, gt=0.0, le=1.0)
+    """factor of the initial slope of creep forces, below 1 by layers on the surfaces (Spiryagin's k0)"""
+    slope_remaining: float = Field(1.0, ge=0.0, le=1.0)
+    """part of slope_factor that remains at large creepages (Spiryagin's alpha)"""
+    slope_rate: float = Field(0.0, ge=0.0)
+    """how fast it falls with creepage (Spiryagin's beta)"""
 
     def friction_law(self, static: float, theory: Theory) -> Friction:
         """Return the law of friction; an `InputError` names inputs without effect."""

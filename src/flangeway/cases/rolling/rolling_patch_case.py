@@ -5,14 +5,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
 from flangeway.cases.patch_quantities import ON_SURFACE
-from flangeway.cases.rolling.friction_inputs import THERMAL_KEYS, WARM_KEYS, FrictionInputs
+from flangeway.cases.rolling.friction_inputs import FRICTION_KEYS, THERMAL_KEYS, WARM_KEYS, FrictionInputs
 from flangeway.cases.rolling.pressure_table import read_pressures
 from flangeway.cases.rolling_quantities import (
     BY_THEORY,
@@ -77,7 +77,7 @@ class RollingPatchRun(RunResult):
 
     """
 
-    main_table: ClassVar[str] = "theories"
+    main_table = "theories"
 
     case: "RollingPatchCase"
     timings_s: Mapping[str, float]
@@ -144,63 +144,65 @@ STATE: tuple[Creep, ...] = (THEORY, *CREEPAGES, *SHIFT, *FORCES, TRACTION, *T_GA
 class RollingPatchCase(FrictionInputs, RunnableCase):
     """Two half-spaces pressed together by a force that roll over each other; all results are those on the upper one."""
 
-    name: ClassVar[str] = "rolling-patch"
-    title: ClassVar[str] = "One contact patch that rolls with friction"
-    essential: ClassVar[tuple[str, ...]] = (
+    name = "rolling-patch"
+    title = "One contact patch that rolls with friction"
+    essential = (
         *("force_kN", "radius_along_mm", "radius_across_mm"),
         *(*CREEPAGE_KEYS, "speed_km_h", "friction"),
     )
 
-    force_kN: float = Field(80.0, gt=0.0, description="normal force")
-    radius_along_mm: float = Field(
-        460.0, gt=0.0, description="relative radius of curvature ahead, 1 / (1 / R_upper + 1 / R_lower)"
-    )
-    radius_across_mm: float = Field(300.0, gt=0.0, description="relative radius of curvature across")
-    semi_axis_along_mm: float | None = Field(
-        None, gt=0.0, description="semi-axis ahead of an ellipse under Hertz's pressure, instead of the radii"
-    )
-    semi_axis_across_mm: float | None = Field(None, gt=0.0, description="its semi-axis across")
-    pressure_file: str | None = Field(
-        None, description="CSV file of pressures, instead of force and shape: right_mm, ahead_mm, pressure_MPa of cells"
-    )
-    young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")
-    poisson: float = Field(0.3, ge=0.0, lt=0.5, description="Poisson's ratio")
-    upper_young_MPa: float | None = Field(
-        None, gt=0.0, description="Young's modulus of the upper body (default: young_MPa)"
-    )
-    upper_poisson: float | None = Field(
-        None, ge=0.0, lt=0.5, description="Poisson's ratio of the upper body (default: poisson)"
-    )
-    longitudinal_creepage: float = Field(
-        0.001, description="slip of the upper body on the lower one ahead, over the speed"
-    )
-    lateral_creepage: float = Field(0.0, description="slip to the right over the speed")
-    spin_creepage_per_m: float = Field(
-        0.0, description="rotation of the upper body, counter-clockwise from above, over the speed"
-    )
-    speed_km_h: float = Field(
-        72.0,
-        description="speed of rolling ahead, negative: backwards, 0: the upper body is shifted and does not roll",
-    )
-    longitudinal_force_kN: float | None = Field(
-        None, description="tangential force on the upper body ahead, instead of the creepage or shift, which is found"
-    )
-    lateral_force_kN: float | None = Field(None, description="the same to the right")
-    shift_ahead_mm: float = Field(0.0, description="shift of the upper body ahead, with speed_km_h = 0")
-    shift_right_mm: float = Field(0.0, description="shift to the right")
-    shift_rotation_mrad: float = Field(0.0, description="rotation, counter-clockwise from above")
-    friction: float = Field(0.3, ge=0.0, description="coefficient of friction, 0: without friction")
-    rolling_theory: Theory = Field("exact", description="exact theory, fastsim, fastrip, polach or linear theory")
-    curve: Literal["longitudinal", "lateral", "spin", "none"] = Field(
-        "longitudinal", description="creepage of the creep curve by all theories; the others are those of the case"
-    )
-    curve_end: float = Field(
-        3.0, gt=0.0, le=1e3,
-        description="its end over the creepage at which linear theory reaches the limit of friction",
-    )  # fmt: skip
-    curve_points: int = Field(25, ge=3, le=1000, description="number of its points")
-    cells_along: int = Field(30, ge=4, le=120, description="number of cells along the patch")
-    cells_across: int = Field(30, ge=4, le=120, description="number of cells across")
+    force_kN: float = Field(80.0, gt=0.0)
+    """normal force"""
+    radius_along_mm: float = Field(460.0, gt=0.0)
+    """relative radius of curvature ahead, 1 / (1 / R_upper + 1 / R_lower)"""
+    radius_across_mm: float = Field(300.0, gt=0.0)
+    """relative radius of curvature across"""
+    semi_axis_along_mm: float | None = Field(None, gt=0.0)
+    """semi-axis ahead of an ellipse under Hertz's pressure, instead of the radii"""
+    semi_axis_across_mm: float | None = Field(None, gt=0.0)
+    """its semi-axis across"""
+    pressure_file: str | None = None
+    """CSV file of pressures, instead of force and shape: right_mm, ahead_mm, pressure_MPa of cells"""
+    young_MPa: float = Field(210e3, gt=0.0)
+    """Young's modulus"""
+    poisson: float = Field(0.3, ge=0.0, lt=0.5)
+    """Poisson's ratio"""
+    upper_young_MPa: float | None = Field(None, gt=0.0)
+    """Young's modulus of the upper body (default: young_MPa)"""
+    upper_poisson: float | None = Field(None, ge=0.0, lt=0.5)
+    """Poisson's ratio of the upper body (default: poisson)"""
+    longitudinal_creepage: float = 0.001
+    """slip of the upper body on the lower one ahead, over the speed"""
+    lateral_creepage: float = 0.0
+    """slip to the right over the speed"""
+    spin_creepage_per_m: float = 0.0
+    """rotation of the upper body, counter-clockwise from above, over the speed"""
+    speed_km_h: float = 72.0
+    """speed of rolling ahead, negative: backwards, 0: the upper body is shifted and does not roll"""
+    longitudinal_force_kN: float | None = None
+    """tangential force on the upper body ahead, instead of the creepage or shift, which is found"""
+    lateral_force_kN: float | None = None
+    """the same to the right"""
+    shift_ahead_mm: float = 0.0
+    """shift of the upper body ahead, with speed_km_h = 0"""
+    shift_right_mm: float = 0.0
+    """shift to the right"""
+    shift_rotation_mrad: float = 0.0
+    """rotation, counter-clockwise from above"""
+    friction: float = Field(0.3, ge=0.0)
+    """coefficient of friction, 0: without friction"""
+    rolling_theory: Theory = "exact"
+    """exact theory, fastsim, fastrip, polach or linear theory"""
+    curve: Literal["longitudinal", "lateral", "spin", "none"] = "longitudinal"
+    """creepage of the creep curve by all theories; the others are those of the case"""
+    curve_end: float = Field(3.0, gt=0.0, le=1e3)
+    """its end over the creepage at which linear theory reaches the limit of friction"""
+    curve_points: int = Field(25, ge=3, le=1000)
+    """number of its points"""
+    cells_along: int = Field(30, ge=4, le=120)
+    """number of cells along the patch"""
+    cells_across: int = Field(30, ge=4, le=120)
+    """number of cells across"""
 
     def check(self) -> None:
         """See `RunnableCase.check`."""
@@ -229,7 +231,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         if self.rolling_theory != "exact":
             self.refuse_without_effect(FORCE_KEYS, "rolling_theory", "exact")
         if not self.friction:
-            self.refuse_without_effect([*FORCE_KEYS, *self.friction_keys], "friction", "a coefficient above 0")
+            self.refuse_without_effect([*FORCE_KEYS, *FRICTION_KEYS], "friction", "a coefficient above 0")
         for force, *keys in zip(FORCE_KEYS, CREEPAGE_KEYS, SHIFTS, strict=False):
             if getattr(self, force) is not None:
                 self.refuse_without_effect(keys, force, "none")
