@@ -136,9 +136,9 @@ class CellForces:
 
     def _area(self, inside: Bools) -> float:
         """Area of the polygon through the points at which the edge of a patch crosses the lines between middles."""
-        steps, cells = np.diff(self.across)[:, None], (inside, self.pressures, self.gaps)
-        across = covered(*cells, self.modulus / steps)
-        along = covered(*(values.T for values in cells), self.modulus / self.strip).T
+        steps, pressures = np.diff(self.across)[:, None], self.pressures
+        across = covered(inside, pressures, self.gaps, self.modulus / steps)
+        along = covered(inside.T, pressures.T, self.gaps.T, self.modulus / self.strip).T
         # rectangles between four middles: corners inside, and the covered parts a and b of the sides that meet there
         low, high = slice(None, -1), slice(1, None)
         corners = [(inside[i, j], across[:, j], along[i]) for i in (low, high) for j in (low, high)]

@@ -49,6 +49,8 @@ COARSER = 1.3
 """Size of cells over the one that is wanted, at most."""
 SIZES = 8
 """Sizes of cells from one to its double."""
+FLAT = 1e-3
+"""Fall of the pressure beside a local maximum, over it, below which that is no narrow peak."""
 PEAK, MAX_DIVISION = 0.3, 4.0
 """Cells across half a narrow peak of the pressure over those across a patch, and parts of a cell there, at most."""
 FEWER_ACROSS, NESTED_RESIDUAL = 0.5, 2e-3
@@ -329,7 +331,7 @@ class _Window:
     """A patch on a grid.
 
     - `ends`, `planes`: along the rail's surface and along z.
-    - `across`, `along`: widths of the ellipse by the second moments of the pressure, which do not jump from cell to cell.
+    - `across`, `along`: widths of the ellipse by the second moments of the pressure, which do not jump between cells.
     - `share`: of the side's force.
     - `rows`: its rows of cells.
     - `peaks`: where the maximum pressure of rows has its local maxima, and half the widths of the parabolas through
@@ -367,20 +369,23 @@ def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]
                 *patch.widths,
                 float(state.forces[patch.inside].sum() / state.forces.sum()),
                 rows,
-                _peaks(grid.stations, highest),
+                _peaks(grid.stations, highest, float(grid.widths[rows].max())),
             )
         )
     return windows
 
 
-def _peaks(stations: Floats, values: Floats) -> Floats:
-    """Local maxima above half of the maximum, and half the widths of the parabolas through them, (m, 2)."""
-    falls = -np.diff(values)
-    at = 1 + np.flatnonzero((falls[:-1] < 0.0) & (falls[1:] >= 0.0) & (values[1:-1] > 0.5 * values.max()))
-    steps = np.diff(stations)
-    # v (1 - x^2 / a^2) has the second derivative -2 v / a^2
-    second = 2.0 * (falls[at] / steps[at] - falls[at - 1] / steps[at - 1]) / (steps[at] + steps[at - 1])
-    return np.column_stack((stations[at], np.sqrt(2.0 * values[at] / second)))
+def _peaks(stations: Floats, values: Floats, size: float) -> Floats:
+    """Local maxima above half of the maximum, and half the widths of the parabolas through them, (m, 2).
+
+    - `size`: distance of the values that such a parabola goes through, the same on cells that were divided.
+    """
+    inner = values[1:-1]
+    at = 1 + np.flatnonzero((inner > values[:-2]) & (inner >= values[2:]) & (inner > 0.5 * values.max()))
+    middle = stations[at]
+    # v (1 - x^2 / a^2) falls by v (h / a)^2 at the distance h
+    falls = values[at] - (np.interp(middle - size, stations, values) + np.interp(middle + size, stations, values)) / 2.0
+    return np.column_stack((middle, size * np.sqrt(values[at] / np.maximum(falls, FLAT * values[at]))))
 
 
 def finer(state: SideState, n_across: int = PATCH_CELLS, insides: Sequence[Bools] | None = None) -> GriddedSide:
@@ -460,6 +465,9 @@ def _divided(cells: Floats, sizes: Floats) -> Floats:
     """Cells (n, 2), halved until they are not wider than sizes (n,)."""
     halvings = np.ceil(np.log2(np.diff(cells, axis=1)[:, 0] / (COARSER * sizes)))
     counts = 2 ** np.maximum(halvings, 0).astype(int)
-    ends = [np.linspace(*cell, count, endpoint=False) for cell, count in zip(cells, counts, strict=True)]
+    ends = [
+        np.linspace(low, high, count, endpoint=False)
+        for (low, high), count in zip(cells.tolist(), counts.tolist(), strict=True)
+    ]
     limits = np.append(np.concatenate(ends), cells[-1, 1])
     return np.stack((limits[:-1], limits[1:]), axis=1)
