@@ -83,6 +83,14 @@ class CreepResult:
         return None if slip is None else self.scale * slip
 
     @property
+    def flash_temperature(self) -> float | None:
+        """Maximum temperature of the cells above that without friction, K; None without temperatures."""
+        cells = self.cells
+        if cells is None or cells.flash_temperatures is None:
+            return None
+        return float(cells.flash_temperatures[cells.states != NO_CONTACT].max())
+
+    @property
     def power_density(self) -> float | None:
         """Maximum power over area, W/mm²; None for a shift."""
         power = self.maximum(lambda cells: cells.power_density.clip(min=0.0))
@@ -146,6 +154,14 @@ FIELDS: tuple[Creep, ...] = (
     SLIP_AREA,
     MAX_TRACTION,
     Quantity("max_slip_velocity", "maximum slip velocity", _rolling(lambda f: f.max_slip), "m/s", ".4f"),
+    Quantity(
+        "flash_temperature",
+        "maximum flash temperature",
+        "flash_temperature",
+        "K",
+        ".1f",
+        meaning="temperature of the surfaces in contact above that without friction",
+    ),
     Quantity("max_power_density", "maximum frictional power density", "power_density", "W/mm²", "z.2f"),
 )
 """What theories with tractions have."""

@@ -5,7 +5,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -119,15 +119,13 @@ class ConicityRun(Result):
 class ConicityCase(Case):
     """Inputs for the conicity of a rolling radius difference."""
 
-    name: ClassVar[str] = "conicity"
-    title: ClassVar[str] = "Equivalent conicity of a rolling radius difference"
+    name = "conicity"
+    title = "Equivalent conicity of a rolling radius difference"
 
-    unit: Literal["mm", "cm", "m", "in", "ft"] | None = Field(
-        None, description="unit of both columns; that of the file if left out"
-    )
-    maximum_amplitude_mm: float | None = Field(
-        None, ge=FIRST_MM, le=30.0, description="maximum amplitude; as far as the difference is given if left out"
-    )
+    unit: Literal["mm", "cm", "m", "in", "ft"] | None = None
+    """unit of both columns; that of the file if left out"""
+    maximum_amplitude_mm: float | None = Field(None, ge=FIRST_MM, le=30.0)
+    """maximum amplitude; as far as the difference is given if left out"""
 
 
 def run_conicity(file: Path, inputs: Mapping[str, Any]) -> ConicityRun:

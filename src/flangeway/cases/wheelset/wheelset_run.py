@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.wheelset_profiles import side_warnings
@@ -51,7 +51,7 @@ class WheelsetRun(RunResult):
 
     """
 
-    main_table: ClassVar[str] = "patches"
+    main_table = "patches"
 
     case: "WheelsetInputs"
     result: AnyResult

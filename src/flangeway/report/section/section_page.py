@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.cases.section.section_run import STEEL_KG_M3, SectionRun, TorsionCase
-from flangeway.cases.summary import Summary
 from flangeway.formats import write_vtu
 from flangeway.post import corner_shear_stresses
 from flangeway.report.page.case_text import case_text, inputs_tables
@@ -38,7 +37,7 @@ def section_record(
     case: TorsionCase,
     *,
     command: str,
-    summary: Summary | Mapping[str, Any] | None = None,
+    summary: Mapping[str, Any] | None = None,
     summary_file: str = SUMMARY,
 ) -> Record:
     """Return what was found of a section; its first page is one to pass on.

@@ -37,7 +37,7 @@ def convergence_record(name: str, convergence: Convergence, command: str) -> Rec
         summary=convergence.to_json(),
         summary_file=SUMMARY,
         again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
-        versions=coarse.summary.versions,
+        versions=coarse.summary["versions"],
         warnings=[
             f"size scale {scale:g}: {text}"
             for run, scale in zip(convergence.runs, scales, strict=True)
