@@ -67,7 +67,7 @@ def test_a_shrink_fit_has_lames_pressure(friction: float) -> None:
     """The mean pressure of the fit within 0.5 %, and it is uniform to 1 %; only an overlap not intended is named."""
     case = load_case("shrink-fit", friction=friction)
     run = case.run()
-    values = case.bodies().model_dump()
+    values = case.general().model_dump()
     assert run.summary["notices"] == []
     values["contacts"][0]["interference"] = False
     (notice,) = TwoBodiesCase.from_values(values).run().summary["notices"]
@@ -82,7 +82,7 @@ def test_a_shrink_fit_has_lames_pressure(friction: float) -> None:
 def test_a_barrier_of_a_case_is_that_of_multipliers_with_a_gap() -> None:
     """The pressure of a shrink fit by a small barrier is nearly that of multipliers."""
     given = {"enforcement": "barrier", "friction": 0.0}
-    values = load_case("shrink-fit", friction=0.0).bodies().model_dump()
+    values = load_case("shrink-fit", friction=0.0).general().model_dump()
     values["contacts"] = [{**values["contacts"][0], **given, "barrier_N_per_mm": 1e-3, "barrier_reach_mm": 0.01}]
     run = TwoBodiesCase.from_values(values).run()
     assert run.status.converged, run.status.message
@@ -101,7 +101,7 @@ def test_a_barrier_of_a_case_is_that_of_multipliers_with_a_gap() -> None:
 )
 def test_what_friction_and_floating_bodies_do_not_go_with_is_refused(change, message) -> None:
     """Late pushes, and motions of bodies without supports."""
-    values = load_case("stack", size_mm=10.0).bodies().model_dump()
+    values = load_case("stack", size_mm=10.0).general().model_dump()
     with pytest.raises(InputError, match=message):
         TwoBodiesCase.from_values({**values, **change}).check()
 

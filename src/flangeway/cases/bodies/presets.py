@@ -1,9 +1,7 @@
 """Published problems as presets of the general case: Hertz's contact, and the contact patch test."""
 
 import math
-from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -21,7 +19,7 @@ from flangeway.cases.bodies.bodies_tables import (
     StabilisationName,
 )
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
-from flangeway.cases.case import Progress
+from flangeway.cases.case import PresetCase
 from flangeway.contact import NodeToSegment
 from flangeway.contact.node_to_segment import OVERHANG
 from flangeway.errors import InputError
@@ -44,20 +42,8 @@ MIN_PIECES = 17  # minimum number of pieces of the polyline along a fine arc
 MAX_ZONE = 0.75  # half width of the fine zone relative to the radius: wider ones do not fit half discs
 
 
-class BodiesPreset(BodiesCase):
+class BodiesPreset(PresetCase, BodiesCase):
     """A case that fills in the tables of the general case."""
-
-    @abstractmethod
-    def bodies(self) -> TwoBodiesCase:
-        """Return the same as a general case."""
-
-    def check(self) -> None:
-        """See `RunnableCase.check`."""
-        self.bodies().check()
-
-    def run(self, progress: Progress = lambda _: None) -> BodiesRun:
-        """See `RunnableCase.run`."""
-        return replace(self.bodies().run(progress), case=self)
 
 
 def max_pressure_of(run: BodiesRun) -> float:
@@ -169,10 +155,10 @@ class HertzCase(BodiesPreset):
         modulus = contact_modulus(upper.plane_modulus, lower.plane_modulus)
         return LineContact(force_N / self.thickness_mm, self._curvature, modulus)
 
-    def bodies(self) -> TwoBodiesCase:
-        """Return the same as a general case.
+    def general(self) -> TwoBodiesCase:
+        """See `PresetCase.general`.
 
-        It is an `InputError` if the contact would be too wide for the bodies, or too narrow for the elements' size.
+        The contact must be neither too wide for the bodies nor too narrow for the elements' size.
         """
         self._refuse_unfit()
         zone, radius, below = self._zone(), self.radius_mm, self.lower_radius_mm
@@ -370,8 +356,8 @@ class ContactPatchCase(BodiesPreset):
         """The uniform pressure, ``E / (1 - nu^2)`` times the approach over the height of both boxes."""
         return self.young_MPa / (1.0 - self.poisson**2) * self.approach_mm / (2.0 * self.height_mm)
 
-    def bodies(self) -> TwoBodiesCase:
-        """Return the same as a general case."""
+    def general(self) -> TwoBodiesCase:
+        """See `PresetCase.general`."""
         bodies: list[dict[str, Any]] = []
         supports: list[dict[str, Any]] = []
         for name, sign, far in (("upper", 1.0, "top"), ("lower", -1.0, "bottom")):

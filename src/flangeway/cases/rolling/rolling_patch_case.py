@@ -1,7 +1,7 @@
 """The case of one contact patch between half-spaces on which two bodies roll, or shift, with friction."""
 
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +12,7 @@ from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
 from flangeway.cases.patch_quantities import ON_SURFACE
+from flangeway.cases.rolling.friction_inputs import FRICTION_KEYS, THERMAL_KEYS, WARM_KEYS, FrictionInputs
 from flangeway.cases.rolling.pressure_table import read_pressures
 from flangeway.cases.rolling_quantities import (
     BY_THEORY,
@@ -34,7 +35,7 @@ from flangeway.contact.rolling.exact_rolling import creep_curve, roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.contact.rolling.theories import FAST, Theory
+from flangeway.contact.rolling.theories import FAST, WITH_TRACTIONS, Theory
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
@@ -100,17 +101,17 @@ class RollingPatchRun(RunResult):
     @property
     def residuals(self) -> dict[str, float]:
         """See `flangeway.contact.rolling.rolling_result.Rolling.residuals`; none of the fast theories."""
-        found = self.state.forces
-        return found.residuals if isinstance(found, Rolling) else {}
+        forces = self.state.forces
+        return forces.residuals if isinstance(forces, Rolling) else {}
 
     @property
     def energy_error(self) -> float | None:
         """Frictional power less that of forces times creepages, over the power; of the exact theory."""
-        found = self.state.forces
-        if not self.state.rolls or not isinstance(found, Rolling):
+        forces = self.state.forces
+        if not self.state.rolls or not isinstance(forces, Rolling):
             return None
-        power = abs(found.motion.speed) * found.t_gamma
-        return abs(found.frictional_power - power) / (abs(power) + abs(found.rolling_power) or 1.0)
+        power = abs(forces.motion.speed) * forces.t_gamma
+        return abs(forces.frictional_power - power) / (abs(power) + abs(forces.rolling_power) or 1.0)
 
     def parts(self) -> dict[str, Any]:
         """See `RunResult.parts`."""
@@ -140,7 +141,7 @@ ENERGY_ERROR: Quantity[RollingPatchRun] = Quantity(
 STATE: tuple[Creep, ...] = (THEORY, *CREEPAGES, *SHIFT, *FORCES, TRACTION, *T_GAMMAS, POWER, *FIELDS)
 
 
-class RollingPatchCase(RunnableCase):
+class RollingPatchCase(FrictionInputs, RunnableCase):
     """Two half-spaces pressed together by a force that roll over each other; all results are those on the upper one."""
 
     name = "rolling-patch"
@@ -190,10 +191,6 @@ class RollingPatchCase(RunnableCase):
     """rotation, counter-clockwise from above"""
     friction: float = Field(0.3, ge=0.0)
     """coefficient of friction, 0: without friction"""
-    kinetic_friction: float | None = Field(None, ge=0.0)
-    """coefficient at high slip velocity (default: friction)"""
-    friction_decay_m_per_s: float = Field(0.0, ge=0.0)
-    """slip velocity in which the difference of both falls to 1/e"""
     rolling_theory: Theory = "exact"
     """exact theory, fastsim, fastrip, polach or linear theory"""
     curve: Literal["longitudinal", "lateral", "spin", "none"] = "longitudinal"
@@ -229,14 +226,12 @@ class RollingPatchCase(RunnableCase):
         if self.rolls:
             self.refuse_without_effect(SHIFTS, "speed_km_h", "0")
         else:
-            rolling = (*CREEPAGE_KEYS, "rolling_theory", "friction_decay_m_per_s")
+            rolling = (*CREEPAGE_KEYS, "rolling_theory", "friction_decay_m_per_s", *WARM_KEYS, *THERMAL_KEYS)
             self.refuse_without_effect(rolling, "speed_km_h", "a speed other than 0")
         if self.rolling_theory != "exact":
             self.refuse_without_effect(FORCE_KEYS, "rolling_theory", "exact")
         if not self.friction:
-            self.refuse_without_effect([*FORCE_KEYS, "kinetic_friction"], "friction", "a coefficient above 0")
-        if self.kinetic_friction is None:
-            self.refuse_without_effect(["friction_decay_m_per_s"], "kinetic_friction", "a coefficient below friction")
+            self.refuse_without_effect([*FORCE_KEYS, *FRICTION_KEYS], "friction", "a coefficient above 0")
         for force, *keys in zip(FORCE_KEYS, CREEPAGE_KEYS, SHIFTS, strict=False):
             if getattr(self, force) is not None:
                 self.refuse_without_effect(keys, force, "none")
@@ -251,14 +246,14 @@ class RollingPatchCase(RunnableCase):
         progress("rolling")
         along, across = (None if force is None else 1e3 * force for force in self._forces)
         exact = roll(contact, self.motion, force_along=along, force_across=across)
-        found = exact if self.rolling_theory == "exact" else FAST[self.rolling_theory](contact, self.motion)
-        states = [exact, *(theory(contact, exact.motion) for theory in FAST.values())] if self.rolls else []
+        forces = exact if self.rolling_theory == "exact" else FAST[self.rolling_theory](contact, self.motion)
+        states = [exact, *(theory(contact, exact.motion) for theory in self._theories.values())] if self.rolls else []
         rolled = time.perf_counter()
         curve, notices = self._curve(contact, exact.motion, progress)
         total = time.perf_counter()
         timings = {"pressures": pressed - start, "rolling": rolled - pressed, "curve": total - rolled}
-        notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *found.notices, *notices))]
-        state, *theories = (CreepResult(each, each.motion, contact.force) for each in (found, *states))
+        notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *forces.notices, *notices))]
+        state, *theories = (CreepResult(each, each.motion, contact.force) for each in (forces, *states))
         return RollingPatchRun(self, timings | {"total": total - start}, contact, state, theories, curve, notices)
 
     @property
@@ -303,7 +298,13 @@ class RollingPatchCase(RunnableCase):
 
     @cached_property
     def _friction(self) -> Friction:
-        return Friction(self.friction, self.kinetic_friction, self.friction_decay_m_per_s)
+        return self.friction_law(self.friction, self.rolling_theory)
+
+    @property
+    def _theories(self) -> dict[Theory, Callable[[RollingContact, Creepages], CreepForces]]:
+        """Fast theories that can be computed."""
+        warm = self._friction.by_temperature
+        return {name: theory for name, theory in FAST.items() if name in WITH_TRACTIONS or not warm}
 
     @property
     def _materials(self) -> tuple[Elastic, Elastic]:
@@ -326,7 +327,7 @@ class RollingPatchCase(RunnableCase):
         motions = [replace(motion, **{name: point}) for point in points.tolist()]
         exact = creep_curve(contact, motions)
         states: dict[str, Sequence[CreepForces]] = {"exact": exact}
-        states |= {theory: [compute(contact, each) for each in motions] for theory, compute in FAST.items()}
+        states |= {theory: [compute(contact, each) for each in motions] for theory, compute in self._theories.items()}
         failed = sum(not each.status.converged for each in exact)
         notices = [f"{failed} of {len(exact)} points of the creep curve by the exact theory did not converge"]
         curve = {

@@ -59,23 +59,6 @@ class SpatialBodyTable(BodyTable):
     """rotation of the axis about y, from x towards z"""
 
 
-class SpatialInputs(Case):
-    """Two bodies, one above the other, and the load that presses them together along y."""
-
-    force_kN: float | None = Field(None, gt=0.0)
-    """force on the upper body, downwards"""
-    approach_mm: float | None = Field(None, gt=0.0)
-    """approach after first touch, instead of force_kN"""
-    cell_mm: float | None = Field(None, gt=0.0)
-    """size of square cells (default: 26 across the patch)"""
-    window_mm: Pair | None = None
-    """width and length along z of the grid, with cell_mm"""
-    tolerance: float = Field(1e-3, gt=0.0, le=0.1)
-    """interpolation error of the compliances"""
-    bodies: list[SpatialBodyTable] = Field(min_length=2, max_length=2)
-    """the lower body, then the upper one"""
-
-
 @dataclass(frozen=True, eq=False)
 class SpatialRun(RunResult):
     """Two bodies and the patches between them.
@@ -130,35 +113,8 @@ class SpatialRun(RunResult):
         }
 
 
-class SpatialRunCase(RunnableCase):
-    """A case of two bodies in three dimensions."""
-
-    def spatial(self) -> "SpatialCase":
-        """Return the same as a general case."""
-        raise NotImplementedError
-
-    def check(self) -> None:
-        """See `RunnableCase.check`; the bodies are meshed coarsely."""
-        self.spatial().coarse([])
-
-    def run(self, progress: Progress = lambda _: None) -> SpatialRun:
-        """See `RunnableCase.run`."""
-        start = time.perf_counter()
-        notices: list[str] = []
-        general = self.spatial()
-        found, meshed = general.pressed(notices, progress)
-        pressed = time.perf_counter()
-        lower, upper = (patch_stresses(found, which, progress=progress) for which in (0, 1))
-        patch = found.patches[0]
-        cell = min(found.pair.grid.strip, float(found.pair.grid.widths.min()))
-        depths: Floats = np.geomspace(0.25 * cell, DEPTHS * patch.semi_axes[0], 120)
-        profiles = depth_profile(lower, patch, depths), depth_profile(upper, patch, depths)
-        timings = {"meshing": meshed - start, "contact": pressed - meshed, "total": time.perf_counter() - start}
-        return SpatialRun(self, timings, found, (lower, upper), profiles, notices)
-
-
-class SpatialCase(SpatialInputs, SpatialRunCase):
-    """Two bodies by their sections; x to the right, y up, z along the prisms."""
+class SpatialCase(RunnableCase):
+    """Two bodies by their sections, one above the other; x to the right, y up, z along the prisms."""
 
     name = "spatial"
     title = "Two prisms or bodies of revolution in contact in three dimensions"
@@ -184,9 +140,51 @@ class SpatialCase(SpatialInputs, SpatialRunCase):
         ],
     }
 
-    def spatial(self) -> "SpatialCase":
-        """See `SpatialRunCase.spatial`."""
-        return self
+    force_kN: float | None = Field(None, gt=0.0)
+    """force on the upper body, downwards"""
+    approach_mm: float | None = Field(None, gt=0.0)
+    """approach after first touch, instead of force_kN"""
+    cell_mm: float | None = Field(None, gt=0.0)
+    """size of square cells (default: 26 across the patch)"""
+    window_mm: Pair | None = None
+    """width and length along z of the grid, with cell_mm"""
+    tolerance: float = Field(1e-3, gt=0.0, le=0.1)
+    """interpolation error of the compliances"""
+    bodies: list[SpatialBodyTable] = Field(min_length=2, max_length=2)
+    """the lower body, then the upper one"""
+
+    def check(self) -> None:
+        """See `RunnableCase.check`; the bodies are meshed coarsely."""
+        self.coarse([])
+
+    def run(self, progress: Progress = lambda _: None) -> SpatialRun:
+        """See `RunnableCase.run`; the meshes are fine at the patch."""
+        start = time.perf_counter()
+        notices: list[str] = []
+        progress("meshing the bodies")
+        bodies = self.coarse(notices)
+        force = None if self.force_kN is None else 1e3 * self.force_kN
+        grid = self._grid(bodies, force)
+        fine = [self._body(number, [], self._along(grid, bodies, number)) for number in (0, 1)]
+        meshed = time.perf_counter()
+        contact = press_patch(
+            fine[0],
+            fine[1],
+            force=force,
+            approach=self.approach_mm,
+            grid=None if self.cell_mm is None else self._grid(fine, force),
+            tolerance=self.tolerance,
+            progress=progress,
+            cache=Cache.of_user(),
+        )
+        pressed = time.perf_counter()
+        lower, upper = (patch_stresses(contact, which, progress=progress) for which in (0, 1))
+        patch = contact.patches[0]
+        cell = min(contact.pair.grid.strip, float(contact.pair.grid.widths.min()))
+        depths: Floats = np.geomspace(0.25 * cell, DEPTHS * patch.semi_axes[0], 120)
+        profiles = depth_profile(lower, patch, depths), depth_profile(upper, patch, depths)
+        timings = {"meshing": meshed - start, "contact": pressed - meshed, "total": time.perf_counter() - start}
+        return SpatialRun(self, timings, contact, (lower, upper), profiles, notices)
 
     def coarse(self, notices: list[str]) -> list[PatchBody]:
         """Bodies as they are without refinement at the patch, after all inputs are checked."""
@@ -196,27 +194,6 @@ class SpatialCase(SpatialInputs, SpatialRunCase):
         if (self.cell_mm is None) != (self.window_mm is None):
             raise InputError("one of cell_mm and window_mm", "both or none", "give both, or leave both out")
         return [self._body(number, notices) for number in (0, 1)]
-
-    def pressed(self, notices: list[str], progress: Progress) -> tuple[PatchContact, float]:
-        """Contact of the bodies on meshes that are fine at the patch, and when these were ready."""
-        progress("meshing the bodies")
-        bodies = self.coarse(notices)
-        force = None if self.force_kN is None else 1e3 * self.force_kN
-        grid = self._grid(bodies, force)
-        fine = [self._body(number, [], self._along(grid, bodies, number)) for number in (0, 1)]
-        meshed = time.perf_counter()
-        chosen = None if self.cell_mm is None else self._grid(fine, force)
-        found = press_patch(
-            fine[0],
-            fine[1],
-            force=force,
-            approach=self.approach_mm,
-            grid=chosen,
-            tolerance=self.tolerance,
-            progress=progress,
-            cache=Cache.of_user(),
-        )
-        return found, meshed
 
     def _grid(self, bodies: Sequence[PatchBody], force: float | None) -> PatchGrid:
         if self.cell_mm is not None and self.window_mm is not None:

@@ -4,13 +4,14 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from flangeway.cases.spatial.spatial_case import SpatialCase, SpatialRunCase
+from flangeway.cases.case import PresetCase
+from flangeway.cases.spatial.spatial_case import SpatialCase
 from flangeway.errors import InputError
 
 # ruff: noqa: N815 (units in names)
 
 
-class SpatialPreset(SpatialRunCase):
+class SpatialPreset(PresetCase):
     """Two steel bodies with a few inputs."""
 
     young_MPa: float = Field(210e3, gt=0.0)
@@ -22,8 +23,8 @@ class SpatialPreset(SpatialRunCase):
     order: int = Field(2, ge=1, le=2)
     """order of the elements"""
 
-    def spatial(self) -> SpatialCase:
-        """See `SpatialRunCase.spatial`."""
+    def general(self) -> SpatialCase:
+        """See `PresetCase.general`."""
         own = {"young_MPa": self.young_MPa, "poisson": self.poisson, "method": self.method, "order": self.order}
         values = self.tables()
         return SpatialCase.from_values(values | {"bodies": [each | own for each in values["bodies"]]})

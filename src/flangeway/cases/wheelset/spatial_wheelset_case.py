@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.rolling.friction_inputs import MAX_FRICTION, FrictionInputs
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import ROLLING_KEYS, WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes
@@ -19,7 +20,6 @@ from flangeway.cases.wheelset.wheelset_quantities import (
 )
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.patch.contact_ellipse import PARABOLIC
-from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.theories import Theory
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
@@ -49,11 +49,9 @@ THEORIES: dict[Theory, str] = {
     "polach": "Polach's formula",
     "linear": "linear theory",
 }
-MAX_FRICTION = 1.0
-"""Upper bound of coefficients of friction: the driest steel on steel has 0.8, and shakedown limits end at 1."""
 
 
-class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
+class SpatialWheelsetCase(WheelsetInputs, FrictionInputs, RunnableCase):
     """A wheelset on two rails, by default in three dimensions on standard gauge."""
 
     name = "wheelset"
@@ -90,10 +88,6 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     friction: float | None = Field(None, ge=0.0, le=MAX_FRICTION)
     """coefficient of friction: the wheelset rolls at speed_km_h with creep forces (default, and 0: without
     friction)"""
-    kinetic_friction: float | None = Field(None, ge=0.0, le=MAX_FRICTION)
-    """coefficient at high slip velocity (default: friction)"""
-    friction_decay_m_per_s: float = Field(0.0, ge=0.0)
-    """slip velocity in which the difference of both falls to 1/e"""
     flange_friction: float | None = Field(None, ge=0.0, le=MAX_FRICTION)
     """coefficient on the gauge face, steeper than 45 degrees (default: friction)"""
     rolling_theory: Theory = "exact"
@@ -271,12 +265,10 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
                 "a speed above 0: creep forces are those of rolling",
                 "give speed_km_h, or leave friction out",
             )
-        if self.kinetic_friction is None:
-            self.refuse_without_effect(["friction_decay_m_per_s"], "kinetic_friction", "a coefficient below friction")
         stiffness = self.yaw_stiffness_kNm_per_mrad
         return RollingMotion(
             self.speed_km_h / 3.6,
-            Friction(self.friction, self.kinetic_friction, self.friction_decay_m_per_s),
+            self.friction_law(self.friction, self.rolling_theory),
             self.flange_friction,
             self.curve_radius_m,
             1e-3 * self.yaw_rate_mrad_per_s,
@@ -357,7 +349,7 @@ def wheelset(**inputs: Any) -> WheelsetRun:
     Returns
     -------
     WheelsetRun
-        What it found, which shows itself in a notebook.
+        The result, which shows itself in a notebook.
 
     Raises
     ------

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 
 from flangeway.cases.case import Case
+from flangeway.cases.rolling.friction_inputs import FRICTION_KEYS
 from flangeway.cases.wheelset.wheelset_profiles import position_key, rail_named, wheel_named
 from flangeway.cases.wheelset.wheelset_quantities import MOTION, PLANE_PATCH_ROW, PLANE_ROW, WheelResult, row_columns
 from flangeway.errors import InputError
@@ -36,7 +37,7 @@ CURVE_KEYS = (
     "superelevation_base_mm",
 )
 ROLLING_KEYS = (
-    *("kinetic_friction", "friction_decay_m_per_s", "flange_friction", "rolling_theory", "torque_kNm"),
+    *(*FRICTION_KEYS, "flange_friction", "rolling_theory", "torque_kNm"),
     *("yaw_stiffness_kNm_per_mrad", "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"),
 )
 """POSITION_KEYS, CURVE_KEYS, ROLLING_KEYS: inputs that leave the bodies as they are: of the position and its load, of
@@ -167,8 +168,8 @@ class WheelsetInputs(Case):
         for wheel in run.wheels:
             ordered = sorted(wheel.patches, key=lambda patch: -float(patch.patch.rail_point_mm[0]))
             for number, patch in enumerate(ordered, 1):
-                found = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
-                rows.append({"side": wheel.side, "number": number} | found)
+                row = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
+                rows.append({"side": wheel.side, "number": number} | row)
         return rows
 
     def warnings_of(self, run: Any) -> list[str]:
