@@ -62,8 +62,9 @@ fraction of the step. Active sets change in the first iterations, so that the re
 any limit nodes on edges far shorter than their share of the surface, which are not stable under pressure, run away.
 After as many, pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
 
-SPRING = 1e-6
-"""Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint."""
+SPRINGS = (1e-6, 1e-4, 1e-2, 1.0)
+"""Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint: the first one
+where all goes well."""
 
 NEAR = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
@@ -442,11 +443,13 @@ class _Run:
         by_loads, matrix, offset, rigid = self._problem(geometric, constrained)
         m, n = len(self.forces), self.parts.n
         guess = np.concatenate((self.forces, self.tangential))[: len(offset)]
-        sprung = rigid.sprung(matrix.diagonal(), SPRING) if n else rigid
-        laws = active_set.Laws(
-            current.coefficients, current.barriers, matrix.diagonal() + (sprung.compliances() if n else 0.0)
-        )
-        found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+        for spring in SPRINGS[:1] if bend or not n else SPRINGS:
+            sprung = rigid.sprung(matrix.diagonal(), spring) if n else rigid
+            own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
+            laws = active_set.Laws(current.coefficients, current.barriers, own)
+            found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+            if found is not None:
+                break
         if found is not None and n:
             # with springs there always is a solution; without them Newton's method for the motions goes on from there
             equations = active_set.DenseEquations(matrix, offset, laws, rigid)
