@@ -11,9 +11,10 @@ from flangeway.cases.case_file import FORMAT
 from flangeway.cases.case_template import toml_value, write_case_file
 from flangeway.cases.section.section_run import TorsionCase
 from flangeway.checks import is_number
+from flangeway.quantities import measured
 from flangeway.report.page.record import Again, Record
 from flangeway.report.page.tables import SummaryTable
-from flangeway.units import unit_in, us_unit
+from flangeway.units import Units, in_us_units, unit_in, us_key
 
 MAX_LETTERS = 60  # of a value on the page; longer ones are cut there, the case file has them whole
 
@@ -31,6 +32,7 @@ def run_record(run: Run, about_files: str, **own: Any) -> Record:
         "summary": summary,
         "again": Again(f"flangeway run {file}" if file else command_line(case), case_text(case), file, about_files),
         "versions": summary.versions,
+        "units": case.units,
         "inputs": inputs_tables(case),
         "details": [*filter(None, (case.project, case.author)), case.date or date.today().isoformat()],
         "changed": inputs_in_words(case),
@@ -44,17 +46,15 @@ def run_record(run: Run, about_files: str, **own: Any) -> Record:
 
 def inputs_in_words(case: Case) -> list[str]:
     """Return the inputs that are not the defaults, by their meanings; those inside tables are left out."""
-    found = []
+    words = []
     for key, field in type(case).model_fields.items():
         value = getattr(case, key)
         if value == field.default or key in OF_REPORT or table_in(field.annotation) is not None:
             continue
         meaning = re.split(r"[;,(:]", field.description or key)[0].strip()
-        unit, number = unit_in(key), is_number(value)
-        other = us_unit(unit) if case.units == "us" and number else None
-        text = f"{other.of(value) if other else value:.6g}" if number else _plain(value)
-        found.append(f"{meaning} {text} {other.name if other else unit}".rstrip())
-    return found
+        text = measured(value, unit_in(key), case.units, ".6g") if is_number(value) else _plain(value)
+        words.append(f"{meaning} {text}".rstrip())
+    return words
 
 
 def case_text(case: RunnableCase) -> str:
@@ -75,19 +75,24 @@ def case_text(case: RunnableCase) -> str:
 
 def inputs_tables(case: Case) -> list[SummaryTable]:
     """Inputs for the page: plain ones with their meanings, and those inside tables that are set, table by table."""
-    plain = [
-        (key, _plain(getattr(case, key)), field.description or "")
-        for key, field in type(case).model_fields.items()
-        if table_in(field.annotation) is None
-    ]
-    found = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), tuple(plain), of_words=True)]
+    plain, tables, fields = {}, {}, type(case).model_fields
+    for key, value in case.model_dump().items():
+        (plain if table_in(fields[key].annotation) is None else tables)[key] = value
+    meanings = [fields[key].description or "" for key in plain]
+    if case.units == "us":
+        meanings = [*map(in_us_units, meanings)]
+    rows = tuple((*row, meaning) for row, meaning in zip(input_rows(plain, case.units), meanings, strict=True))
+    found = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), rows, of_words=True)]
     for key, value in case.model_dump(exclude_defaults=True).items():
-        if table_in(type(case).model_fields[key].annotation) is None:
-            continue
-        items = value if isinstance(value, list) else [value]
-        for number, item in enumerate(items, 1):
-            caption = f"{key}[{number}]" if isinstance(value, list) else key
-            found.append(SummaryTable(caption, ("", "value"), tuple(_rows(item)), of_words=True))
+        if key in tables:
+            items = (
+                {f"{key}[{number}]": item for number, item in enumerate(value, 1)}
+                if isinstance(value, list)
+                else {key: value}
+            )
+            for caption, item in items.items():
+                table = SummaryTable(caption, ("", "value"), tuple(input_rows(item, case.units)), of_words=True)
+                found.append(table)
     return found
 
 
@@ -96,22 +101,23 @@ def has_tables(case: Case) -> bool:
     return any(table_in(field.annotation) is not None for field in type(case).model_fields.values())
 
 
-def _rows(item: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, str]]:
-    """Keys and values of a table, those of tables inside behind a point."""
+def input_rows(item: Mapping[str, Any], units: Units, path: str = "") -> Iterator[tuple[str, str]]:
+    """Keys and values of a table in a system of units, those of tables inside behind a point."""
     for key, value in item.items():
         if isinstance(value, Mapping):
-            yield from _rows(value, f"{path}{key}.")
+            yield from input_rows(value, units, f"{path}{key}.")
         else:
-            yield f"{path}{key}", _plain(value)
+            unit = us_key(key) if units == "us" else None
+            yield f"{path}{unit.name if unit else key}", _plain(unit.of(value) if unit else value, 6 if unit else 10)
 
 
-def _plain(value: object) -> str:
+def _plain(value: object, digits: int = 10) -> str:
     if value is None:
         return "–"
     if isinstance(value, list | tuple | Mapping):
         text = toml_value(value)
         return text if len(text) <= MAX_LETTERS else f"{text[: MAX_LETTERS - 4]} ..."
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 
 OPTIONS = {

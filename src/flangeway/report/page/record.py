@@ -11,6 +11,7 @@ from flangeway.cases.summary import Summary
 from flangeway.report.page.tables import SummaryTable, print_notices, print_table
 from flangeway.report.viewer import Scene
 from flangeway.system.output_folder import Writer
+from flangeway.units import Units, in_us_units
 
 REPORT, SUMMARY = "report.html", "summary.json"
 
@@ -21,12 +22,8 @@ class Picture:
 
     file: str  # name of the PNG file
     draw: Callable[[], Figure]
-    alternative: str  # what it shows, for those who do not see it
-    caption: str = ""  # text below it, if it is another one
+    caption: str  # what it shows
     chapter: str = ""  # the section of the report that it is in, if not that of all pictures
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "caption", self.caption or self.alternative)
 
 
 @dataclass(frozen=True)
@@ -57,6 +54,7 @@ class Record:
     summary_file: str = SUMMARY
     again: Again  # how to compute it again
     versions: Mapping[str, str]  # versions of what it was made with, by name
+    units: Units = "metric"  # units of tables, pictures and CSV files
     sentences: Sequence[str] = ()  # further sentences of the summary
     warnings: Sequence[str] = ()
     notes: Sequence[str] = ()  # what was repaired, assumed or left out of what was given
@@ -69,6 +67,15 @@ class Record:
     inputs: Sequence[SummaryTable] = ()  # tables of inputs
     timings_s: Mapping[str, float] = field(default_factory=dict)  # seconds of each stage
     files: Callable[[], Mapping[str, Writer]] = dict  # functions that write further files, by their names
+
+    def __post_init__(self) -> None:
+        """Give sentences that computing wrote the units of the record; its numbers are made in them."""
+        if self.units == "us":
+            for name in ("subtitle", "message", "sentences", "warnings", "notes", "assumptions"):
+                said = getattr(self, name)
+                object.__setattr__(
+                    self, name, in_us_units(said) if isinstance(said, str) else [*map(in_us_units, said)]
+                )
 
     @property
     def verdict(self) -> str:
