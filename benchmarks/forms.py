@@ -1,10 +1,10 @@
 """Forms beside scikit-fem: assembly and solution of Poisson's equation on triangles of order 2.
 
 Both run in this process, one after the other, and the fastest run counts. scikit-fem solves as it does by default, with
-SciPy's SuperLU, and assembles with quadrature of degree 2; numbering and boundary conditions are included. The same
-system is factorised and solved by CHOLMOD (of CVXOPT's wheel), and the matrix of the dual polygons of the same
-triangles assembled by pypolydim, each in an environment of its own, see `benchmarks.peers`. A second solution with the
-kept factor has no peer.
+SciPy's SuperLU, and with CHOLMOD (of CVXOPT's wheel), and assembles with quadrature of degree 2; numbering and boundary
+conditions are included. CHOLMOD alone stands beside our factor, condition and solution. The matrix of the dual polygons
+of the same triangles is assembled by pypolydim. CHOLMOD and pypolydim run in environments of their own, see
+`benchmarks.peers`. A second solution with the kept factor has no peer.
 """
 
 import tempfile
@@ -38,14 +38,19 @@ def measurements(*, sizes: tuple[float, ...] = SIZES, rounds: int = ROUNDS) -> I
 
     for size in sizes:
         mesh = triangulate(square(1.0), size=size)
+        n_rounds = 1 if size < SIZES[1] else rounds
         ours, u = _fastest(partial(_ours, mesh), rounds)
-        theirs, v = _fastest(partial(_scikit_fem, skfem, mesh), 1 if size < SIZES[1] else rounds)
+        assembly, system = _fastest(partial(_scikit_fem_system, skfem, mesh), rounds)
+        solution, v = _fastest(partial(_scikit_fem_solution, skfem, system), n_rounds)
         apart = float(np.abs(u[: mesh.n_points] - v).max() / np.abs(v).max())
-        yield Measurement(
-            f"assembly and solution of {len(u)} unknowns of Poisson's equation", "scikit-fem", ours, theirs,
-            apart, apart, "triangles of order 2; maximum difference at the points", skfem.__version__,
-        )  # fmt: skip
-        yield _against_cholmod(mesh, rounds)
+        work = f"assembly and solution of {len(u)} unknowns of Poisson's equation"
+        note = "triangles of order 2; maximum difference at the points"
+        yield Measurement(work, "scikit-fem", ours, assembly + solution, apart, apart, note, skfem.__version__)
+        alone = _against_cholmod(mesh, rounds)
+        peer = "scikit-fem and CHOLMOD"
+        both = None if alone.peer_s is None else assembly + alone.peer_s
+        yield Measurement(work, peer, ours, both, apart, alone.peer_accuracy, note, skfem.__version__)
+        yield alone
         space = Space(dual(mesh), Virtual(2))
         yield _against_pypolydim(space, rounds)
         matrix, rhs = stiffness(space), load(space, 1.0)
@@ -125,11 +130,17 @@ def _factored(matrix: Any, space: Space, rhs: Floats) -> Factor:
     return factor
 
 
-def _scikit_fem(skfem: Any, mesh: PolyMesh) -> Floats:
+def _scikit_fem_system(skfem: Any, mesh: PolyMesh) -> tuple[Any, ...]:
+    """Basis, matrix and load."""
     basis = skfem.Basis(
         skfem.MeshTri(mesh.points.T, mesh.cell_points.reshape(-1, 3).T), skfem.ElementTriP2(), intorder=2
     )
     K = skfem.BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]).assemble(basis)
-    b = skfem.LinearForm(lambda v, _: 1.0 * v).assemble(basis)
+    return basis, K, skfem.LinearForm(lambda v, _: 1.0 * v).assemble(basis)
+
+
+def _scikit_fem_solution(skfem: Any, system: tuple[Any, ...]) -> Floats:
+    """Values at the points."""
+    basis, K, b = system
     solution: Floats = skfem.solve(*skfem.condense(K, b, D=basis.get_dofs().all()))
     return solution[basis.nodal_dofs[0]]

@@ -5,7 +5,7 @@ import io
 import json
 import re
 import sqlite3
-from collections import Counter, OrderedDict
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -22,6 +22,7 @@ from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.campaign.campaign_outputs import campaign_record, write_export
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import print_record
+from flangeway.system.latest_values import LatestValues
 
 SWEEP = """
 case = "wheelset-tangent"
@@ -94,9 +95,9 @@ def test_other_workers_find_bodies_in_the_users_cache(tmp_path, monkeypatch):
     file = tmp_path / "c.toml"
     file.write_text(SWEEP, encoding="utf-8")
     ((first, rows),) = Campaign.from_file(file).chunks
-    monkeypatch.setattr(chunk, "_prepared", OrderedDict())
+    monkeypatch.setattr(chunk, "_prepared", LatestValues(1))
     before = compute(Chunk(rows[:2], first)).results
-    monkeypatch.setattr(chunk, "_prepared", OrderedDict())
+    monkeypatch.setattr(chunk, "_prepared", LatestValues(1))
     monkeypatch.setattr(wheelset_mesh, "triangulate", None)
     after = compute(Chunk(rows[:2], first)).results
     assert [result.values for result in after] == [result.values for result in before]

@@ -6,7 +6,8 @@ import pytest
 from flangeway.campaign import Campaign, chunk, results
 from flangeway.campaign.chunk import Chunk, compute
 from flangeway.campaign.database import CampaignDatabase
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
+from flangeway.system.latest_values import LatestValues
 
 FILE = """
 case = "wheelset"
@@ -87,7 +88,7 @@ def test_a_row_is_that_of_a_run_and_does_not_depend_on_the_others(sweep, monkeyp
     """A row computed alone in a worker that prepared nothing has the same bytes; `flangeway run` has its numbers."""
     campaign, found = sweep
     first, rows = campaign.chunks[0]
-    monkeypatch.setattr(chunk, "_prepared", type(chunk._prepared)())
+    monkeypatch.setattr(chunk, "_prepared", LatestValues(1))
     (alone,) = compute(Chunk(rows[4:5], first)).results
     for name, value in alone.values.items():
         if name not in ("lateral_mm", "yaw_mrad"):
@@ -101,6 +102,8 @@ def test_a_row_is_that_of_a_run_and_does_not_depend_on_the_others(sweep, monkeyp
 def test_positions_share_their_bodies_and_plane_rows_are_those_of_plane_wheelsets(tmp_path):
     """Position, yaw and load leave the bodies; sleepers and profiles do not; plane rows are plane wheelsets."""
     text = 'case = "wheelset"\n[vary]\n{} = {}\n'
+    rolling = text.replace("[vary]", "[inputs]\nspeed_km_h = 80\n[vary]")
+    assert len(read(tmp_path, rolling.format("friction", "[0.2, 0.4]")).chunks) == 1
     for key, values in (("lateral_mm", "[0, 1]"), ("yaw_mrad", "[0, 1]"), ("axle_load_kN", "[100, 200]")):
         assert len(read(tmp_path, text.format(key, values)).chunks) == 1
     for key, values in (
@@ -110,8 +113,8 @@ def test_positions_share_their_bodies_and_plane_rows_are_those_of_plane_wheelset
     ):
         assert len(read(tmp_path, text.format(key, values)).chunks) == 2
     both = read(tmp_path, text.format("model", '["plane", "spatial"]'))
-    assert both.rows[0].computed.name == "wheelset-tangent"
-    assert isinstance(both.rows[1].computed, SpatialWheelsetCase)
+    (plane,) = compute(Chunk(both.rows[:1])).results
+    assert set(plane.values) == set(WheelsetTangentCase.from_values({}).columns())
     assert {"left_half_width_mm", "left_semi_axes_a_mm"} <= set(both.known_columns)
 
 

@@ -74,6 +74,17 @@ def test_what_is_saved_computes_the_same_case(engine, tmp_path):
     assert {row.case.axle_load_kN for row in rows} == {180.0}
 
 
+def test_a_file_that_is_dropped_again_replaces_the_one_before(engine):
+    """Rigid contact is that of the content of a file, not of its name."""
+    heights = []
+    for wheel in ("S1002", "heavy-haul"):
+        points = load_case("wheelset", wheel=wheel).wheelset().wheel.running_surface.sampled(max_deviation=0.01)
+        lines = ["# kind: wheel", *(f"{x:.4f},{y:.4f}" for x, y in points)]
+        engine.add_profile("worn.csv", "\n".join(lines).encode(), {})
+        heights.append(engine.geometry(COARSE | {"wheel": "worn.csv"})["difference"])
+    assert heights[0] != heights[1]
+
+
 def test_a_newer_position_stops_the_one_before(engine):
     """Of twenty positions asked for at once the last one is answered, and the others are not kept waiting for."""
     answers = {}

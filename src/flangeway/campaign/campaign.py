@@ -1,7 +1,5 @@
 """A campaign: one case over many inputs, from a TOML file."""
 
-import hashlib
-import json
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,15 +8,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from flangeway.campaign.columns import POSITION_KEYS
 from flangeway.campaign.varying import VALUES_ALLOWED, flattened, grid, read_table, refuse_too_many, values_of
-from flangeway.cases.case import OF_REPORT, RunnableCase, Table, closest
+from flangeway.cases.case import RunnableCase, Table, closest
 from flangeway.cases.case_file import FILE_KEYS, is_case_file, read_case
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_case import WheelsetCase
-from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
+from flangeway.cases.case_identity import bodies_key, case_content, hash_of
 from flangeway.errors import InputError, short
-from flangeway.railway.profiles.formats.slice_files import files_of
 from flangeway.system.file_content import is_file
 from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.system.versions import versions
@@ -30,7 +24,8 @@ KEYS = ("case", "table", "inputs", "vary", "results")
 ROWS_OF_A_CHUNK = 48
 """Maximum number of positions in a chunk. Fixed: a table depends neither on workers nor on interruptions."""
 
-MIN_TOGETHER = 12  # minimum number of positions of the same bodies for which these are prepared for many positions
+MIN_IN_CHUNK = 12
+"""Positions of the same bodies in a chunk, if there are as many: fewer waste the time to prepare the bodies."""
 
 
 @dataclass(frozen=True)
@@ -49,29 +44,17 @@ class Row:
     @cached_property
     def content(self) -> dict[str, Any]:
         """All inputs, files by their content: their folder does not matter."""
-        return {"case": self.case.name, **_by_content(self.case.model_dump(mode="json", exclude=set(OF_REPORT)))}
+        return case_content(self.case)
 
     @cached_property
     def identity(self) -> str:
         """Hash of all inputs."""
-        return _hash(self.content)
-
-    @cached_property
-    def computed(self) -> RunnableCase:
-        """The case to compute: of ``wheelset`` with the plane model the plane wheelset."""
-        case = self.case
-        return case.plane() if isinstance(case, SpatialWheelsetCase) and case.model == "plane" else case
-
-    @property
-    def is_position(self) -> bool:
-        """Whether it can be computed together with other positions of the same bodies."""
-        return isinstance(self.computed, WheelsetCase | SpatialWheelsetCase)
+        return hash_of(self.content)
 
     @cached_property
     def bodies(self) -> str:
         """Hash of the inputs that shape the bodies: rows that share it differ in position and load only."""
-        skipped = POSITION_KEYS if self.is_position else ()
-        return _hash({key: value for key, value in self.content.items() if key not in skipped})
+        return bodies_key(self.case)
 
 
 def _columns(names: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
@@ -144,17 +127,17 @@ class Campaign:
     @property
     def identity(self) -> str:
         """Hash of all rows in their order, and of the version that computes them."""
-        return _hash([versions()["flangeway"], *(row.identity for row in self.rows)])
+        return hash_of([versions()["flangeway"], *(row.identity for row in self.rows)])
 
     @cached_property
     def known_columns(self) -> tuple[str, ...]:
         """Columns of its results that are known before they are computed."""
-        return _columns(row.computed.columns() for row in self.rows)
+        return _columns(row.case.columns() for row in self.rows)
 
     @cached_property
     def patch_columns(self) -> tuple[str, ...]:
         """Columns of its table of patches."""
-        return _columns(("row", "side", "number", *row.computed.patch_columns()) for row in self.rows)
+        return _columns(("row", "side", "number", *row.case.patch_columns()) for row in self.rows)
 
     @property
     def chunks(self) -> tuple[tuple[Row | None, tuple[Row, ...]], ...]:
@@ -168,38 +151,12 @@ class Campaign:
             groups.setdefault(row.bodies, []).append(row)
         chunks: list[tuple[Row | None, tuple[Row, ...]]] = []
         for group in groups.values():
-            # in three dimensions the tables of the bodies are most of the work of one position too
-            fewest = 1 if isinstance(group[0].computed, SpatialWheelsetCase) else MIN_TOGETHER
-            together = len(group) >= fewest and group[0].is_position
-            size = min(max(math.ceil(len(group) / 8), MIN_TOGETHER), ROWS_OF_A_CHUNK) if together else 1
+            fewest = group[0].case.min_together
+            together = fewest is not None and len(group) >= fewest
+            size = min(max(math.ceil(len(group) / 8), MIN_IN_CHUNK), ROWS_OF_A_CHUNK) if together else 1
             first = group[0] if together else None
             chunks += [(first, tuple(group[start : start + size])) for start in range(0, len(group), size)]
         return tuple(chunks)
-
-
-def _hash(value: Any) -> str:
-    text = json.dumps(value, sort_keys=True, ensure_ascii=False)
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _by_content(values: Any) -> Any:
-    """Replace names of files by hashes of their content."""
-    if isinstance(values, list):
-        return [_by_content(value) for value in values]
-    if not isinstance(values, dict):
-        return values
-    return {
-        key: _file_hash(value) if key in FILE_KEYS and isinstance(value, str) else _by_content(value)
-        for key, value in values.items()
-    }
-
-
-def _file_hash(name: str) -> str:
-    path = Path(name)
-    if not is_file(path):
-        return name
-    content = [each.read_bytes() for each in files_of(path) if is_file(each)]
-    return f"sha256 {hashlib.sha256(b''.join(content)).hexdigest()}"
 
 
 class _CampaignText(TomlFile):
@@ -322,8 +279,8 @@ class _CampaignText(TomlFile):
                 with row.case.errors_as_written():
                     if row.bodies not in seen:
                         row.case.check()
-                    elif isinstance(row.case, WheelsetInputs):
-                        row.case.load()
+                    else:
+                        row.case.check_position()
             except InputError as reason:
                 given = ", ".join(f"{key} = {short(value)}" for key, value in row.varied.items())
                 raise self._placed(reason, f"{self.file}, row {row.number} ({given}): ") from reason
@@ -351,12 +308,12 @@ class _CampaignText(TomlFile):
                 raise InputError(
                     f"{self._line('results', key)}results.{key}", " and ".join(RESULTS), closest(key, list(RESULTS))
                 )
-        known = _columns(row.computed.columns() for row in rows)
+        known = _columns(row.case.columns() for row in rows)
         columns = given.get("columns", [])
         place = self._line("results", "columns")
         if not isinstance(columns, list) or not all(isinstance(name, str) for name in columns):
             raise InputError(f"{place}results.columns = {short(columns)}", "a list of names", "leave it out for all")
-        if columns and not all(row.is_position for row in rows):
+        if columns and not known:
             raise InputError(
                 f"{place}results.columns with case = {kind.name!r}",
                 "columns of wheelsets",

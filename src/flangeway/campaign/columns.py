@@ -10,13 +10,6 @@ from flangeway.cases.case import Run, RunnableCase
 
 Value = float | int | str | None
 
-POSITION_KEYS = (
-    *("lateral_mm", "vertical_mm", "roll_rad", "axle_load_kN", "car_mass_t", "n_axles", "lateral_force_kN"),
-    *("speed_km_h", "curve_radius_m", "superelevation_mm", "cant_deficiency_mm", "superelevation_base_mm"),
-    "yaw_mrad",
-)
-"""Inputs of a wheelset that leave its bodies as they are."""
-
 
 @dataclass(frozen=True)
 class RowResult:

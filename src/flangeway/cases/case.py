@@ -180,6 +180,25 @@ class RunnableCase(Case):
     def check(self) -> None:
         """Raise `InputError` for what is wrong beyond single values, without computing."""
 
+    position_keys: ClassVar[tuple[str, ...]] = ()
+    """Inputs that leave the bodies as they are: cases that differ in these only share their `prepared` bodies."""
+
+    @property
+    def min_together(self) -> int | None:
+        """Minimum number of cases with the same bodies for which preparing these pays; None: it never does."""
+        return None
+
+    def check_position(self) -> None:
+        """Raise `InputError` for what is wrong with the inputs `position_keys`, where the others are checked."""
+
+    def prepared(self, progress: Progress = lambda _: None) -> Any:
+        """Return the bodies with what all cases with the same bodies share."""
+        raise NotImplementedError
+
+    def run_on(self, bodies: Any, progress: Progress = lambda _: None) -> Run:
+        """Compute the case on bodies that are `prepared` for one that differs in `position_keys` only."""
+        raise NotImplementedError
+
     def columns(self) -> tuple[str, ...]:
         """Return the columns of a row of a campaign if they are known before it is computed."""
         return ()

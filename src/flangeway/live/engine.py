@@ -5,7 +5,6 @@ digit. Sections and their compliance are kept between positions, as in a campaig
 """
 
 import threading
-from collections import OrderedDict
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -14,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.campaign.columns import POSITION_KEYS
 from flangeway.cases.case import GivenText, grouped
+from flangeway.cases.case_identity import MAX_PREPARED, bodies_key, case_content, hash_of
 from flangeway.cases.rigid.rigid_case import GeometryCase
-from flangeway.cases.wheelset.spatial_wheelset_case import ROLLING_KEYS, SpatialWheelsetCase
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.errors import FlangewayError, InputError
 from flangeway.railway.profiles.bundled import REFERENCE_RAIL, REFERENCE_WHEELS, SECTIONS, WHEELS
@@ -25,17 +24,15 @@ from flangeway.railway.profiles.profile_file import READABLE, ReadOptions, read_
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
-from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.case_text import case_text, command_line
 from flangeway.report.page.html_page import report_page
 from flangeway.report.wheelset.wheelset_page import results_table, wheelset_facts
 from flangeway.report.wheelset.wheelset_patches import patch_map
+from flangeway.system.latest_values import LatestValues
 from flangeway.types import Floats
 
-SHARED_KEYS = ("units", "friction", *POSITION_KEYS, *ROLLING_KEYS)
-"""Inputs that leave the bodies as they are."""
 PROFILE_INPUTS = ("wheel", "rail", "left_wheel", "left_rail")
 LATERAL_MM, STEP_MM = 12.0, 0.05
 """Lateral positions of the rigid contact: how far to both sides, and their distance; the page interpolates between."""
@@ -52,8 +49,8 @@ OUTLINE_MM = 0.05
 VARIED = ("units", "lateral_mm")
 LATERAL_POSITIONS = "lateral_mm = { from = -6, to = 6, n = 25 }"
 """VARIED, LATERAL_POSITIONS: inputs that a saved campaign has not from the page, and the positions that it computes."""
-MAX_BODIES = 3
-"""Prepared pairs of bodies that are kept; each takes some hundred megabytes."""
+MAX_GEOMETRIES = 12
+"""Rigid geometries that are kept; each takes some hundred kilobytes."""
 MAX_FILE_BYTES = 20_000_000
 """Size of a dropped file: measured profiles have some hundred kilobytes, files of slices a few megabytes."""
 
@@ -79,8 +76,8 @@ class LiveEngine:
     files: dict[str, Path] = field(default_factory=dict)
     _newest: int = 0
     _computing: threading.Lock = field(default_factory=threading.Lock)
-    _bodies: "OrderedDict[str, SpatialWheelset]" = field(default_factory=OrderedDict)
-    _geometries: "OrderedDict[str, dict[str, Any]]" = field(default_factory=OrderedDict)
+    _bodies: LatestValues[Any] = field(default_factory=lambda: LatestValues(MAX_PREPARED))
+    _geometries: LatestValues[dict[str, Any]] = field(default_factory=lambda: LatestValues(MAX_GEOMETRIES))
 
     def form(self) -> dict[str, Any]:
         """Return the inputs by groups, each with its name, default, what is allowed and meaning; and the profiles."""
@@ -126,12 +123,8 @@ class LiveEngine:
     def geometry(self, inputs: Mapping[str, str]) -> dict[str, Any]:
         """Return outlines, and rigid contact over the lateral position: points, radii, angles, conicity."""
         case = self.case(inputs)
-        key = repr([getattr(case, name) for name in GEOMETRY_KEYS])
-        if key not in self._geometries:
-            self._geometries[key] = _geometry(case)
-            while len(self._geometries) > 4 * MAX_BODIES:
-                self._geometries.popitem(last=False)
-        return self._geometries[key]
+        others = type(case).model_fields.keys() - {*GEOMETRY_KEYS}
+        return self._geometries.get(hash_of(case_content(case, others)), lambda: _geometry(case))
 
     def position(self, inputs: Mapping[str, str]) -> dict[str, Any]:
         """Return a position with its patches; `SupersededError` if a newer request comes meanwhile."""
@@ -190,13 +183,7 @@ class LiveEngine:
             yield progress
 
     def _run(self, case: SpatialWheelsetCase, progress: Any) -> WheelsetRun:
-        key = repr([getattr(case, name) for name in type(case).model_fields if name not in SHARED_KEYS])
-        if key not in self._bodies:
-            self._bodies[key] = case.prepared(progress)
-            while len(self._bodies) > MAX_BODIES:
-                self._bodies.popitem(last=False)
-        self._bodies.move_to_end(key)
-        return case.run_on(self._bodies[key], progress)
+        return case.run_on(self._bodies.get(bodies_key(case), lambda: case.prepared(progress)), progress)
 
     def _path(self, name: str) -> Path:
         try:

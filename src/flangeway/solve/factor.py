@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import LinAlgWarning
-from scipy.sparse.linalg import LinearOperator, onenormest, splu
+from scipy.sparse.linalg import splu
 
 from flangeway._core import NotPositiveDefiniteError, SingularMatrixError
 from flangeway.errors import InputError, short
@@ -29,7 +29,12 @@ SHIFT = 1e-9
 """Relative increase of the diagonal with which the motions that make a matrix singular are computed."""
 WITHOUT_ENERGY = 1e-7
 """Product of such a unit motion with the matrix of unit diagonal, above `SHIFT` and below that of other motions."""
-RUIZ_ITERATIONS = 5
+PROBES = 4
+"""Random right-hand sides of the estimate of a condition: all together miss the softest motion by a factor of three in
+two of 100 matrices, by a factor of ten in one of 5,000."""
+MAX_SCALINGS = 5
+EVEN = 2.0
+"""Ratio of the largest to the smallest of the rows' maxima that need no further scaling."""
 LEADING = 40
 """One in so many unknowns is surely a value at a point of the mesh, which are numbered first (`Space`)."""
 
@@ -83,49 +88,43 @@ class Factor:
     def _factorise(self, groups: NDArray[np.int32]) -> str:
         """Factorise, and return the method's name."""
         self._solve: Callable[[Any], Any]
-        self._solve_adjoint: Callable[[Any], Any]
         if self._symmetric and not np.iscomplexobj(self._inner.data):
             lower = _with_diagonal(self._inner)
             if (self._inner.diagonal() > 0.0).all():
                 try:
-                    factor = cholesky(lower, groups, NO_UNKNOWNS)
+                    self._solve = cholesky(lower, groups, NO_UNKNOWNS).solve
                 except NotPositiveDefiniteError:
                     pass
                 else:
-                    self._solve, self._solve_adjoint = factor.solve, factor.solve
                     return "Cholesky"
-            indefinite = ldlt(lower, groups)
-            self._solve, self._solve_adjoint = indefinite.solve, indefinite.solve
+            self._solve = ldlt(lower, groups).solve
             return "LDLT"
         # symmetric mode: pivots stay on the diagonal unless they are ten times smaller than another one of the column
         options = {"SymmetricMode": True}
-        lu = splu(sp.csc_array(self._inner), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1, options=options)
-        self._solve, self._solve_adjoint = lu.solve, lambda rhs: lu.solve(rhs, trans="H")
+        self._solve = splu(
+            sp.csc_array(self._inner), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1, options=options
+        ).solve
         return "LU"
 
     @cached_property
     def condition(self) -> float:
-        """Estimate of the condition number in the 1-norm, of the matrix with rows and columns scaled to unit diagonal.
+        """Estimate of the condition number of the matrix B with rows and columns scaled to unit diagonal.
 
-        Higham and Tisseur (2000, SIAM J. Matrix Anal. 21, with one column): a lower bound, mostly within a factor of 3.
+        It is ``max_i sum_j |B_ij|`` times the Frobenius norm of the inverse, whose square is the mean of
+        ``|B^-1 z|^2`` over vectors z of normally distributed numbers (Kenney and Laub, 1994, SIAM J. Sci. Comput. 15).
         """
         n = self._inner.shape[0]
         if n == 0:
             return 1.0
         scale = _unit_scale(self._inner)
-        kind = self._inner.dtype
-        operator = LinearOperator(
-            (n, n),
-            matvec=lambda x: self._solve(np.ravel(x).astype(kind) / scale) / scale,
-            rmatvec=lambda x: self._solve_adjoint(np.ravel(x).astype(kind) / scale) / scale,
-            dtype=kind,
-        )
-        norm = (scale * (abs(self._inner).T @ scale)).max()
+        probes = np.random.default_rng(0).standard_normal((n, PROBES)).astype(self._inner.dtype)
         try:
-            inverse = float(onenormest(operator, t=1))
+            solved = self._solve(probes / scale[:, None]) / scale[:, None]
         except SingularMatrixError:
             return np.inf
-        return float(norm) * inverse if np.isfinite(inverse) else np.inf
+        norm = (scale * (abs(self._inner) @ scale)).max()
+        condition = float(norm * np.linalg.norm(solved) / np.sqrt(PROBES))
+        return condition if np.isfinite(condition) else np.inf
 
     @property
     def digits(self) -> float:
@@ -253,30 +252,40 @@ def free_unknowns(fixed: NDArray[np.integer] | Bools | None, shape: tuple[int, .
 
 
 def _symmetric(matrix: sp.csr_array) -> bool:
-    difference = matrix - matrix.T
+    transpose = sp.csr_array(matrix.T)
     size = np.abs(matrix.data).max(initial=0.0)
-    return bool(np.abs(difference.data).max(initial=0.0) <= ASYMMETRY * size)
+    difference = transpose.data - matrix.data if _same_pattern(matrix, transpose) else (matrix - transpose).data
+    return bool(np.abs(difference).max(initial=0.0) <= ASYMMETRY * size)
+
+
+def _same_pattern(a: sp.csr_array, b: sp.csr_array) -> bool:
+    return np.array_equal(a.indptr, b.indptr) and np.array_equal(a.indices, b.indices)
 
 
 def _with_diagonal(matrix: sp.csr_array) -> SymmetricMatrix:
-    """Lower triangle in which every diagonal entry is stored, zeros too."""
-    lower = sp.tril(matrix, format="coo")
-    every = np.arange(matrix.shape[0])
-    rows, columns = np.concatenate((lower.row, every)), np.concatenate((lower.col, every))
-    values = np.concatenate((lower.data, np.zeros(len(every))))
-    whole = sp.csc_array(sp.coo_array((values, (rows, columns)), shape=matrix.shape))
-    whole.sort_indices()
-    return SymmetricMatrix(len(every), whole.indptr.astype(np.int64), whole.indices.astype(np.int32), whole.data)
+    """Lower triangle of a symmetric matrix in which every diagonal entry is stored, zeros too."""
+    if not matrix.has_sorted_indices or np.count_nonzero(matrix.diagonal()) < matrix.shape[0]:
+        every = np.arange(matrix.shape[0])
+        entries = sp.coo_array(matrix)
+        rows, columns = np.concatenate((entries.row, every)), np.concatenate((entries.col, every))
+        values = np.concatenate((entries.data, np.zeros(len(every))))
+        matrix = sp.csr_array(sp.coo_array((values, (rows, columns)), shape=matrix.shape))
+        matrix.sort_indices()
+    rows = np.repeat(np.arange(matrix.shape[0], dtype=np.int32), np.diff(matrix.indptr))
+    kept = matrix.indices >= rows  # row i to the right of its diagonal is column i below it
+    indptr = np.concatenate(([0], np.cumsum(np.bincount(rows[kept], minlength=matrix.shape[0])))).astype(np.int64)
+    return SymmetricMatrix(matrix.shape[0], indptr, matrix.indices[kept].astype(np.int32), matrix.data[kept])
 
 
 def _unit_scale(matrix: sp.csr_array) -> Floats:
     """Scale of rows and columns after which the largest entry of every row is about one (Ruiz, 2001)."""
     size = np.abs(matrix.diagonal())
     scale = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
-    magnitudes, filled, maxima = np.abs(matrix.data), np.diff(matrix.indptr) > 0, np.zeros(len(size))
-    for _ in range(RUIZ_ITERATIONS):  # each takes the square root of what a row's maximum differs from one
+    magnitudes, filled = np.abs(matrix.data), np.diff(matrix.indptr) > 0
+    for _ in range(MAX_SCALINGS):  # each takes the square root of what a row's maximum differs from one
         # max over j of s_i |A_ij| s_j
-        maxima[filled] = np.maximum.reduceat(magnitudes * scale[matrix.indices], matrix.indptr[:-1][filled])
-        maxima *= scale
-        scale = scale / np.sqrt(np.where(maxima > 0.0, maxima, 1.0))
+        maxima = np.maximum.reduceat(magnitudes * scale[matrix.indices], matrix.indptr[:-1][filled]) * scale[filled]
+        if maxima.max(initial=1.0) <= EVEN * maxima.min(initial=1.0):
+            break
+        scale[filled] /= np.sqrt(np.where(maxima > 0.0, maxima, 1.0))
     return scale

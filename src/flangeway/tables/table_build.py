@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from flangeway.campaign.workers import LocalWorkers, LostWorkerError, computed
-from flangeway.cases.wheelset.spatial_wheelset_case import ROLLING_KEYS, SpatialWheelsetCase
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_inputs import CURVE_KEYS
 from flangeway.errors import InputError
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.system.disk_cache import Cache
@@ -28,8 +29,8 @@ MAX_POSITIONS = 2000
 MAX_PASSES = 4
 """Passes in which lateral positions are added where the table is not within its tolerance."""
 REPORT_S = 2.0
-POSITION_KEYS = ("lateral_mm", "yaw_mrad", "axle_load_kN", "vertical_mm", "roll_rad", "car_mass_t", "friction")
-"""Inputs of a wheelset that the axes of a table replace, and friction, which is free."""
+FREE_KEYS = tuple(key for key in SpatialWheelsetCase.position_keys if key not in CURVE_KEYS)
+"""Inputs of a wheelset that the axes of a table replace, and friction and motion, which are free."""
 
 Position = tuple[float, float, float]
 Progress = Callable[[str], None]
@@ -75,7 +76,7 @@ class TableRequest:
             raise InputError(
                 f"tolerance = {self.tolerance:g}", "a number above 0, up to 1", "0.05 is 5 % of the limit of friction"
             )
-        given = [key for key in (*POSITION_KEYS, *ROLLING_KEYS) if key in self.case.model_fields_set]
+        given = [key for key in FREE_KEYS if key in self.case.model_fields_set]
         if self.case.model != "spatial" or given:
             raise InputError(
                 f"a table of a case with {', '.join(given) or 'model = plane'}",
@@ -302,7 +303,7 @@ class _Build:
         }
 
     def _metadata(self) -> dict[str, Any]:
-        inputs = self.request.case.model_dump(mode="json", exclude_none=True, exclude=set(POSITION_KEYS))
+        inputs = self.request.case.model_dump(mode="json", exclude_none=True, exclude=set(FREE_KEYS))
         return {"format": FORMAT, "versions": versions(), "case": inputs}
 
 

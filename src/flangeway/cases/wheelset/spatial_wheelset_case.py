@@ -8,7 +8,7 @@ from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
-from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
+from flangeway.cases.wheelset.wheelset_inputs import ROLLING_KEYS, WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes
 from flangeway.cases.wheelset.wheelset_quantities import (
     ROLLING_PATCH_ROW,
@@ -51,11 +51,6 @@ THEORIES: dict[Theory, str] = {
 }
 MAX_FRICTION = 1.0
 """Upper bound of coefficients of friction: the driest steel on steel has 0.8, and shakedown limits end at 1."""
-ROLLING_KEYS = (
-    *("kinetic_friction", "friction_decay_m_per_s", "flange_friction", "rolling_theory", "torque_kNm"),
-    *("yaw_stiffness_kNm_per_mrad", "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"),
-)
-"""Inputs that have an effect with friction only."""
 
 
 class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
@@ -184,15 +179,32 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             time.perf_counter() - start,
         )
 
-    def prepared(self, progress: Progress = lambda _: None) -> SpatialWheelset:
-        """Return the bodies with their compliance, which positions and loads of the same bodies share."""
+    @property
+    def min_together(self) -> int:
+        """See `RunnableCase.min_together`: in three dimensions the bodies are most of the work of one position too."""
+        return self.plane().min_together if self.model == "plane" else 1
+
+    def check_position(self) -> None:
+        """See `RunnableCase.check_position`."""
+        if self.model == "plane":
+            self.plane().check_position()
+        else:
+            self.load()
+            self._rolling()
+
+    def prepared(self, progress: Progress = lambda _: None) -> Any:
+        """See `RunnableCase.prepared`; in three dimensions a `SpatialWheelset`."""
+        if self.model == "plane":
+            return self.plane().prepared(progress)
         problem, model = self.problem(), self.spatial_model()
         return SpatialWheelset(
             problem, running_surfaces(problem, model, cache=Cache.of_user(), progress=progress), model
         )
 
-    def run_on(self, bodies: SpatialWheelset, progress: Progress = lambda _: None) -> WheelsetRun:
-        """Compute the case on bodies that are `prepared`, for a case that differs in position, load and friction."""
+    def run_on(self, bodies: Any, progress: Progress = lambda _: None) -> WheelsetRun:
+        """See `RunnableCase.run_on`."""
+        if self.model == "plane":
+            return self.plane().run_on(bodies, progress)
         start, model = time.perf_counter(), self.spatial_model()
         prescribed = Prescribed(self.lateral_mm, self.vertical_mm, self.roll_rad)
         placed = bodies.at(self.load(), prescribed, model.yaw_rad, model.rolling)
@@ -201,11 +213,13 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     @property
     def row_quantities(self) -> Sequence[Quantity[WheelResult]]:
         """See `WheelsetInputs.row_quantities`."""
-        return ROLLING_ROW if self.friction else SPATIAL_ROW
+        return super().row_quantities if self.model == "plane" else ROLLING_ROW if self.friction else SPATIAL_ROW
 
     @property
     def patch_row_quantities(self) -> Sequence[Quantity[Any]]:
         """See `WheelsetInputs.patch_row_quantities`."""
+        if self.model == "plane":
+            return super().patch_row_quantities
         return ROLLING_PATCH_ROW if self.friction else SPATIAL_PATCH_ROW
 
     def plane(self) -> WheelsetTangentCase:

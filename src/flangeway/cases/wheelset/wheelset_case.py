@@ -1,7 +1,7 @@
 """The cases of an elastic wheelset on two rails: standing on tangent track, and in a curve."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -21,9 +21,13 @@ from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantity, numbers
 from flangeway.railway.track.discretisation import Choice, Discretisation, EnforcementName, Method, PairingName
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset
 from flangeway.railway.wheelset.wheelset_checks import SLICE
-from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
+from flangeway.railway.wheelset.wheelset_model import build_model
+from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_condensed, solve_wheelset
+from flangeway.system.disk_cache import Cache
 
 # ruff: noqa: N815 (units in names)
 
@@ -31,6 +35,10 @@ CONFORMING = (
     "Hertz's theory is left out where wheel and rail conform: where its half width is above half of a radius of either "
     "profile, or the gap of the profiles at an end of it is 1.5 times that of constant curvature, or less than 1 / 1.5."
 )
+
+
+MIN_TOGETHER = 12
+"""Positions of the same plane bodies from which on these are prepared for many positions."""
 
 
 class WheelsetCase(WheelsetInputs, RunnableCase):
@@ -108,6 +116,24 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
         """See `RunnableCase.run`; `cold` computes everything without the user's cache."""
         start = time.perf_counter()
         result = solve_wheelset(self.problem(), progress, cold=cold)
+        return WheelsetRun(self, result, time.perf_counter() - start)
+
+    @property
+    def min_together(self) -> int:
+        """See `RunnableCase.min_together`: bodies for many positions are finer, and condensed whole."""
+        return MIN_TOGETHER
+
+    def prepared(self, progress: Progress = lambda _: None) -> PlaneWheelset:  # noqa: ARG002 (short)
+        """See `RunnableCase.prepared`."""
+        problem, cache = self.problem(), Cache.of_user()
+        # in the middle of level track, which rigid wheels can always reach
+        middle = replace(problem, load=WheelsetLoad(problem.load.vertical_N), prescribed=Prescribed())
+        return PlaneWheelset.of(build_model(middle, whole=True, cache=cache), cache=cache)
+
+    def run_on(self, bodies: PlaneWheelset, progress: Progress = lambda _: None) -> WheelsetRun:
+        """See `RunnableCase.run_on`."""
+        start = time.perf_counter()
+        result = solve_condensed(bodies.at(self.problem()), progress)
         return WheelsetRun(self, result, time.perf_counter() - start)
 
     def assumptions(self, result: WheelsetResult) -> list[str]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -29,6 +29,18 @@ from flangeway.railway.track.wheelset_problem import WheelsetProblem
 LengthUnit = Literal["mm", "cm", "m", "in", "ft"]
 
 N_AXLES = 4  # wheelsets of a usual wagon
+
+POSITION_KEYS = ("lateral_mm", "vertical_mm", "roll_rad", "axle_load_kN", "car_mass_t", "n_axles")
+CURVE_KEYS = (
+    *("lateral_force_kN", "speed_km_h", "curve_radius_m", "superelevation_mm", "cant_deficiency_mm"),
+    "superelevation_base_mm",
+)
+ROLLING_KEYS = (
+    *("kinetic_friction", "friction_decay_m_per_s", "flange_friction", "rolling_theory", "torque_kNm"),
+    *("yaw_stiffness_kNm_per_mrad", "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"),
+)
+"""POSITION_KEYS, CURVE_KEYS, ROLLING_KEYS: inputs that leave the bodies as they are: of the position and its load, of
+the forces of a curve, and those that have an effect with friction only."""
 
 
 class WheelsetInputs(Case):
@@ -146,6 +158,8 @@ class WheelsetInputs(Case):
     young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus of wheels and rails")
     poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio of wheels and rails")
 
+    position_keys: ClassVar[tuple[str, ...]] = (*POSITION_KEYS, *CURVE_KEYS, "yaw_mrad", "friction", *ROLLING_KEYS)
+
     @property
     def row_quantities(self) -> Sequence[Quantity[WheelResult]]:
         """Numbers of a wheel in a row of a campaign."""
@@ -186,6 +200,10 @@ class WheelsetInputs(Case):
     def assumptions(self, result: Any) -> list[str]:
         """Return in sentences what a solution rests on."""
         raise NotImplementedError
+
+    def check_position(self) -> None:
+        """See `RunnableCase.check_position`."""
+        self.load()
 
     def load(self) -> WheelsetLoad:
         """Return weight, lateral force and tilt of the track.
