@@ -15,6 +15,7 @@ from flangeway.report.figures.drawing import (
     INK,
     NODES,
     SERIES,
+    Style,
     box,
     colour_bar,
     equal_axes,
@@ -70,7 +71,7 @@ def pressure_figure(run: BodiesRun) -> Figure:
     figure, ((axes,),) = panels(8.0, 4.5, units=units)
     for number, patch in enumerate(run.patches):
         maximum = marked(measured(float(patch.pressures.max()), "MPa", units), patch.remark)
-        style = NODES | {"marker": "osD^"[number % 4], "color": SERIES[number % len(SERIES)]}
+        style: Style = NODES | {"marker": "osD^"[number % 4], "color": SERIES[number % len(SERIES)]}
         label = f"{run.pairs[patch.contact].name}: maximum {maximum}"
         axes.plot(patch.along, patch.pressures, label=label, **style)
     if run.theory is not None:

@@ -19,6 +19,7 @@ from flangeway.report.figures.drawing import (
     HALO,
     INK,
     SIDE_COLOURS,
+    Style,
     colour_bar,
     legend_below,
     name_axes,
@@ -129,16 +130,18 @@ def _maximum(values: Floats, groups: NDArray[np.intp]) -> Floats:
 
 def _draw_map(axes: Axes, places: Floats, values: Floats, limits: tuple[float, float]) -> mpl.cm.ScalarMappable:
     """Colour the cells of a full grid, or triangles between scattered places."""
-    x, y, style = *(np.unique(along) for along in places.T), {"cmap": COLOURS, "vmin": limits[0], "vmax": limits[1]}
+    x, y = (np.unique(along) for along in places.T)
+    style: Style = {"cmap": COLOURS, "vmin": limits[0], "vmax": limits[1]}
     if len(x) * len(y) == len(values):  # places are sorted by the first, then the second
         field = np.ma.masked_invalid(values.reshape(len(x), len(y)).T)
         return axes.pcolormesh(x, y, field, shading="nearest", **style)
     known = np.isfinite(values)
     if _is_flat(places[known]):
-        return axes.scatter(*places[known].T, c=values[known], **style)
+        return axes.scatter(places[known, 0], places[known, 1], c=values[known], **style)
     scale = np.ptp(places, axis=0)
-    triangles = Triangulation(*(places[known] / scale).T).triangles
-    return axes.tripcolor(*places[known].T, values[known], triangles=triangles, shading="gouraud", **style)
+    triangles = Triangulation(places[known, 0] / scale[0], places[known, 1] / scale[1]).triangles
+    grid = Triangulation(places[known, 0], places[known, 1], triangles)
+    return axes.tripcolor(grid, values[known], shading="gouraud", **style)
 
 
 def _is_flat(places: Floats) -> bool:

@@ -172,7 +172,7 @@ def _extremes(table: CampaignTable, units: Units) -> list[tuple[str, str]]:
         columns = (table.rows[f"{side}_{key}"] for side in SIDES if f"{side}_{key}" in table.rows)
         values = [value for column in columns for value in column if value is not None]
         if values:
-            facts.append((measured(max(values), unit, units, form), f"maximum {words} of all rows"))
+            facts.append((measured(float(max(values)), unit, units, form), f"maximum {words} of all rows"))
     return facts
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from flangeway.cases.damage.damage_file import DamageInputs
 from flangeway.errors import InputError
 from flangeway.quantities import Quantity, measured
-from flangeway.railway.damage.evolution import Evolution, EvolutionStep, StateResult
+from flangeway.railway.damage.evolution import Evolution, EvolutionStep, StateDamage
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.report.figures.drawing import SERIES, name_axes, named, new_figure
@@ -143,11 +143,11 @@ def _states(steps: Sequence[EvolutionStep], units: Units) -> SummaryTable:
     return table_of("States on new and worn profiles", both, quantities, units=units)
 
 
-def _largest_pressure(number: int, states: Sequence[StateResult]) -> float | None:
+def _largest_pressure(number: int, states: Sequence[StateDamage]) -> float | None:
     return max((patch.max_pressure_MPa for patch in states[number].patches), default=None)
 
 
-def _t_gamma(number: int, states: Sequence[StateResult]) -> float:
+def _t_gamma(number: int, states: Sequence[StateDamage]) -> float:
     return sum(patch.t_gamma_N for patch in states[number].patches)
 
 

@@ -40,8 +40,10 @@ SIGNED: Colormap = ListedColormap(mpl.colormaps["RdBu_r"](np.linspace(0.04, 0.96
 """For values on both sides of zero, which is white: blue below, red above, equally dark at equal distances."""
 COLOURS: Colormap = ListedColormap(mpl.colormaps["magma_r"](np.linspace(0.02, 0.92, 256)))
 """From light, the minimum, to dark, the maximum, in grey too."""
-NODES: dict[str, Any] = {"lw": 1.0, "marker": "o", "ms": 3.0, "mfc": "white"}
-HERTZ: dict[str, Any] = {"lw": 1.6, "ls": "--", "zorder": 1}
+Style = dict[str, Any]
+"""Options of functions of matplotlib that draw."""
+NODES: Style = {"lw": 1.0, "marker": "o", "ms": 3.0, "mfc": "white"}
+HERTZ: Style = {"lw": 1.6, "ls": "--", "zorder": 1}
 """NODES, HERTZ: lines of computed values at nodes or cells, and of Hertz's theory."""
 POWERS = str.maketrans("23", "²³")
 HALO = withStroke(linewidth=2.0, foreground="white")
@@ -149,7 +151,7 @@ def name_axes(axes: Axes, x: tuple[str, str] | str = "", y: tuple[str, str] | st
 
 def with_unit(words: str, unit: str | None) -> str:
     """Return the words of a label with the unit behind."""
-    return f"{words} in {unit}" if unit else words
+    return f"{words}, {unit}" if unit else words
 
 
 def colour_bar(
@@ -174,8 +176,8 @@ def legend_below(figure: Figure, n_columns: int, **options: Any) -> None:
     entries = [axes.get_legend_handles_labels() for axes in figure.axes]
     known = {label: handle for handles, labels in entries for handle, label in zip(handles, labels, strict=True)}
     if known:
-        options = {"loc": "outside lower center", "frameon": False, "fontsize": 8} | options
-        figure.legend(known.values(), known.keys(), ncols=n_columns, **options)
+        style: Style = {"loc": "outside lower center", "frameon": False, "fontsize": 8} | options
+        figure.legend(list(known.values()), list(known), ncols=n_columns, **style)
 
 
 def power_of_ten(value: float, _position: int | None = None) -> str:
@@ -251,7 +253,8 @@ def shade_of(values: Floats, limits: tuple[float, float] | None = None) -> Scala
 def fill_triangles(axes: Axes, points: Floats, triangles: Ints, values: Floats, shade: ScalarMappable) -> None:
     """Fill triangles (m, 3) of points (n, 2) with the colours of values at the points (n,), smooth within each."""
     grid = Triangulation(points[:, 0], points[:, 1], triangles)
-    axes.tripcolor(grid, values, shading="gouraud", cmap=shade.cmap, norm=shade.norm, rasterized=True)
+    style: Style = {"cmap": shade.cmap, "norm": shade.norm, "rasterized": True}
+    axes.tripcolor(grid, values, shading="gouraud", **style)
 
 
 def draw_lines(

@@ -20,6 +20,7 @@ from flangeway.report.figures.drawing import (
     INK,
     NODES,
     SERIES,
+    Style,
     draw_lines,
     fill_triangles,
     name_axes,
@@ -65,7 +66,7 @@ def plot_mesh(mesh: PolyMesh, axes: Axes | None = None, *, length_unit: str | No
     draw_lines(axes, mesh.points[mesh.edges], GREY, line_width(mesh))
     draw_lines(axes, mesh.points[mesh.boundary_edges], INK, 0.9)
     for number, (name, pairs) in enumerate(mesh.edge_sets.items()):
-        style = {"colors": SERIES[number % len(SERIES)], "linestyles": [SET_LINES[number // len(SERIES) % 3]]}
+        style: Style = {"colors": SERIES[number % len(SERIES)], "linestyles": [SET_LINES[number // len(SERIES) % 3]]}
         axes.add_collection(LineCollection(list(mesh.points[pairs]), linewidths=2.2, label=name, zorder=3, **style))
     if mesh.edge_sets:
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)

@@ -75,16 +75,15 @@ def case_text(case: RunnableCase) -> str:
 
 def inputs_tables(case: Case) -> list[SummaryTable]:
     """Inputs for the page: plain ones with their meanings, and those inside tables that are set, table by table."""
-    plain, tables, fields = {}, {}, type(case).model_fields
-    for key, value in case.model_dump().items():
-        (plain if table_in(fields[key].annotation) is None else tables)[key] = value
+    fields = type(case).model_fields
+    plain = {key: value for key, value in case.model_dump().items() if table_in(fields[key].annotation) is None}
     meanings = [fields[key].description or "" for key in plain]
     if case.units == "us":
         meanings = [*map(in_us_units, meanings)]
     rows = tuple((*row, meaning) for row, meaning in zip(input_rows(plain, case.units), meanings, strict=True))
     found = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), rows, of_words=True)]
     for key, value in case.model_dump(exclude_defaults=True).items():
-        if key in tables:
+        if key not in plain:
             items = (
                 {f"{key}[{number}]": item for number, item in enumerate(value, 1)}
                 if isinstance(value, list)

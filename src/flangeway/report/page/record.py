@@ -71,7 +71,7 @@ class Record:
     def __post_init__(self) -> None:
         """Give sentences that computing wrote the units of the record; its numbers are made in them."""
         if self.units == "us":
-            for name in ("subtitle", "message", "sentences", "warnings", "notes", "assumptions"):
+            for name in ("title", "subtitle", "message", "sentences", "warnings", "notes", "assumptions"):
                 said = getattr(self, name)
                 object.__setattr__(
                     self, name, in_us_units(said) if isinstance(said, str) else [*map(in_us_units, said)]

@@ -16,6 +16,7 @@ from flangeway.report.figures.drawing import (
     GREY,
     INK,
     SERIES,
+    Style,
     name_axes,
     new_figure,
     panels,
@@ -71,8 +72,8 @@ def curvature_figure(run: ProfileRun, units: Units = "metric") -> Figure:
     margin = 0.05 * max(high - low, 1e-4)
     axes.set_ylim(max(low - margin, -MAX_CURVATURE_PER_MM), min(high + margin, MAX_CURVATURE_PER_MM))
     start = "field side to gauge side" if run.profile.kind == "rail" else "flange to rim"
-    name_axes(rows[-1, 0], (f"length along the profile, {start},", "mm"))
-    name_axes(axes, y=("curvature, convex positive,", "1/mm"))
+    name_axes(rows[-1, 0], (f"length along the profile, {start}", "mm"))
+    name_axes(axes, y=("curvature, convex positive", "1/mm"))
     title = f"{_title(run.profile.title)}: curvature of the {surface.n_segments} lines and arcs"
     axes.set_title(title, fontsize=10)
     if smoothing is not None:
@@ -125,7 +126,7 @@ def overlay_figure(runs: Sequence[ProfileRun], units: Units = "metric") -> Figur
         handles, labels = shapes.get_legend_handles_labels()
         few = slice(None) if len(labels) <= MAX_NAMED else slice(None, None, len(labels) - 1)
         shapes.get_legend().remove()
-        place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.22), "ncols": 2}
+        place: Style = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.22), "ncols": 2}
         apart.legend(handles[few], labels[few], fontsize=8, frameon=False, **place)
     return figure
 

@@ -15,6 +15,7 @@ from flangeway.report.figures.drawing import (
     GREY,
     INK,
     SIDE_COLOURS,
+    Style,
     name_axes,
     panels,
     sequence_colours,
@@ -26,7 +27,7 @@ from flangeway.units import Units
 STYLES: dict[Side, str] = {"left": "--", "right": "-"}
 LIFT_MM = 12.0  # distance at which the wheels are drawn above the rails, so that lines join the points of contact
 LATERAL = ("lateral displacement to the right", "mm")
-RADII = ("rolling radius, right less left,", "mm")
+RADII = ("rolling radius, right less left", "mm")
 
 
 def _draw_sides(axes: Axes, run: GeometryRun, values: Callable[[SideLocus], Floats]) -> None:
@@ -43,7 +44,7 @@ def locus_figure(run: GeometryRun) -> Figure:
     """Draw wheels over rails with lines between their points of contact, and radii and angles over the displacement."""
     locus, units = run.locus, run.case.units
     figure, (pairs, curves) = panels(9.0, 7.0, 2, 2, units)
-    figure.suptitle(f"Contact locus: {run.summary['title']}", fontsize=10)
+    figure.suptitle(f"Contact locus: {Path(run.case.wheel).name} on {Path(run.case.rail).name}", fontsize=10)
     whole = np.abs(locus.lateral_mm - np.rint(locus.lateral_mm)) < 0.5 * run.case.step_mm
     _, first = np.unique(np.rint(locus.lateral_mm[whole]), return_index=True)
     shown = locus.part(np.flatnonzero(whole)[first])
@@ -74,7 +75,7 @@ def _draw_pairs(axes: Axes, run: GeometryRun, shown: ContactLocus, side: Side) -
         colour, width = (SIDE_COLOURS[side], 1.2) if central else (GREY, 0.5)
         axes.plot([top[0], sign * lower[0]], [top[1], lower[1]], color=colour, lw=width)
         if central:
-            place = {"xytext": (0, 4), "textcoords": "offset points", "ha": "center"}
+            place: Style = {"xytext": (0, 4), "textcoords": "offset points", "ha": "center"}
             text = measured(lateral, "mm", units_of(axes), "z.0f").partition(" ")[0]
             axes.annotate(text, top, fontsize=7, color=colour, **place)
     low, high = np.sort(sign * rail.x[[0, -1]])
@@ -82,13 +83,13 @@ def _draw_pairs(axes: Axes, run: GeometryRun, shown: ContactLocus, side: Side) -
     axes.set_aspect("equal", adjustable="box")
     step, lift = (measured(length, "mm", units_of(axes)) for length in (1.0, LIFT_MM))
     axes.set_title(f"{side}: contact points, {step} of displacement apart", fontsize=9)
-    name_axes(axes, ("x", "mm"), (f"y, wheel raised by {lift},", "mm"))
+    name_axes(axes, ("x", "mm"), (f"y, wheel raised by {lift}", "mm"))
 
 
 def conicity_figure(run: GeometryRun | ConicityRun, units: Units = "metric") -> Figure:
     """Draw the equivalent conicity over the amplitude by both methods."""
     figure, ((axes,),) = panels(6.4, 4.4, units=units)
-    figure.suptitle(run.summary["title"], fontsize=10)
+    figure.suptitle(f"Equivalent conicity: {run.summary['case']}", fontsize=10)
     conicity = run.conicities
     axes.plot(conicity.amplitudes_mm, conicity.integration, color=INK, lw=1.5, label="integration of the motion")
     axes.plot(conicity.amplitudes_mm, conicity.regression, "--", color=GREY, lw=1.2, label="linear regression")

@@ -13,7 +13,7 @@ from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces, Rolling
 from flangeway.quantities import measured
-from flangeway.report.figures.drawing import COLOURS, INK, colour_bar, name_axes, new_figure, units_of
+from flangeway.report.figures.drawing import COLOURS, INK, Style, colour_bar, name_axes, new_figure, units_of
 from flangeway.report.viewer import ShownField
 from flangeway.types import Floats
 from flangeway.units import Units
@@ -148,7 +148,7 @@ def _draw_states(axes: Axes, shown: ShownRolling) -> None:
     x, z = ((ends[1:] + ends[:-1])[which] / 2.0 for ends, which in zip(edges, (rows, strips), strict=True))
     arrows, longest = shown.tractions[rows, strips], float(np.linalg.norm(shown.tractions, axis=2).max())
     if longest > 0.0:
-        style = {"angles": "xy", "scale_units": "xy", "pivot": "mid", "color": INK, "width": 0.007}
+        style: Style = {"angles": "xy", "scale_units": "xy", "pivot": "mid", "color": INK, "width": 0.007}
         axes.quiver(x, z, *arrows.T, scale=longest / (LENGTH * spacing), **style)
     slips = (states == SLIPS).sum() / max((states != NO_CONTACT).sum(), 1)
     most = measured(longest, "MPa", units_of(axes), ".0f")

@@ -157,12 +157,15 @@ def section_figure(run: RollingPatchRun) -> Figure:
     limit = contact.friction.limits[0][:, None] * contact.pressures
     row, strip = (int(np.abs(places).argmin()) for places in (across, along))
     figure, (both,) = panels(9.0, 3.7, 1, 2, run.case.units, sharey=True)
-    lines = ((along, (row, slice(None)), "z ahead"), (across, (slice(None), strip), "to the right"))
-    for axes, (places, cells, words) in zip(both, lines, strict=True):
-        axes.fill_between(places, limit[cells], color="#e8edf3", lw=0.0, label="up to the limit")
-        axes.plot(places, np.linalg.norm(tractions[cells], axis=-1), color=INK, lw=1.4, label="magnitude")
-        axes.plot(places, tractions[cells][..., 1], color=SERIES[0], lw=1.2, ls="--", label="ahead")
-        axes.plot(places, tractions[cells][..., 0], color=SERIES[1], lw=1.2, ls="dashdot", label="to the right")
+    lines = (
+        (along, limit[row], tractions[row], "z ahead"),
+        (across, limit[:, strip], tractions[:, strip], "to the right"),
+    )
+    for axes, (places, most, cut, words) in zip(both, lines, strict=True):
+        axes.fill_between(places, most, color="#e8edf3", lw=0.0, label="up to the limit")
+        axes.plot(places, np.linalg.norm(cut, axis=-1), color=INK, lw=1.4, label="magnitude")
+        axes.plot(places, cut[:, 1], color=SERIES[0], lw=1.2, ls="--", label="ahead")
+        axes.plot(places, cut[:, 0], color=SERIES[1], lw=1.2, ls="dashdot", label="to the right")
         axes.axhline(0.0, color=GREY, lw=0.6)
         name_axes(axes, (words, "mm"))
     name_axes(both[0], y=("traction on the upper body", "MPa"))

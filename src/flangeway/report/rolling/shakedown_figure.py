@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.exact.shakedown import shakedown_limits
 from flangeway.quantities import measured
-from flangeway.report.figures.drawing import GREY, HALO, INK, PURPLE, legend_below, name_axes, panels
+from flangeway.report.figures.drawing import GREY, HALO, INK, PURPLE, Style, legend_below, name_axes, panels
 from flangeway.types import Floats
 from flangeway.units import Units
 
@@ -17,7 +18,10 @@ LIMITS = {
     "shakedown": ("elastic after shakedown, no hardening", "#b35806"),
     "hardening": ("elastic after shakedown, kinematic hardening", PURPLE),
 }
-DASHED = (0, (4, 2))
+KINDS: tuple[tuple[Literal["point", "line"], Any, str], ...] = (
+    ("point", "solid", "under a circular patch"),
+    ("line", (0, (4, 2)), "under a line contact"),
+)
 MIN_HEIGHT, MIN_WIDTH = 6.0, 0.6
 """Least extent of the axes."""
 APART, SHIFT = 0.05, 0.03
@@ -31,8 +35,7 @@ def shakedown_figure(patches: Sequence[tuple[str, float, float]], yield_MPa: flo
     highest, widest = max(MIN_HEIGHT, *(1.15 * heights)), min(1.0, max(MIN_WIDTH, *(1.15 * used)))
     figure, ((axes,),) = panels(7.6, 5.2, units=units)
     traction = np.linspace(0.0, widest, 301)
-    kinds = (("point", "solid", "under a circular patch"), ("line", DASHED, "under a line contact"))
-    for kind, style, label in kinds:
+    for kind, style, label in KINDS:
         for name, (words, colour) in LIMITS.items():
             limit = getattr(shakedown_limits(kind, traction), name)
             axes.plot(traction, limit, color=colour, ls=style, lw=1.4, label=words if kind == "point" else None)
@@ -40,8 +43,8 @@ def shakedown_figure(patches: Sequence[tuple[str, float, float]], yield_MPa: flo
     axes.plot(used, heights, "o", color=INK, ms=7.0, zorder=5)
     for (name, _, pressure), x, y, label in zip(patches, used, heights, _apart(heights, APART * highest), strict=True):
         shift, side = (-SHIFT, "right") if x > 0.7 * widest else (SHIFT, "left")
-        line = {"arrowstyle": "-", "color": INK, "lw": 0.7, "shrinkB": 3.0}
-        place = {"xytext": (x + shift * widest, label), "ha": side, "va": "center", "arrowprops": line}
+        line: Style = {"arrowstyle": "-", "color": INK, "lw": 0.7, "shrinkB": 3.0}
+        place: Style = {"xytext": (x + shift * widest, label), "ha": side, "va": "center", "arrowprops": line}
         text = f"{name}: {measured(pressure, 'MPa', units, '.0f')}"
         axes.annotate(text, (x, y), fontsize=9.0, path_effects=[HALO], zorder=6, **place)
     axes.set(xlim=(0.0, widest), ylim=(0.0, highest))

@@ -17,6 +17,7 @@ from flangeway.post import corner_shear_stresses, shear_stresses
 from flangeway.report.figures.drawing import (
     GREY,
     INK,
+    Style,
     box,
     cells_path,
     colour_bar,
@@ -61,7 +62,7 @@ def mesh_figure(run: SectionRun, units: Units = "metric") -> Figure:
         ends = _across(centroid, np.array([np.cos(angle), np.sin(angle)]), low, high)
         axes.plot(*ends.T, color=INK, lw=0.8, ls=(0, (8, 3, 2, 3)))
         x, y = centroid + 0.93 * (ends[1] - centroid)
-        circle = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": INK, "linewidth": 0.6}
+        circle: Style = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": INK, "linewidth": 0.6}
         axes.text(x, y, f"{number}", ha="center", va="center", fontsize=9, bbox=circle)
     axes.plot(*centroid, "o", ms=7, mfc="white", mec=INK, mew=1.4, ls="none", label="centroid")
     axes.plot(*shear_centre, "X", ms=9, mfc=INK, mec="white", mew=0.8, ls="none", label="shear centre")
@@ -98,8 +99,8 @@ def shear_figure(run: SectionRun, units: Units = "metric") -> Figure:
     lengths = np.hypot(*arrows.T)
     long = lengths > MIN_ARROW * lengths.max()
     span = float(np.ptp(mesh.points, axis=0).max()) / N_ARROWS
-    style = {"color": "white", "edgecolor": INK, "linewidth": 0.4, "width": 0.004, "zorder": 4, "pivot": "mid"}
-    scale = {"angles": "xy", "scale_units": "xy", "scale": float(lengths.max()) / (1.3 * span)}
+    style: Style = {"color": "white", "edgecolor": INK, "linewidth": 0.4, "width": 0.004, "zorder": 4, "pivot": "mid"}
+    scale: Style = {"angles": "xy", "scale_units": "xy", "scale": float(lengths.max()) / (1.3 * span)}
     axes.quiver(*mesh.cell_centroids[shown[long]].T, *arrows[long].T, **style, **scale)
     _frame(axes, run)
     axes.set_title("Shear stress per torque", fontsize=10)
@@ -131,9 +132,9 @@ def _contours(run: SectionRun, values: Floats, title: str, units: Units) -> Figu
     """Draw values at the points of the mesh (n_points,) with lines of equal value; dashed ones are negative."""
     mesh = run.space.mesh
     figure, axes = _new(run, units)
-    shade, triangles = shade_of(values), mesh.cell_points[_fans(mesh)]
+    shade, triangles = shade_of(values), mesh.cell_points[_fans(mesh)].astype(np.int64)
     fill_triangles(axes, mesh.points, triangles, values, shade)
-    grid = Triangulation(*mesh.points.T, triangles)
+    grid = Triangulation(mesh.points[:, 0], mesh.points[:, 1], triangles)
     axes.tricontour(
         grid, values, MaxNLocator(N_LEVELS).tick_values(values.min(), values.max()), colors=INK, linewidths=0.5
     )

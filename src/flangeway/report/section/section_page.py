@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from flangeway.cases.section.section_run import SectionRun, TorsionCase
+from flangeway.cases.section.section_run import STEEL_KG_M3, SectionRun, TorsionCase
 from flangeway.cases.summary import Summary
 from flangeway.formats import write_vtu
 from flangeway.post import corner_shear_stresses
@@ -51,7 +51,7 @@ def section_record(
     """
     found, options, mesh, units = run.summary, run.options, run.space.mesh, case.units
     kind = "triangles" if options.method == "fem" else "polygons, virtual elements"
-    quantities = section_quantities(run)
+    quantities = section_quantities(run, units)
     return Record(
         name=run.drawn.title,
         title=run.drawn.title,
@@ -61,7 +61,9 @@ def section_record(
         success="solved",
         message="by both formulations of torsion",
         facts=[fact(replace(of, form=".5g"), run, units) for of in present(quantities, run) if of.key in FACTS],
-        results=SummaryTable("Constants of the section", ("", "value"), tuple(rows_of(quantities, run, units))),
+        results=SummaryTable(
+            "Constants of the section", ("", "value"), tuple(rows_of(present(quantities, run), run, units))
+        ),
         summary=found if summary is None else summary,
         summary_file=summary_file,
         again=Again(
@@ -91,7 +93,7 @@ FACTS = ("area", "ixx", "iyy", "mass_per_metre", "torsion_constant", "warping_co
 """Keys of the numbers at the top of the page."""
 
 
-def section_quantities(run: SectionRun) -> list[Quantity[SectionRun]]:
+def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRun]]:
     """Return the constants of a section, in its unit of length."""
     unit, constants, found = run.drawn.unit, run.constants, run.summary
     size = found[f"boundary_length_{unit}"]
@@ -107,19 +109,16 @@ def section_quantities(run: SectionRun) -> list[Quantity[SectionRun]]:
         values = [0.0 if abs(value) < 1e-7 * size else value for value in at]
         return Quantity(key, label, lambda _: values, unit, ".6g", ("x", "y"))
 
+    steel = f"steel of {measured(STEEL_KG_M3, 'kg/m³', units)}"
     ixx, iyy, ixy = constants.second_moments
     moments = {"Ixx": ixx, "Iyy": iyy, "Ixy": 0.0 if abs(ixy) < 1e-9 * math.sqrt(ixx * iyy) else ixy}
     angle, torsion = found["principal_angle_deg"], constants.torsion_constant
     low, high = constants.torsion_bounds
-    poisson = run.options.poisson
+    poisson, maximum = run.options.poisson, found[f"max_shear_stress_per_torque_per_{unit}3"]
     centre = f"shear centre for ν = {poisson:g}" if poisson else "shear centre"
     return [
         number("area", "area", constants.area, "²"),
-        *(
-            [Quantity("mass_per_metre", "mass per length, steel", lambda _: found["mass_per_metre_kg_m"], "kg/m")]
-            if found["mass_per_metre_kg_m"] is not None
-            else []
-        ),
+        Quantity("mass_per_metre", f"mass per length, {steel}", lambda _: found["mass_per_metre_kg_m"], "kg/m"),
         point("centroid", "centroid", constants.centroid),
         *(
             number(name.lower(), f"second moment {name} about the centroid", value, "⁴")
@@ -154,11 +153,7 @@ def section_quantities(run: SectionRun) -> list[Quantity[SectionRun]]:
             else []
         ),
         number("warping_constant", "warping constant", constants.warping_constant, "⁶"),
-        *(
-            [number("max_shear_stress_per_torque", "maximum shear stress per torque", maximum, "⁻³", ".5g")]
-            if (maximum := found[f"max_shear_stress_per_torque_per_{unit}3"]) is not None
-            else []
-        ),
+        number("max_shear_stress_per_torque", "maximum shear stress per torque", maximum, "⁻³", ".5g"),
     ]
 
 

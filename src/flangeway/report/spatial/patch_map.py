@@ -15,7 +15,7 @@ from flangeway.exact import PointContact
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import DepthProfile
 from flangeway.quantities import measured
-from flangeway.report.figures.drawing import COLOURS, GREY, HERTZ, INK, LIGHT, NODES, PURPLE, name_axes, units_of
+from flangeway.report.figures.drawing import COLOURS, GREY, HERTZ, INK, LIGHT, NODES, PURPLE, Style, name_axes, units_of
 from flangeway.types import Floats, Ints
 
 CURVES = (
@@ -91,7 +91,7 @@ def draw_pressures(axes: Axes, shown: PatchMap, highest: float) -> ScalarMappabl
         if hertz is not None:
             first = not axes.get_legend_handles_labels()[0]
             width, height = (2.0 * axis for axis in hertz.semi_axes)
-            style = {"fill": False, "ec": GREY, "ls": "--", "lw": 1.2, "label": "Hertz" if first else ""}
+            style: Style = {"fill": False, "ec": GREY, "ls": "--", "lw": 1.2, "label": "Hertz" if first else ""}
             middle, angle = tuple(shown.centre(patch).tolist()), float(np.rad2deg(shown.tilt(patch)))
             axes.add_patch(Ellipse(middle, width, height, angle=angle, **style))
     axes.set_aspect("equal", adjustable="box")

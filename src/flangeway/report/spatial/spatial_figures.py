@@ -20,7 +20,7 @@ def patch_figure(run: SpatialRun) -> Figure:
     axes = figure.subplots()
     drawn = draw_pressures(axes, shown, float(shown.cells.pressures.max()))
     axes.set(xlim=shown.box[:, 0], ylim=shown.box[:, 1])
-    name_axes(axes, ("length along the surface, across z,", "mm"), ("z", "mm"))
+    name_axes(axes, ("length along the surface, across z", "mm"), ("z", "mm"))
     colour_bar(drawn, axes, "contact pressure", "MPa", location="bottom" if ratio < WIDE else "right")
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper right", fontsize=8)

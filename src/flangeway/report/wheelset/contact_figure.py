@@ -53,7 +53,7 @@ def contact_figure(run: WheelsetRun, side: Side) -> Figure:
     windows = [_window(patch) for patch in patches] or [box([body.points for body in bodies[side]], 6.0)]
     zones = [(_window(patch), body) for patch in run.plane.patches for body in bodies[patch.side]]
     shown = [(body, body.within(window)[body.shown.cells]) for window, body in zones]
-    figure = new_figure(3.0 * PANEL_IN, 0.9 + (PANEL_IN - 0.2) * len(windows), run.case.units)
+    figure = new_figure(3.0 * PANEL_IN, 0.9 + (PANEL_IN - 0.2) * len(windows), run.case.units, compressed=True)
     rows = figure.subplots(len(windows), len(COLUMNS), squeeze=False)
     for column, (words, values) in zip(rows.T, COLUMNS, strict=True):
         inside = [values(body.stresses)[points] for body, points in shown]

@@ -8,12 +8,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
-from flangeway.quantities import Quantity, measured
+from flangeway.quantities import Quantity
 from flangeway.railway.wheelset.rail_along_track import REGIONS, RailAlongTrack
-from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, name_axes, panels
+from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, Style, name_axes, panels
 from flangeway.report.page.tables import SummaryTable, table_across
 from flangeway.results import ResultTable
 from flangeway.types import Floats
+from flangeway.units import us_unit
 
 STYLES = {"left": "-", "right": "--"}  # of symmetric wheelsets both are one line
 
@@ -42,23 +43,23 @@ def rails_figure(run: WheelsetRun) -> Figure:
     figure, rows = panels(9.0, 7.0, len(LINES), 1, units, sharex=True)
     for axes, (words, unit, values) in zip(rows[:, 0], LINES, strict=True):
         for side, rail in rails.items():
-            style = {"color": SIDE_COLOURS[side], "ls": STYLES[side], "lw": 1.5, "label": f"{side} rail"}
+            style: Style = {"color": SIDE_COLOURS[side], "ls": STYLES[side], "lw": 1.5, "label": f"{side} rail"}
             axes.plot(rail.z_mm / 1e3, values(rail), **style)
         axes.axhline(0.0, color=GREY, lw=0.8)
         name_axes(axes, y=(words, unit))
     top = rows[0, 0]
     top.invert_yaxis()
     first = next(iter(rails.values()))
+    kip = us_unit("kN") if units == "us" else None
     for number, z in enumerate(first.sleepers_mm):
         if abs(z) <= np.abs(first.z_mm).max():
             top.axvline(z / 1e3, color=GREY, lw=0.6, ls=":")
-            seats = [measured(rail.reactions[number, 1] / 1e3, "kN", units, "z.0f") for rail in rails.values()]
-            forces = " / ".join(seat.partition(" ")[0] for seat in seats)
-            place = {"xycoords": ("data", "axes fraction"), "ha": "center"}
+            seats = (rail.reactions[number, 1] / 1e3 for rail in rails.values())
+            forces = " / ".join(f"{kip.of(seat):z.1f}" if kip else f"{seat:z.0f}" for seat in seats)
+            place: Style = {"xycoords": ("data", "axes fraction"), "ha": "center"}
             top.annotate(forces, (z / 1e3, 1.02), fontsize=7, color=INK, **place)
     if len(first.sleepers_mm):
-        unit = measured(0.0, "kN", units).partition(" ")[2]
-        words = f"forces of the sleepers on the left / right rail, {unit}"
+        words = f"forces of the sleepers on the left / right rail, {kip.name if kip else 'kN'}"
         top.set_title(words, fontsize=9, pad=16, loc="left")
     top.legend(loc="lower right", fontsize=8)
     name_axes(rows[-1, 0], ("z ahead of the axle", "m"))

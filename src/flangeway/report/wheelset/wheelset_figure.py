@@ -81,7 +81,7 @@ def wheelset_figure(run: WheelsetRun) -> Figure:
             web = cells_path(mesh, points, np.flatnonzero(~valid[name]))
             panel.add_artist(PathPatch(web, facecolor="none", edgecolor=STEEL, hatch="////", lw=0.0))
             draw_lines(panel, at_touch[name].edges[mesh.edge_cells[:, 1] < 0], GREY, 0.9, ls=(0, (4, 2)))
-    words = f"von Mises stress (hatched: not valid); deformation x{factor:g} since first touch (dashed),"
+    words = f"von Mises stress (hatched: not valid); deformation x{factor:g} since first touch (dashed)"
     colour_bar(shade, figure.axes[:3], words, "MPa", location="bottom", aspect=60, extend=extend)
     return figure
 

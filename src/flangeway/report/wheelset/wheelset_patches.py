@@ -19,10 +19,12 @@ from flangeway.report.figures.drawing import (
     HALO,
     INK,
     PURPLE,
+    Style,
     colour_bar,
     name_axes,
     new_figure,
     panels,
+    shade_of,
     units_of,
 )
 from flangeway.report.spatial.patch_map import PatchMap, draw_depths, draw_pressures, draw_sections
@@ -113,7 +115,7 @@ def _draw_forces(axes: Axes, result: SpatialResult, side: Side) -> None:
         text = f"{measured(1e-3 * size, 'kN', units)}\n{measured(patch.ellipse.max_pressure, 'MPa', units, '.0f')}"
         # towards the outside of the other patches
         outer = 1.0 if centre[0] >= np.mean([each.centre_mm[0] for each in patches]) else -1.0
-        ends = {"ha": "left" if outer > 0.0 else "right", "path_effects": [HALO]}
+        ends: Style = {"ha": "left" if outer > 0.0 else "right", "path_effects": [HALO]}
         axes.text(end[0] + 1.5 * outer, end[1] + 1.0, text, fontsize=8.5, **ends)
 
 
@@ -143,7 +145,7 @@ def patches_figure(run: WheelsetRun) -> Figure:
             axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", fontsize=9)
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="lower right", fontsize=8)
-        name_axes(axes, ("across the rail, from its middle,", "mm"))
+        name_axes(axes, ("across the rail, from its middle", "mm"))
     name_axes(both[0], y=("z ahead of the axle", "mm"))
     colour_bar(drawn, list(both), "contact pressure", "MPa", location="top", aspect=45)
     return figure
@@ -158,7 +160,7 @@ def pressures_figure(run: WheelsetRun) -> Figure:
     for row, patch in zip(rows, patches, strict=False):
         shown = maps[patch.side]
         number = next(i for i, (ellipse, _) in enumerate(shown.patches) if ellipse is patch.ellipse)
-        draw_sections(*row, shown, number)
+        draw_sections(row[0], row[1], shown, number)
         for axes, words, way in zip(
             row, ("length along the rail's surface", "z ahead of the axle"), ("across", "along the track"), strict=True
         ):
@@ -195,11 +197,11 @@ def stresses_figure(run: WheelsetRun) -> Figure:
         for axes, (places, cut, middle, words) in zip(row, cuts, strict=False):
             levels = np.linspace(0.0, highest.value, N_LEVELS)
             order = np.argsort(places)
-            drawn = axes.contourf(places[order], field.depths, cut[:, order], levels, cmap=COLOURS, extend="max")
+            axes.contourf(places[order], field.depths, cut[:, order], levels, cmap=COLOURS, extend="max")
             axes.plot(middle, highest.position[1], "+", color="white", ms=9)
             axes.set_aspect("equal", adjustable="box")
             name_axes(axes, (words, "mm"))
-        colour_bar(drawn, row[1], "von Mises stress", "MPa")
+        colour_bar(shade_of(values, (0.0, highest.value)), row[1], "von Mises stress", "MPa")
         draw_depths(row[2], field.column(at))
         for axes in row:
             axes.set_ylim(deepest, 0.0)
