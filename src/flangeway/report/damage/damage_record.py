@@ -135,7 +135,7 @@ def _states(steps: Sequence[EvolutionStep], units: Units) -> SummaryTable:
     """Maximum pressure and T-gamma of each state on new and worn profiles."""
     quantities: list[Quantity[Any]] = [Quantity("state", "state", lambda both: both[0].name)]
     for number, word in enumerate(("new", "worn")):
-        pressure = partial(_largest_pressure, number)
+        pressure = partial(_max_pressure, number)
         energy = partial(_t_gamma, number)
         quantities.append(Quantity(f"p0_{word}", f"p0 {word}", pressure, "MPa", ".0f"))
         quantities.append(Quantity(f"t_gamma_{word}", f"T-gamma {word}", energy, "N", ".2f"))
@@ -143,7 +143,7 @@ def _states(steps: Sequence[EvolutionStep], units: Units) -> SummaryTable:
     return table_of("States on new and worn profiles", both, quantities, units=units)
 
 
-def _largest_pressure(number: int, states: Sequence[StateDamage]) -> float | None:
+def _max_pressure(number: int, states: Sequence[StateDamage]) -> float | None:
     return max((patch.max_pressure_MPa for patch in states[number].patches), default=None)
 
 

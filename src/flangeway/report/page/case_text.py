@@ -2,8 +2,9 @@
 
 import re
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import date
+from pathlib import Path
 from typing import Any
 
 from flangeway.cases.case import OF_REPORT, Case, Run, RunnableCase, table_in
@@ -19,8 +20,12 @@ from flangeway.units import Units, in_us_units, unit_in, us_key
 MAX_LETTERS = 60  # of a value on the page; longer ones are cut there, the case file has them whole
 
 
-def run_record(run: Run, about_files: str, **own: Any) -> Record:
-    """Return the record of a run: what every run has, and its own, see `Record`; `about_files` is for `Again`."""
+def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any) -> Record:
+    """Return the record of a run: what every run has, and its own, see `Record`.
+
+    - `about_files`: for `Again`.
+    - `first`: inputs that the first page has in any case, before the essential ones and those that are not defaults.
+    """
     case, summary = run.case, run.summary
     assert isinstance(case, RunnableCase)
     file = f"{case.name}.toml" if has_tables(case) else ""
@@ -35,7 +40,7 @@ def run_record(run: Run, about_files: str, **own: Any) -> Record:
         "units": case.units,
         "inputs": inputs_tables(case),
         "details": [*filter(None, (case.project, case.author)), case.date or date.today().isoformat()],
-        "changed": inputs_in_words(case),
+        "given": given_inputs(case, (*first, *case.essential)),
         "timings_s": summary.timings_s,
     }
     fields = shared | own
@@ -44,17 +49,25 @@ def run_record(run: Run, about_files: str, **own: Any) -> Record:
     return Record(**fields)
 
 
-def inputs_in_words(case: Case) -> list[str]:
-    """Return the inputs that are not the defaults, by their meanings; those inside tables are left out."""
-    words = []
-    for key, field in type(case).model_fields.items():
-        value = getattr(case, key)
-        if value == field.default or key in OF_REPORT or table_in(field.annotation) is not None:
+def given_inputs(case: Case, first: Sequence[str]) -> dict[str, str]:
+    """Return values by meanings of some inputs, and of those that are not the defaults; without those inside tables."""
+    fields, given = type(case).model_fields, {}
+    changed = [key for key, field in fields.items() if getattr(case, key) != field.default]
+    for key in dict.fromkeys([*first, *changed]):
+        if key in OF_REPORT or table_in(fields[key].annotation) is not None:
             continue
-        meaning = re.split(r"[;,(:]", field.description or key)[0].strip()
-        text = measured(value, unit_in(key), case.units, ".6g") if is_number(value) else _plain(value)
-        words.append(f"{meaning} {text}".rstrip())
-    return words
+        meaning = re.split(r"[;,(:]", fields[key].description or key)[0].strip()
+        given[meaning] = _in_words(getattr(case, key), unit_in(key), case.units)
+    return given
+
+
+def _in_words(value: object, unit: str, units: Units) -> str:
+    """Text of an input with its unit; of a file with the date of its content."""
+    if is_number(value):
+        return measured(float(value), unit, units, ".6g")  # type: ignore[arg-type]
+    if isinstance(value, str) and Path(value).is_file():
+        return f"{value}, file of {date.fromtimestamp(Path(value).stat().st_mtime).isoformat()}"
+    return "not given" if value is None else _plain(value)
 
 
 def case_text(case: RunnableCase) -> str:

@@ -14,6 +14,7 @@ from flangeway.system.output_folder import Writer
 from flangeway.units import Units, in_us_units
 
 REPORT, SUMMARY = "report.html", "summary.json"
+METRIC_FILES = "The page, its pictures and CSV files are in US units; JSON, Parquet and ParaView files are metric."
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Record:
     message: str  # converged, message: how it ended
     success: str = "converged"  # the word for that
     details: Sequence[str] = ()  # project, author, date
-    changed: Sequence[str] = ()  # inputs that are not the defaults, in words
+    given: Mapping[str, str] = field(default_factory=dict)  # inputs that define it, by their meanings, with units
     facts: Sequence[tuple[str, str]] = ()  # the most important numbers with units, and what they are
     results: SummaryTable  # the one table of results that the terminal shows
     summary: Summary | Mapping[str, Any]  # the numbers for programs
@@ -72,10 +73,11 @@ class Record:
         """Give sentences that computing wrote the units of the record; its numbers are made in them."""
         if self.units == "us":
             for name in ("title", "subtitle", "message", "sentences", "warnings", "notes", "assumptions"):
-                said = getattr(self, name)
-                object.__setattr__(
-                    self, name, in_us_units(said) if isinstance(said, str) else [*map(in_us_units, said)]
-                )
+                text = getattr(self, name)
+                converted = in_us_units(text) if isinstance(text, str) else [*map(in_us_units, text)]
+                object.__setattr__(self, name, converted)
+            if METRIC_FILES not in self.assumptions:  # a record that is copied has it
+                object.__setattr__(self, "assumptions", [*self.assumptions, METRIC_FILES])
 
     @property
     def verdict(self) -> str:

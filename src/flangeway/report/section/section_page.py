@@ -104,10 +104,10 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
     def number(key: str, label: str, value: Any, power: str = "", form: str = ".7g") -> Quantity[SectionRun]:
         return Quantity(key, label, lambda _: value, f"{unit}{power}" if power != "-" else "", form)
 
-    def point(key: str, label: str, at: Sequence[float]) -> Quantity[SectionRun]:
+    def point(key: str, label: str, at: Sequence[float]) -> list[Quantity[SectionRun]]:
         # round-off would look like a result
         values = [0.0 if abs(value) < 1e-7 * size else value for value in at]
-        return Quantity(key, label, lambda _: values, unit, ".6g", ("x", "y"))
+        return [number(f"{key}_{x}", f"{label} {x}", value, form=".6g") for x, value in zip("xy", values, strict=True)]
 
     steel = f"steel of {measured(STEEL_KG_M3, 'kg/m³', units)}"
     ixx, iyy, ixy = constants.second_moments
@@ -119,7 +119,7 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
     return [
         number("area", "area", constants.area, "²"),
         Quantity("mass_per_metre", f"mass per length, {steel}", lambda _: found["mass_per_metre_kg_m"], "kg/m"),
-        point("centroid", "centroid", constants.centroid),
+        *point("centroid", "centroid", constants.centroid),
         *(
             number(name.lower(), f"second moment {name} about the centroid", value, "⁴")
             for name, value in moments.items()
@@ -146,12 +146,8 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
         number("torsion_constant", "torsion constant J", torsion, "⁴"),
         *(number(name, f"  {name}", value, "⁴") for name, value in zip(bounds, (low, high), strict=True)),
         number("half_gap", "  half their difference, relative", 0.5 * abs(high - low) / torsion, "-", ".1e"),
-        point("shear_centre", centre, constants.shear_centre),
-        *(
-            [point("shear_centre_trefftz", "shear centre by Trefftz", constants.shear_centre_trefftz)]
-            if poisson
-            else []
-        ),
+        *point("shear_centre", centre, constants.shear_centre),
+        *(point("shear_centre_trefftz", "shear centre by Trefftz", constants.shear_centre_trefftz) if poisson else []),
         number("warping_constant", "warping constant", constants.warping_constant, "⁶"),
         number("max_shear_stress_per_torque", "maximum shear stress per torque", maximum, "⁻³", ".5g"),
     ]

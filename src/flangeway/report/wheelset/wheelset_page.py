@@ -17,6 +17,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     LATERAL,
     LOAD,
     LOAD_FACTOR,
+    MAX_VON_MISES,
     MESH,
     MOTION,
     NADAL,
@@ -127,6 +128,13 @@ PLANE_PICTURES: tuple[Described, ...] = (
     ),
 )
 """PICTURES, RAILS_PICTURE, PLANE_PICTURES: pictures of a wheelset in three dimensions, and in the plane."""
+GIVEN = (
+    *("wheel", "rail", "axle_load_kN", "lateral_force_kN"),
+    *("curve_radius_m", "speed_km_h", "superelevation_mm", "friction", "yaw_mrad"),
+)
+"""Inputs that the first page has in any case; a plane wheelset has the first of them."""
+SHOWN = ("yaw", "t_gamma", "power")
+"""Numbers of the rolling at the top of the page."""
 COLLECTION, PATCHES, BELOW, RAILS, CONTACT = "wheelset.pvd", "patches.csv", "subsurface.csv", "rails.csv", "contact.vtu"
 SURFACES = {f"{role}-{side}": (side, role) for side, role in PARTS}
 STRESSES = {f"stresses-{name}": part for name, part in SURFACES.items()}
@@ -201,6 +209,7 @@ def wheelset_record(run: WheelsetRun) -> Record:
         return run_record(
             run,
             PLANE_FILES,
+            GIVEN[:4],
             subtitle=f"{_what(run)}; plane strain, {length} of length; {_method(run)}",
             scene=lambda: wheelset_scene(list(part_fields(run.plane)), run.plane.patches),
             pictures=_pictures(run, PLANE_PICTURES),
@@ -214,6 +223,7 @@ def wheelset_record(run: WheelsetRun) -> Record:
     return run_record(
         run,
         FILES,
+        GIVEN,
         subtitle=_what(run),
         scene=lambda: pressure_scene(run),
         pictures=[*_pictures(run, described), *rolling_pictures(run)],
@@ -263,17 +273,20 @@ def _method(run: WheelsetRun) -> str:
 
 def wheelset_facts(run: WheelsetRun) -> list[tuple[str, str]]:
     """Return the most important numbers with units, and what they are."""
-    units, patches = run.case.units, [*zip(run.patches, run.patch_names, strict=True)]
+    units = run.case.units
     wheels = [wheel for wheel in run.wheels if wheel.lateral_over_vertical is not None]
     facts = [fact(RATIO, wheel, units, f"{wheel.side} wheel") for wheel in wheels]
     facts += [(wheel.nadal_words, f"Nadal's criterion, {wheel.side} wheel") for wheel in wheels if wheel.nadal_words]
     facts.append(fact(LATERAL, run.result, units))
-    facts += [fact(PRESSURE, patch, units, name) for patch, name in patches]
-    loaded = [(patch, name) for patch, name in zip(run.spatial_patches, run.patch_names, strict=False)]
-    if loaded:
-        patch, name = max(loaded, key=lambda each: each[0].max_pressure)
+    facts += [fact(PRESSURE, patch, units, name) for patch, name in zip(run.patches, run.patch_names, strict=True)]
+    names = {id(patch): name for patch, name in zip(run.patches, run.patch_names, strict=True)}
+    for patch in sorted(run.spatial_patches, key=lambda patch: -patch.max_pressure)[:1]:
+        name = names[id(patch)]
         if LOAD_FACTOR.value(patch) is not None:
             facts.append((f"{LOAD_FACTOR.texts(patch)[0]}: {SHAKEDOWN.value(patch)}", f"p0/k and shakedown, {name}"))
+        facts.append(fact(MAX_VON_MISES, patch, units, name))
+    if run.in_space is not None and run.space.rolling:
+        facts += [fact(quantity, run.space, units) for quantity in present(ROLLING, run.space) if quantity.key in SHOWN]
     return facts
 
 
