@@ -48,7 +48,7 @@ def _n_unknowns(solution: ContactSolution) -> int:
 
 def _both_paths(what: str, case: HertzCase, share: float = 1.0) -> Measurement:
     """Times from assembled stiffnesses to the fields of both discs."""
-    model = build_bodies(case.bodies())
+    model = build_bodies(case.general())
     for side in (model.contacts[0].secondary, model.contacts[0].primary):
         _ = side.part.body.stiffness
     seconds, ours = timed(lambda: _pressed(model, case, "condensed", share))
@@ -72,7 +72,7 @@ def _both_paths(what: str, case: HertzCase, share: float = 1.0) -> Measurement:
 
 def _after_meshing(case: HertzCase) -> Measurement:
     """Assembly, condensation, ten load steps and recovery of the finest polygons of order 2."""
-    model = build_bodies(case.bodies())
+    model = build_bodies(case.general())
     seconds, solution = timed(lambda: _pressed(model, case))
     return Measurement(
         f"Hertz VVO2M4, {_n_unknowns(solution)} unknowns, after meshing, ten load steps",

@@ -195,7 +195,7 @@ def _smooth(mesh: PolyMesh, element: Virtual, poisson: float) -> tuple[float, fl
 
 def _hertz(order: int, candidate: Stabilisation) -> tuple[float, float]:
     case = published_case("VVO1", 1, "segments").model_copy(update=DISC_SIZES)
-    model = build_bodies(case.bodies())
+    model = build_bodies(case.general())
     contact, sides = model.contacts[0], []
     for side in (contact.secondary, contact.primary):
         assert isinstance(side.part.body, Body)

@@ -52,7 +52,7 @@ def measured(case: HertzCase, found: ContactSolution) -> tuple[float, float, flo
 def with_short_edges(code: str, level: int, ratio: float) -> tuple[HertzCase, ContactSolution]:
     """Node-to-node, with nodes beside the starts of the upper disc's edges that may touch, by a part of each edge."""
     case = hertz_case(code, level, "segment-to-segment")
-    model = build_bodies(case.bodies())
+    model = build_bodies(case.general())
     (contact,) = model.contacts
     sides = (contact.secondary, contact.primary)
     bodies = [side.part.body for side in sides if isinstance(side.part.body, Body)]

@@ -4,15 +4,19 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from scipy.integrate import quad
+from scipy.special import k0e
 
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import FIRST, roll
-from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.fastsim import fastsim
+from flangeway.contact.rolling.flash_temperature import Heat, Heating
+from flangeway.contact.rolling.friction import Friction, SlopeReduction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
-from studies.rolling.rolling_cases import COARSE_LIMIT, STEEL, WIDE, Energy, published
+from studies.rolling.rolling_cases import COARSE_LIMIT, MU, PUBLISHED_CELLS, STEEL, WIDE, Energy, published
 from studies.study import Row
 
 ALUMINIUM, BRASS = Elastic(2.62 * 23000.0, 0.31), Elastic(100e3, 0.34)
@@ -23,6 +27,10 @@ CONTACT_STRIP, CONTACT_STRIPS = 0.001, 216
 """CONTACT's cells: 200 of them in contact."""
 HALF_LOADED = 0.403973
 """Half width t, over that of contact, of the middle with half of the load: t sqrt(1 - t^2) + arcsin t = pi / 4."""
+BAND, BAND_SPEED, WARM_LIMIT = 2.0, 3.0, 0.01
+"""Half length in mm of a band of heat, its speed in m/s, and the limit of flash temperatures beside closed forms."""
+FAR = 10.0
+"""Factor of the creepage of a published example at which slip is rigid."""
 STICKING, SMOOTH = 10.0, 1e-4
 """Coefficients of friction with which nothing and everything slips."""
 
@@ -93,6 +101,63 @@ def falling_numbers(energy: Energy) -> Iterator[Row]:
         COARSE_LIMIT,
         "81 cells along the patch",
     )
+
+
+def warm_numbers(energy: Energy) -> Iterator[Row]:
+    """Flash temperatures of a band and of an ellipse that slide, friction that falls with them, and reduced slopes."""
+    steel, n = Heat(0.0), PUBLISHED_CELLS
+    warm = Friction(MU, heating=Heating(steel, steel))
+    # a band under even pressures, by whose speed everything slips
+    grid = PatchGrid(WIDE * np.array([-1.0, 1.0]), 2.0 * BAND / (4 * n), 4 * n)
+    contact = RollingContact.between_half_spaces(grid, np.full((1, 4 * n), 500.0), warm, (STEEL, STEEL))
+    found = energy.check("band of heat", roll(contact, Creepages(0.2, speed=BAND_SPEED)))
+    assert found.flash_temperatures is not None
+    diffusivity = steel.conductivity / (steel.density * steel.capacity)
+    peclet = BAND_SPEED / (2.0 * diffusivity)  # over a length in m
+
+    # Carslaw and Jaeger's line sources (1959, 10.7), of half of the heat: K_0(z) exp(z) ahead, K_0(z) exp(-z) behind,
+    # with z = V distance / (2 kappa), seven eighths along the band
+    place = n // 2
+    behind = 1e-3 * grid.strip * (place + 0.5)
+    sides = (
+        quad(lambda length: k0e(peclet * length), 0.0, 2e-3 * BAND - behind, points=[1e-5], limit=200)[0],
+        quad(lambda length: k0e(peclet * length) * np.exp(-2.0 * peclet * length), 0.0, behind, points=[1e-5])[0],
+    )
+    power = 1e6 * MU * 500.0 * 0.2 * BAND_SPEED / 2.0
+    exact = power / (np.pi * steel.conductivity) * sum(sides)
+    note = f"line sources, V a / (2 kappa) = {1e-3 * BAND * peclet:.0f}; {4 * n} cells"
+    rise = float(found.flash_temperatures[0, place])
+    yield Row("Flash temperature", "band at even pressures", "rise", "K", rise, exact, WARM_LIMIT, note)
+
+    ((code, published_rise),) = ((code, value) for (code, _), value in published("warm").items())
+    speed, semi_axes, force = 30.0, (10.54, 5.88), 100e3
+    contact = RollingContact.under_hertz(semi_axes, force, (n, 2 * n), warm, (STEEL, STEEL))
+    found = energy.check("ellipse of heat", roll(contact, Creepages(FAR * float(code), speed=speed)))
+    assert found.flash_temperatures is not None
+    peak = 1.5 * force / (np.pi * semi_axes[0] * semi_axes[1])
+    # in the middle strip, x from the leading end over a: the largest integral of sqrt(1 - xi^2) / sqrt(x - xi)
+    integrals = [
+        quad(lambda u, x=x: 2.0 * np.sqrt(max(1.0 - (x - u**2) ** 2, 0.0)), 0.0, np.sqrt(x + 1.0))[0]
+        for x in np.linspace(-0.5, 1.0, 151)
+    ]
+    flow = 1e6 * MU * peak * FAR * abs(float(code)) * speed * np.sqrt(1e-3 * semi_axes[1])
+    exact = flow / (2.0 * steel.effusivity * np.sqrt(np.pi * speed)) * max(integrals)
+    rise, note = float(found.flash_temperatures.max()), f"integral of the middle strip; {n} x {2 * n} cells"
+    yield Row("Flash temperature", "ellipse that slides", "maximum", "K", rise, exact, WARM_LIMIT, note)
+    found = energy.check("ellipse at 1 m/s", roll(contact, Creepages(float(code), speed=speed)))
+    assert found.flash_temperatures is not None
+    rise = float(found.flash_temperatures.max())
+    note = "CONTACT on 59 cells along, which adds the heat of the cell itself twice"
+    yield Row("CONTACT", "ellipse that slides at 1 m/s", "maximum", "K", rise, published_rise, None, note)
+
+    friction = Friction(0.36, 0.1368, 0.99 / np.log(2.0), slope=SlopeReduction(0.54, 0.02, 0.62))
+    contact = RollingContact.under_hertz((12.61, 6.304), 106700.0, (n, n), friction, (STEEL, STEEL))
+    for (code, _), exact in published("reduced").items():
+        motion = Creepages(float(code), speed=10.0)
+        value = fastsim(contact, motion).along / contact.force
+        note = "modified FASTSIM on 40 cells; exact theory: "
+        note += f"{energy.check(code, roll(contact, motion)).along / contact.force:.4f}"
+        yield Row("CONTACT", f"reduced slope, {code}", "force over load", "", value, exact, COARSE_LIMIT, note)
 
 
 def onset_numbers(energy: Energy) -> Iterator[Row]:

@@ -19,7 +19,7 @@ from studies.rolling.rolling_cases import (
     plane_numbers,
     sphere_numbers,
 )
-from studies.rolling.rolling_rollers import falling_numbers, free_numbers, onset_numbers
+from studies.rolling.rolling_rollers import falling_numbers, free_numbers, onset_numbers, warm_numbers
 from studies.study import Curves, Row, Run, Study
 from studies.wheelset3d.manchester import benchmark_positions
 
@@ -37,6 +37,7 @@ def rows(run: Run) -> Iterator[Row]:
         ("different materials", free_numbers),
         ("examples of CONTACT", contact_numbers),
         ("falling friction", falling_numbers),
+        ("temperature and reduced slope", warm_numbers),
         ("onset of rolling", onset_numbers),
     ):
         run.progress(name)

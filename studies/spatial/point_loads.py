@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from flangeway.cases.section.section_run import SectionOptions, find_section, run_section, usual_size
+from flangeway.cases.section.section_run import TorsionCase, find_section, run_section, usual_size
 from flangeway.elements import Lagrange, monomials
 from flangeway.geometry import polygon
 from flangeway.materials import Elastic
@@ -185,14 +185,14 @@ class Rail:
 def meshed_rail() -> Rail:
     """Return the rail with its loaded strips."""
     drawn = find_section(RAIL)
-    run = run_section(drawn, SectionOptions(size=COARSER * usual_size(drawn.section)))
+    run = run_section(drawn, TorsionCase.from_values({"size": COARSER * usual_size(drawn.section)}))
     mesh = run.space.mesh
     edges = mesh.boundary_edges
     middles = mesh.points[edges].mean(axis=1)
     for number, place in enumerate(ECCENTRICITIES):
         on_head = (np.abs(middles[:, 0] - place) < LOADED) & (middles[:, 1] > middles[:, 1].max() - LOADED)
         mesh = mesh.with_edge_set(f"load {number}", edges[on_head])
-    space = Space(mesh, run.options.element)
+    space = Space(mesh, run.case.element)
     return Rail(space, run.constants, float(np.ptp(mesh.points[mesh.edge_set("base")][..., 0])))
 
 

@@ -39,8 +39,8 @@ def test_a_zone_that_cuts_the_contact_is_told(body, box):
     """If the edges that may touch end within the contact, the note says that contact beyond is missing."""
     down = [{"body": "cylinder", "shift_mm": [0.0, -0.02]}]
     run = found(down, **{box: [-8.0, -1.0, 0.2, 2.0]})
-    assert not any("end of the edges" in note for note in found(down).summary.notices)
-    assert any(note.startswith(f"{body}: there is contact at the end") for note in run.summary.notices)
+    assert not any("end of the edges" in note for note in found(down).summary["notices"])
+    assert any(note.startswith(f"{body}: there is contact at the end") for note in run.summary["notices"])
 
 
 def test_a_tension_is_an_error(good):
@@ -71,7 +71,7 @@ def test_segments_of_order_2_are_counted_whole(pairing):
     case = CASES["hertz"].from_values({"order": 2, "size_mm": 0.5, "pairing": pairing, "enforcement": "multiplier"})
     run = case.run()
     (patch,) = run.patches
-    (told,) = (note for note in run.summary.notices if "wide, fewer than 8" in note)
+    (told,) = (note for note in run.summary["notices"] if "wide, fewer than 8" in note)
     n_segments = float(re.search(r"only ([\d.]+) segments? wide", told)[1])
     lengths = run.contact.system.contacts[0].secondary.edge_lengths
     assert n_segments == pytest.approx(patch.width / lengths.min(), abs=0.6)

@@ -11,6 +11,7 @@ from rich.console import Console
 
 from flangeway.campaign import Campaign, results, run_campaign
 from flangeway.cases import load_case
+from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.report.case_outputs import case_files, case_record, write_case
 from flangeway.report.page.record import print_record
@@ -24,7 +25,7 @@ def run(**inputs):
 
 
 def numbers(**inputs):
-    return SimpleNamespace(**run(**inputs).summary.to_dict())
+    return SimpleNamespace(**run(**inputs).summary)
 
 
 def test_contacts_example_with_spin():
@@ -137,7 +138,8 @@ def test_files_hold_the_forces_of_the_cells(tmp_path):
         assert f"{1e-3 * found.state.forces.along:.4f}".removeprefix("-") in text
     assert record.scene is not None
     shown = [field.key for field in record.scene().fields]
-    assert shown == ["pressure_MPa", "traction_MPa", "slip_velocity_m_s", "frictional_power_W_mm2"]
+    wanted = "pressure_MPa", "traction_MPa", "slip_velocity_m_s", "frictional_power_W_mm2", "flash_temperature_K"
+    assert shown == list(wanted)
 
 
 def test_pressures_from_a_file_are_those_of_the_run_that_wrote_it(tmp_path):
@@ -148,14 +150,14 @@ def test_pressures_from_a_file_are_those_of_the_run_that_wrote_it(tmp_path):
     lines = "\n".join(f"{key} = {value}" for key, value in motion.items())
     text = f'case = "rolling-patch"\npressure_file = "cells.csv"\ncurve = "none"\n{lines}\n'
     (tmp_path / "patch.toml").write_text(text, encoding="utf-8")
-    found = SimpleNamespace(**load_case(tmp_path / "patch.toml").run().summary.to_dict())
+    found = SimpleNamespace(**load_case(tmp_path / "patch.toml").run().summary)
     assert found.force_kN == pytest.approx(80.0, rel=1e-5)
     for name in ("longitudinal_force_kN", "lateral_force_kN", "spin_moment_Nm"):
-        assert getattr(found, name) == pytest.approx(before.summary.to_dict()[name], rel=1e-4)
+        assert getattr(found, name) == pytest.approx(before.summary[name], rel=1e-4)
     header, *rows = (tmp_path / "cells.csv").read_text(encoding="utf-8").splitlines()
     right = [row for row in rows if float(row.split(",")[0]) > 0.0]
     (tmp_path / "cells.csv").write_text("\n".join([header, *right]), encoding="utf-8")
-    half = SimpleNamespace(**load_case(tmp_path / "patch.toml").run().summary.to_dict())
+    half = SimpleNamespace(**load_case(tmp_path / "patch.toml").run().summary)
     assert half.force_kN == pytest.approx(40.0, rel=1e-5)
     assert half.semi_axis_across_mm < 0.7 * found.semi_axis_across_mm
 
@@ -169,3 +171,31 @@ def test_a_campaign_varies_it(tmp_path):
     forces = results(tmp_path / "patch.sqlite").table.columns["longitudinal_force_kN"]
     assert forces[0] == 0.0
     assert 0.0 > forces[1] > forces[2]
+
+
+def test_flash_temperature_and_reduced_slope_reach_the_summary():
+    """The summary has the maximum of the cells; friction falls with it; half a slope is half a small force."""
+    plain = run(longitudinal_creepage=0.02)
+    summary = plain.parts()
+    assert summary["flash_temperature_K"] == plain.state.forces.flash_temperatures.max()
+    falls = {"kinetic_friction": 0.1, "friction_falls_from_C": 30.0, "friction_falls_to_C": 200.0}
+    warm = run(longitudinal_creepage=0.02, **falls).parts()
+    assert abs(warm["longitudinal_force_kN"]) < 0.9 * abs(summary["longitudinal_force_kN"])
+    assert "Polach" not in [row["theory"] for row in warm["theories"]]
+    small = [run(longitudinal_creepage=1e-5, slope_factor=factor).state.forces.along for factor in (1.0, 0.5)]
+    assert small[1] == pytest.approx(small[0] / 2.0, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("inputs", "key"),
+    [
+        ({"friction_falls_from_C": 100.0, "kinetic_friction": 0.1}, "both or none"),
+        ({"friction_falls_from_C": 1.0, "friction_falls_to_C": 2.0}, "kinetic_friction"),
+        ({"slope_rate": 0.5}, "slope_remaining"),
+        ({"speed_km_h": 0.0, "temperature_C": 50.0}, "temperature_C"),
+    ],
+)
+def test_inputs_of_friction_without_effect_are_refused(inputs, key):
+    """The message names the key or what it needs."""
+    with pytest.raises(InputError, match=key):
+        run(**inputs)

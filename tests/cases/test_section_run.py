@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from flangeway.cases.section.section_run import SectionOptions, find_section, run_section, usual_size
+from flangeway.cases.section.section_run import TorsionCase, find_section, run_section, usual_size
 from flangeway.errors import InputError
 from flangeway.exact import Rectangle
 from flangeway.formats import DrawnSection, PartMaterial
@@ -25,7 +25,7 @@ def regular(n, radius):
 @pytest.mark.parametrize("method", ["fem", "vem"])
 def test_hollow_circle(method):
     """A tube of radii 50 and 40: J is the polar moment pi (R^4 - r^4) / 2 to 0.1 %, and it does not warp."""
-    found = run_section(drawn(Region(circle(50.0), (circle(40.0),))), SectionOptions(method=method)).constants
+    found = run_section(drawn(Region(circle(50.0), (circle(40.0),))), TorsionCase(method=method)).constants
     exact = math.pi / 2.0 * (50.0**4 - 40.0**4)
     assert found.torsion_constant == pytest.approx(exact, rel=1e-3)
     assert found.area == pytest.approx(math.pi * 900.0, rel=1e-12)
@@ -41,7 +41,7 @@ def test_both_formulations_bracket_a_hollow_circle(order):
     inside = Region(regular(180, 50.0), (regular(180, 40.0 * grow),))
     outside = Region(regular(180, 50.0 * grow), (regular(180, 40.0),))
     low, high = (
-        run_section(drawn(region), SectionOptions(size=2.5, order=order)).constants.torsion_bounds[side]
+        run_section(drawn(region), TorsionCase(size=2.5, order=order)).constants.torsion_bounds[side]
         for region, side in ((inside, 0), (outside, 1))
     )
     assert low < exact < high
@@ -50,11 +50,11 @@ def test_both_formulations_bracket_a_hollow_circle(order):
 
 def test_both_formulations_bracket_a_square_and_a_hollow_square():
     """Bounds of coarse triangles hold the exact J of a square, and that of a hollow square as finer ones narrow it."""
-    found = run_section(drawn(Region(square(10.0))), SectionOptions(size=1.0, order=1)).constants
+    found = run_section(drawn(Region(square(10.0))), TorsionCase(size=1.0, order=1)).constants
     assert found.bounds_certain
     assert found.torsion_bounds[0] < Rectangle(10.0, 10.0).torsion_constant < found.torsion_bounds[1]
     tube = drawn(Region(square(10.0), (square(6.0),)))
-    coarse, fine = (run_section(tube, SectionOptions(size=size)).constants.torsion_bounds for size in (1.0, 0.15))
+    coarse, fine = (run_section(tube, TorsionCase(size=size)).constants.torsion_bounds for size in (1.0, 0.15))
     assert coarse[0] < fine[0] < fine[1] < coarse[1]
     assert fine[1] / fine[0] < 1.001
 
@@ -90,7 +90,7 @@ def test_composite_of_one_material_is_the_whole(method):
     parts = Section({"left": Region(rectangle(4.0, 3.0, (2.0, 0.0))), "right": Region(rectangle(2.0, 3.0, (5.0, 0.0)))})
     steel = PartMaterial(210e3, 0.3)
     whole = DrawnSection("two parts", parts, "mm", {"left": steel, "right": steel})
-    found = run_section(whole, SectionOptions(method=method))
+    found = run_section(whole, TorsionCase(method=method))
     assert found.constants.torsion_constant == pytest.approx(Rectangle(6.0, 3.0).torsion_constant, rel=1e-4)
     assert found.constants.centroid == pytest.approx((3.0, 0.0))
     assert found.summary["poisson"] == 0.3
@@ -101,7 +101,7 @@ def test_composite_tube_adds_its_layers():
     """Two concentric tubes of different materials do not warp: G J is the sum of theirs; G and E weigh apart."""
     inner, outer = PartMaterial(70e3, 0.3), PartMaterial(210e3, 0.3)
     parts = Section({"inner": Region(circle(45.0), (circle(40.0),)), "outer": Region(circle(50.0), (circle(45.0),))})
-    found = run_section(DrawnSection("layers", parts, "mm", {"inner": inner, "outer": outer}), SectionOptions(size=3.0))
+    found = run_section(DrawnSection("layers", parts, "mm", {"inner": inner, "outer": outer}), TorsionCase(size=3.0))
     polar = [math.pi / 2.0 * (a**4 - b**4) for a, b in ((45.0, 40.0), (50.0, 45.0))]
     stiffness = inner.shear_modulus_MPa * polar[0] + outer.shear_modulus_MPa * polar[1]
     weights = found.summary["weights"]
@@ -115,14 +115,14 @@ def test_different_poissons_ratios_are_told():
     """Materials with different Poisson's ratios give Trefftz's shear centre and a notice."""
     parts = Section({"a": Region(square(2.0)), "b": Region(square(2.0, (2.0, 0.0)))})
     materials = {"a": PartMaterial(1.0, 0.2), "b": PartMaterial(1.0, 0.3)}
-    found = run_section(DrawnSection("two", parts, "mm", materials), SectionOptions(size=0.5))
+    found = run_section(DrawnSection("two", parts, "mm", materials), TorsionCase(size=0.5))
     assert found.summary["poisson"] == 0.0
     assert "several Poisson's ratios" in found.summary["notices"][0]
 
 
 def test_keys_bear_the_unit_and_sizes_are_usual():
     """A section in inches has inches in its keys; usual sizes follow wall, area, or limits of cells and edges."""
-    found = run_section(DrawnSection("in", Section({"section": Region(square(1.0))}), "in"), SectionOptions(size=0.2))
+    found = run_section(DrawnSection("in", Section({"section": Region(square(1.0))}), "in"), TorsionCase(size=0.2))
     assert {"area_in2", "torsion_constant_in4", "warping_constant_in6", "shear_centre_in"} <= set(found.summary)
     assert not any("mm" in key for key in found.summary)
     assert usual_size(Section({"tube": Region(circle(50.0), (circle(49.0),))})) == pytest.approx(0.25)
@@ -134,19 +134,19 @@ def test_keys_bear_the_unit_and_sizes_are_usual():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"size": 0.0}, "--size 0"),
-        ({"size": math.nan}, "--size nan"),
-        ({"order": 0}, "--order 0"),
+        ({"size": 0.0}, "size = 0"),
+        ({"size": math.nan}, "size = nan"),
+        ({"order": 0}, "order = 0"),
         ({"order": 4}, "1 to 3"),
-        ({"order": 7, "method": "vem"}, "1 to 6"),
-        ({"method": "fdm"}, "--method fdm"),
-        ({"poisson": 0.6}, "--poisson 0.6"),
+        ({"order": 7, "method": "vem"}, "order = 7"),
+        ({"method": "fdm"}, "method = 'fdm'"),
+        ({"poisson": 0.6}, "poisson = 0.6"),
     ],
 )
 def test_wrong_options_are_refused(options, message):
     """Sizes, orders, methods and ratios that do not exist are refused by the option's name."""
     with pytest.raises(InputError, match=message):
-        SectionOptions(**options)
+        _ = TorsionCase.from_values(options).element
 
 
 def test_bending_has_radii_and_section_moduli():
@@ -165,11 +165,9 @@ def test_sections_that_cannot_be_computed_are_refused():
     with pytest.raises(InputError, match="2 pieces that do not touch"):
         run_section(DrawnSection("apart", apart, "mm"))
     with pytest.raises(InputError, match=r"size = 5\.0"):
-        run_section(drawn(Region(square(1.0))), SectionOptions(size=5.0))
+        run_section(drawn(Region(square(1.0))), TorsionCase(size=5.0))
     with pytest.raises(InputError, match="leave it out"):
-        run_section(
-            drawn(Region(square(1.0)), materials={"section": PartMaterial(1.0, 0.3)}), SectionOptions(poisson=0.2)
-        )
+        run_section(drawn(Region(square(1.0)), materials={"section": PartMaterial(1.0, 0.3)}), TorsionCase(poisson=0.2))
 
 
 def test_sections_are_found_by_name_or_file(tmp_path):

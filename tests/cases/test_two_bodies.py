@@ -58,8 +58,8 @@ def test_a_force_on_stacked_boxes_gives_uniform_pressure_and_their_shortening(ga
     shorter = pressure * (UPPER * (1.0 - UPPER_POISSON**2) / 1000.0 + LOWER * (1.0 - LOWER_POISSON**2) / 3000.0)
     assert run.status.converged
     assert pressures(run) == pytest.approx(pressure, rel=1e-6)
-    assert run.summary.results["pushed_mm"] == pytest.approx(gap + shorter, rel=1e-6)
-    forces = {row["body"]: row for row in run.summary.to_dict()["forces"]}
+    assert run.summary["results"]["pushed_mm"] == pytest.approx(gap + shorter, rel=1e-6)
+    forces = {row["body"]: row for row in run.summary["forces"]}
     assert forces["upper"]["contact_N"] == pytest.approx([0.0, 240.0], rel=1e-6, abs=1e-6)
     assert forces["lower"]["supports_N"] == pytest.approx([0.0, 240.0], rel=1e-6, abs=1e-6)
 
@@ -95,7 +95,7 @@ def test_a_box_that_slides_rests_on_the_contact(gap, turned):
 
 def test_a_weight_that_slides_is_borne_by_the_contact():
     """The force of contact is the weight of the box that slides, and its supports bear none of it."""
-    summary = sliding(0.1, False, [{"body_force_N_mm3": [0.0, -2.5]}]).run().summary.to_dict()
+    summary = sliding(0.1, False, [{"body_force_N_mm3": [0.0, -2.5]}]).run().summary
     weight = 2.5 * UPPER * WIDTH * 2.0
     upper, results = summary["forces"][0], summary["results"]
     assert results["sliding_body"] == "upper"
@@ -150,7 +150,7 @@ def test_loads_deform_bodies_before_they_touch(n_steps):
     run = TwoBodiesCase.from_values(values).run()
     assert len(run.contact.steps) == n_steps
     assert pressures(run) == pytest.approx(b * h / 4.0, rel=1e-6)
-    forces = run.summary.to_dict()["forces"][0]
+    forces = run.summary["forces"][0]
     assert forces["loads_N"] == pytest.approx([0.0, -b * h * WIDTH], abs=1e-6)
     assert forces["supports_N"][1] == pytest.approx(0.75 * b * h * WIDTH, rel=1e-6)
     # the field has both parts: at the middle of the hanging column u = -b (h y - y^2 / 2) / E + p y / E, y downwards
@@ -169,7 +169,7 @@ def test_given_displacements_are_the_same_as_motions():
     given = TwoBodiesCase.from_values(values).run()
     assert given.contact.forces == pytest.approx(moved.contact.forces, rel=1e-9)
     assert pressures(given) == pytest.approx(pressures(moved), rel=1e-9)
-    maximum = [run.summary.to_dict()["bodies"][0]["max_displacement_mm"] for run in (given, moved)]
+    maximum = [run.summary["bodies"][0]["max_displacement_mm"] for run in (given, moved)]
     assert maximum[0] == pytest.approx(maximum[1], rel=1e-9)
 
 
@@ -213,7 +213,7 @@ def test_one_body_without_contact_is_plane_elasticity(load):
 def test_cylinders_agree_with_hertz(keys, pressure, width):
     """Maximum pressure and half width of cylinders are within 2 and 5 % of Hertz's under the same force."""
     run = load_case("hertz", **keys).run()
-    results = run.summary.results
+    results = run.summary["results"]
     curvature = 1.0 / 40.0 + (0.0 if keys.get("lower") else 1.0 / 40.0)
     lower = keys.get("lower_young_MPa", 200e3)
     modulus = contact_modulus(200e3 / (1.0 - 1.0 / 9.0), lower / (1.0 - 1.0 / 9.0))
@@ -228,8 +228,8 @@ def test_cylinders_agree_with_hertz(keys, pressure, width):
 
 def test_the_contact_patch_case_passes_with_segments_and_fails_with_nodes():
     """Segment-to-segment keeps the uniform pressure to rounding; node-to-segment is off by more than a percent."""
-    segments = load_case("contact-patch").run().summary.results
-    nodes = load_case("contact-patch", pairing="node-to-segment").run().summary.results
+    segments = load_case("contact-patch").run().summary["results"]
+    nodes = load_case("contact-patch", pairing="node-to-segment").run().summary["results"]
     assert segments["exact_pressure_MPa"] == pytest.approx(200e3 * 9.0 / 8.0 * 0.1 / 20.0)
     assert segments["maximum_difference"] < 1e-9
     assert nodes["maximum_difference"] > 0.01
@@ -244,7 +244,7 @@ def test_node_to_node_cases_get_the_nodes_that_they_need(method, order):
     }
     run = load_case("contact-patch", pairing="node-to-node", rotation_deg=20.0, **keys).run()
     assert run.status.converged
-    assert run.summary.results["maximum_difference"] < 1e-9
+    assert run.summary["results"]["maximum_difference"] < 1e-9
     body = run.contact.system.parts[0].body
     assert (body.mesh.cell_sizes > 3).any()
     if method == "fem":
@@ -257,7 +257,7 @@ def test_a_push_that_meets_nothing_ends_and_says_so():
     run = stack(motions=[{"body": "upper", "push_N": [0.0, 240.0]}]).run()
     assert not run.status.converged
     assert "no contact holds a load: `upper` can slide in y" in run.status.message
-    assert run.summary.status.converged is False
+    assert run.summary["status"]["converged"] is False
     loads = [{"body": "upper", "body_force_N_mm3": [0.0, 1000.0]}]
     pulled = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}], loads=loads).run()
     assert "no contact holds a load" in pulled.status.message
@@ -320,7 +320,7 @@ def test_supports_tell_what_they_bear():
             "loads": [{"body": "beam", "edges": "right", "force_N": [10.0, -3.0]}],
         }
     ).run()
-    forces = np.array([row["force_N"] for row in clamped.summary.to_dict()["supports"]])
+    forces = np.array([row["force_N"] for row in clamped.summary["supports"]])
     assert forces.sum(axis=0) == pytest.approx([-10.0, 3.0])
     assert forces[0, 1] == forces[2, 0] == 0.0
     assert abs(forces[1]).min() > 0.0
@@ -336,7 +336,7 @@ def test_supports_tell_what_they_bear():
         ]
         push = [240.0, 0.0] if angle else [0.0, -240.0]
         run = stack(upper=turned, lower=turned, supports=supports, motions=[{"body": "upper", "push_N": push}]).run()
-        rows = run.summary.to_dict()["supports"]
+        rows = run.summary["supports"]
         assert [row["number"] for row in rows] == [1, 2, 3, 4]
         assert [row["body"] for row in rows] == ["upper", "lower", "upper", "lower"]
         wanted = [push, [-push[0], -push[1]], [0.0, 0.0], [0.0, 0.0]]
@@ -359,7 +359,7 @@ def test_three_bodies_hand_the_force_down():
     run = TwoBodiesCase.from_values(values).run()
     assert run.status.converged
     assert run.contact.forces[0, 1] == pytest.approx(240.0, rel=1e-5)
-    rows = {row["body"]: row for row in run.summary.to_dict()["forces"]}
+    rows = {row["body"]: row for row in run.summary["forces"]}
     total = sum(np.array(row["supports_N"]) for name, row in rows.items() if name != "upper")
     assert total[1] == pytest.approx(240.0, rel=1e-5)
     assert 0.0 < rows["ground"]["supports_N"][1] < 240.0
@@ -511,7 +511,7 @@ def test_several_materials_are_taken_by_cell_sets(tmp_path):
             "loads": [{"body": "bar", "edges": "pulled", "traction_MPa": [0.1, 0.0]}],
         }
     )  # fmt: skip
-    assert case.run().summary.to_dict()["bodies"][0]["max_displacement_mm"] == pytest.approx(0.11)
+    assert case.run().summary["bodies"][0]["max_displacement_mm"] == pytest.approx(0.11)
 
 
 def test_outlines_with_arcs_and_holes_are_bodies():
@@ -553,11 +553,11 @@ def test_the_files_show_the_whole_motion(tmp_path):
         *("stresses.png", "pressure.png", "1-upper.vtu", "2-lower.vtu", "contact.vtu", "bodies.pvd"),
         *("report.html", "summary.json"),
     ]
-    assert json.loads(files[-1].read_text(encoding="utf-8")) == run.summary.to_dict()
+    assert json.loads(files[-1].read_text(encoding="utf-8")) == run.summary
     read = meshio.read(tmp_path / "1-upper.vtu")
     motion = read.point_data["displacement_mm"]
     top = read.points[:, 1] > UPPER + 0.3 - 1e-9
-    assert motion[top, 1] == pytest.approx(-run.summary.results["pushed_mm"], rel=1e-9)
+    assert motion[top, 1] == pytest.approx(-run.summary["results"]["pushed_mm"], rel=1e-9)
     assert read.point_data["stress_MPa"][:, 1] == pytest.approx(-20.0, rel=1e-5)
     assert read.point_data["von_mises_MPa"].max() < 20.0
     surface = meshio.read(tmp_path / "contact.vtu")

@@ -96,7 +96,7 @@ def test_a10_no_answer_comes_from_a_deck_that_is_not_read_whole(change, call, tm
     assert "flangeway init two-bodies" in err
     assert call("check", "deck.inp")[0] == call("converge", "deck.inp")[0] == 2
     (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
-    (notice,) = load_case(tmp_path / "case.toml").run().summary.notices[:1]
+    (notice,) = load_case(tmp_path / "case.toml").run().summary["notices"][:1]
     for keyword in ("*MATERIAL", "*SURFACE INTERACTION", "*SURFACE BEHAVIOR", "*CONTACT PAIR", "*BOUNDARY", "*STEP"):
         assert keyword in notice
 

@@ -85,9 +85,9 @@ def test_a6_curves_are_used_where_edges_are_found_by_a_box() -> None:
 
 def test_a6_straight_edges_that_matter_are_named() -> None:
     """Straight edges in a shrink fit are warned about with their distance h^2 / 8 R from the arcs; curved ones not."""
-    straight = shrink_fit(curved=False).run().summary.notices
+    straight = shrink_fit(curved=False).run().summary["notices"]
     assert any("straight edges in the contact of shaft on hub are up to" in notice for notice in straight)
-    assert not any("straight edges" in notice for notice in shrink_fit().run().summary.notices)
+    assert not any("straight edges" in notice for notice in shrink_fit().run().summary["notices"])
 
 
 def test_a6_edges_know_their_distance_from_the_curve_they_stand_for() -> None:

@@ -59,8 +59,8 @@ def test_a7_an_oscillating_pressure_is_printed_with_its_mark(tmp_path: Path) -> 
     """Pressures of nodes and multipliers under a flat punch are warned about, and marked wherever they are printed."""
     run = punch(pairing="node-to-segment", enforcement="multiplier").run()
     assert run.status.converged
-    assert any("oscillates by" in notice for notice in run.summary.notices)
-    (contact,) = run.summary.to_dict()["contacts"]
+    assert any("oscillates by" in notice for notice in run.summary["notices"])
+    (contact,) = run.summary["contacts"]
     remark = contact["max_pressure_remark"]
     assert remark.startswith("oscillates by ")
     assert contact["patches"][0]["max_pressure_remark"] == remark
@@ -78,7 +78,7 @@ def test_a7_a_smooth_pressure_has_no_mark() -> None:
     """With the finer block as secondary surface the same punch has smooth pressures, which are printed as they are."""
     roles = {"secondary": "block", "secondary_edges": "top", "primary": "punch", "primary_edges": "bottom"}
     run = punch(**roles, pairing="node-to-segment", enforcement="multiplier").run()
-    (contact,) = run.summary.to_dict()["contacts"]
+    (contact,) = run.summary["contacts"]
     assert contact["max_pressure_remark"] is None
     (shown,) = (text for name, text in results_table(run).rows if "maximum pressure" in name)
     assert shown == f"{contact['max_pressure_MPa']:.6g}"
@@ -87,9 +87,9 @@ def test_a7_a_smooth_pressure_has_no_mark() -> None:
 def test_a7_too_few_segments_are_a_mark() -> None:
     """A contact of a few segments has its number beside the pressure, in the results of the Hertz case too."""
     run = HertzCase.from_values({"size_mm": 1.0}).run()
-    (contact,) = run.summary.to_dict()["contacts"]
+    (contact,) = run.summary["contacts"]
     assert "wide" in contact["max_pressure_remark"]
-    assert run.summary.results["max_pressure_remark"] == contact["max_pressure_remark"]
+    assert run.summary["results"]["max_pressure_remark"] == contact["max_pressure_remark"]
     rows = dict(results_table(run).rows)
     assert not any("remark" in name for name in rows)
     assert ["wide" in text.remark for name, text in rows.items() if name.startswith("maximum pressure, MPa")] == [True]

@@ -52,7 +52,7 @@ def test_b8_yield_is_warned_of_by_the_stress_below_the_contact(pushed):
     assert f"{below / strength:.1f} times in the rail" in warning
     assert anywhere > 1.2 * below
     # below a contact of Hertz von Mises reaches 0.56 of the maximum pressure
-    pressure = max(each["max_pressure_MPa"] for each in pushed.summary.to_dict()["patches"])
+    pressure = max(each["max_pressure_MPa"] for each in pushed.summary["patches"])
     assert below == pytest.approx(0.56 * pressure, rel=0.25)
 
 
@@ -86,8 +86,8 @@ def test_b8_the_report_says_what_the_limits_say(usual):
 
 def test_b8_hertz_is_left_out_where_profiles_conform(usual, conformed):
     """Hertz's pressure stands beside a contact of constant curvature, not beside one that conforms."""
-    assert all(contact["hertz_pressure_MPa"] for contact in usual.summary.to_dict()["patches"])
-    assert all(contact["hertz_pressure_MPa"] is None for contact in conformed.summary.to_dict()["patches"])
+    assert all(contact["hertz_pressure_MPa"] for contact in usual.summary["patches"])
+    assert all(contact["hertz_pressure_MPa"] is None for contact in conformed.summary["patches"])
     rows = {row[0].strip(): row[1:] for row in results_table(conformed).rows}
     assert set(rows["Hertz, MPa"]) == set(rows["Hertz, mm"]) == {"–"}
     assert any("Hertz's theory is left out" in each for each in conformed.case.assumptions(conformed.result))
@@ -108,7 +108,7 @@ def test_b8_the_criterion_follows_load_and_curvature(usual):
 
 def test_b8_the_maximum_stress_below_a_wide_contact_is_not_that_of_the_web(conformed):
     """The maximum shear and von Mises stresses below a contact are sought within two half widths."""
-    for contact in conformed.summary.to_dict()["patches"]:
+    for contact in conformed.summary["patches"]:
         for body in ("in_rail", "in_wheel"):
             for name in ("max_in_plane_shear", "max_von_mises"):
                 assert contact[f"{body}_{name}_depth_mm"] <= 2.0 * contact["half_width_mm"] * (1.0 + 1e-9)

@@ -81,7 +81,6 @@ PLACES = {
     "hanging points": lambda value: refined(GRID, most_hanging=value),
     "share of errors": lambda value: doerfler_marking([1.0, 2.0], value),
     "iterations": lambda value: NewtonSettings(max_iterations=value),
-    "corrections": lambda value: NewtonSettings(max_corrections=value),
     "tolerance": lambda value: NewtonSettings(tolerance=value),
     "first step": lambda value: StepSettings(first=value),
     "penalty": lambda value: Penalty(value, per="length"),

@@ -78,7 +78,7 @@ def test_a_file_that_is_dropped_again_replaces_the_one_before(engine):
     """Rigid contact is that of the content of a file, not of its name."""
     heights = []
     for wheel in ("S1002", "heavy-haul"):
-        points = load_case("wheelset", wheel=wheel).wheelset().wheel.running_surface.sampled(max_deviation=0.01)
+        points = load_case("wheelset", wheel=wheel).wheelset().wheel.running_surface.sampled(spacing=0.3)
         lines = ["# kind: wheel", *(f"{x:.4f},{y:.4f}" for x, y in points)]
         engine.add_profile("worn.csv", "\n".join(lines).encode(), {})
         heights.append(engine.geometry(COARSE | {"wheel": "worn.csv"})["difference"])

@@ -44,7 +44,7 @@ def test_files_hold_the_force_and_the_stresses(run, tmp_path):
 
 def test_summary_terminal_and_page_name_the_numbers(run, tmp_path):
     """Hertz's pressure within 1 %; the terminal and the page show the maximum pressure and both bodies."""
-    patch = run.summary.to_dict()["patches"][0]
+    patch = run.summary["patches"][0]
     assert patch["max_pressure_MPa"] == pytest.approx(patch["hertz_pressure_MPa"], rel=1e-2)
     np.testing.assert_allclose(patch["semi_axes_mm"], patch["hertz_semi_axes_mm"], rtol=1e-2)
     console = Console(file=io.StringIO(), width=80)

@@ -184,7 +184,7 @@ def test_tables_hold_the_patches_and_the_stresses_below_them(run, folder):
     """A row a patch with the summary's numbers, empty where there is none; the maxima below are the summary's."""
     with (folder / "patches.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    patches = run.summary.to_dict()["patches"]
+    patches = run.summary["patches"]
     assert [(row["side"], row["region"]) for row in rows] == [(p["side"], p["region"]) for p in patches]
     assert sum(float(row["vertical_force_kN"]) for row in rows) == pytest.approx(200.0, rel=1e-5)
     for row, patch in zip(rows, patches, strict=True):

@@ -5,7 +5,6 @@ from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, Co
 from flangeway.cases.case import Case, Run, RunnableCase
 from flangeway.cases.case_file import CASES, find_case, load_case
 from flangeway.cases.case_template import schema, write_template
-from flangeway.cases.summary import Summary, write_summary
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import (
     Convergence,
@@ -28,7 +27,6 @@ __all__ = [
     "Run",
     "RunnableCase",
     "SpatialWheelsetCase",
-    "Summary",
     "WheelsetCase",
     "WheelsetCurveCase",
     "WheelsetRun",
@@ -40,6 +38,5 @@ __all__ = [
     "run_halved",
     "schema",
     "solve_cook",
-    "write_summary",
     "write_template",
 ]

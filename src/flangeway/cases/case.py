@@ -5,14 +5,16 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import replace
 from types import UnionType
-from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, cast, get_args, get_origin
 
 import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
-from flangeway.cases.summary import Summary, summary_numbers
+from flangeway.cases.summary import summary_numbers
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
 from flangeway.solve import Status
@@ -42,6 +44,10 @@ Pair = Annotated[tuple[float, float], Strict(False)]  # two numbers in a list, a
 Box = Annotated[tuple[float, float, float, float], Strict(False)]
 
 
+_IN_US_UNITS: ContextVar[set[str]] = ContextVar("_IN_US_UNITS")
+"""Inputs of the case that is being made which were given in US units."""
+
+
 class GivenText(str):
     """A value of the command line or of a CSV table: the input's type decides whether it is a number, true, or text."""
 
@@ -58,14 +64,64 @@ class Run(Protocol):
         """How it ended."""
 
     @property
-    def summary(self) -> Summary:
+    def summary(self) -> dict[str, Any]:
         """Plain numbers with their units in the names."""
 
 
 class Table(BaseModel):
-    """A group of inputs inside a case: a table of a case file. A number is a number, not a text nor a truth value."""
+    """A group of inputs inside a case: a table of a case file. A number is a number, not a text nor a truth value.
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+    Build one with `from_values`, which raises `InputError`.
+    """
+
+    # what stands below an input is its description
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, strict=True, use_attribute_docstrings=True
+    )
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Join the lines of descriptions."""
+        for field in cls.model_fields.values():
+            field.description = field.description and " ".join(field.description.split())
+
+    _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Any], where: Callable[[Key], str] = lambda _: "") -> Self:
+        """Return the case with some inputs changed.
+
+        Parameters
+        ----------
+        values
+            Inputs by key; text that may be a number is `GivenText`.
+        where
+            Text before the message about a key, such as its file and line.
+
+        Raises
+        ------
+        InputError
+            If a key is unknown or a value is not allowed; the message says for each what is allowed.
+
+        """
+
+        def refuse_huge(key: Key, value: Any) -> None:
+            if isinstance(value, int | float | GivenText) and _is_huge(value):
+                raise InputError(
+                    f"{where(key)}{key_text(key)} = {short(value)}", f"numbers up to {MAX_NUMBER:g}", "correct it"
+                )
+
+        mapped(values, refuse_huge)
+        in_us_units: set[str] = set()
+        token = _IN_US_UNITS.set(in_us_units)
+        try:
+            case = cls(**values)
+        except ValidationError as reason:
+            raise _input_error(cls, reason, values, where) from None
+        finally:
+            _IN_US_UNITS.reset(token)
+        case._us_keys |= in_us_units
+        return case
 
     @model_validator(mode="before")
     @classmethod
@@ -73,15 +129,22 @@ class Table(BaseModel):
         """Read what is `GivenText`, take tuples and NumPy's numbers as Python's, and US units as metric ones."""
         if not isinstance(values, Mapping):
             return values
-        found: dict[str, Any] = {}
+        metric: dict[str, Any] = {}
         for key, value in values.items():
             name, unit = cls.input_named(key)
-            if name not in cls.model_fields or (unit and (name in values or name in found)):  # unknown, or given twice
-                found[key] = value
+            if name not in cls.model_fields or (unit and (name in values or name in metric)):  # unknown, or given twice
+                metric[key] = value
                 continue
             read = _typed(value, cls.model_fields[name].annotation)
-            found[name] = unit.to_metric(read) if unit else read
-        return found
+            metric[name] = unit.to_metric(read) if unit else read
+            if unit:
+                _IN_US_UNITS.get(set()).add(name)
+        return metric
+
+    @classmethod
+    def called(cls) -> str:
+        """Return what messages call it."""
+        return "the table"
 
     @classmethod
     def input_named(cls, key: str) -> tuple[str, UsUnit | None]:
@@ -108,51 +171,28 @@ class Table(BaseModel):
 
 
 class Case(Table):
-    """Inputs of a computation; units are in the names, and keys that are left out have defaults.
-
-    Build one with `from_values`, which raises `InputError`.
-    """
+    """Inputs of a computation; units are in the names, and keys that are left out have defaults."""
 
     name: ClassVar[str]
     title: ClassVar[str]
-    units: Units = Field(
-        "metric", description="units of results and messages; an input has the unit at the end of its key"
-    )
-    report_title: str | None = Field(
-        None, max_length=200, description="title of the report (default: that of the case)"
-    )
-    project: str | None = Field(None, max_length=200, description="project, for the report")
-    author: str | None = Field(None, max_length=200, description="author, for the report")
-    date: str | None = Field(None, max_length=60, description="date, for the report (default: today)")
-    _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
+    units: Units = "metric"
+    """units of results and messages; an input has the unit at the end of its key"""
+    report_title: str | None = Field(None, max_length=200)
+    """title of the report (default: that of the case)"""
+    project: str | None = Field(None, max_length=200)
+    """project, for the report"""
+    author: str | None = Field(None, max_length=200)
+    """author, for the report"""
+    date: str | None = Field(None, max_length=60)
+    """date, for the report (default: today)"""
 
     essential: ClassVar[tuple[str, ...]] = ()  # keys that are set in a new case file; the others are there as comments
     example: ClassVar[Mapping[str, Any]] = {}  # values of a new case file where they are not the defaults
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Any], where: Callable[[Key], str] = lambda _: "") -> Self:
-        """Return the case with some inputs changed.
-
-        Parameters
-        ----------
-        values
-            Inputs by key; text that may be a number is `GivenText`.
-        where
-            Text before the message about a key, such as its file and line.
-
-        Raises
-        ------
-        InputError
-            If a key is unknown or a value is not allowed; the message says for each what is allowed.
-
-        """
-        try:
-            _refuse_huge(values, where)
-            case = cls(**values)
-        except ValidationError as reason:
-            raise _input_error(cls, reason, values, where) from None
-        case._us_keys |= _us_keys(cls, values)
-        return case
+    def called(cls) -> str:
+        """See `Table.called`."""
+        return cls.name
 
     def as_written(self, message: str) -> str:
         """Return a message with the inputs that were given in US units in them, or all of it if results are to be."""
@@ -217,8 +257,7 @@ class RunnableCase(Case):
 
     def warnings_of(self, run: Any) -> Sequence[str]:
         """Return what limits the results of a run."""
-        content = run.summary.to_dict()
-        return content.get("warnings") or content.get("notices") or ()
+        return run.summary.get("warnings") or run.summary.get("notices") or ()
 
     @abstractmethod
     def run(self, progress: Progress = lambda _: None) -> Run:
@@ -232,6 +271,22 @@ class RunnableCase(Case):
             If the mesh generator lacks a shared library of the system.
 
         """
+
+
+class PresetCase(RunnableCase):
+    """A case with a few inputs that stands for a general case."""
+
+    @abstractmethod
+    def general(self) -> RunnableCase:
+        """Return the same as a general case; an `InputError` if the inputs do not go together."""
+
+    def check(self) -> None:
+        """See `RunnableCase.check`."""
+        self.general().check()
+
+    def run(self, progress: Progress = lambda _: None) -> Any:
+        """See `RunnableCase.run`."""
+        return replace(cast("Any", self.general().run(progress)), case=self)
 
 
 def _inputs_of(table: type[Table], path: str, units: Units) -> list[tuple[str, list[tuple[str, str, str, str]]]]:
@@ -273,12 +328,12 @@ GROUPS = {
 
 def grouped(rows: list[tuple[str, str, str, str]]) -> dict[str, list[tuple[str, str, str, str]]]:
     """Return the inputs of a table in their groups, by the caption."""
-    found: dict[str, list[tuple[str, str, str, str]]] = {}
+    groups: dict[str, list[tuple[str, str, str, str]]] = {}
     caption = ""
     for row in rows:
         caption = next((text for key, text in GROUPS.items() if row[0] == key or same_quantity(key, row[0])), caption)
-        found.setdefault(caption, []).append(row)
-    return found
+        groups.setdefault(caption, []).append(row)
+    return groups
 
 
 def allowed(field: FieldInfo, unit: UsUnit | None = None) -> str:
@@ -365,25 +420,14 @@ def _text(value: object) -> str:
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-def _refuse_huge(value: Any, where: Callable[[Key], str], key: Key = ()) -> None:
-    """Refuse numbers, also as text and inside tables, whose squares and products would leave the range of floats."""
-    if isinstance(value, Mapping):
-        for name, inner in value.items():
-            _refuse_huge(inner, where, (*key, name))
-    elif isinstance(value, list | tuple):
-        for item, inner in enumerate(value):
-            _refuse_huge(inner, where, (*key, item))
-    elif isinstance(value, int | float | GivenText):
-        try:
-            number = abs(float(value))
-        except ValueError:  # a name
-            return
-        except OverflowError:  # an integer of hundreds of digits
-            number = 2.0 * MAX_NUMBER
-        if MAX_NUMBER < number < math.inf:
-            raise InputError(
-                f"{where(key)}{key_text(key)} = {short(value)}", f"numbers up to {MAX_NUMBER:g}", "correct it"
-            )
+def _is_huge(value: float | GivenText) -> bool:
+    """Whether squares and products of a number, also as text, may leave the range of floats."""
+    try:
+        return MAX_NUMBER < abs(float(value)) < math.inf
+    except ValueError:  # a name
+        return False
+    except OverflowError:  # an integer of hundreds of digits
+        return True
 
 
 def _typed(value: Any, annotation: Any) -> Any:
@@ -400,19 +444,14 @@ def _typed(value: Any, annotation: Any) -> Any:
 
 
 def _read(text: GivenText, kinds: tuple[Any, ...]) -> Any:
-    """Value of a text as one of some types; the text where none of them fits."""
-    choices = [choice for kind in kinds if get_origin(kind) is Literal for choice in get_args(kind)]
-    readers: list[Callable[[str], Any]] = [{str(choice): choice for choice in choices}.__getitem__]
-    if bool in kinds:
-        readers.append(lambda word: {"true": True, "false": False}[word.lower()])
-    readers += [kind for kind in (int, float) if kind in kinds]
-    if Any in kinds or text[:1] in ("[", "{"):
-        readers.append(lambda toml: toml_data(f"value = {toml}", "")["value"])
-    for read in readers:
-        try:
-            return read(text)
-        except (KeyError, ValueError, InputError):
-            continue
+    """Value of a text as TOML has it where an input is a number, true or false, or a list; else the text."""
+    if text[:1] in ("[", "{") or not {int, float, bool, Any}.isdisjoint(kinds):
+        readers: tuple[Callable[[str], Any], ...] = (lambda toml: toml_data(f"value = {toml}", "")["value"], float)
+        for read in readers:
+            try:
+                return read(text)
+            except (ValueError, InputError):
+                continue
     return str(text)
 
 
@@ -435,102 +474,82 @@ def _advice(key: str, field: FieldInfo, unit: UsUnit | None) -> str:
 
 
 def _input_error(
-    case: type[Case], reason: ValidationError, values: Mapping[str, Any], where: Callable[[Key], str]
+    case: type[Table], reason: ValidationError, values: Mapping[str, Any], where: Callable[[Key], str]
 ) -> InputError:
-    given, allow, advice = [], [], []
-    in_us = values.get("units") == "us"
-    faults: dict[Key, tuple[Any, type[Table], FieldInfo | None]] = {}
+    """Say in the words of this program what pydantic refuses: what was given, what is allowed and what to do."""
+    faults: dict[Key, tuple[str, str, str]] = {}
+    n_others = 0
     for error in reason.errors(include_url=False, include_context=False):
-        key, table, field = _found(case, error["loc"])
-        faults.setdefault(_written(values, key), (error, table, field))
-    for key, (error, table, field) in [*faults.items()][:MAX_REPORTED]:
-        name, text = str(key[-1]) if key else "", key_text(key)
+        key, table, field, given = _located(case, values, error["loc"])
+        if key in faults:  # refused by each of several types
+            continue
+        if len(faults) == MAX_REPORTED:
+            n_others += 1
+            continue
         last = next((item for item in reversed(key) if isinstance(item, str)), "")
         unit = table.input_named(last)[1]
         if error["type"] == "missing" and field is not None:
-            unit = us_key(name) if in_us else None
-            name = unit.name if unit else name
-            given.append(f"{where(key[:-1])}no {key_text((*key[:-1], name))}")
-            allow.append(f"{name} is {allowed(field, unit)}")
-            advice.append(_advice(name, field, unit))
-        elif field is None and unit is not None:
-            given.append(f"{where(key)}{text}, and the same quantity in another unit")
-            allow.append("one of them")
-            advice.append(f"leave {name} or the other one out")
-        elif field is None:
-            known = sorted(table.model_fields, key=OF_REPORT.__contains__)  # the last ones of the list
-            us = {each: unit.name for each in known if (unit := us_key(each))}
-            shown = [us.get(each, each) for each in known] if in_us else known
-            inside = key_text(key[:-1])
-            given.append(f"{where(key)}there is no input called {short(name)}{f' in {inside}' if inside else ''}")
-            allow.append(f"the inputs of {inside or case.name}: {', '.join(shown)}")
-            new = RENAMED.get(name)
-            advice.append(
-                f"{name} is now {new}" if new in known else closest(name, shown if in_us else [*known, *us.values()])
-            )
+            unit = us_key(last) if values.get("units") == "us" else None
+            last = unit.name if unit else last
+            text = f"{where(key[:-1])}no {key_text((*key[:-1], last))}"
+            faults[key] = text, f"{last} is {allowed(field, unit)}", _advice(last, field, unit)
+        elif field is not None:
+            value = error["input"] if given is None else given
+            text = f"{where(key)}{key_text(key)} = {short(value)}"
+            faults[key] = text, f"{last} is {allowed(field, unit)}", _advice(last, field, unit)
+        elif unit is not None:
+            text = f"{where(key)}{key_text(key)}, and the same quantity in another unit"
+            faults[key] = text, "one of them", f"leave {last} or the other one out"
         else:
-            given.append(f"{where(key)}{text} = {short(_at(values, key, error['input']))}")
-            allow.append(f"{last} is {allowed(field, unit)}")
-            advice.append(_advice(last, field, unit))
-    if len(faults) > MAX_REPORTED:
-        given.append(f"and {len(faults) - MAX_REPORTED} more")
-    return InputError("; ".join(given), "; ".join(dict.fromkeys(allow)), "; ".join(dict.fromkeys(advice)))
+            inside = key_text(key[:-1])
+            text = f"{where(key)}there is no input called {short(last)}{f' in {inside}' if inside else ''}"
+            names, advice = _known_inputs(table, last, in_us=values.get("units") == "us")
+            faults[key] = text, f"the inputs of {inside or case.called()}: {names}", advice
+    given_texts, allow, advices = zip(*faults.values(), strict=True)
+    more = [f"and {n_others} more"] if n_others else []
+    return InputError(
+        "; ".join([*given_texts, *more]), "; ".join(dict.fromkeys(allow)), "; ".join(dict.fromkeys(advices))
+    )
 
 
-def _written(values: Any, key: Key) -> Key:
-    """Path of an input with its keys as they were written, which may have US units."""
-    found: list[str | int] = []
-    for item in key:
-        if isinstance(values, Mapping) and item not in values:
-            item = next((name for name in values if same_quantity(str(item), str(name))), item)  # noqa: PLW2901
-        found.append(item)
-        values = _at(values, (item,), None)
-    return tuple(found)
+def _known_inputs(table: type[Table], unknown: str, *, in_us: bool) -> tuple[str, str]:
+    """Names of the inputs of a table, in a system of units, and advice that names the one most like an unknown one."""
+    known = sorted(table.model_fields, key=OF_REPORT.__contains__)  # the last ones of the list
+    us = {name: unit.name for name in known if (unit := us_key(name))}
+    shown = [us.get(name, name) for name in known] if in_us else known
+    if RENAMED.get(unknown) in known:
+        return ", ".join(shown), f"{unknown} is now {RENAMED[unknown]}"
+    return ", ".join(shown), closest(unknown, shown if in_us else [*known, *us.values()])
 
 
-def _us_keys(table: type[Table], values: Mapping[str, Any]) -> set[str]:
-    """Return the inputs, those of tables inside too, that are given in US units."""
-    found = set()
-    for key, value in values.items():
-        name, unit = table.input_named(key)
-        found |= {name} if unit else set()
-        kinds = alternatives(table.model_fields[name].annotation)
-        by_name = isinstance(value, Mapping) and any(get_origin(kind) is dict for kind in kinds)
-        inner = table_in(table.model_fields[name].annotation)
-        for each in value.values() if by_name else value if isinstance(value, list) else [value]:
-            if inner is not None and isinstance(each, Mapping):
-                found |= _us_keys(inner, each)
-    return found
-
-
-def _at(values: Any, key: Key, otherwise: Any) -> Any:
-    """The value as it was given at a path; another one where the path leads nowhere."""
-    for item in key:
+def _located(case: type[Table], values: Any, location: Key) -> tuple[Key, type[Table], FieldInfo | None, Any]:
+    """Path of a fault as it was written, the table it is in, the field, None for unknown keys, and what was given."""
+    path: list[str | int] = []
+    table, inner, field, is_name = case, table_in(case), None, False
+    for item in location:
+        if not (isinstance(item, int) or is_name):
+            if inner is None or item.startswith(("list[", "dict[")):  # the name of one of several types
+                break
+            table, field = inner, inner.model_fields.get(item)
+            if field is not None:
+                inner = table_in(field.annotation)
+                is_name = any(get_origin(kind) is dict for kind in alternatives(field.annotation))
+            if isinstance(values, Mapping) and item not in values:  # it may be written in US units
+                item = next((name for name in values if same_quantity(item, str(name))), item)  # noqa: PLW2901
+        else:
+            is_name = False
+        path.append(item)
         try:
             values = values[item]
         except (KeyError, IndexError, TypeError):
-            return otherwise
-    return values
+            values = None
+    return tuple(path), table, field, values
 
 
-def _found(case: type[Table], location: Key) -> tuple[Key, type[Table], FieldInfo | None]:
-    """Path of a fault without the names of alternatives, the table it is in, and the field, None for unknown keys."""
-    path: list[str | int] = []
-    table: type[Table] = case
-    inner: type[Table] | None = case
-    field: FieldInfo | None = None
-    by_name = False
-    for item in location:
-        if isinstance(item, int) or by_name:
-            path.append(item)
-            by_name = False
-        elif inner is not None and item in inner.model_fields:
-            table, field = inner, inner.model_fields[item]
-            path.append(item)
-            inner = table_in(field.annotation)
-            by_name = any(get_origin(kind) is dict for kind in alternatives(field.annotation))
-        elif inner is not None and not item.startswith(("list[", "dict[")):
-            return (*path, item), inner, None
-        else:
-            break  # the name of one of several types
-    return tuple(path), table, field
+def mapped(value: Any, function: Callable[[Key, Any], Any], key: Key = ()) -> Any:
+    """Return tables and lists with a function of path and value in the place of each value in them."""
+    if isinstance(value, Mapping):
+        return {name: mapped(inner, function, (*key, name)) for name, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [mapped(inner, function, (*key, number)) for number, inner in enumerate(value)]
+    return function(key, value)

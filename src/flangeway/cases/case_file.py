@@ -9,7 +9,7 @@ from flangeway.cases.bodies.chains import BearingRingCase, RollerBetweenPlatesCa
 from flangeway.cases.bodies.cook import CookCase
 from flangeway.cases.bodies.presets import ContactPatchCase, HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
-from flangeway.cases.case import RunnableCase, Table, closest, key_text, merged
+from flangeway.cases.case import RunnableCase, Table, closest, key_text, mapped, merged
 from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase
 from flangeway.cases.section.section_run import TorsionCase
 from flangeway.cases.spatial.spatial_case import SpatialCase
@@ -193,24 +193,16 @@ class CaseText(TomlFile):
                 "install a newer flangeway, or write the file anew with `flangeway init`",
             )
 
-    def resolved(self, values: Mapping[str, Any], above: Key = ()) -> dict[str, Any]:
+    def resolved(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Inputs with the files' names made independent of the current folder.
 
         It is an `InputError` if a file is not there.
         """
-        found: dict[str, Any] = {}
-        for key, value in values.items():
-            here = (*above, key)
-            if isinstance(value, dict):
-                found[key] = self.resolved(value, here)
-            elif isinstance(value, list):
-                found[key] = [
-                    self.resolved(item, (*here, number)) if isinstance(item, dict) else item
-                    for number, item in enumerate(value)
-                ]
-            else:
-                found[key] = self._path(here, value) if key in FILE_KEYS and isinstance(value, str) else value
-        return found
+
+        def resolved(key: Key, value: Any) -> Any:
+            return self._path(key, value) if key[-1] in FILE_KEYS and isinstance(value, str) else value
+
+        return {name: mapped(value, resolved, (name,)) for name, value in values.items()}
 
     def _path(self, key: Key, name: str) -> str:
         path = self.file.parent / name
@@ -237,11 +229,11 @@ def _with_tables(case: type[RunnableCase], values: dict[str, Any], settings: Map
 
 def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values with some replaced, those inside tables named by points."""
-    found = merged(values, {name: value for name, value in settings.items() if "." not in name})
+    changed = merged(values, {name: value for name, value in settings.items() if "." not in name})
     for name, value in settings.items():
         if "." in name:
-            _set_inside(found, name.split("."), value, name)
-    return found
+            _set_inside(changed, name.split("."), value, name)
+    return changed
 
 
 def _set_inside(values: dict[str, Any], path: list[str], value: Any, name: str) -> None:

@@ -6,10 +6,11 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
-from flangeway.cases.case import OF_REPORT, RunnableCase
+from flangeway.cases.case import OF_REPORT, RunnableCase, mapped
 from flangeway.cases.case_file import FILE_KEYS
 from flangeway.railway.profiles.formats.slice_files import files_of
 from flangeway.system.file_content import is_file
+from flangeway.types import Key
 
 MAX_PREPARED = 3
 """Bodies that a process keeps prepared; those of a wheelset take some hundred megabytes."""
@@ -21,7 +22,11 @@ def case_content(case: RunnableCase, without: Collection[str] = ()) -> dict[str,
     - `without`: inputs to leave out besides those of the report.
     """
     values = case.model_dump(mode="json", exclude={*OF_REPORT, *without})
-    return {"case": case.name, **_by_content(values)}
+
+    def by_content(key: Key, value: Any) -> Any:
+        return _file_hash(value) if key[-1] in FILE_KEYS and isinstance(value, str) else value
+
+    return {"case": case.name, **mapped(values, by_content)}
 
 
 def bodies_key(case: RunnableCase) -> str:
@@ -33,18 +38,6 @@ def hash_of(value: Any) -> str:
     """Return a hash of tables, lists, numbers and texts."""
     text = json.dumps(value, sort_keys=True, ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _by_content(values: Any) -> Any:
-    """Replace names of files by hashes of their content."""
-    if isinstance(values, list):
-        return [_by_content(value) for value in values]
-    if not isinstance(values, dict):
-        return values
-    return {
-        key: _file_hash(value) if key in FILE_KEYS and isinstance(value, str) else _by_content(value)
-        for key, value in values.items()
-    }
 
 
 def _file_hash(name: str) -> str:

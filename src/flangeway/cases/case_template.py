@@ -150,7 +150,8 @@ def schema() -> dict[str, Any]:
     choices: list[dict[str, Any]] = []
     definitions: dict[str, Any] = {}
     for name, case in CASES.items():
-        described = case.model_json_schema()
+        # descriptions of several lines
+        described = json.loads(json.dumps(case.model_json_schema()).replace(r"\n", " "))
         definitions |= described.pop("$defs", {})
         _add_us_keys(described)
         choices.append(

@@ -83,6 +83,14 @@ class CreepResult:
         return None if slip is None else self.scale * slip
 
     @property
+    def flash_temperature(self) -> float | None:
+        """Maximum temperature of the cells above that without friction, K; None without temperatures."""
+        cells = self.cells
+        if cells is None or cells.flash_temperatures is None:
+            return None
+        return float(cells.flash_temperatures[cells.states != NO_CONTACT].max())
+
+    @property
     def power_density(self) -> float | None:
         """Maximum power over area, W/mm²; None for a shift."""
         power = self.maximum(lambda cells: cells.power_density.clip(min=0.0))
@@ -94,16 +102,16 @@ Creep = Quantity[CreepResult]
 
 def _rolling(value: Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
     """A number that only rolling has."""
-    return lambda found: value(found) if found.rolls else None
+    return lambda creep: value(creep) if creep.rolls else None
 
 
 def _shifting(value: Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
     """A number that only a shift has."""
-    return lambda found: None if found.rolls else value(found)
+    return lambda creep: None if creep.rolls else value(creep)
 
 
 def _t_gamma(number: int) -> Callable[[CreepResult], float | None]:
-    return lambda found: None if found.t_gamma is None else found.t_gamma[number]
+    return lambda creep: None if creep.t_gamma is None else creep.t_gamma[number]
 
 
 THEORY: Creep = Quantity("theory", "theory", "theory")
@@ -146,6 +154,14 @@ FIELDS: tuple[Creep, ...] = (
     SLIP_AREA,
     MAX_TRACTION,
     Quantity("max_slip_velocity", "maximum slip velocity", _rolling(lambda f: f.max_slip), "m/s", ".4f"),
+    Quantity(
+        "flash_temperature",
+        "maximum flash temperature",
+        "flash_temperature",
+        "K",
+        ".1f",
+        meaning="temperature of the surfaces in contact above that without friction",
+    ),
     Quantity("max_power_density", "maximum frictional power density", "power_density", "W/mm²", "z.2f"),
 )
 """What theories with tractions have."""

@@ -1,12 +1,9 @@
-"""Summaries of runs: plain numbers with their units in the names, and the one way into ``summary.json``."""
+"""Summaries of runs, the content of ``summary.json``: plain numbers with their units in the names."""
 
-import dataclasses
 import json
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import Any, ClassVar
 
 from flangeway.results import Result, ResultTable
@@ -16,40 +13,6 @@ from flangeway.system.versions import versions
 PAIRS = ("longer", "shorter")
 ENDINGS = {"cells": ("across", "along"), "semi_axes_mm": PAIRS, "hertz_semi_axes_mm": PAIRS}
 """Endings of the columns of lists that are not x, y and z."""
-
-
-@dataclass(frozen=True)
-class SummaryPart:
-    """Part of a summary: arrays and NumPy's numbers become Python's own, what is not finite becomes None."""
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            object.__setattr__(self, name, plain_numbers(value))
-
-
-@dataclass(frozen=True)
-class StatusSummary(SummaryPart):
-    """How a run ended."""
-
-    converged: bool
-    message: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Summary(SummaryPart):
-    """What every summary has."""
-
-    status: StatusSummary  # how the run ended
-    case: dict[str, Any]  # name and inputs
-    timings_s: dict[str, float]  # seconds of each stage and in total
-    peak_memory_MB: float = field(default_factory=lambda: peak_memory_bytes() / 1e6)  # noqa: N815 (the unit)
-    versions: dict[str, str] = field(default_factory=versions)
-    parts: dict[str, Any] = field(default_factory=dict)  # the numbers of this kind of case, by their keys
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return what ``summary.json`` holds: strings, booleans, ints, floats, None, lists and dictionaries."""
-        content = dataclasses.asdict(self)
-        return content | content.pop("parts")
 
 
 class RunResult(Result):
@@ -65,23 +28,25 @@ class RunResult(Result):
         raise NotImplementedError
 
     @cached_property
-    def summary(self) -> Summary:
-        """What ``summary.json`` holds."""
-        return Summary(
-            status=StatusSummary(self.status.converged, self.status.message),
-            case={"name": self.case.name, **self.case.model_dump()},
-            timings_s=dict(self.timings_s),
-            parts=self.parts(),
-        )
+    def summary(self) -> dict[str, Any]:
+        """What ``summary.json`` holds, made of Python's own types; what is not finite is None."""
+        common = {
+            "status": {"converged": self.status.converged, "message": self.status.message},
+            "case": {"name": self.case.name, **self.case.model_dump()},
+            "timings_s": dict(self.timings_s),
+            "peak_memory_MB": peak_memory_bytes() / 1e6,
+            "versions": versions(),
+        }
+        content: dict[str, Any] = plain_numbers(common | self.parts())
+        return content
 
     @property
     def tables(self) -> dict[str, ResultTable]:
         """Tables by the names that their rows have in ``summary.json``."""
-        rows = self.summary.to_dict().items()
         return {
-            name: ResultTable.of_rows(each, ENDINGS)
-            for name, each in rows
-            if isinstance(each, list) and each and isinstance(each[0], dict)
+            name: ResultTable.of_rows(rows, ENDINGS)
+            for name, rows in self.summary.items()
+            if isinstance(rows, list) and rows and isinstance(rows[0], dict)
         }
 
     @property
@@ -94,10 +59,9 @@ NO_RESULTS = ("timings_s", "peak_memory_MB", "case", "versions", "status")
 """Parts of summaries that are no result of a row, or depend on the machine and on what it computed before."""
 
 
-def summary_numbers(summary: Summary) -> dict[str, Any]:
+def summary_numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return all single numbers of a summary, and remarks on them, named by their paths with underscores."""
-    content = summary.to_dict()
-    return dict(_numbers({key: part for key, part in content.items() if key not in NO_RESULTS}, ""))
+    return dict(_numbers({key: part for key, part in summary.items() if key not in NO_RESULTS}, ""))
 
 
 def _numbers(value: Any, path: str) -> Iterable[tuple[str, Any]]:
@@ -111,15 +75,9 @@ def _numbers(value: Any, path: str) -> Iterable[tuple[str, Any]]:
         yield path, value
 
 
-def summary_text(summary: Summary | Mapping[str, Any]) -> str:
+def summary_text(summary: Mapping[str, Any]) -> str:
     """Return a summary as JSON."""
-    content = summary.to_dict() if isinstance(summary, Summary) else summary
-    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def write_summary(path: Path, summary: Summary | Mapping[str, Any]) -> None:
-    """Write a summary as JSON."""
-    path.write_text(summary_text(summary), encoding="utf-8")
+    return json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def plain_numbers(value: Any) -> Any:

@@ -21,7 +21,6 @@ from flangeway.errors import InputError, MissingLibraryError, OutOfMemoryError
 
 if TYPE_CHECKING:
     from flangeway.cases.case import Case
-    from flangeway.cases.summary import Summary
     from flangeway.report.page.record import Record
     from flangeway.units import Units as UnitSystem
 
@@ -264,7 +263,7 @@ class Show:
         for file in files:
             stdout().print(f"File: {file}", markup=False, soft_wrap=True)
 
-    def json(self, content: "Summary | Mapping[str, Any]") -> None:
+    def json(self, content: Mapping[str, Any]) -> None:
         """Print a summary as JSON, if that is wanted."""
         from flangeway.cases.summary import summary_text  # noqa: PLC0415
 

@@ -174,7 +174,6 @@ def section(
 ) -> bool:
     """Compute the constants of a cross-section; report, JSON, pictures and VTU in a folder (out/section-NAME)."""
     from flangeway.cases.section.section_run import (  # noqa: PLC0415
-        SectionOptions,
         TorsionCase,
         find_section,
         run_section,
@@ -185,13 +184,12 @@ def section(
     from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
     drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
-    options = SectionOptions(size, order, method, poisson)
     inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
     case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson, "units": show.units or "metric"})
     folder = out or Path("out", f"section-{Path(name_or_file).stem}")
     refuse_unwritable(folder, (*NAMES, REPORT, SUMMARY))
     with show.progress() as progress:
-        done = run_section(drawn, options, progress)
+        done = run_section(drawn, case, progress)
     show.record(section_record(done, case, command=section_command(case)), folder)
     return True
 

@@ -19,12 +19,15 @@ from flangeway.contact.edge_pieces import PieceIntegrals, PiecePoints, Pieces, f
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.slip import Slides
-from flangeway.contact.surface import Surface
+from flangeway.contact.surface import CORNER, Surface
 from flangeway.errors import InputError, short
 from flangeway.types import Bools, Floats, Ints
 
 LEAST_COVERED = 1e-6
 """Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""
+
+FLAT = CORNER / 2.0
+"""Angle in rad up to which a secondary edge lies flat on primary ones: no two of them meet in a corner."""
 
 DUAL = np.array([[2.0, -1.0], [-1.0, 2.0]])
 """Biorthogonal functions of an edge as combinations of its two hats."""
@@ -103,7 +106,7 @@ class SegmentToSegment(Pairing):
         surface deeper than this into the other loses the contact.
     weighting
         ``"standard"``: gaps weighted with the hat functions. ``"dual"``: with their biorthogonal functions, on edges
-        that the primary faces as a whole; these oscillate less.
+        that lie flat on the primary as a whole; these oscillate less.
 
     """
 
@@ -167,7 +170,7 @@ class SegmentToSegment(Pairing):
         row_of[keys] = np.arange(len(keys))
         inverse = np.zeros(len(hats.nodes))
         inverse[keys] = 1.0 / covered[keys]
-        weights = self._functions(pieces, found, secondary.edge_lengths) * inverse[of_piece][:, :, None]
+        weights = self._functions(pieces, found, secondary, edges, primary_edges) * inverse[of_piece][:, :, None]
         rows = row_of[of_piece]
         gaps = np.zeros(len(keys))
         np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, found.gaps))
@@ -176,15 +179,26 @@ class SegmentToSegment(Pairing):
             secondary.contact_places[pieces.edges], pieces.partners, rows, pieces, found, weights,
         )  # fmt: skip
 
-    def _functions(self, pieces: Pieces, found: PieceIntegrals, edge_lengths: Floats) -> Floats:
-        """Weighting functions as combinations of the two hats of each piece's edge, shape (p, 2, 2)."""
+    def _functions(
+        self, pieces: Pieces, found: PieceIntegrals, secondary: Surface, edges: Floats, primary_edges: Floats
+    ) -> Floats:
+        """Weighting functions as combinations of the two hats of each piece's edge, shape (p, 2, 2).
+
+        Biorthogonal functions have both signs. Where the gap is far from linear, as of an edge that a corner of the
+        primary meets, their mean may be negative although the surfaces are apart.
+        """
         functions = np.zeros((len(pieces), 2, 2))
         functions[:] = np.eye(2)
         if self.weighting == "dual":
-            covered = np.zeros(len(edge_lengths))
+            covered = np.zeros(len(edges))
             np.add.at(covered, pieces.edges, found.lengths.sum(axis=1))
-            whole = covered > (1.0 - LEAST_COVERED) * edge_lengths
-            functions[whole[pieces.edges]] = DUAL
+            flat = covered > (1.0 - LEAST_COVERED) * secondary.edge_lengths
+            along, opposite = (
+                (each[:, -1] - each[:, 0]) for each in (edges[pieces.edges], primary_edges[pieces.partners])
+            )
+            cosines = -(along * opposite).sum(axis=1) / np.linalg.norm(along, axis=1) / np.linalg.norm(opposite, axis=1)
+            flat[pieces.edges[cosines < np.cos(FLAT)]] = False
+            functions[flat[pieces.edges]] = DUAL
         return functions
 
 

@@ -15,7 +15,8 @@ from flangeway.cases.profile.profile_run import ProfileRun
 from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
 from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase, RollingPatchRun
 from flangeway.cases.section.section_run import SectionRun, TorsionCase, TorsionRun
-from flangeway.cases.spatial.spatial_case import SpatialRun, SpatialRunCase
+from flangeway.cases.spatial.spatial_case import SpatialCase, SpatialRun
+from flangeway.cases.spatial.spatial_presets import SpatialPreset
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import InputError
@@ -49,7 +50,8 @@ OUTPUTS: dict[type[Case], CaseOutputs] = {
     WheelsetCase: CaseOutputs(wheelset_page.names, wheelset_page.wheelset_record),
     SpatialWheelsetCase: CaseOutputs(wheelset_page.names, wheelset_page.wheelset_record),
     BodiesCase: CaseOutputs(lambda _: bodies_page.NAMES, bodies_page.bodies_record),
-    SpatialRunCase: CaseOutputs(lambda _: spatial_page.NAMES, spatial_page.spatial_record),
+    SpatialCase: CaseOutputs(lambda _: spatial_page.NAMES, spatial_page.spatial_record),
+    SpatialPreset: CaseOutputs(lambda _: spatial_page.NAMES, spatial_page.spatial_record),
     RollingPatchCase: CaseOutputs(rolling_patch_page.names, rolling_patch_page.rolling_patch_record),
     TorsionCase: CaseOutputs(
         lambda _: section_page.NAMES,

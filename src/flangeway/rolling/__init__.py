@@ -6,15 +6,19 @@ from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import creep_curve, roll
 from flangeway.contact.rolling.fast_theories import linear_theory, polach
 from flangeway.contact.rolling.fastsim import fastrip, fastsim
-from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.flash_temperature import Heat, Heating
+from flangeway.contact.rolling.friction import Friction, SlopeReduction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 
 __all__ = [
     "Creepages",
     "EllipticContact",
     "Friction",
+    "Heat",
+    "Heating",
     "PatchGrid",
     "RollingContact",
+    "SlopeReduction",
     "creep_curve",
     "fastrip",
     "fastsim",

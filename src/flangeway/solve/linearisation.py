@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.solve.active_set import AT_LIMIT, standoffs
+from flangeway.solve.active_set import AT_LIMIT
 from flangeway.types import Floats, Ints
 
 
@@ -143,16 +143,14 @@ def nodal_forces_of(
     return result
 
 
-def residual_of(
-    lin: Linearisation, gaps: Floats, forces: Floats, unbalanced: Floats, most: float, scale: float
-) -> float:
+def residual_of(slack: Floats, forces: Floats, unbalanced: Floats, most: float, scale: float) -> float:
     """Worst of: residual of nodal forces over the total force; violation of the law over the displacements.
 
-    The total is at least that of the given maximum of nodal forces and loads.
+    The total of the forces (m,) is at least the given maximum of nodal forces and loads. ``slack`` (m,) is what gaps
+    are beyond those that the law leaves under the forces.
     """
     # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
     total = max(float(forces.sum()), most)
-    slack = gaps + lin.compliances * forces - standoffs(forces, lin.barriers)
     if total == 0.0:
         return float(np.maximum(-slack, 0.0).max(initial=0.0)) / scale
     residual = float(np.abs(unbalanced).max()) / total

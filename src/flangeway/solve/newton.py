@@ -16,8 +16,10 @@ A step is halved until the residual is below the maximum of the last steps (L. G
 1986, SIAM J. Numer. Anal. 23). What this does not reach from the start is reached along a path of smaller motions and
 loads (`flangeway.solve.steps`).
 
-Where a penetration is to be within a tolerance (augmented Lagrange), C acts on ``p' - p0`` instead, and the forces p0
-are corrected to those found until it is (Uzawa's method).
+Where a penetration is to be within a tolerance (augmented Lagrange), C acts on ``p' - p0`` instead. Until it is, the
+forces p0 are corrected to those found (Uzawa's method), and the penalty grows with each correction (D. P. Bertsekas,
+1982, Constrained Optimization and Lagrange Multiplier Methods, 2.2): with one penalty, patterns of forces that hardly
+displace the bodies are corrected hardly at all.
 
 With friction, tangential forces q are added. The slips w since the last converged step are linearised as the gaps are,
 with ``S = dw/du``, and their forces act along T, so that the linear problem is
@@ -91,6 +93,9 @@ MAX_TRAVEL = 2.0
 
 MAX_ROUNDS = 20
 """Rounds of further constraints for nodes that penetrate."""
+
+PENALTY_GROWTH, MAX_CORRECTIONS = 10.0, 10
+"""Growth of the penalty with a correction of the forces, and corrections after which round-off hides the tolerance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +254,7 @@ class _Run:
         if friction is not None:
             self.tangential = carried_forces(previous, friction.forces, self.current)
         self.slides = self._slides(self.current, self.displacements)
-        self.stalled = False
+        self.stalled, self.corrections = False, 0
         self.stable: bool | None = None
         self.correct()
 
@@ -262,14 +267,14 @@ class _Run:
 
     def solve(self) -> ContactState:
         """Solve, and guard nodes that penetrate, until none does and penetrations are within their tolerance."""
-        corrections, rounds = 0, 0
+        rounds = 0
         while True:
-            failure = self.iterate(corrections)
+            failure = self.iterate()
             if failure is not None:
                 return self.result(failure, converged=False)
             if self.penetration_is_tolerated():
                 if not self.guard():
-                    more = f" and {_counted(corrections, 'correction')} of the forces" if corrections else ""
+                    more = f" and {_counted(self.corrections, 'correction')} of the forces" if self.corrections else ""
                     if self.stalled:
                         more += f", to round-off: the residual is {self.history[-1].residual:.1e}"
                     return self.result(f"converged in {_counted(len(self.history), 'iteration')}{more}", converged=True)
@@ -279,14 +284,14 @@ class _Run:
                         f"not converged: nodes still penetrate after {rounds} rounds; take a finer mesh",
                         converged=False,
                     )
-            elif corrections == self.settings.max_corrections:
+            elif self.corrections == MAX_CORRECTIONS:
                 return self.result(
-                    f"not converged in {_counted(corrections, 'correction')} of the forces: the penetration is "
-                    f"{self.excess():.3g} times the tolerated one; take a larger penalty or a larger tolerance",
+                    f"not converged in {MAX_CORRECTIONS} corrections of the forces: the penetration is "
+                    f"{self.excess():.3g} times the tolerated one, which is below round-off; take a larger tolerance",
                     converged=False,
                 )
             else:
-                corrections += 1
+                self.corrections += 1
                 self.correct()
 
     def guard(self) -> bool:
@@ -317,10 +322,10 @@ class _Run:
     def penetration_is_tolerated(self) -> bool:
         return self.excess() <= 1.0
 
-    def iterate(self, correction: int) -> str | None:
+    def iterate(self) -> str | None:
         """Newton's method with the forces corrected last; None if it converged, else why not."""
         first = len(self.history)
-        before = sum(each.correction == correction for each in self.history)
+        before = sum(each.correction == self.corrections for each in self.history)
         for iteration in range(self.settings.max_iterations - before):
             if loose := self._approach():
                 return loose
@@ -340,10 +345,10 @@ class _Run:
                 )
             here, fraction, settle = self._here(), 1.0, len(self.history) >= MEMORY
             limit = MAX_GROWTH * max((each.residual for each in self.history[-MEMORY:]), default=np.inf)
-            taken = self._take(here, step, fraction, correction, settle=settle)
+            taken = self._take(here, step, fraction, settle=settle)
             while taken.residual > limit and fraction > MIN_FRACTION:
                 fraction /= 2.0
-                taken = self._take(here, step, fraction, correction, settle=settle)
+                taken = self._take(here, step, fraction, settle=settle)
             self.history.append(taken)
             floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / self._scale()
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
@@ -356,7 +361,7 @@ class _Run:
     def _here(self) -> "_Here":
         return _Here(self.motions, self.displacements, self.current, self.forces, self.tangential, self.applied)
 
-    def _take(self, here: "_Here", step: "_Step", share: float, correction: int, *, settle: bool) -> Iteration:
+    def _take(self, here: "_Here", step: "_Step", share: float, *, settle: bool) -> Iteration:
         """Go a share of a step from a state; what that did."""
         new_forces, new_tangential, applied, motion = step
         nodes, before = here.current.nodes, (here.forces, here.tangential)
@@ -382,14 +387,15 @@ class _Run:
         left -= self.neutral[0] @ (self.neutral[0].T @ left)
         unbalanced = np.append(nodal - applied, left)
         most = max(float(np.abs(each).max(initial=0.0)) for each in (applied, self.parts.load))
-        residual = residual_of(after, self._gaps(after), carried, unbalanced, most, scale)
+        slack = self._gaps(after) + self._compliances(after) * carried - active_set.standoffs(carried, after.barriers)
+        residual = residual_of(slack, carried, unbalanced, most, scale)
         if self.slides is not None:
             slips = self._slips(after, self.slides) + self._let_back(after, tangential)
             beyond, wrong = active_set.violation(carried, tangential, slips, after.coefficients)
             residual = max(residual, beyond / max(float(carried.sum()), 1e-300), wrong / scale)
         change = float(np.abs(moved - here.displacements).max(initial=0.0)) / scale
         changed = changed_keys(here.current, before, after, (carried, tangential))
-        return Iteration(change, residual, int((carried > 0).sum()), changed, correction)
+        return Iteration(change, residual, int((carried > 0).sum()), changed, self.corrections)
 
     def _scale(self) -> float:
         """Maximum displacement, or way of a placed body."""
@@ -398,7 +404,12 @@ class _Run:
 
     def _gaps(self, lin: Linearisation) -> Floats:
         """Gaps less what the corrected forces press in."""
-        return lin.gaps - lin.compliances * self._anchored(self.anchor[1], lin)
+        return lin.gaps - self._compliances(lin) * self._anchored(self.anchor[1], lin)
+
+    def _compliances(self, lin: Linearisation) -> Floats:
+        """Penetration for each force, by the penalty that has grown with the corrections of the forces, (m,)."""
+        grown = np.isfinite(lin.tolerances)
+        return np.where(grown, lin.compliances / PENALTY_GROWTH**self.corrections, lin.compliances)
 
     def _anchored(self, forces: Floats, lin: Linearisation) -> Floats:
         """Forces of the anchor where they are corrected."""
@@ -419,7 +430,7 @@ class _Run:
 
     def _let_back(self, lin: Linearisation, tangential: Floats) -> Floats:
         """What the compliance of the law takes from the slips."""
-        return np.asarray(lin.compliances * (tangential - self._anchored(self.anchor[2], lin)))
+        return np.asarray(self._compliances(lin) * (tangential - self._anchored(self.anchor[2], lin)))
 
     def _step(self, *, bend: bool = True) -> _Step | None:
         """One iteration; None if the laws of the linearised problem have no solution.
@@ -496,7 +507,7 @@ class _Run:
         current = self.current
         geometric = current.curvature(-self.forces)
         at_nodes = self.displacements[current.nodes].ravel()
-        jacobian, directions, compliances = current.jacobian, current.jacobian, current.compliances
+        jacobian, directions, compliances = current.jacobian, current.jacobian, self._compliances(current)
         violations = self._gaps(current)
         if (slides := self.slides) is not None:
             geometric = geometric + slides.curvature(-self.tangential)

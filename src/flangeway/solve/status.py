@@ -102,8 +102,6 @@ class NewtonSettings:
     max_iterations
         Iterations before giving up, those with further constraints for nodes that penetrate included; each correction
         of the forces has as many.
-    max_corrections
-        Corrections of the forces before giving up.
     tolerance
         Maximum residual of forces over the total force, and maximum violation of the contact law over the maximum
         displacement.
@@ -111,12 +109,10 @@ class NewtonSettings:
     """
 
     max_iterations: int = 30
-    max_corrections: int = 50
     tolerance: float = 1e-11
 
     def __post_init__(self) -> None:
-        for name in ("max_iterations", "max_corrections"):
-            check_integer("NewtonSettings", name, getattr(self, name), 1, advice="leave it out")
+        check_integer("NewtonSettings", "max_iterations", self.max_iterations, 1, advice="leave it out")
         check_tolerance("NewtonSettings", self.tolerance)
 
 

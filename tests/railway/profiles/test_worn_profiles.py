@@ -145,7 +145,7 @@ def test_noise_is_no_wear(runs):
 
 def test_the_run_says_how_the_noise_was_smoothed(runs):
     """What was done to the files stands among the assumptions of the run, with wheel and rail named."""
-    said = [line for line in runs["noisy"].summary.to_dict()["assumptions"] if "The noise is" in line]
+    said = [line for line in runs["noisy"].summary["assumptions"] if "The noise is" in line]
     assert len(said) == 2
     noise = [float(line.split("The noise is ")[1].split(" micrometres")[0]) for line in said]
     assert noise == pytest.approx([1e3 * NOISE_MM] * 2, rel=0.2)

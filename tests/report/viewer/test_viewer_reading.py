@@ -80,7 +80,7 @@ def test_the_report_reads_what_the_files_beside_it_hold(open_page, folder):
 
 def test_coordinates_are_those_of_the_pointer(opened, runs):
     """The contact is in the middle of its view, and pixels times the length of the scale bar are millimetres."""
-    contact = next(c for c in runs["vem"].summary.to_dict()["patches"] if c["side"] == "right")
+    contact = next(c for c in runs["vem"].summary["patches"] if c["side"] == "right")
     opened.fly("right contact")
     box = opened.canvas.bounding_box()
     middle = np.array([box["width"] / 2.0, box["height"] / 2.0])

@@ -5,14 +5,14 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.cases.bodies.bodies_model import BodiesModel
 from flangeway.cases.case import RunnableCase
-from flangeway.cases.summary import RunResult, StatusSummary, Summary
+from flangeway.cases.summary import RunResult
 from flangeway.contact import Contact, ContactSolution, LoadStep
 from flangeway.exact import LineContact
 from flangeway.geometry import Placement
@@ -215,19 +215,6 @@ REACTION: tuple[Quantity[SupportForce], ...] = (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class BodiesSummary(Summary):
-    """What ``summary.json`` holds of such a case; `results` are the numbers that the case is about, by name."""
-
-    results: dict[str, Any]
-    forces: Sequence[dict[str, Any]]
-    contacts: Sequence[dict[str, Any]]
-    friction: Sequence[dict[str, Any]]
-    bodies: Sequence[dict[str, Any]]
-    supports: Sequence[dict[str, Any]]
-    notices: Sequence[str]
-
-
 @dataclass(frozen=True, eq=False)
 class BodiesRun(RunResult):
     """A case and what came out of it.
@@ -251,7 +238,7 @@ class BodiesRun(RunResult):
 
     """
 
-    main_table: ClassVar[str] = "bodies"
+    main_table = "bodies"
 
     case: "BodiesCase"
     status: Status
@@ -261,25 +248,20 @@ class BodiesRun(RunResult):
     model: BodiesModel | None = None
     notices: Sequence[str] = ()
 
-    @cached_property
-    def summary(self) -> BodiesSummary:
-        """What ``summary.json`` holds."""
-        case = self.case
-        return BodiesSummary(
-            status=StatusSummary(self.status.converged, self.status.message),
-            results=values(case.quantities(self), self),
-            forces=[values(FORCES, body) for body in self.in_contact],
-            contacts=[
+    def parts(self) -> dict[str, Any]:
+        """See `RunResult.parts`; `results` are the numbers that the case is about."""
+        return {
+            "results": values(self.case.quantities(self), self),
+            "forces": [values(FORCES, body) for body in self.in_contact],
+            "contacts": [
                 values(PAIR, pair) | {"patches": [values(PATCH, patch) for patch in pair.patches]}
                 for pair in self.pairs
             ],
-            friction=[values(FRICTION, pair) for pair in self.rubbing],
-            bodies=[values(BODY, body) for body in self.bodies.values()],
-            supports=[values(REACTION, reaction) for reaction in self.reactions],
-            notices=self.notices,
-            timings_s=dict(self.timings_s),
-            case={"name": case.name, **case.model_dump()},
-        )
+            "friction": [values(FRICTION, pair) for pair in self.rubbing],
+            "bodies": [values(BODY, body) for body in self.bodies.values()],
+            "supports": [values(REACTION, reaction) for reaction in self.reactions],
+            "notices": self.notices,
+        }
 
     @property
     def in_contact(self) -> list[BodyResult]:

@@ -4,7 +4,7 @@ import itertools
 import math
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -26,29 +26,37 @@ Layout = dict[str, list[dict[str, Any]]]
 class ChainPreset(BodiesPreset):
     """Bodies of one material in a chain or a ring."""
 
-    thickness_mm: float = Field(10.0, gt=0.0, description="length out of the plane")
-    young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")
-    poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio")
-    order: int = Field(1, ge=1, le=2, description="order of the elements")
-    pairing: Literal["segment-to-segment", "node-to-segment"] = Field(
-        "segment-to-segment", description="contact discretisation"
-    )
-    enforcement: EnforcementName = Field("multiplier", description="constraint enforcement")
-    penalty_MPa_mm: float | None = Field(None, gt=0.0, description="pressure per penetration (default: as of bodies)")
-    penetration_mm: float = Field(1e-5, gt=0.0, description="tolerated penetration of augmented-lagrange")
-    friction: float = Field(0.2, ge=0.0, le=10.0, description="coefficient of friction")
-    n_steps: int = Field(1, ge=1, le=1000, description="number of equal steps of each leg: pressing, then moving")
+    thickness_mm: float = Field(10.0, gt=0.0)
+    """length out of the plane"""
+    young_MPa: float = Field(210e3, gt=0.0)
+    """Young's modulus"""
+    poisson: float = Field(0.3, gt=-1.0, lt=0.5)
+    """Poisson's ratio"""
+    order: int = Field(1, ge=1, le=2)
+    """order of the elements"""
+    pairing: Literal["segment-to-segment", "node-to-segment"] = "segment-to-segment"
+    """contact discretisation"""
+    enforcement: EnforcementName = "multiplier"
+    """constraint enforcement"""
+    penalty_MPa_mm: float | None = Field(None, gt=0.0)
+    """pressure per penetration (default: as of bodies)"""
+    penetration_mm: float = Field(1e-5, gt=0.0)
+    """tolerated penetration of augmented-lagrange"""
+    friction: float = Field(0.2, ge=0.0, le=10.0)
+    """coefficient of friction"""
+    n_steps: int = Field(1, ge=1, le=1000)
+    """number of equal steps of each leg: pressing, then moving"""
 
     @abstractmethod
     def layout(self) -> Layout:
         """Tables of the general case."""
 
-    def bodies(self) -> TwoBodiesCase:
-        """See `BodiesPreset.bodies`."""
-        tables, mine = self.layout(), self.model_dump(include=CONTACT_KEYS)
+    def general(self) -> TwoBodiesCase:
+        """See `PresetCase.general`."""
+        tables, shared = self.layout(), self.model_dump(include=CONTACT_KEYS)
         material = {"young_MPa": self.young_MPa, "poisson": self.poisson, "order": self.order}
         tables["bodies"] = [material | body for body in tables["bodies"]]
-        tables["contacts"] = [mine | contact for contact in tables["contacts"]]
+        tables["contacts"] = [shared | contact for contact in tables["contacts"]]
         given = {"thickness_mm": self.thickness_mm, "steps": {"number": self.n_steps}}
         return TwoBodiesCase.from_values({**given, **tables})
 
@@ -86,16 +94,22 @@ def motion_of(name: str) -> list[Quantity[BodiesRun]]:
 class StackCase(ChainPreset):
     """Blocks upon each other, the ones in between held by contact alone; pressed, then the upper one is shifted."""
 
-    name: ClassVar[str] = "stack"
-    title: ClassVar[str] = "A stack of three blocks, pressed and pushed sideways: friction alone holds the middle one"
-    essential: ClassVar[tuple[str, ...]] = ("force_N", "shift_mm", "friction", "upper_friction")
+    name = "stack"
+    title = "A stack of three blocks, pressed and pushed sideways: friction alone holds the middle one"
+    essential = ("force_N", "shift_mm", "friction", "upper_friction")
 
-    width_mm: float = Field(40.0, gt=0.0, description="width of the upper block; each below is 8 mm wider")
-    height_mm: float = Field(20.0, gt=0.0, description="height of each block")
-    force_N: float = Field(20e3, gt=0.0, description="force on the upper block")
-    shift_mm: float = Field(0.05, description="shift of the upper block after pressing")
-    upper_friction: float = Field(0.4, ge=0.0, le=10.0, description="coefficient of friction below the upper block")
-    size_mm: float = Field(4.0, ge=1e-6, description="edge length of the triangles")
+    width_mm: float = Field(40.0, gt=0.0)
+    """width of the upper block; each below is 8 mm wider"""
+    height_mm: float = Field(20.0, gt=0.0)
+    """height of each block"""
+    force_N: float = Field(20e3, gt=0.0)
+    """force on the upper block"""
+    shift_mm: float = 0.05
+    """shift of the upper block after pressing"""
+    upper_friction: float = Field(0.4, ge=0.0, le=10.0)
+    """coefficient of friction below the upper block"""
+    size_mm: float = Field(4.0, ge=1e-6)
+    """edge length of the triangles"""
 
     def layout(self) -> Layout:
         """See `ChainPreset.layout`."""
@@ -128,16 +142,22 @@ class StackCase(ChainPreset):
 class RollerBetweenPlatesCase(ChainPreset):
     """A roller that contact alone holds between two plates, of which the upper one is pressed and then shifted."""
 
-    name: ClassVar[str] = "roller-between-plates"
-    title: ClassVar[str] = "A roller between two plates moves half as far as the upper plate"
-    essential: ClassVar[tuple[str, ...]] = ("radius_mm", "force_N", "shift_mm", "friction", "size_mm")
+    name = "roller-between-plates"
+    title = "A roller between two plates moves half as far as the upper plate"
+    essential = ("radius_mm", "force_N", "shift_mm", "friction", "size_mm")
 
-    radius_mm: float = Field(20.0, gt=0.0, description="radius of the roller")
-    plate_height_mm: float = Field(15.0, gt=0.0, description="height of each plate; they are four radii wide")
-    force_N: float = Field(20e3, gt=0.0, description="force on the upper plate")
-    shift_mm: float = Field(0.5, description="shift of the upper plate after pressing")
-    size_mm: float = Field(0.1, ge=1e-6, description="edge length of the triangles at the contacts")
-    body_size_mm: float = Field(4.0, ge=1e-6, description="edge length of the triangles elsewhere")
+    radius_mm: float = Field(20.0, gt=0.0)
+    """radius of the roller"""
+    plate_height_mm: float = Field(15.0, gt=0.0)
+    """height of each plate; they are four radii wide"""
+    force_N: float = Field(20e3, gt=0.0)
+    """force on the upper plate"""
+    shift_mm: float = 0.5
+    """shift of the upper plate after pressing"""
+    size_mm: float = Field(0.1, ge=1e-6)
+    """edge length of the triangles at the contacts"""
+    body_size_mm: float = Field(4.0, ge=1e-6)
+    """edge length of the triangles elsewhere"""
 
     def theory(self, force_N: float) -> LineContact:
         """Hertz's solution for a force."""
@@ -214,17 +234,24 @@ class RollerBetweenPlatesCase(ChainPreset):
 class BearingRingCase(ChainPreset):
     """A shaft in a ring with three rollers in between, which contact alone holds; the shaft is loaded downwards."""
 
-    name: ClassVar[str] = "bearing-ring"
-    title: ClassVar[str] = "A bearing: a shaft on three rollers in a ring, which contact alone holds"
-    essential: ClassVar[tuple[str, ...]] = ("shaft_radius_mm", "roller_radius_mm", "force_N", "interference_mm")
+    name = "bearing-ring"
+    title = "A bearing: a shaft on three rollers in a ring, which contact alone holds"
+    essential = ("shaft_radius_mm", "roller_radius_mm", "force_N", "interference_mm")
 
-    shaft_radius_mm: float = Field(20.0, gt=0.0, description="radius of the shaft; its bore has four tenths of it")
-    roller_radius_mm: float = Field(8.0, gt=0.0, description="radius of the rollers, at 90, 210 and 330 degrees")
-    ring_height_mm: float = Field(12.0, gt=0.0, description="thickness of the ring, whose outer circle is held")
-    interference_mm: float = Field(0.05, ge=0.0, description="how much thicker the rollers are than the room for them")
-    force_N: float = Field(10e3, gt=0.0, description="force on the shaft, downwards, through its bore")
-    size_mm: float = Field(0.03, ge=1e-6, description="edge length of the triangles at the contacts")
-    body_size_mm: float = Field(4.0, ge=1e-6, description="edge length of the triangles elsewhere")
+    shaft_radius_mm: float = Field(20.0, gt=0.0)
+    """radius of the shaft; its bore has four tenths of it"""
+    roller_radius_mm: float = Field(8.0, gt=0.0)
+    """radius of the rollers, at 90, 210 and 330 degrees"""
+    ring_height_mm: float = Field(12.0, gt=0.0)
+    """thickness of the ring, whose outer circle is held"""
+    interference_mm: float = Field(0.05, ge=0.0)
+    """how much thicker the rollers are than the room for them"""
+    force_N: float = Field(10e3, gt=0.0)
+    """force on the shaft, downwards, through its bore"""
+    size_mm: float = Field(0.03, ge=1e-6)
+    """edge length of the triangles at the contacts"""
+    body_size_mm: float = Field(4.0, ge=1e-6)
+    """edge length of the triangles elsewhere"""
 
     def layout(self) -> Layout:
         """See `ChainPreset.layout`."""
@@ -278,18 +305,26 @@ class BearingRingCase(ChainPreset):
 class ShrinkFitCase(ChainPreset):
     """A quarter of a hub that was shrunk on a hollow shaft, beside Lame's solution."""
 
-    name: ClassVar[str] = "shrink-fit"
-    title: ClassVar[str] = "A hub shrunk on a shaft, compared with Lamé's solution"
-    essential: ClassVar[tuple[str, ...]] = ("bore_radius_mm", "fit_radius_mm", "hub_radius_mm", "interference_mm")
+    name = "shrink-fit"
+    title = "A hub shrunk on a shaft, compared with Lamé's solution"
+    essential = ("bore_radius_mm", "fit_radius_mm", "hub_radius_mm", "interference_mm")
 
-    bore_radius_mm: float = Field(10.0, gt=0.0, description="inner radius of the shaft")
-    fit_radius_mm: float = Field(25.0, gt=0.0, description="radius of the fit")
-    hub_radius_mm: float = Field(50.0, gt=0.0, description="outer radius of the hub")
-    interference_mm: float = Field(0.02, gt=0.0, description="how much larger the shaft's radius is than the hub's")
-    friction: float = Field(0.0, ge=0.0, le=10.0, description="coefficient of friction")
-    order: int = Field(2, ge=1, le=2, description="order of the elements")
-    size_mm: float = Field(1.0, ge=1e-6, description="edge length of the triangles along the fit")
-    body_size_mm: float = Field(4.0, ge=1e-6, description="edge length of the triangles elsewhere")
+    bore_radius_mm: float = Field(10.0, gt=0.0)
+    """inner radius of the shaft"""
+    fit_radius_mm: float = Field(25.0, gt=0.0)
+    """radius of the fit"""
+    hub_radius_mm: float = Field(50.0, gt=0.0)
+    """outer radius of the hub"""
+    interference_mm: float = Field(0.02, gt=0.0)
+    """how much larger the shaft's radius is than the hub's"""
+    friction: float = Field(0.0, ge=0.0, le=10.0)
+    """coefficient of friction"""
+    order: int = Field(2, ge=1, le=2)
+    """order of the elements"""
+    size_mm: float = Field(1.0, ge=1e-6)
+    """edge length of the triangles along the fit"""
+    body_size_mm: float = Field(4.0, ge=1e-6)
+    """edge length of the triangles elsewhere"""
 
     @property
     def lame_pressure_MPa(self) -> float:  # noqa: N802 (the unit megapascal)

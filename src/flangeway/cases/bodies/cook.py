@@ -3,7 +3,7 @@
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 from pydantic import Field
@@ -172,16 +172,18 @@ def cook_row(code: CookCode, poisson: float = 1.0 / 3.0) -> CookRow:
 class CookCase(BodiesCase):
     """Cook's membrane, 48 mm wide, E = 70 MPa, with a shear of 6.25 MPa on its right side (Moherdaui 2021, 5.2.2)."""
 
-    name: ClassVar[str] = "cook"
-    title: ClassVar[str] = "Cook's membrane: a tapered panel held on the left and sheared on the right"
-    essential: ClassVar[tuple[str, ...]] = ("method", "level", "order")
+    name = "cook"
+    title = "Cook's membrane: a tapered panel held on the left and sheared on the right"
+    essential = ("method", "level", "order")
 
-    method: Literal["fem", "vem", "mixed"] = Field(
-        "vem", description="fem: triangles; vem: polygons; mixed: triangles inside, virtual quadrilaterals on the rim"
-    )
-    level: int = Field(3, ge=1, le=MAX_LEVEL, description="refinement: each cuts the triangles before in four")
-    order: int = Field(2, ge=1, le=4, description="order of the elements; fem up to 3")
-    poisson: float = Field(PUBLISHED_POISSON, gt=-1.0, lt=0.5, description="Poisson's ratio; 0.4999 shows locking")
+    method: Literal["fem", "vem", "mixed"] = "vem"
+    """fem: triangles; vem: polygons; mixed: triangles inside, virtual quadrilaterals on the rim"""
+    level: int = Field(3, ge=1, le=MAX_LEVEL)
+    """refinement: each cuts the triangles before in four"""
+    order: int = Field(2, ge=1, le=4)
+    """order of the elements; fem up to 3"""
+    poisson: float = Field(PUBLISHED_POISSON, gt=-1.0, lt=0.5)
+    """Poisson's ratio; 0.4999 shows locking"""
 
     def check(self) -> None:
         """See `RunnableCase.check`."""

@@ -1,10 +1,8 @@
 """Published problems as presets of the general case: Hertz's contact, and the contact patch test."""
 
 import math
-from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -21,7 +19,7 @@ from flangeway.cases.bodies.bodies_tables import (
     StabilisationName,
 )
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
-from flangeway.cases.case import Progress
+from flangeway.cases.case import PresetCase
 from flangeway.contact import NodeToSegment
 from flangeway.contact.node_to_segment import OVERHANG
 from flangeway.errors import InputError
@@ -44,20 +42,8 @@ MIN_PIECES = 17  # minimum number of pieces of the polyline along a fine arc
 MAX_ZONE = 0.75  # half width of the fine zone relative to the radius: wider ones do not fit half discs
 
 
-class BodiesPreset(BodiesCase):
+class BodiesPreset(PresetCase, BodiesCase):
     """A case that fills in the tables of the general case."""
-
-    @abstractmethod
-    def bodies(self) -> TwoBodiesCase:
-        """Return the same as a general case."""
-
-    def check(self) -> None:
-        """See `RunnableCase.check`."""
-        self.bodies().check()
-
-    def run(self, progress: Progress = lambda _: None) -> BodiesRun:
-        """See `RunnableCase.run`."""
-        return replace(self.bodies().run(progress), case=self)
 
 
 def max_pressure_of(run: BodiesRun) -> float:
@@ -100,50 +86,62 @@ HERTZ: tuple[Quantity[BodiesRun], ...] = (
 class HertzCase(BodiesPreset):
     """A half disc pressed on another one, or on a block, in plane strain (Moherdaui 2021, 6.2.2)."""
 
-    name: ClassVar[str] = "hertz"
-    title: ClassVar[str] = "A cylinder on another one or on a block, compared with Hertz's solution"
-    essential: ClassVar[tuple[str, ...]] = ("radius_mm", "lower", "lower_radius_mm", "indentation_mm", "size_mm")
+    name = "hertz"
+    title = "A cylinder on another one or on a block, compared with Hertz's solution"
+    essential = ("radius_mm", "lower", "lower_radius_mm", "indentation_mm", "size_mm")
 
-    radius_mm: float = Field(40.0, gt=0.0, description="radius of the upper cylinder")
-    lower: Literal["disc", "block"] = Field("disc", description="lower body: a half disc, or a block")
-    lower_radius_mm: float = Field(
-        40.0, gt=0.0, description="radius of the lower disc; a block is four radii wide and two high"
-    )
-    indentation_mm: float = Field(0.2, gt=0.0, description="approach of the fixed sides after first touch")
-    force_N: float | None = Field(None, gt=0.0, description="pressing force, instead of indentation_mm")
-    thickness_mm: float = Field(10.0, gt=0.0, description="length of the cylinders")
-    young_MPa: float = Field(200e3, gt=0.0, description="Young's modulus")
-    poisson: float = Field(1.0 / 3.0, gt=-1.0, lt=0.5, description="Poisson's ratio")
-    lower_young_MPa: float | None = Field(
-        None, gt=0.0, description="Young's modulus of the lower body (default: young_MPa)"
-    )
-    lower_poisson: float | None = Field(
-        None, gt=-1.0, lt=0.5, description="Poisson's ratio of the lower body (default: poisson)"
-    )
+    radius_mm: float = Field(40.0, gt=0.0)
+    """radius of the upper cylinder"""
+    lower: Literal["disc", "block"] = "disc"
+    """lower body: a half disc, or a block"""
+    lower_radius_mm: float = Field(40.0, gt=0.0)
+    """radius of the lower disc; a block is four radii wide and two high"""
+    indentation_mm: float = Field(0.2, gt=0.0)
+    """approach of the fixed sides after first touch"""
+    force_N: float | None = Field(None, gt=0.0)
+    """pressing force, instead of indentation_mm"""
+    thickness_mm: float = Field(10.0, gt=0.0)
+    """length of the cylinders"""
+    young_MPa: float = Field(200e3, gt=0.0)
+    """Young's modulus"""
+    poisson: float = Field(1.0 / 3.0, gt=-1.0, lt=0.5)
+    """Poisson's ratio"""
+    lower_young_MPa: float | None = Field(None, gt=0.0)
+    """Young's modulus of the lower body (default: young_MPa)"""
+    lower_poisson: float | None = Field(None, gt=-1.0, lt=0.5)
+    """Poisson's ratio of the lower body (default: poisson)"""
     method: MethodName = Field("fem", description=METHOD_MEANING)
-    order: int = Field(1, ge=1, le=2, description="order of the elements")
-    lower_method: MethodName | None = Field(None, description="method of the lower body (default: method)")
-    lower_order: int | None = Field(None, ge=1, le=2, description="order of the lower body (default: order)")
-    size_mm: float = Field(0.1, ge=1e-6, description="edge length of the triangles in contact")
-    lower_size_mm: float | None = Field(None, ge=1e-6, description="size_mm of the lower body (default: size_mm)")
-    body_size_mm: float = Field(5.0, ge=1e-6, description="edge length of the triangles elsewhere")
-    growth: float = Field(0.13, gt=0.0, le=1.0, description="growth of the edge length per distance from the contact")
+    order: int = Field(1, ge=1, le=2)
+    """order of the elements"""
+    lower_method: MethodName | None = None
+    """method of the lower body (default: method)"""
+    lower_order: int | None = Field(None, ge=1, le=2)
+    """order of the lower body (default: order)"""
+    size_mm: float = Field(0.1, ge=1e-6)
+    """edge length of the triangles in contact"""
+    lower_size_mm: float | None = Field(None, ge=1e-6)
+    """size_mm of the lower body (default: size_mm)"""
+    body_size_mm: float = Field(5.0, ge=1e-6)
+    """edge length of the triangles elsewhere"""
+    growth: float = Field(0.13, gt=0.0, le=1.0)
+    """growth of the edge length per distance from the contact"""
     pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = Field(
         "segment-to-segment", description=PAIRING_MEANING
     )
-    enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
-        "augmented-lagrange", description="constraint enforcement"
-    )
-    fine_arc_deg: float | None = Field(
-        None, gt=0.0, lt=180.0, description="angle of the fine arc of both discs about the contact (default: its zone)"
-    )
-    halved_edges: bool = Field(False, description="whether the edges of the fine arcs are halved, see halved_side")
+    enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = "augmented-lagrange"
+    """constraint enforcement"""
+    fine_arc_deg: float | None = Field(None, gt=0.0, lt=180.0)
+    """angle of the fine arc of both discs about the contact (default: its zone)"""
+    halved_edges: bool = False
+    """whether the edges of the fine arcs are halved, see halved_side"""
     stabilisation: StabilisationName = Field("default", description=STABILISATION_MEANING)
     weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
     nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
     slack: float = Field(NodeToSegment.slack, gt=0.0, le=OVERHANG, description=SLACK_MEANING)
-    curved: bool = Field(True, description="whether gaps are measured between the circles, not between straight edges")
-    n_steps: int = Field(1, ge=1, le=1000, description="number of equal load steps")
+    curved: bool = True
+    """whether gaps are measured between the circles, not between straight edges"""
+    n_steps: int = Field(1, ge=1, le=1000)
+    """number of equal load steps"""
 
     def theory_of(self, run: BodiesRun) -> LineContact | None:
         """See `BodiesPreset.theory_of`."""
@@ -157,10 +155,10 @@ class HertzCase(BodiesPreset):
         modulus = contact_modulus(upper.plane_modulus, lower.plane_modulus)
         return LineContact(force_N / self.thickness_mm, self._curvature, modulus)
 
-    def bodies(self) -> TwoBodiesCase:
-        """Return the same as a general case.
+    def general(self) -> TwoBodiesCase:
+        """See `PresetCase.general`.
 
-        It is an `InputError` if the contact would be too wide for the bodies, or too narrow for the elements' size.
+        The contact must be neither too wide for the bodies nor too narrow for the elements' size.
         """
         self._refuse_unfit()
         zone, radius, below = self._zone(), self.radius_mm, self.lower_radius_mm
@@ -300,33 +298,46 @@ class HertzCase(BodiesPreset):
 class ContactPatchCase(BodiesPreset):
     """Two equal boxes pressed together, free to spread: the exact pressure is uniform (Moherdaui 2021, Figure 64)."""
 
-    name: ClassVar[str] = "contact-patch"
-    title: ClassVar[str] = "Contact patch test: two boxes with different meshes under a uniform pressure"
-    essential: ClassVar[tuple[str, ...]] = ("approach_mm", "upper_size_mm", "lower_size_mm", "pairing")
+    name = "contact-patch"
+    title = "Contact patch test: two boxes with different meshes under a uniform pressure"
+    essential = ("approach_mm", "upper_size_mm", "lower_size_mm", "pairing")
 
-    width_mm: float = Field(20.0, gt=0.0, description="width of each box")
-    height_mm: float = Field(10.0, gt=0.0, description="height of each box")
-    approach_mm: float = Field(0.1, gt=0.0, description="approach of the far sides")
-    thickness_mm: float = Field(1.0, gt=0.0, description="length out of the plane")
-    young_MPa: float = Field(200e3, gt=0.0, description="Young's modulus")
-    poisson: float = Field(1.0 / 3.0, gt=-1.0, lt=0.5, description="Poisson's ratio")
-    upper_method: Literal["fem", "vem"] = Field("fem", description="elements of the upper, secondary box")
-    lower_method: Literal["fem", "vem"] = Field("vem", description="elements of the lower, primary box")
-    upper_order: int = Field(1, ge=1, le=2, description="order of the upper box's elements")
-    lower_order: int = Field(1, ge=1, le=2, description="order of the lower box's elements")
-    upper_size_mm: float = Field(2.3, ge=1e-6, description="edge length of the upper box's triangles")
-    lower_size_mm: float = Field(3.1, ge=1e-6, description="edge length of the lower box's triangles")
-    pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = Field(
-        "segment-to-segment", description="contact discretisation; all but node-to-segment pass"
-    )
-    enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
-        "multiplier", description="constraint enforcement"
-    )
-    penalty_MPa_mm: float | None = Field(None, gt=0.0, description="pressure per penetration (default: as of bodies)")
+    width_mm: float = Field(20.0, gt=0.0)
+    """width of each box"""
+    height_mm: float = Field(10.0, gt=0.0)
+    """height of each box"""
+    approach_mm: float = Field(0.1, gt=0.0)
+    """approach of the far sides"""
+    thickness_mm: float = Field(1.0, gt=0.0)
+    """length out of the plane"""
+    young_MPa: float = Field(200e3, gt=0.0)
+    """Young's modulus"""
+    poisson: float = Field(1.0 / 3.0, gt=-1.0, lt=0.5)
+    """Poisson's ratio"""
+    upper_method: Literal["fem", "vem"] = "fem"
+    """elements of the upper, secondary box"""
+    lower_method: Literal["fem", "vem"] = "vem"
+    """elements of the lower, primary box"""
+    upper_order: int = Field(1, ge=1, le=2)
+    """order of the upper box's elements"""
+    lower_order: int = Field(1, ge=1, le=2)
+    """order of the lower box's elements"""
+    upper_size_mm: float = Field(2.3, ge=1e-6)
+    """edge length of the upper box's triangles"""
+    lower_size_mm: float = Field(3.1, ge=1e-6)
+    """edge length of the lower box's triangles"""
+    pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = "segment-to-segment"
+    """contact discretisation; all but node-to-segment pass"""
+    enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = "multiplier"
+    """constraint enforcement"""
+    penalty_MPa_mm: float | None = Field(None, gt=0.0)
+    """pressure per penetration (default: as of bodies)"""
     nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
-    penetration_mm: float = Field(1e-5, gt=0.0, description="tolerated penetration of augmented-lagrange")
+    penetration_mm: float = Field(1e-5, gt=0.0)
+    """tolerated penetration of augmented-lagrange"""
     weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
-    rotation_deg: float = Field(0.0, ge=-90.0, le=90.0, description="rotation of everything, counter-clockwise")
+    rotation_deg: float = Field(0.0, ge=-90.0, le=90.0)
+    """rotation of everything, counter-clockwise"""
 
     def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
         """Minimum and maximum pressure beside the exact one."""
@@ -345,8 +356,8 @@ class ContactPatchCase(BodiesPreset):
         """The uniform pressure, ``E / (1 - nu^2)`` times the approach over the height of both boxes."""
         return self.young_MPa / (1.0 - self.poisson**2) * self.approach_mm / (2.0 * self.height_mm)
 
-    def bodies(self) -> TwoBodiesCase:
-        """Return the same as a general case."""
+    def general(self) -> TwoBodiesCase:
+        """See `PresetCase.general`."""
         bodies: list[dict[str, Any]] = []
         supports: list[dict[str, Any]] = []
         for name, sign, far in (("upper", 1.0, "top"), ("lower", -1.0, "bottom")):

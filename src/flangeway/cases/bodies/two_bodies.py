@@ -24,9 +24,9 @@ ROUND_OFF = 1e-9  # overlap relative to the size of a body that is no overlap
 class TwoBodiesCase(BodiesInputs, BodiesCase):
     """Bodies, one, two or more, in the plane; all positions are in common axes, x to the right and y up."""
 
-    name: ClassVar[str] = "two-bodies"
-    title: ClassVar[str] = "Bodies of any shape with supports, loads, motions and contacts"
-    essential: ClassVar[tuple[str, ...]] = ("thickness_mm", "hypothesis")
+    name = "two-bodies"
+    title = "Bodies of any shape with supports, loads, motions and contacts"
+    essential = ("thickness_mm", "hypothesis")
     example: ClassVar[Mapping[str, Any]] = {
         "bodies": [
             {

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -20,25 +20,20 @@ from flangeway.railway.track.placements import RUNNING_CIRCLES_MM
 class GeometryCase(WheelsetInputs):
     """A rigid wheelset on two rigid rails; thickness and material are for Hertz's estimate."""
 
-    name: ClassVar[str] = "geometry"
-    title: ClassVar[str] = "Contact geometry of a rigid wheelset on rigid rails"
+    name = "geometry"
+    title = "Contact geometry of a rigid wheelset on rigid rails"
 
-    maximum_lateral_mm: float = Field(
-        8.0,
-        gt=0.0,
-        le=60.0,
-        description="maximum lateral displacement that is shown; less where a flange climbs before",
-    )
-    step_mm: float = Field(0.02, ge=1e-3, le=1.0, description="distance of the positions")
-    maximum_amplitude_mm: float = Field(6.0, gt=0.0, le=30.0, description="maximum amplitude of the conicity")
-    roll: Literal["free", "none"] = Field(
-        "free", description="free: both wheels touch; none: no roll, as in the reference results of EN 15302"
-    )
+    maximum_lateral_mm: float = Field(8.0, gt=0.0, le=60.0)
+    """maximum lateral displacement that is shown; less where a flange climbs before"""
+    step_mm: float = Field(0.02, ge=1e-3, le=1.0)
+    """distance of the positions"""
+    maximum_amplitude_mm: float = Field(6.0, gt=0.0, le=30.0)
+    """maximum amplitude of the conicity"""
+    roll: Literal["free", "none"] = "free"
+    """free: both wheels touch; none: no roll, as in the reference results of EN 15302"""
 
-    yaw_mrad: float = Field(
-        0.0, ge=-1e3 * MAX_YAW_RAD, le=1e3 * MAX_YAW_RAD,
-        description="yaw of the axle, counter-clockwise seen from above: the right wheel is ahead",
-    )  # fmt: skip
+    yaw_mrad: float = Field(0.0, ge=-1e3 * MAX_YAW_RAD, le=1e3 * MAX_YAW_RAD)
+    """yaw of the axle, counter-clockwise seen from above: the right wheel is ahead"""
 
     @property
     def yaw_rad(self) -> float:

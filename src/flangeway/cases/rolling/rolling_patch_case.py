@@ -1,17 +1,18 @@
 """The case of one contact patch between half-spaces on which two bodies roll, or shift, with friction."""
 
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
 from flangeway.cases.patch_quantities import ON_SURFACE
+from flangeway.cases.rolling.friction_inputs import FRICTION_KEYS, THERMAL_KEYS, WARM_KEYS, FrictionInputs
 from flangeway.cases.rolling.pressure_table import read_pressures
 from flangeway.cases.rolling_quantities import (
     BY_THEORY,
@@ -34,7 +35,7 @@ from flangeway.contact.rolling.exact_rolling import creep_curve, roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.contact.rolling.theories import FAST, Theory
+from flangeway.contact.rolling.theories import FAST, WITH_TRACTIONS, Theory
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
@@ -76,7 +77,7 @@ class RollingPatchRun(RunResult):
 
     """
 
-    main_table: ClassVar[str] = "theories"
+    main_table = "theories"
 
     case: "RollingPatchCase"
     timings_s: Mapping[str, float]
@@ -100,17 +101,17 @@ class RollingPatchRun(RunResult):
     @property
     def residuals(self) -> dict[str, float]:
         """See `flangeway.contact.rolling.rolling_result.Rolling.residuals`; none of the fast theories."""
-        found = self.state.forces
-        return found.residuals if isinstance(found, Rolling) else {}
+        forces = self.state.forces
+        return forces.residuals if isinstance(forces, Rolling) else {}
 
     @property
     def energy_error(self) -> float | None:
         """Frictional power less that of forces times creepages, over the power; of the exact theory."""
-        found = self.state.forces
-        if not self.state.rolls or not isinstance(found, Rolling):
+        forces = self.state.forces
+        if not self.state.rolls or not isinstance(forces, Rolling):
             return None
-        power = abs(found.motion.speed) * found.t_gamma
-        return abs(found.frictional_power - power) / (abs(power) + abs(found.rolling_power) or 1.0)
+        power = abs(forces.motion.speed) * forces.t_gamma
+        return abs(forces.frictional_power - power) / (abs(power) + abs(forces.rolling_power) or 1.0)
 
     def parts(self) -> dict[str, Any]:
         """See `RunResult.parts`."""
@@ -140,72 +141,68 @@ ENERGY_ERROR: Quantity[RollingPatchRun] = Quantity(
 STATE: tuple[Creep, ...] = (THEORY, *CREEPAGES, *SHIFT, *FORCES, TRACTION, *T_GAMMAS, POWER, *FIELDS)
 
 
-class RollingPatchCase(RunnableCase):
+class RollingPatchCase(FrictionInputs, RunnableCase):
     """Two half-spaces pressed together by a force that roll over each other; all results are those on the upper one."""
 
-    name: ClassVar[str] = "rolling-patch"
-    title: ClassVar[str] = "One contact patch that rolls with friction"
-    essential: ClassVar[tuple[str, ...]] = (
+    name = "rolling-patch"
+    title = "One contact patch that rolls with friction"
+    essential = (
         *("force_kN", "radius_along_mm", "radius_across_mm"),
         *(*CREEPAGE_KEYS, "speed_km_h", "friction"),
     )
 
-    force_kN: float = Field(80.0, gt=0.0, description="normal force")
-    radius_along_mm: float = Field(
-        460.0, gt=0.0, description="relative radius of curvature ahead, 1 / (1 / R_upper + 1 / R_lower)"
-    )
-    radius_across_mm: float = Field(300.0, gt=0.0, description="relative radius of curvature across")
-    semi_axis_along_mm: float | None = Field(
-        None, gt=0.0, description="semi-axis ahead of an ellipse under Hertz's pressure, instead of the radii"
-    )
-    semi_axis_across_mm: float | None = Field(None, gt=0.0, description="its semi-axis across")
-    pressure_file: str | None = Field(
-        None, description="CSV file of pressures, instead of force and shape: right_mm, ahead_mm, pressure_MPa of cells"
-    )
-    young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")
-    poisson: float = Field(0.3, ge=0.0, lt=0.5, description="Poisson's ratio")
-    upper_young_MPa: float | None = Field(
-        None, gt=0.0, description="Young's modulus of the upper body (default: young_MPa)"
-    )
-    upper_poisson: float | None = Field(
-        None, ge=0.0, lt=0.5, description="Poisson's ratio of the upper body (default: poisson)"
-    )
-    longitudinal_creepage: float = Field(
-        0.001, description="slip of the upper body on the lower one ahead, over the speed"
-    )
-    lateral_creepage: float = Field(0.0, description="slip to the right over the speed")
-    spin_creepage_per_m: float = Field(
-        0.0, description="rotation of the upper body, counter-clockwise from above, over the speed"
-    )
-    speed_km_h: float = Field(
-        72.0,
-        description="speed of rolling ahead, negative: backwards, 0: the upper body is shifted and does not roll",
-    )
-    longitudinal_force_kN: float | None = Field(
-        None, description="tangential force on the upper body ahead, instead of the creepage or shift, which is found"
-    )
-    lateral_force_kN: float | None = Field(None, description="the same to the right")
-    shift_ahead_mm: float = Field(0.0, description="shift of the upper body ahead, with speed_km_h = 0")
-    shift_right_mm: float = Field(0.0, description="shift to the right")
-    shift_rotation_mrad: float = Field(0.0, description="rotation, counter-clockwise from above")
-    friction: float = Field(0.3, ge=0.0, description="coefficient of friction, 0: without friction")
-    kinetic_friction: float | None = Field(
-        None, ge=0.0, description="coefficient at high slip velocity (default: friction)"
-    )
-    friction_decay_m_per_s: float = Field(
-        0.0, ge=0.0, description="slip velocity in which the difference of both falls to 1/e"
-    )
-    rolling_theory: Theory = Field("exact", description="exact theory, fastsim, fastrip, polach or linear theory")
-    curve: Literal["longitudinal", "lateral", "spin", "none"] = Field(
-        "longitudinal", description="creepage of the creep curve by all theories; the others are those of the case"
-    )
-    curve_end: float = Field(
-        3.0, gt=0.0, le=1e3,
-        description="its end over the creepage at which linear theory reaches the limit of friction",
-    )  # fmt: skip
-    curve_points: int = Field(25, ge=3, le=1000, description="number of its points")
-    cells_along: int = Field(30, ge=4, le=120, description="number of cells along the patch")
-    cells_across: int = Field(30, ge=4, le=120, description="number of cells across")
+    force_kN: float = Field(80.0, gt=0.0)
+    """normal force"""
+    radius_along_mm: float = Field(460.0, gt=0.0)
+    """relative radius of curvature ahead, 1 / (1 / R_upper + 1 / R_lower)"""
+    radius_across_mm: float = Field(300.0, gt=0.0)
+    """relative radius of curvature across"""
+    semi_axis_along_mm: float | None = Field(None, gt=0.0)
+    """semi-axis ahead of an ellipse under Hertz's pressure, instead of the radii"""
+    semi_axis_across_mm: float | None = Field(None, gt=0.0)
+    """its semi-axis across"""
+    pressure_file: str | None = None
+    """CSV file of pressures, instead of force and shape: right_mm, ahead_mm, pressure_MPa of cells"""
+    young_MPa: float = Field(210e3, gt=0.0)
+    """Young's modulus"""
+    poisson: float = Field(0.3, ge=0.0, lt=0.5)
+    """Poisson's ratio"""
+    upper_young_MPa: float | None = Field(None, gt=0.0)
+    """Young's modulus of the upper body (default: young_MPa)"""
+    upper_poisson: float | None = Field(None, ge=0.0, lt=0.5)
+    """Poisson's ratio of the upper body (default: poisson)"""
+    longitudinal_creepage: float = 0.001
+    """slip of the upper body on the lower one ahead, over the speed"""
+    lateral_creepage: float = 0.0
+    """slip to the right over the speed"""
+    spin_creepage_per_m: float = 0.0
+    """rotation of the upper body, counter-clockwise from above, over the speed"""
+    speed_km_h: float = 72.0
+    """speed of rolling ahead, negative: backwards, 0: the upper body is shifted and does not roll"""
+    longitudinal_force_kN: float | None = None
+    """tangential force on the upper body ahead, instead of the creepage or shift, which is found"""
+    lateral_force_kN: float | None = None
+    """the same to the right"""
+    shift_ahead_mm: float = 0.0
+    """shift of the upper body ahead, with speed_km_h = 0"""
+    shift_right_mm: float = 0.0
+    """shift to the right"""
+    shift_rotation_mrad: float = 0.0
+    """rotation, counter-clockwise from above"""
+    friction: float = Field(0.3, ge=0.0)
+    """coefficient of friction, 0: without friction"""
+    rolling_theory: Theory = "exact"
+    """exact theory, fastsim, fastrip, polach or linear theory"""
+    curve: Literal["longitudinal", "lateral", "spin", "none"] = "longitudinal"
+    """creepage of the creep curve by all theories; the others are those of the case"""
+    curve_end: float = Field(3.0, gt=0.0, le=1e3)
+    """its end over the creepage at which linear theory reaches the limit of friction"""
+    curve_points: int = Field(25, ge=3, le=1000)
+    """number of its points"""
+    cells_along: int = Field(30, ge=4, le=120)
+    """number of cells along the patch"""
+    cells_across: int = Field(30, ge=4, le=120)
+    """number of cells across"""
 
     def check(self) -> None:
         """See `RunnableCase.check`."""
@@ -229,14 +226,12 @@ class RollingPatchCase(RunnableCase):
         if self.rolls:
             self.refuse_without_effect(SHIFTS, "speed_km_h", "0")
         else:
-            rolling = (*CREEPAGE_KEYS, "rolling_theory", "friction_decay_m_per_s")
+            rolling = (*CREEPAGE_KEYS, "rolling_theory", "friction_decay_m_per_s", *WARM_KEYS, *THERMAL_KEYS)
             self.refuse_without_effect(rolling, "speed_km_h", "a speed other than 0")
         if self.rolling_theory != "exact":
             self.refuse_without_effect(FORCE_KEYS, "rolling_theory", "exact")
         if not self.friction:
-            self.refuse_without_effect([*FORCE_KEYS, "kinetic_friction"], "friction", "a coefficient above 0")
-        if self.kinetic_friction is None:
-            self.refuse_without_effect(["friction_decay_m_per_s"], "kinetic_friction", "a coefficient below friction")
+            self.refuse_without_effect([*FORCE_KEYS, *FRICTION_KEYS], "friction", "a coefficient above 0")
         for force, *keys in zip(FORCE_KEYS, CREEPAGE_KEYS, SHIFTS, strict=False):
             if getattr(self, force) is not None:
                 self.refuse_without_effect(keys, force, "none")
@@ -251,14 +246,14 @@ class RollingPatchCase(RunnableCase):
         progress("rolling")
         along, across = (None if force is None else 1e3 * force for force in self._forces)
         exact = roll(contact, self.motion, force_along=along, force_across=across)
-        found = exact if self.rolling_theory == "exact" else FAST[self.rolling_theory](contact, self.motion)
-        states = [exact, *(theory(contact, exact.motion) for theory in FAST.values())] if self.rolls else []
+        forces = exact if self.rolling_theory == "exact" else FAST[self.rolling_theory](contact, self.motion)
+        states = [exact, *(theory(contact, exact.motion) for theory in self._theories.values())] if self.rolls else []
         rolled = time.perf_counter()
         curve, notices = self._curve(contact, exact.motion, progress)
         total = time.perf_counter()
         timings = {"pressures": pressed - start, "rolling": rolled - pressed, "curve": total - rolled}
-        notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *found.notices, *notices))]
-        state, *theories = (CreepResult(each, each.motion, contact.force) for each in (found, *states))
+        notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *forces.notices, *notices))]
+        state, *theories = (CreepResult(each, each.motion, contact.force) for each in (forces, *states))
         return RollingPatchRun(self, timings | {"total": total - start}, contact, state, theories, curve, notices)
 
     @property
@@ -303,7 +298,13 @@ class RollingPatchCase(RunnableCase):
 
     @cached_property
     def _friction(self) -> Friction:
-        return Friction(self.friction, self.kinetic_friction, self.friction_decay_m_per_s)
+        return self.friction_law(self.friction, self.rolling_theory)
+
+    @property
+    def _theories(self) -> dict[Theory, Callable[[RollingContact, Creepages], CreepForces]]:
+        """Fast theories that can be computed."""
+        warm = self._friction.by_temperature
+        return {name: theory for name, theory in FAST.items() if name in WITH_TRACTIONS or not warm}
 
     @property
     def _materials(self) -> tuple[Elastic, Elastic]:
@@ -326,7 +327,7 @@ class RollingPatchCase(RunnableCase):
         motions = [replace(motion, **{name: point}) for point in points.tolist()]
         exact = creep_curve(contact, motions)
         states: dict[str, Sequence[CreepForces]] = {"exact": exact}
-        states |= {theory: [compute(contact, each) for each in motions] for theory, compute in FAST.items()}
+        states |= {theory: [compute(contact, each) for each in motions] for theory, compute in self._theories.items()}
         failed = sum(not each.status.converged for each in exact)
         notices = [f"{failed} of {len(exact)} points of the creep curve by the exact theory did not converge"]
         curve = {

@@ -5,17 +5,16 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 import scipy.sparse as sp
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
-from flangeway.cases.summary import StatusSummary, Summary
+from flangeway.cases.summary import RunResult
 from flangeway.elements import Element, Lagrange, Virtual
-from flangeway.elements.lagrange import HIGHEST_ORDER
-from flangeway.errors import InputError
+from flangeway.errors import InputError, located
 from flangeway.formats import DrawnSection, read_section
 from flangeway.formats.outline_files import ENDINGS
 from flangeway.geometry import Arc, Section
@@ -30,50 +29,60 @@ from flangeway.space import Space
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
 
-METHODS = ("fem", "vem")
-
-MAX_VIRTUAL_ORDER = 6
+SOLVED = Status(True, "both formulations of torsion are solved", 1)
 STEEL_KG_M3 = 7850.0
 _USUAL_TRIANGLES = 3000
-_MOST_TRIANGLES = 30_000
-_MOST_EDGES = 10_000
+_MAX_TRIANGLES = 30_000
+_MAX_EDGES = 10_000
 _CELLS_ACROSS_WALL = 4.0
 _SAGITTA = 1e-4  # of the mean thickness: chords then change the torsion constant by about 1e-4 of it
 _WORTHWHILE = 0.6  # chords hardly shorter than the size are not worth a refinement of their own
 _GROWTH = 0.3
 
 
-@dataclass(frozen=True)
-class SectionOptions:
-    """How a section is computed.
+class TorsionCase(RunnableCase):
+    """Warping, shear stresses and the constants of a bundled section or of an outline."""
 
-    It is an `InputError` if the method is unknown, or the order, size or Poisson's ratio is not allowed.
-    """
+    name = "torsion"
+    title = "A section under torsion: warping, shear stress, and all constants of the section"
+    essential = ("section", "method", "order")
 
-    size: float | None = None  # length of a triangle's edge in the section's unit; None takes `usual_size`
-    order: int = 2  # order of the elements
-    method: str = "fem"  # ``"fem"`` for triangles, ``"vem"`` for their dual polygons
-    poisson: float | None = None
-    """Poisson's ratio for the shear centre; None takes that of the section's materials, or 0."""
-
-    def __post_init__(self) -> None:
-        """Check what can be checked without the section."""
-        if self.method not in METHODS:
-            raise InputError(f"--method {self.method}", "fem or vem", "choose one of them")
-        highest = HIGHEST_ORDER if self.method == "fem" else MAX_VIRTUAL_ORDER
-        if not 1 <= self.order <= highest:
-            raise InputError(
-                f"--order {self.order} with --method {self.method}", f"1 to {highest}", "leave it out for 2"
-            )
-        if self.size is not None and not (self.size > 0.0 and math.isfinite(self.size)):
-            raise InputError(f"--size {self.size}", "a positive length", "leave it out for a usual one")
-        if self.poisson is not None and not 0.0 <= self.poisson <= 0.5:
-            raise InputError(f"--poisson {self.poisson}", "0 to 0.5", "leave it out for Trefftz's shear centre")
+    section: str = "136RE"
+    """136RE, 136RE-8, 136RE-14, 60E1, or an outline file .toml, .csv, .dxf"""
+    unit: Literal["mm", "cm", "m", "in", "ft"] | None = None
+    """unit of a file that does not name one; coordinates are not converted"""
+    half: bool = False
+    """whether a CSV file contains one half only, to be mirrored about x = 0"""
+    method: Literal["fem", "vem"] = "fem"
+    """fem is triangles, vem is polygons with virtual elements"""
+    order: int = Field(2, ge=1, le=6)
+    """order of the elements; fem up to 3"""
+    size: float | None = Field(None, ge=1e-9, le=1e9)
+    """edge length in the section's unit (default: chosen from the section)"""
+    poisson: float | None = Field(None, ge=0.0, le=0.5)
+    """Poisson's ratio for the shear centre (default: Trefftz's shear centre)"""
 
     @property
     def element(self) -> Element:
-        """The element."""
-        return Lagrange(self.order) if self.method == "fem" else Virtual(self.order)
+        """The element; an `InputError` if there is none of this order."""
+        if self.method == "vem":
+            return Virtual(self.order)
+        with located(f"order = {self.order} with method = fem: "):
+            return Lagrange(self.order)
+
+    @property
+    def drawn(self) -> DrawnSection:
+        """What was drawn of the section."""
+        return find_section(self.section, unit=self.unit, mirrored=self.half)
+
+    def check(self) -> None:
+        """See `RunnableCase.check`."""
+        _ = self.drawn, self.element
+
+    def run(self, progress: Progress = lambda _: None) -> "TorsionRun":
+        """See `RunnableCase.run`."""
+        section = run_section(self.drawn, self, progress)
+        return TorsionRun(self, section, section.summary["timings_s"])
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +90,7 @@ class SectionRun(Result):
     """A section and its constants."""
 
     drawn: DrawnSection  # what was read
-    options: SectionOptions  # how it was computed; the size is filled in
+    case: TorsionCase  # how it was computed; size and Poisson's ratio are filled in
     space: Space  # space on the mesh
     constants: SectionConstants
     """The constants; area, centroid and second moments exact for the outline's lines and arcs."""
@@ -92,6 +101,25 @@ class SectionRun(Result):
         """The constants."""
         left_out = {"mesh", "timings_s", "versions", "peak_memory_MB"}
         return ResultTable.of_numbers({key: value for key, value in self.summary.items() if key not in left_out})
+
+
+@dataclass(frozen=True, eq=False)
+class TorsionRun(RunResult):
+    """A section under torsion."""
+
+    case: TorsionCase  # the inputs
+    section: SectionRun  # the section and its constants
+    timings_s: Mapping[str, float]  # seconds by stage
+    status: Status = SOLVED  # how it ended
+
+    def parts(self) -> dict[str, Any]:
+        """See `RunResult.parts`: the keys of the section have its unit."""
+        return self.section.summary
+
+    @property
+    def table(self) -> ResultTable:
+        """The constants."""
+        return self.section.table
 
 
 def find_section(name_or_file: str, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:
@@ -109,21 +137,23 @@ def find_section(name_or_file: str, *, unit: str | None = None, mirrored: bool =
 
 
 def run_section(
-    drawn: DrawnSection, options: SectionOptions | None = None, progress: Progress = lambda _: None
+    drawn: DrawnSection, case: TorsionCase | None = None, progress: Progress = lambda _: None
 ) -> SectionRun:
     """Mesh a section and compute its constants by both formulations of torsion.
 
     It is an `InputError` if the section is in several pieces, its parts overlap, or an option is not allowed.
     `MissingLibraryError`: if the mesh generator lacks a shared library of the system.
-    - `options`: how; the usual way if left out.
+    - `case`: how; the usual way if left out. The section is the one that is given.
     """
     start = time.perf_counter()
-    given = options or SectionOptions()
+    given = case or TorsionCase.from_values({})
+    element = given.element
     poisson, notices = _poisson(drawn, given)
-    options = replace(given, size=given.size or usual_size(drawn.section), poisson=poisson)
+    size = given.size or usual_size(drawn.section)
+    case = given.model_copy(update={"size": size, "poisson": poisson})
     progress("meshing the section")
-    mesh = section_mesh(drawn.section, options)
-    space = Space(mesh, options.element)
+    mesh = section_mesh(drawn.section, size, case.method)
+    space = Space(mesh, element)
     progress(f"solving for the warping function and Prandtl's function, {space.n_dofs} unknowns each")
     moduli: float | dict[str, float] = 1.0
     if drawn.materials:
@@ -136,11 +166,11 @@ def run_section(
         centroid=drawn.section.centroid(weights),
         second_moments=drawn.section.second_moments(weights),
     )
-    summary = _summary(drawn, options, space, exact)
+    summary = _summary(drawn, case, space, exact)
     summary["notices"] = [*drawn.notices, *notices, *_corner_notices(drawn)]
     summary["timings_s"] = {"total": time.perf_counter() - start}
     summary["peak_memory_MB"] = peak_memory_bytes() / 1e6
-    return SectionRun(drawn, options, space, exact, summary)
+    return SectionRun(drawn, case, space, exact, summary)
 
 
 def usual_size(section: Section) -> float:
@@ -149,17 +179,16 @@ def usual_size(section: Section) -> float:
     Limits of 30,000 triangles and 10,000 edges on the boundary keep foils from taking minutes.
     """
     per_triangle = section.area / (0.25 * math.sqrt(3.0))
-    compact, smallest = math.sqrt(per_triangle / _USUAL_TRIANGLES), math.sqrt(per_triangle / _MOST_TRIANGLES)
+    compact, smallest = math.sqrt(per_triangle / _USUAL_TRIANGLES), math.sqrt(per_triangle / _MAX_TRIANGLES)
     boundary = sum(region.boundary_length for region in section.regions)
-    return max(min(section.mean_thickness / _CELLS_ACROSS_WALL, compact), smallest, boundary / _MOST_EDGES)
+    return max(min(section.mean_thickness / _CELLS_ACROSS_WALL, compact), smallest, boundary / _MAX_EDGES)
 
 
-def section_mesh(section: Section, options: SectionOptions) -> PolyMesh:
+def section_mesh(section: Section, size: float, method: str) -> PolyMesh:
     """Return triangles, or their dual polygons, finer along arcs so that their chords hardly change the section.
 
     It is an `InputError` if the section is in pieces that do not touch, or as for `triangulate_section`.
     """
-    size = options.size or usual_size(section)
     mesh_bound(section.regions, size)  # refuses a size before arcs are cut into chords as fine
     triangles = triangulate_section(section, size=size, refinements=_along_arcs(section, size))
     n_pieces = _n_pieces(triangles)
@@ -169,7 +198,7 @@ def section_mesh(section: Section, options: SectionOptions) -> PolyMesh:
             "parts that share edges",
             "join them, or compute each piece alone",
         )
-    return triangles if options.method == "fem" else dual_section(triangles)
+    return triangles if method == "fem" else dual_section(triangles)
 
 
 def _along_arcs(section: Section, size: float) -> list[Refinement]:
@@ -183,13 +212,13 @@ def _along_arcs(section: Section, size: float) -> list[Refinement]:
         for arc in loop.segments
         if isinstance(arc, Arc)
     }
-    found = []
+    refinements = []
     for arc in arcs.values():
         chord = math.sqrt(8.0 * arc.radius * sagitta)
         if chord < _WORTHWHILE * size:
             n_chords = max(math.ceil(arc.length / chord), 2)
-            found.append(Refinement(arc.point(np.linspace(0.0, 1.0, n_chords + 1)), chord, _GROWTH))
-    return found
+            refinements.append(Refinement(arc.point(np.linspace(0.0, 1.0, n_chords + 1)), chord, _GROWTH))
+    return refinements
 
 
 def _n_pieces(mesh: PolyMesh) -> int:
@@ -199,19 +228,19 @@ def _n_pieces(mesh: PolyMesh) -> int:
     return int(sp.csgraph.connected_components(graph, directed=False)[0])
 
 
-def _poisson(drawn: DrawnSection, options: SectionOptions) -> tuple[float, list[str]]:
+def _poisson(drawn: DrawnSection, case: TorsionCase) -> tuple[float, list[str]]:
     """Return Poisson's ratio for the shear centre, and what to say about it."""
     ratios = {material.poisson for material in drawn.materials.values()}
-    if options.poisson is not None and ratios:
+    if case.poisson is not None and ratios:
         raise InputError(
-            f"--poisson {options.poisson:g} for a section with materials", "the materials' own", "leave it out"
+            f"poisson = {case.poisson:g} for a section with materials", "the materials' own", "leave it out"
         )
     if len(ratios) > 1:
         return 0.0, [
             "The materials have several Poisson's ratios: the shear centre is Trefftz's, and it and the warping "
             "constant are weighted by shear moduli."
         ]
-    return next(iter(ratios), options.poisson or 0.0), []
+    return next(iter(ratios), case.poisson or 0.0), []
 
 
 def _young_weights(drawn: DrawnSection) -> dict[str, float] | None:
@@ -238,7 +267,7 @@ def _corner_notices(drawn: DrawnSection) -> list[str]:
     ]
 
 
-def _summary(drawn: DrawnSection, options: SectionOptions, space: Space, constants: SectionConstants) -> dict[str, Any]:
+def _summary(drawn: DrawnSection, case: TorsionCase, space: Space, constants: SectionConstants) -> dict[str, Any]:
     """Return the numbers, with the section's unit in the keys."""
     unit, mesh = drawn.unit, space.mesh
     maximum, smallest = constants.principal_moments
@@ -259,13 +288,13 @@ def _summary(drawn: DrawnSection, options: SectionOptions, space: Space, constan
         "torsion_bounds_certain": constants.bounds_certain,
         f"shear_centre_{unit}": list(constants.shear_centre),
         f"shear_centre_trefftz_{unit}": list(constants.shear_centre_trefftz),
-        "poisson": options.poisson,
+        "poisson": case.poisson,
         f"warping_constant_{unit}6": constants.warping_constant,
         f"max_shear_stress_per_torque_per_{unit}3": _max_shear(drawn, constants),
         "mesh": {
-            "method": options.method,
-            "order": options.order,
-            f"size_{unit}": options.size,
+            "method": case.method,
+            "order": case.order,
+            f"size_{unit}": case.size,
             "cells": mesh.n_cells,
             "unknowns": space.n_dofs,
             f"area_{unit}2": float(mesh.cell_areas.sum()),
@@ -288,16 +317,16 @@ def _bending(drawn: DrawnSection, constants: SectionConstants) -> dict[str, dict
     """Return radii of gyration, and second moments over the distance of the outermost points on each side."""
     unit, (xx, yy, _) = drawn.unit, constants.second_moments
     radii = {"xx": math.sqrt(xx / constants.area), "yy": math.sqrt(yy / constants.area)}
-    found = {f"radii_of_gyration_{unit}": radii}
+    properties = {f"radii_of_gyration_{unit}": radii}
     if len(drawn.section.parts) == 1:  # of several materials each has a stress of its own
         low, high = np.abs(drawn.section.bounds() - constants.centroid).tolist()
-        found[f"section_moduli_{unit}3"] = {
+        properties[f"section_moduli_{unit}3"] = {
             "top": xx / high[1],
             "bottom": xx / low[1],
             "right": yy / high[0],
             "left": yy / low[0],
         }
-    return found
+    return properties
 
 
 def _angle_deg(angle_rad: float) -> float:
@@ -312,73 +341,3 @@ def _max_shear(drawn: DrawnSection, constants: SectionConstants) -> float | None
         return None
     stresses = corner_shear_stresses(constants.prandtl)
     return float(np.hypot(*stresses.T).max() / constants.prandtl.torsional_rigidity)
-
-
-@dataclass(frozen=True, kw_only=True)
-class TorsionSummary(Summary):
-    """What ``summary.json`` of a section under torsion holds: the keys of the section have its unit."""
-
-    section: dict[str, Any]
-
-    def to_dict(self) -> dict[str, Any]:
-        """See `Summary.to_dict`."""
-        content = super().to_dict()
-        return content.pop("section") | content
-
-
-@dataclass(frozen=True, eq=False)
-class TorsionRun(Result):
-    """A section under torsion."""
-
-    case: "TorsionCase"  # the inputs
-    section: SectionRun  # the section and its constants
-    status: Status  # how it ended
-    summary: TorsionSummary  # what ``summary.json`` holds
-
-    @property
-    def table(self) -> ResultTable:
-        """The constants."""
-        return self.section.table
-
-
-class TorsionCase(RunnableCase):
-    """Warping, shear stresses and the constants of a bundled section or of an outline."""
-
-    name: ClassVar[str] = "torsion"
-    title: ClassVar[str] = "A section under torsion: warping, shear stress, and all constants of the section"
-    essential: ClassVar[tuple[str, ...]] = ("section", "method", "order")
-
-    section: str = Field("136RE", description="136RE, 136RE-8, 136RE-14, 60E1, or an outline file .toml, .csv, .dxf")
-    unit: Literal["mm", "cm", "m", "in", "ft"] | None = Field(
-        None, description="unit of a file that does not name one; coordinates are not converted"
-    )
-    half: bool = Field(False, description="whether a CSV file contains one half only, to be mirrored about x = 0")
-    method: Literal["fem", "vem"] = Field("fem", description="fem is triangles, vem is polygons with virtual elements")
-    order: int = Field(2, ge=1, le=6, description="order of the elements; fem up to 3")
-    size: float | None = Field(
-        None, ge=1e-9, le=1e9, description="edge length in the section's unit (default: chosen from the section)"
-    )
-    poisson: float | None = Field(
-        None, ge=0.0, le=0.5, description="Poisson's ratio for the shear centre (default: Trefftz's shear centre)"
-    )
-
-    def check(self) -> None:
-        """See `RunnableCase.check`."""
-        find_section(self.section, unit=self.unit, mirrored=self.half)
-        self._options()
-
-    def run(self, progress: Progress = lambda _: None) -> TorsionRun:
-        """See `RunnableCase.run`."""
-        drawn = find_section(self.section, unit=self.unit, mirrored=self.half)
-        found = run_section(drawn, self._options(), progress)
-        status = Status(True, "both formulations of torsion are solved", 1)
-        summary = TorsionSummary(
-            status=StatusSummary(status.converged, status.message),
-            case={"name": self.name, **self.model_dump()},
-            timings_s=found.summary["timings_s"],
-            section=found.summary,
-        )
-        return TorsionRun(self, found, status, summary)
-
-    def _options(self) -> SectionOptions:
-        return SectionOptions(self.size, self.order, self.method, self.poisson)

@@ -41,27 +41,22 @@ DEPTHS = 3.0
 class SpatialBodyTable(BodyTable):
     """A prism along z, or a body of revolution, by its section in the plane z = 0."""
 
-    contact_edges: str | list[str] = Field(description="edge sets of its contact surface, one chain")
-    held_edges: str | list[str] | None = Field(None, description="edge sets that are held")
-    hold: str = Field("xyz", pattern="^[xyz]+$", description="held components, some of x, y, z")
-    foundation_edges: str | list[str] | None = Field(None, description="edge sets on an elastic foundation")
-    foundation_N_mm3: tuple[float, float, float] | None = Field(
-        None, description="pressure per displacement of the foundation along x, y and z", strict=False
-    )
-    axis_mm: Pair | None = Field(None, description="a point of the axis of a body of revolution (default: a prism)")
-    axis_rotation_deg: float = Field(0.0, description="angle of the axis from x, counter-clockwise")
-    yaw_deg: float = Field(0.0, ge=-45.0, le=45.0, description="rotation of the axis about y, from x towards z")
-
-
-class SpatialInputs(Case):
-    """Two bodies, one above the other, and the load that presses them together along y."""
-
-    force_kN: float | None = Field(None, gt=0.0, description="force on the upper body, downwards")
-    approach_mm: float | None = Field(None, gt=0.0, description="approach after first touch, instead of force_kN")
-    cell_mm: float | None = Field(None, gt=0.0, description="size of square cells (default: 26 across the patch)")
-    window_mm: Pair | None = Field(None, description="width and length along z of the grid, with cell_mm")
-    tolerance: float = Field(1e-3, gt=0.0, le=0.1, description="interpolation error of the compliances")
-    bodies: list[SpatialBodyTable] = Field(description="the lower body, then the upper one", min_length=2, max_length=2)
+    contact_edges: str | list[str]
+    """edge sets of its contact surface, one chain"""
+    held_edges: str | list[str] | None = None
+    """edge sets that are held"""
+    hold: str = Field("xyz", pattern="^[xyz]+$")
+    """held components, some of x, y, z"""
+    foundation_edges: str | list[str] | None = None
+    """edge sets on an elastic foundation"""
+    foundation_N_mm3: tuple[float, float, float] | None = Field(None, strict=False)
+    """pressure per displacement of the foundation along x, y and z"""
+    axis_mm: Pair | None = None
+    """a point of the axis of a body of revolution (default: a prism)"""
+    axis_rotation_deg: float = 0.0
+    """angle of the axis from x, counter-clockwise"""
+    yaw_deg: float = Field(0.0, ge=-45.0, le=45.0)
+    """rotation of the axis about y, from x towards z"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +80,7 @@ class SpatialRun(RunResult):
 
     """
 
-    main_table: ClassVar[str] = "patches"
+    main_table = "patches"
 
     case: Case
     timings_s: Mapping[str, float]
@@ -118,39 +113,12 @@ class SpatialRun(RunResult):
         }
 
 
-class SpatialRunCase(RunnableCase):
-    """A case of two bodies in three dimensions."""
+class SpatialCase(RunnableCase):
+    """Two bodies by their sections, one above the other; x to the right, y up, z along the prisms."""
 
-    def spatial(self) -> "SpatialCase":
-        """Return the same as a general case."""
-        raise NotImplementedError
-
-    def check(self) -> None:
-        """See `RunnableCase.check`; the bodies are meshed coarsely."""
-        self.spatial().coarse([])
-
-    def run(self, progress: Progress = lambda _: None) -> SpatialRun:
-        """See `RunnableCase.run`."""
-        start = time.perf_counter()
-        notices: list[str] = []
-        general = self.spatial()
-        found, meshed = general.pressed(notices, progress)
-        pressed = time.perf_counter()
-        lower, upper = (patch_stresses(found, which, progress=progress) for which in (0, 1))
-        patch = found.patches[0]
-        cell = min(found.pair.grid.strip, float(found.pair.grid.widths.min()))
-        depths: Floats = np.geomspace(0.25 * cell, DEPTHS * patch.semi_axes[0], 120)
-        profiles = depth_profile(lower, patch, depths), depth_profile(upper, patch, depths)
-        timings = {"meshing": meshed - start, "contact": pressed - meshed, "total": time.perf_counter() - start}
-        return SpatialRun(self, timings, found, (lower, upper), profiles, notices)
-
-
-class SpatialCase(SpatialInputs, SpatialRunCase):
-    """Two bodies by their sections; x to the right, y up, z along the prisms."""
-
-    name: ClassVar[str] = "spatial"
-    title: ClassVar[str] = "Two prisms or bodies of revolution in contact in three dimensions"
-    essential: ClassVar[tuple[str, ...]] = ("force_kN",)
+    name = "spatial"
+    title = "Two prisms or bodies of revolution in contact in three dimensions"
+    essential = ("force_kN",)
     example: ClassVar[Mapping[str, Any]] = {
         "force_kN": 30.0,
         "bodies": [
@@ -172,9 +140,51 @@ class SpatialCase(SpatialInputs, SpatialRunCase):
         ],
     }
 
-    def spatial(self) -> "SpatialCase":
-        """See `SpatialRunCase.spatial`."""
-        return self
+    force_kN: float | None = Field(None, gt=0.0)
+    """force on the upper body, downwards"""
+    approach_mm: float | None = Field(None, gt=0.0)
+    """approach after first touch, instead of force_kN"""
+    cell_mm: float | None = Field(None, gt=0.0)
+    """size of square cells (default: 26 across the patch)"""
+    window_mm: Pair | None = None
+    """width and length along z of the grid, with cell_mm"""
+    tolerance: float = Field(1e-3, gt=0.0, le=0.1)
+    """interpolation error of the compliances"""
+    bodies: list[SpatialBodyTable] = Field(min_length=2, max_length=2)
+    """the lower body, then the upper one"""
+
+    def check(self) -> None:
+        """See `RunnableCase.check`; the bodies are meshed coarsely."""
+        self.coarse([])
+
+    def run(self, progress: Progress = lambda _: None) -> SpatialRun:
+        """See `RunnableCase.run`; the meshes are fine at the patch."""
+        start = time.perf_counter()
+        notices: list[str] = []
+        progress("meshing the bodies")
+        bodies = self.coarse(notices)
+        force = None if self.force_kN is None else 1e3 * self.force_kN
+        grid = self._grid(bodies, force)
+        fine = [self._body(number, [], self._along(grid, bodies, number)) for number in (0, 1)]
+        meshed = time.perf_counter()
+        contact = press_patch(
+            fine[0],
+            fine[1],
+            force=force,
+            approach=self.approach_mm,
+            grid=None if self.cell_mm is None else self._grid(fine, force),
+            tolerance=self.tolerance,
+            progress=progress,
+            cache=Cache.of_user(),
+        )
+        pressed = time.perf_counter()
+        lower, upper = (patch_stresses(contact, which, progress=progress) for which in (0, 1))
+        patch = contact.patches[0]
+        cell = min(contact.pair.grid.strip, float(contact.pair.grid.widths.min()))
+        depths: Floats = np.geomspace(0.25 * cell, DEPTHS * patch.semi_axes[0], 120)
+        profiles = depth_profile(lower, patch, depths), depth_profile(upper, patch, depths)
+        timings = {"meshing": meshed - start, "contact": pressed - meshed, "total": time.perf_counter() - start}
+        return SpatialRun(self, timings, contact, (lower, upper), profiles, notices)
 
     def coarse(self, notices: list[str]) -> list[PatchBody]:
         """Bodies as they are without refinement at the patch, after all inputs are checked."""
@@ -184,27 +194,6 @@ class SpatialCase(SpatialInputs, SpatialRunCase):
         if (self.cell_mm is None) != (self.window_mm is None):
             raise InputError("one of cell_mm and window_mm", "both or none", "give both, or leave both out")
         return [self._body(number, notices) for number in (0, 1)]
-
-    def pressed(self, notices: list[str], progress: Progress) -> tuple[PatchContact, float]:
-        """Contact of the bodies on meshes that are fine at the patch, and when these were ready."""
-        progress("meshing the bodies")
-        bodies = self.coarse(notices)
-        force = None if self.force_kN is None else 1e3 * self.force_kN
-        grid = self._grid(bodies, force)
-        fine = [self._body(number, [], self._along(grid, bodies, number)) for number in (0, 1)]
-        meshed = time.perf_counter()
-        chosen = None if self.cell_mm is None else self._grid(fine, force)
-        found = press_patch(
-            fine[0],
-            fine[1],
-            force=force,
-            approach=self.approach_mm,
-            grid=chosen,
-            tolerance=self.tolerance,
-            progress=progress,
-            cache=Cache.of_user(),
-        )
-        return found, meshed
 
     def _grid(self, bodies: Sequence[PatchBody], force: float | None) -> PatchGrid:
         if self.cell_mm is not None and self.window_mm is not None:

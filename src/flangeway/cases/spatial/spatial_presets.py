@@ -1,25 +1,30 @@
 """Contacts in three dimensions that machines have: a crane wheel on a rail, a roller on a race, crossed cylinders."""
 
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
-from flangeway.cases.spatial.spatial_case import SpatialCase, SpatialRunCase
+from flangeway.cases.case import PresetCase
+from flangeway.cases.spatial.spatial_case import SpatialCase
 from flangeway.errors import InputError
 
 # ruff: noqa: N815 (units in names)
 
 
-class SpatialPreset(SpatialRunCase):
+class SpatialPreset(PresetCase):
     """Two steel bodies with a few inputs."""
 
-    young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus of both bodies")
-    poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio of both bodies")
-    method: Literal["fem", "vem"] = Field("fem", description="fem is triangles, vem is polygons with virtual elements")
-    order: int = Field(2, ge=1, le=2, description="order of the elements")
+    young_MPa: float = Field(210e3, gt=0.0)
+    """Young's modulus of both bodies"""
+    poisson: float = Field(0.3, gt=-1.0, lt=0.5)
+    """Poisson's ratio of both bodies"""
+    method: Literal["fem", "vem"] = "fem"
+    """fem is triangles, vem is polygons with virtual elements"""
+    order: int = Field(2, ge=1, le=2)
+    """order of the elements"""
 
-    def spatial(self) -> SpatialCase:
-        """See `SpatialRunCase.spatial`."""
+    def general(self) -> SpatialCase:
+        """See `PresetCase.general`."""
         own = {"young_MPa": self.young_MPa, "poisson": self.poisson, "method": self.method, "order": self.order}
         values = self.tables()
         return SpatialCase.from_values(values | {"bodies": [each | own for each in values["bodies"]]})
@@ -59,16 +64,22 @@ def _flat(name: str, width: float, height: float, *, up: bool) -> dict[str, Any]
 class CraneWheelCase(SpatialPreset):
     """A wheel with a cylindrical tread on a rail with a crowned head."""
 
-    name: ClassVar[str] = "crane-wheel"
-    title: ClassVar[str] = "A crane wheel on a crowned rail, in three dimensions"
-    essential: ClassVar[tuple[str, ...]] = ("force_kN", "wheel_radius_mm", "crown_radius_mm", "tread_width_mm")
+    name = "crane-wheel"
+    title = "A crane wheel on a crowned rail, in three dimensions"
+    essential = ("force_kN", "wheel_radius_mm", "crown_radius_mm", "tread_width_mm")
 
-    force_kN: float = Field(100.0, gt=0.0, description="wheel load")
-    wheel_radius_mm: float = Field(200.0, gt=0.0, description="radius of the tread")
-    crown_radius_mm: float = Field(400.0, gt=0.0, description="radius of the rail's head")
-    tread_width_mm: float = Field(75.0, gt=0.0, description="width of the tread and of the rail's head")
-    rim_mm: float = Field(50.0, gt=0.0, description="thickness of the rim, and height of the head, that are modelled")
-    yaw_deg: float = Field(0.0, ge=-5.0, le=5.0, description="skew of the wheel")
+    force_kN: float = Field(100.0, gt=0.0)
+    """wheel load"""
+    wheel_radius_mm: float = Field(200.0, gt=0.0)
+    """radius of the tread"""
+    crown_radius_mm: float = Field(400.0, gt=0.0)
+    """radius of the rail's head"""
+    tread_width_mm: float = Field(75.0, gt=0.0)
+    """width of the tread and of the rail's head"""
+    rim_mm: float = Field(50.0, gt=0.0)
+    """thickness of the rim, and height of the head, that are modelled"""
+    yaw_deg: float = Field(0.0, ge=-5.0, le=5.0)
+    """skew of the wheel"""
 
     def tables(self) -> dict[str, Any]:
         """See `SpatialPreset.tables`."""
@@ -81,17 +92,24 @@ class CraneWheelCase(SpatialPreset):
 class RollerCase(SpatialPreset):
     """A crowned roller of a bearing on the inner or the outer race."""
 
-    name: ClassVar[str] = "roller"
-    title: ClassVar[str] = "A crowned roller on the inner or outer race of a bearing, in three dimensions"
-    essential: ClassVar[tuple[str, ...]] = ("force_kN", "roller_radius_mm", "crown_radius_mm", "race_radius_mm", "race")
+    name = "roller"
+    title = "A crowned roller on the inner or outer race of a bearing, in three dimensions"
+    essential = ("force_kN", "roller_radius_mm", "crown_radius_mm", "race_radius_mm", "race")
 
-    force_kN: float = Field(5.0, gt=0.0, description="force on the roller")
-    roller_radius_mm: float = Field(10.0, gt=0.0, description="radius of the roller at its middle")
-    roller_length_mm: float = Field(20.0, gt=0.0, description="length of the roller, and width of the race")
-    crown_radius_mm: float = Field(100.0, gt=0.0, description="radius of the roller's crown")
-    race_radius_mm: float = Field(50.0, gt=0.0, description="radius of the race")
-    race: Literal["inner", "outer"] = Field("inner", description="inner race, convex, or outer race, hollow")
-    ring_mm: float = Field(10.0, gt=0.0, description="thickness of the ring")
+    force_kN: float = Field(5.0, gt=0.0)
+    """force on the roller"""
+    roller_radius_mm: float = Field(10.0, gt=0.0)
+    """radius of the roller at its middle"""
+    roller_length_mm: float = Field(20.0, gt=0.0)
+    """length of the roller, and width of the race"""
+    crown_radius_mm: float = Field(100.0, gt=0.0)
+    """radius of the roller's crown"""
+    race_radius_mm: float = Field(50.0, gt=0.0)
+    """radius of the race"""
+    race: Literal["inner", "outer"] = "inner"
+    """inner race, convex, or outer race, hollow"""
+    ring_mm: float = Field(10.0, gt=0.0)
+    """thickness of the ring"""
 
     def tables(self) -> dict[str, Any]:
         """See `SpatialPreset.tables`.
@@ -114,14 +132,18 @@ class RollerCase(SpatialPreset):
 class CrossedCylindersCase(SpatialPreset):
     """Two cylinders whose axes cross."""
 
-    name: ClassVar[str] = "crossed-cylinders"
-    title: ClassVar[str] = "Two cylinders whose axes cross at an angle, in three dimensions"
-    essential: ClassVar[tuple[str, ...]] = ("force_kN", "lower_radius_mm", "upper_radius_mm", "angle_deg")
+    name = "crossed-cylinders"
+    title = "Two cylinders whose axes cross at an angle, in three dimensions"
+    essential = ("force_kN", "lower_radius_mm", "upper_radius_mm", "angle_deg")
 
-    force_kN: float = Field(10.0, gt=0.0, description="force on the upper cylinder")
-    lower_radius_mm: float = Field(40.0, gt=0.0, description="radius of the lower cylinder, whose axis is z")
-    upper_radius_mm: float = Field(40.0, gt=0.0, description="radius of the upper cylinder")
-    angle_deg: float = Field(90.0, ge=45.0, le=90.0, description="angle between both axes")
+    force_kN: float = Field(10.0, gt=0.0)
+    """force on the upper cylinder"""
+    lower_radius_mm: float = Field(40.0, gt=0.0)
+    """radius of the lower cylinder, whose axis is z"""
+    upper_radius_mm: float = Field(40.0, gt=0.0)
+    """radius of the upper cylinder"""
+    angle_deg: float = Field(90.0, ge=45.0, le=90.0)
+    """angle between both axes"""
 
     def tables(self) -> dict[str, Any]:
         """See `SpatialPreset.tables`.

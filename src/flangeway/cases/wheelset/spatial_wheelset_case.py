@@ -2,11 +2,12 @@
 
 import time
 from collections.abc import Sequence
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.rolling.friction_inputs import MAX_FRICTION, FrictionInputs
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import ROLLING_KEYS, WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes
@@ -19,7 +20,6 @@ from flangeway.cases.wheelset.wheelset_quantities import (
 )
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.patch.contact_ellipse import PARABOLIC
-from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.theories import Theory
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
@@ -49,116 +49,85 @@ THEORIES: dict[Theory, str] = {
     "polach": "Polach's formula",
     "linear": "linear theory",
 }
-MAX_FRICTION = 1.0
-"""Upper bound of coefficients of friction: the driest steel on steel has 0.8, and shakedown limits end at 1."""
 
 
-class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
+class SpatialWheelsetCase(WheelsetInputs, FrictionInputs, RunnableCase):
     """A wheelset on two rails, by default in three dimensions on standard gauge."""
 
-    name: ClassVar[str] = "wheelset"
-    title: ClassVar[str] = "A wheelset on two rails in three dimensions"
-    essential: ClassVar[tuple[str, ...]] = (
+    name = "wheelset"
+    title = "A wheelset on two rails in three dimensions"
+    essential = (
         *("rail", "wheel", "gauge_mm", "rail_inclination", "wheel_radius_mm", "axle_load_kN"),
         *("superelevation_mm", "yaw_mrad"),
     )
 
-    model: Literal["spatial", "plane"] = Field(
-        "spatial", description="spatial: three dimensions; plane: a slice of thickness_mm in plane strain"
-    )
-    rail: str = Field(
-        "60E1", description="rail: 60E1, 60E2, 54E1, 49E1, 136RE, or a file that `flangeway profile` reads"
-    )
-    wheel: str = Field(
-        "S1002", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file"
-    )
-    gauge_mm: float = Field(1435.0, gt=0.0, description="distance between the rails' heads")
-    wheel_radius_mm: float = Field(
-        460.0, ge=150.0, description="distance from the axle to the position wheel_radius_at"
-    )
-    wheel_radius_at: Literal["flange-tip", "tape-line"] = Field(
-        "tape-line", description="where wheel_radius_mm is measured"
-    )
-    axle_load_kN: float = Field(200.0, gt=0.0, le=1e5, description="weight on the wheelset, pressing on the rails")
-    superelevation_base_mm: float | None = Field(
-        None, gt=0.0, description="width over which superelevation is measured (default: the gauge and 65 mm)"
-    )
-    yaw_mrad: float = Field(
-        0.0, ge=-200.0, le=200.0, description="yaw of the axle, positive where the right wheel is ahead"
-    )
-    lateral_mm: float | None = Field(
-        None, description="prescribed lateral position of the axle's middle in the track's axes (default: computed)"
-    )
-    vertical_mm: float | None = Field(None, description="prescribed vertical position (default: computed)")
-    roll_rad: float | None = Field(None, description="prescribed roll, counter-clockwise (default: computed)")
-    friction: float | None = Field(
-        None,
-        ge=0.0,
-        le=MAX_FRICTION,
-        description="coefficient of friction: the wheelset rolls at speed_km_h with creep forces (default, and 0: "
-        "without friction)",
-    )
-    kinetic_friction: float | None = Field(
-        None, ge=0.0, le=MAX_FRICTION, description="coefficient at high slip velocity (default: friction)"
-    )
-    friction_decay_m_per_s: float = Field(
-        0.0, ge=0.0, description="slip velocity in which the difference of both falls to 1/e"
-    )
-    flange_friction: float | None = Field(
-        None,
-        ge=0.0,
-        le=MAX_FRICTION,
-        description="coefficient on the gauge face, steeper than 45 degrees (default: friction)",
-    )
-    rolling_theory: Theory = Field(
-        "exact", description="creep forces: exact theory, fastsim, fastrip, polach or linear theory"
-    )
-    torque_kNm: float = Field(0.0, description="torque on the axle: positive drives, negative brakes, 0 rolls freely")
-    yaw_stiffness_kNm_per_mrad: float | None = Field(
-        None,
-        ge=0.0,
-        description="stiffness that guides the axle to yaw_mrad, 0: none; the yaw is then found (default: yaw_mrad "
-        "is prescribed)",
-    )
-    yaw_rate_mrad_per_s: float = Field(
-        0.0, description="yaw rate relative to the track, counter-clockwise from above; the curve adds its own"
-    )
-    lateral_velocity_mm_per_s: float = Field(0.0, description="velocity of the axle across the track, to the right")
-    rail_support: Literal["sleepers", "continuous", "fixed"] = Field(
-        "sleepers", description="what the rails stand on: sleepers, a continuous foundation, or fixed bases"
-    )
-    sleeper_spacing_mm: float = Field(
-        RailSupport.spacing_mm, ge=RailSupport.pad_length_mm, description="distance of the sleepers"
-    )
-    sleeper_position: float = Field(
-        RailSupport.position,
-        ge=0.0,
-        lt=1.0,
-        description="distance of the wheelset from the last sleeper over the spacing: 0 over it, 0.5 between two",
-    )
-    seat_vertical_kN_per_mm: float = Field(
-        RailSupport.vertical_kN_per_mm, gt=0.0, description="vertical stiffness of rail seat, sleeper and ballast"
-    )
-    seat_lateral_kN_per_mm: float = Field(RailSupport.lateral_kN_per_mm, gt=0.0, description="their lateral stiffness")
-    seat_longitudinal_kN_per_mm: float = Field(
-        RailSupport.longitudinal_kN_per_mm, gt=0.0, description="their longitudinal stiffness"
-    )
-    seat_roll_kNm_per_rad: float = Field(
-        RailSupport.roll_kNm_per_rad, gt=0.0, description="their stiffness against roll of the rail"
-    )
-    wheel_section: Literal["rim", "whole"] = Field(
-        "rim", description="rim held at its cut, or whole wheel with an assumed web and hub, held at the bore"
-    )
-    axle: Literal["elastic", "rigid"] = Field(
-        "elastic", description="elastic: an AAR class F axle that bends between its journals"
-    )
-    yield_MPa: float | None = Field(
-        None, gt=0.0, description="yield strength, for the shakedown position of patches (default: 510 MPa, rail steel)"
-    )
-    method: Method = Field("fem", description="fem is triangles, vem is polygons with virtual elements")
-    order: int = Field(2, ge=1, le=2, description="order of the elements")
-    size_scale: float = Field(1.0, ge=0.05, le=10.0, description="factor on all element sizes")
-    patch_cells: int = Field(PATCH_CELLS, ge=10, le=60, description="cells across each contact patch, and along it")
+    model: Literal["spatial", "plane"] = "spatial"
+    """spatial: three dimensions; plane: a slice of thickness_mm in plane strain"""
+    rail: str = "60E1"
+    """rail: 60E1, 60E2, 54E1, 49E1, 136RE, or a file that `flangeway profile` reads"""
+    wheel: str = "S1002"
+    """wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file"""
+    gauge_mm: float = Field(1435.0, gt=0.0)
+    """distance between the rails' heads"""
+    wheel_radius_mm: float = Field(460.0, ge=150.0)
+    """distance from the axle to the position wheel_radius_at"""
+    wheel_radius_at: Literal["flange-tip", "tape-line"] = "tape-line"
+    """where wheel_radius_mm is measured"""
+    axle_load_kN: float = Field(200.0, gt=0.0, le=1e5)
+    """weight on the wheelset, pressing on the rails"""
+    superelevation_base_mm: float | None = Field(None, gt=0.0)
+    """width over which superelevation is measured (default: the gauge and 65 mm)"""
+    yaw_mrad: float = Field(0.0, ge=-200.0, le=200.0)
+    """yaw of the axle, positive where the right wheel is ahead"""
+    lateral_mm: float | None = None
+    """prescribed lateral position of the axle's middle in the track's axes (default: computed)"""
+    vertical_mm: float | None = None
+    """prescribed vertical position (default: computed)"""
+    roll_rad: float | None = None
+    """prescribed roll, counter-clockwise (default: computed)"""
+    friction: float | None = Field(None, ge=0.0, le=MAX_FRICTION)
+    """coefficient of friction: the wheelset rolls at speed_km_h with creep forces (default, and 0: without
+    friction)"""
+    flange_friction: float | None = Field(None, ge=0.0, le=MAX_FRICTION)
+    """coefficient on the gauge face, steeper than 45 degrees (default: friction)"""
+    rolling_theory: Theory = "exact"
+    """creep forces: exact theory, fastsim, fastrip, polach or linear theory"""
+    torque_kNm: float = 0.0
+    """torque on the axle: positive drives, negative brakes, 0 rolls freely"""
+    yaw_stiffness_kNm_per_mrad: float | None = Field(None, ge=0.0)
+    """stiffness that guides the axle to yaw_mrad, 0: none; the yaw is then found (default: yaw_mrad is prescribed)"""
+    yaw_rate_mrad_per_s: float = 0.0
+    """yaw rate relative to the track, counter-clockwise from above; the curve adds its own"""
+    lateral_velocity_mm_per_s: float = 0.0
+    """velocity of the axle across the track, to the right"""
+    rail_support: Literal["sleepers", "continuous", "fixed"] = "sleepers"
+    """what the rails stand on: sleepers, a continuous foundation, or fixed bases"""
+    sleeper_spacing_mm: float = Field(RailSupport.spacing_mm, ge=RailSupport.pad_length_mm)
+    """distance of the sleepers"""
+    sleeper_position: float = Field(RailSupport.position, ge=0.0, lt=1.0)
+    """distance of the wheelset from the last sleeper over the spacing: 0 over it, 0.5 between two"""
+    seat_vertical_kN_per_mm: float = Field(RailSupport.vertical_kN_per_mm, gt=0.0)
+    """vertical stiffness of rail seat, sleeper and ballast"""
+    seat_lateral_kN_per_mm: float = Field(RailSupport.lateral_kN_per_mm, gt=0.0)
+    """their lateral stiffness"""
+    seat_longitudinal_kN_per_mm: float = Field(RailSupport.longitudinal_kN_per_mm, gt=0.0)
+    """their longitudinal stiffness"""
+    seat_roll_kNm_per_rad: float = Field(RailSupport.roll_kNm_per_rad, gt=0.0)
+    """their stiffness against roll of the rail"""
+    wheel_section: Literal["rim", "whole"] = "rim"
+    """rim held at its cut, or whole wheel with an assumed web and hub, held at the bore"""
+    axle: Literal["elastic", "rigid"] = "elastic"
+    """elastic: an AAR class F axle that bends between its journals"""
+    yield_MPa: float | None = Field(None, gt=0.0)
+    """yield strength, for the shakedown position of patches (default: 510 MPa, rail steel)"""
+    method: Method = "fem"
+    """fem is triangles, vem is polygons with virtual elements"""
+    order: int = Field(2, ge=1, le=2)
+    """order of the elements"""
+    size_scale: float = Field(1.0, ge=0.05, le=10.0)
+    """factor on all element sizes"""
+    patch_cells: int = Field(PATCH_CELLS, ge=10, le=60)
+    """cells across each contact patch, and along it"""
 
     def check(self) -> None:
         """See `RunnableCase.check`."""
@@ -296,12 +265,10 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
                 "a speed above 0: creep forces are those of rolling",
                 "give speed_km_h, or leave friction out",
             )
-        if self.kinetic_friction is None:
-            self.refuse_without_effect(["friction_decay_m_per_s"], "kinetic_friction", "a coefficient below friction")
         stiffness = self.yaw_stiffness_kNm_per_mrad
         return RollingMotion(
             self.speed_km_h / 3.6,
-            Friction(self.friction, self.kinetic_friction, self.friction_decay_m_per_s),
+            self.friction_law(self.friction, self.rolling_theory),
             self.flange_friction,
             self.curve_radius_m,
             1e-3 * self.yaw_rate_mrad_per_s,
@@ -382,7 +349,7 @@ def wheelset(**inputs: Any) -> WheelsetRun:
     Returns
     -------
     WheelsetRun
-        What it found, which shows itself in a notebook.
+        The result, which shows itself in a notebook.
 
     Raises
     ------

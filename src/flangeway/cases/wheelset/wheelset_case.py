@@ -2,7 +2,7 @@
 
 import time
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -44,69 +44,63 @@ MIN_TOGETHER = 12
 class WheelsetCase(WheelsetInputs, RunnableCase):
     """A wheelset on two rails (Moherdaui 2021, 7.2.1); subclasses are situations with defaults of their own."""
 
-    essential: ClassVar[tuple[str, ...]] = (
+    essential = (
         *("rail", "wheel", "gauge_mm", "wheel_radius_mm", "axle_load_kN"),
         *("method", "order", "size_scale"),
     )
 
-    lateral_mm: float | None = Field(
-        None, description="prescribed lateral position of the axle's middle in the track's axes (default: computed)"
-    )
-    vertical_mm: float | None = Field(None, description="prescribed vertical position (default: computed)")
-    roll_rad: float | None = Field(None, description="prescribed roll, counter-clockwise (default: computed)")
-    wheel_young_MPa: float | None = Field(
-        None, gt=0.0, description="Young's modulus of the wheels (default: young_MPa)"
-    )
-    wheel_poisson: float | None = Field(
-        None, gt=-1.0, lt=0.5, description="Poisson's ratio of the wheels (default: poisson)"
-    )
-    rail_young_MPa: float | None = Field(None, gt=0.0, description="Young's modulus of the rails (default: young_MPa)")
-    rail_poisson: float | None = Field(
-        None, gt=-1.0, lt=0.5, description="Poisson's ratio of the rails (default: poisson)"
-    )
-    yield_MPa: float | None = Field(
-        None, gt=0.0, description="yield strength, for a warning (default: 510 MPa, rail steel)"
-    )
-    method: Method = Field(Discretisation.method, description="fem is triangles, vem is polygons with virtual elements")
-    order: int = Field(Discretisation.order, ge=1, le=2, description="order of the elements: FO2 is fem of order 2")
-    wheel_method: Method | None = Field(None, description="method of the wheels (default: method)")
-    rail_method: Method | None = Field(None, description="method of the rails (default: method)")
-    wheel_order: int | None = Field(
-        None, ge=1, le=2, description="order of the elements of the wheels (default: order)"
-    )
-    rail_order: int | None = Field(None, ge=1, le=2, description="order of the elements of the rails (default: order)")
-    size_scale: float = Field(Discretisation.size_scale, ge=0.05, le=20.0, description="factor on all element sizes")
-    contact_size_mm: float = Field(
-        Discretisation.contact_size_mm, gt=0.0, description="element size in contact, doubled for order 2"
-    )
-    wheel_contact_size_mm: float | None = Field(
-        None, gt=0.0, description="element size of the wheels in contact (default: contact_size_mm)"
-    )
-    rail_contact_size_mm: float | None = Field(
-        None, gt=0.0, description="element size of the rails in contact (default: contact_size_mm)"
-    )
-    body_size_mm: float = Field(
-        Discretisation.body_size_mm, gt=0.0, description="element size elsewhere, doubled for order 2"
-    )
-    growth: float = Field(Discretisation.growth, gt=0.0, le=1.0, description="growth of the element size per distance")
-    pairing: PairingName = Field(Discretisation.pairing, description="contact discretisation")
-    enforcement: EnforcementName = Field(Discretisation.enforcement, description="constraint enforcement")
-    penalty_factor: float = Field(
-        Discretisation.penalty_factor,
-        gt=0.0,
-        description="penalty (pressure per penetration) over the contact modulus per mm",
-    )
-    nodal_penalty_N_per_mm: float | None = Field(
-        None,
-        gt=0.0,
-        description="penalty of node-to-segment as force per penetration at a node (default: from penalty_factor)",
-    )
-    penetration_mm: float = Field(
-        Discretisation.penetration_mm, gt=0.0, description="tolerated penetration of augmented-lagrange"
-    )
-    primary: Choice = Field(
-        Discretisation.primary, description="primary surface; auto: chosen, and the reason is reported"
-    )
+    lateral_mm: float | None = None
+    """prescribed lateral position of the axle's middle in the track's axes (default: computed)"""
+    vertical_mm: float | None = None
+    """prescribed vertical position (default: computed)"""
+    roll_rad: float | None = None
+    """prescribed roll, counter-clockwise (default: computed)"""
+    wheel_young_MPa: float | None = Field(None, gt=0.0)
+    """Young's modulus of the wheels (default: young_MPa)"""
+    wheel_poisson: float | None = Field(None, gt=-1.0, lt=0.5)
+    """Poisson's ratio of the wheels (default: poisson)"""
+    rail_young_MPa: float | None = Field(None, gt=0.0)
+    """Young's modulus of the rails (default: young_MPa)"""
+    rail_poisson: float | None = Field(None, gt=-1.0, lt=0.5)
+    """Poisson's ratio of the rails (default: poisson)"""
+    yield_MPa: float | None = Field(None, gt=0.0)
+    """yield strength, for a warning (default: 510 MPa, rail steel)"""
+    method: Method = Discretisation.method
+    """fem is triangles, vem is polygons with virtual elements"""
+    order: int = Field(Discretisation.order, ge=1, le=2)
+    """order of the elements: FO2 is fem of order 2"""
+    wheel_method: Method | None = None
+    """method of the wheels (default: method)"""
+    rail_method: Method | None = None
+    """method of the rails (default: method)"""
+    wheel_order: int | None = Field(None, ge=1, le=2)
+    """order of the elements of the wheels (default: order)"""
+    rail_order: int | None = Field(None, ge=1, le=2)
+    """order of the elements of the rails (default: order)"""
+    size_scale: float = Field(Discretisation.size_scale, ge=0.05, le=20.0)
+    """factor on all element sizes"""
+    contact_size_mm: float = Field(Discretisation.contact_size_mm, gt=0.0)
+    """element size in contact, doubled for order 2"""
+    wheel_contact_size_mm: float | None = Field(None, gt=0.0)
+    """element size of the wheels in contact (default: contact_size_mm)"""
+    rail_contact_size_mm: float | None = Field(None, gt=0.0)
+    """element size of the rails in contact (default: contact_size_mm)"""
+    body_size_mm: float = Field(Discretisation.body_size_mm, gt=0.0)
+    """element size elsewhere, doubled for order 2"""
+    growth: float = Field(Discretisation.growth, gt=0.0, le=1.0)
+    """growth of the element size per distance"""
+    pairing: PairingName = Discretisation.pairing
+    """contact discretisation"""
+    enforcement: EnforcementName = Discretisation.enforcement
+    """constraint enforcement"""
+    penalty_factor: float = Field(Discretisation.penalty_factor, gt=0.0)
+    """penalty (pressure per penetration) over the contact modulus per mm"""
+    nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0)
+    """penalty of node-to-segment as force per penetration at a node (default: from penalty_factor)"""
+    penetration_mm: float = Field(Discretisation.penetration_mm, gt=0.0)
+    """tolerated penetration of augmented-lagrange"""
+    primary: Choice = Discretisation.primary
+    """primary surface; auto: chosen, and the reason is reported"""
 
     def check(self) -> None:
         """See `RunnableCase.check`."""
@@ -199,25 +193,21 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
 class WheelsetTangentCase(WheelsetCase):
     """A wheelset on two rails under the weight of the car (Moherdaui 2021, 7.2.1, Figure 90a)."""
 
-    name: ClassVar[str] = "wheelset-tangent"
-    title: ClassVar[str] = "A wheelset on two rails of straight, level track"
+    name = "wheelset-tangent"
+    title = "A wheelset on two rails of straight, level track"
 
 
 class WheelsetCurveCase(WheelsetCase):
     """A wheelset in a curve to the left, radius 400 m at 70 km/h, superelevation 3 cm (Moherdaui 2021, Figure 90b)."""
 
-    name: ClassVar[str] = "wheelset-curve"
-    title: ClassVar[str] = "A wheelset in a curve, pressed against the outer rail"
+    name = "wheelset-curve"
+    title = "A wheelset in a curve, pressed against the outer rail"
 
-    lateral_force_kN: float = Field(
-        28.4,
-        description="horizontal force at the centre of gravity, to the right: centrifugal force of 400 m at 70 km/h",
-    )
-    superelevation_mm: float | Literal["from-speed"] = Field(
-        30.0,
-        description="height of the right rail over the left one (default: that of the outer rail); "
-        "from-speed: equilibrium superelevation of speed and radius",
-    )
+    lateral_force_kN: float = 28.4
+    """horizontal force at the centre of gravity, to the right: centrifugal force of 400 m at 70 km/h"""
+    superelevation_mm: float | Literal["from-speed"] = 30.0
+    """height of the right rail over the left one (default: that of the outer rail); from-speed: equilibrium
+    superelevation of speed and radius"""
 
 
 MAX_APPROACH_CHANGE = 0.02
@@ -280,7 +270,7 @@ class Convergence:
     def to_json(self) -> dict[str, Any]:
         """What ``converge.json`` holds."""
         keys = ("status", "position", "residual", "patches", "bodies", "timings_s")
-        summaries = [run.summary.to_dict() for run in self.runs]
+        summaries = [run.summary for run in self.runs]
         runs = [{"size_scale": s["case"]["size_scale"]} | {key: s[key] for key in keys} for s in summaries]
         return {
             "within": self.within,

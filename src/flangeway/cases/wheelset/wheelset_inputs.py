@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 
 from flangeway.cases.case import Case
+from flangeway.cases.rolling.friction_inputs import FRICTION_KEYS
 from flangeway.cases.wheelset.wheelset_profiles import position_key, rail_named, wheel_named
 from flangeway.cases.wheelset.wheelset_quantities import MOTION, PLANE_PATCH_ROW, PLANE_ROW, WheelResult, row_columns
 from flangeway.errors import InputError
@@ -36,7 +37,7 @@ CURVE_KEYS = (
     "superelevation_base_mm",
 )
 ROLLING_KEYS = (
-    *("kinetic_friction", "friction_decay_m_per_s", "flange_friction", "rolling_theory", "torque_kNm"),
+    *(*FRICTION_KEYS, "flange_friction", "rolling_theory", "torque_kNm"),
     *("yaw_stiffness_kNm_per_mrad", "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"),
 )
 """POSITION_KEYS, CURVE_KEYS, ROLLING_KEYS: inputs that leave the bodies as they are: of the position and its load, of
@@ -46,117 +47,95 @@ the forces of a curve, and those that have an effect with friction only."""
 class WheelsetInputs(Case):
     """Profiles, measures, load and material of a wheelset on two rails."""
 
-    rail: str = Field(
-        "136RE", description="rail: 136RE, 60E1, 60E2, 54E1, 49E1, S-519-A, or a file that `flangeway profile` reads"
-    )
-    crown_radius_in: float | None = Field(
-        None, gt=0.0, description="radius of the crown of a 136RE: 8, 10 or 14 in (default: 10)"
-    )
-    wheel: str = Field(
-        "AAR-1B",
-        description="wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file",
-    )
-    left_rail: str | None = Field(None, description="rail of the left side, a name or a file (default: rail)")
-    left_wheel: str | None = Field(None, description="wheel of the left side, a name or a file (default: wheel)")
-    rail_unit: LengthUnit | None = Field(
-        None, description="unit of the rail's file, if the file does not name one (default: mm)"
-    )
-    rail_mirror: bool | None = Field(
-        None,
-        description="whether the rail's file contains a left-hand rail, to be mirrored (default: by its worn side)",
-    )
-    wheel_unit: LengthUnit | None = Field(
-        None, description="unit of the wheel's file, if the file does not name one (default: mm)"
-    )
-    wheel_mirror: bool = Field(False, description="whether the wheel's file contains a left-hand wheel, to be mirrored")
-    wheel_tape_mm: float | None = Field(
-        None,
-        ge=40.0,
-        le=110.0,
-        description="tape line from the flange's back (default: from the file, else measured, else 70)",
-    )
-    left_rail_unit: LengthUnit | None = Field(None, description="rail_unit of left_rail")
-    left_rail_mirror: bool | None = Field(None, description="rail_mirror of left_rail")
-    left_wheel_unit: LengthUnit | None = Field(None, description="wheel_unit of left_wheel")
-    left_wheel_mirror: bool = Field(False, description="wheel_mirror of left_wheel")
-    left_wheel_tape_mm: float | None = Field(None, ge=40.0, le=110.0, description="wheel_tape_mm of left_wheel")
-    rail_position_mm: float | None = Field(None, description="section of a rail in a .slcs file, along the track")
-    wheel_angle_deg: float | None = Field(None, description="section of a wheel in a .slcw file, around the axle")
-    left_rail_position_mm: float | None = Field(None, description="rail_position_mm of left_rail")
-    left_wheel_angle_deg: float | None = Field(None, description="wheel_angle_deg of left_wheel")
-    rail_body: str | None = Field(
-        None,
-        description="bundled rail with web and foot for a file's head, or plain (default: that of the other side, else "
-        "the nearest)",
-    )
-    wheel_body: str | None = Field(
-        None,
-        description="bundled wheel with the rim for a file's running surface, or plain (default: as for rail_body)",
-    )
-    gauge_mm: float = Field(Track.gauge_mm, gt=0.0, description="distance between the rails' heads")
-    gauge_depth_mm: float | None = Field(
-        None,
-        gt=0.0,
-        description="depth below the tops above which the gauge is measured (default: at the closest points)",
-    )
-    rail_inclination: float = Field(
-        Track.rail_inclination, ge=-0.2, le=0.2, description="inclination of the rails as a slope; 1:40 is 0.025"
-    )
+    rail: str = "136RE"
+    """rail: 136RE, 60E1, 60E2, 54E1, 49E1, S-519-A, or a file that `flangeway profile` reads"""
+    crown_radius_in: float | None = Field(None, gt=0.0)
+    """radius of the crown of a 136RE: 8, 10 or 14 in (default: 10)"""
+    wheel: str = "AAR-1B"
+    """wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file"""
+    left_rail: str | None = None
+    """rail of the left side, a name or a file (default: rail)"""
+    left_wheel: str | None = None
+    """wheel of the left side, a name or a file (default: wheel)"""
+    rail_unit: LengthUnit | None = None
+    """unit of the rail's file, if the file does not name one (default: mm)"""
+    rail_mirror: bool | None = None
+    """whether the rail's file contains a left-hand rail, to be mirrored (default: by its worn side)"""
+    wheel_unit: LengthUnit | None = None
+    """unit of the wheel's file, if the file does not name one (default: mm)"""
+    wheel_mirror: bool = False
+    """whether the wheel's file contains a left-hand wheel, to be mirrored"""
+    wheel_tape_mm: float | None = Field(None, ge=40.0, le=110.0)
+    """tape line from the flange's back (default: from the file, else measured, else 70)"""
+    left_rail_unit: LengthUnit | None = None
+    """rail_unit of left_rail"""
+    left_rail_mirror: bool | None = None
+    """rail_mirror of left_rail"""
+    left_wheel_unit: LengthUnit | None = None
+    """wheel_unit of left_wheel"""
+    left_wheel_mirror: bool = False
+    """wheel_mirror of left_wheel"""
+    left_wheel_tape_mm: float | None = Field(None, ge=40.0, le=110.0)
+    """wheel_tape_mm of left_wheel"""
+    rail_position_mm: float | None = None
+    """section of a rail in a .slcs file, along the track"""
+    wheel_angle_deg: float | None = None
+    """section of a wheel in a .slcw file, around the axle"""
+    left_rail_position_mm: float | None = None
+    """rail_position_mm of left_rail"""
+    left_wheel_angle_deg: float | None = None
+    """wheel_angle_deg of left_wheel"""
+    rail_body: str | None = None
+    """bundled rail with web and foot for a file's head, or plain (default: that of the other side, else the
+    nearest)"""
+    wheel_body: str | None = None
+    """bundled wheel with the rim for a file's running surface, or plain (default: as for rail_body)"""
+    gauge_mm: float = Field(Track.gauge_mm, gt=0.0)
+    """distance between the rails' heads"""
+    gauge_depth_mm: float | None = Field(None, gt=0.0)
+    """depth below the tops above which the gauge is measured (default: at the closest points)"""
+    rail_inclination: float = Field(Track.rail_inclination, ge=-0.2, le=0.2)
+    """inclination of the rails as a slope; 1:40 is 0.025"""
     back_to_back_mm: float | None = Field(
         None,
         gt=0.0,
         description="distance between the wheels' inner faces (default by gauge): "
         + ", ".join(f"{each.back_to_back_mm:g} for {each.gauge_mm:g}" for each in USUAL_GAUGES),
     )
-    wheel_radius_mm: float = Field(
-        Wheelset.radius_mm, ge=150.0, description="distance from the axle to the position wheel_radius_at"
-    )
-    wheel_radius_at: Literal["flange-tip", "tape-line"] = Field(
-        "flange-tip", description="where wheel_radius_mm is measured"
-    )
-    left_wheel_radius_mm: float | None = Field(
-        None,
-        ge=150.0,
-        description="radius of the left wheel at wheel_radius_at (default: the same radius at the tape line)",
-    )
-    centre_of_gravity_height_mm: float = Field(
-        Wheelset.centre_of_gravity_height_mm, description="height of the car's centre of gravity above the axle"
-    )
-    axle_load_kN: float = Field(300.0, gt=0.0, le=1e5, description="weight on the wheelset, pressing on the rails")
-    car_mass_t: float | None = Field(
-        None, gt=0.0, description="mass of the car, shared by n_axles, instead of axle_load_kN"
-    )
-    n_axles: int = Field(N_AXLES, ge=1, description="wheelsets that share car_mass_t")
-    lateral_force_kN: float = Field(
-        0.0,
-        description="horizontal force at the centre of gravity, to the right: centrifugal force of a curve to the left",
-    )
-    speed_km_h: float | None = Field(
-        None, ge=0.0, description="speed; with curve_radius_m it gives the centrifugal force for lateral_force_kN"
-    )
-    curve_radius_m: float | None = Field(
-        None, description="radius of the curve, positive to the left, negative to the right; needs speed_km_h"
-    )
-    superelevation_mm: float | Literal["from-speed"] = Field(
-        0.0,
-        description="height of the outer rail of the curve over the inner one, negative: adverse cant; without "
-        "curve_radius_m of the right rail over the left one; from-speed: equilibrium superelevation of speed and "
-        "radius",
-    )
-    cant_deficiency_mm: float = Field(
-        0.0, ge=0.0, description="equilibrium superelevation less the superelevation from-speed"
-    )
-    superelevation_base_mm: float | None = Field(
-        None,
-        gt=0.0,
-        description="width over which superelevation is measured, 1500 mm between the running circles on standard "
-        "gauge (default: the gauge)",
-    )
-    thickness_mm: float = Field(
-        WheelsetProblem.thickness_mm, gt=0.0, description="length of the bodies along the track"
-    )
-    young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus of wheels and rails")
-    poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio of wheels and rails")
+    wheel_radius_mm: float = Field(Wheelset.radius_mm, ge=150.0)
+    """distance from the axle to the position wheel_radius_at"""
+    wheel_radius_at: Literal["flange-tip", "tape-line"] = "flange-tip"
+    """where wheel_radius_mm is measured"""
+    left_wheel_radius_mm: float | None = Field(None, ge=150.0)
+    """radius of the left wheel at wheel_radius_at (default: the same radius at the tape line)"""
+    centre_of_gravity_height_mm: float = Wheelset.centre_of_gravity_height_mm
+    """height of the car's centre of gravity above the axle"""
+    axle_load_kN: float = Field(300.0, gt=0.0, le=1e5)
+    """weight on the wheelset, pressing on the rails"""
+    car_mass_t: float | None = Field(None, gt=0.0)
+    """mass of the car, shared by n_axles, instead of axle_load_kN"""
+    n_axles: int = Field(N_AXLES, ge=1)
+    """wheelsets that share car_mass_t"""
+    lateral_force_kN: float = 0.0
+    """horizontal force at the centre of gravity, to the right: centrifugal force of a curve to the left"""
+    speed_km_h: float | None = Field(None, ge=0.0)
+    """speed; with curve_radius_m it gives the centrifugal force for lateral_force_kN"""
+    curve_radius_m: float | None = None
+    """radius of the curve, positive to the left, negative to the right; needs speed_km_h"""
+    superelevation_mm: float | Literal["from-speed"] = 0.0
+    """height of the outer rail of the curve over the inner one, negative: adverse cant; without curve_radius_m of
+    the right rail over the left one; from-speed: equilibrium superelevation of speed and radius"""
+    cant_deficiency_mm: float = Field(0.0, ge=0.0)
+    """equilibrium superelevation less the superelevation from-speed"""
+    superelevation_base_mm: float | None = Field(None, gt=0.0)
+    """width over which superelevation is measured, 1500 mm between the running circles on standard gauge (default:
+    the gauge)"""
+    thickness_mm: float = Field(WheelsetProblem.thickness_mm, gt=0.0)
+    """length of the bodies along the track"""
+    young_MPa: float = Field(210e3, gt=0.0)
+    """Young's modulus of wheels and rails"""
+    poisson: float = Field(0.3, gt=-1.0, lt=0.5)
+    """Poisson's ratio of wheels and rails"""
 
     position_keys: ClassVar[tuple[str, ...]] = (*POSITION_KEYS, *CURVE_KEYS, "yaw_mrad", "friction", *ROLLING_KEYS)
 
@@ -189,8 +168,8 @@ class WheelsetInputs(Case):
         for wheel in run.wheels:
             ordered = sorted(wheel.patches, key=lambda patch: -float(patch.patch.rail_point_mm[0]))
             for number, patch in enumerate(ordered, 1):
-                found = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
-                rows.append({"side": wheel.side, "number": number} | found)
+                row = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
+                rows.append({"side": wheel.side, "number": number} | row)
         return rows
 
     def warnings_of(self, run: Any) -> list[str]:

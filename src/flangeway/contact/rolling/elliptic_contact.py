@@ -1,11 +1,12 @@
 """What fast theories take of a patch: an ellipse, and creepages in Kalker's axes."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 
 from flangeway.contact.rolling.creep_coefficients import CreepCoefficients, creep_coefficients
 from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.friction import SlopeReduction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.errors import InputError
 from flangeway.types import Floats
@@ -34,6 +35,8 @@ class EllipticContact:
         Of rolling along z.
     centre
         Length s and z of the centre of pressure from the patch's origin.
+    slope, slipping_friction
+        Reduction of the initial slope of creep forces, and the mean coefficient at the rigid slip.
 
     """
 
@@ -48,6 +51,8 @@ class EllipticContact:
     phi: float
     direction: float
     centre: tuple[float, float]
+    slope: SlopeReduction
+    slipping_friction: float
 
     @classmethod
     def of(cls, contact: RollingContact, motion: Creepages) -> "EllipticContact":
@@ -72,21 +77,43 @@ class EllipticContact:
         s0, z0 = float(rows @ s) / total, float(strips @ z) / total
         a = float(np.sqrt(5.0 * (strips @ (z - z0) ** 2 / total + contact.grid.strip**2 / 12.0)))
         b = float(np.sqrt(5.0 * (rows @ ((s - s0) ** 2 + contact.grid.widths**2 / 12.0) / total)))
-        static = np.broadcast_to(contact.friction.limits[0], rows.shape)
+        static, kinetic = (float(np.broadcast_to(each, rows.shape) @ rows) / total for each in contact.friction.limits)
         mean = motion.mean(s, rows / total)
         along, across, spin = float(mean.along), float(mean.across), float(mean.spin)
         flexible = [(1.0 + each.poisson) / each.young for each in contact.materials]  # 1 / (2 G)
         poisson = sum(part * each.poisson for part, each in zip(flexible, contact.materials, strict=True))
         direction = float(np.sign(motion.speed))
         return cls(
-            a, b, total, float(static @ rows) / total, 1.0 / sum(flexible), poisson / sum(flexible),
+            a, b, total, static, 1.0 / sum(flexible), poisson / sum(flexible),
             direction * (along + spin * s0), direction * (across - spin * z0), -spin, direction,
-            (s0, z0),
+            (s0, z0), contact.friction.slope,
+            kinetic + (static - kinetic) * float(contact.friction.share(abs(motion.speed) * np.hypot(along, across))),
         )  # fmt: skip
 
     @property
     def coefficients(self) -> CreepCoefficients:
-        """Creep coefficients."""
+        """Creep coefficients, times the factor of the slope."""
+        unreduced, factor = self._unreduced, self.slope_factor
+        return CreepCoefficients(*(factor * each for each in astuple(unreduced)))
+
+    @property
+    def slope_factor(self) -> float:
+        """Factor of `slope` at these creepages; 1 without friction."""
+        limit, c = self.slipping_friction * self.force, self._unreduced
+        if limit == 0.0:
+            return 1.0
+        # pi G a b c s / (4 mu N) with c by the direction of the creepage, and the initial reduction
+        steepness = self.slope.initial * float(np.hypot(c.c11 * self.xi, c.c22 * self.lateral))
+        return self.slope.factor(np.pi * self.unit * steepness / (4.0 * limit))
+
+    @property
+    def lateral(self) -> float:
+        """Polach's lateral creepage: with that of the spin at the leading end, where it is larger."""
+        with_spin = self.eta + self.phi * self.along
+        return with_spin if abs(with_spin) > abs(self.eta) else self.eta
+
+    @property
+    def _unreduced(self) -> CreepCoefficients:
         return creep_coefficients(self.along / self.across, self.poisson)
 
     @property

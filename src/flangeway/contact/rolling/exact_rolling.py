@@ -9,6 +9,8 @@ import numpy as np
 
 from flangeway.checks import check_finite, check_positive
 from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.elliptic_contact import EllipticContact
+from flangeway.contact.rolling.falling_limits import FallingLimits
 from flangeway.contact.rolling.friction_solver import ROUND_OFF, FrictionProblem, FrictionState
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
@@ -25,11 +27,6 @@ FORCE_ERROR, FINER = 1e-6, 1e-3
 """Error of a prescribed force over the limit of friction, and the finer tolerance of the law of friction for it."""
 FLAT = 1e-9
 """Change of a force by its creepage, over that of cells by themselves, that is none: everything slips."""
-LIMIT_CHANGE = 1e-5
-"""Change of the limits by the slip velocity, over the limits, at which their iteration ends."""
-MIXED, MIXED_EACH, MIXED_PART = 8, 3, 1e-8
-"""Changes of the limits of which the next ones are mixed, the turns of which one is, and the smallest change, over the
-largest, that is not taken as dependent on others."""
 PRESSURE_CHANGE = 1e-5
 """Change of the normal forces by tangential ones, over their sum, at which the iteration of both ends."""
 
@@ -99,6 +96,12 @@ def roll(
     if len(differences) not in (2, 3) or abs(sum(differences)) > ROUND_OFF:
         raise InputError(
             f"differences={differences}", "STEADY or FIRST: two or three weights of sum 0", "take one of them"
+        )
+    if contact.friction.by_temperature and not (motion.rolls and before is None):
+        raise InputError(
+            "friction that falls with temperature in a shift, or from a state before",
+            "steady rolling: temperatures are those of surfaces that have gone on in the same way",
+            "leave the state before out, or let friction fall with the slip velocity",
         )
     for name, force in (("force_along", force_along), ("force_across", force_across)):
         if force is not None:
@@ -173,8 +176,9 @@ def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Fl
     step = _Step(found.contact, found.motion, None, found.contact)
     rows, strips = step.inside
     by_slip, by_limits = found.problem.adjoint(found.state, step.turned(values)[rows, :, strips], tolerance)
+    by_slip *= step.slope(found.motion)
     pressing = step.cells(found.contact.normal_forces)
-    by_normal = by_limits * found.problem.limits / np.where(pressing > 0.0, pressing, 1.0)
+    by_normal = by_limits * found.state.limits / np.where(pressing > 0.0, pressing, 1.0)
     by_normal = step.outside(np.stack((by_normal, by_normal), axis=1))[:, 0]
     if found.contact.coupled:  # normal forces move the surfaces along t and z: by reciprocity these the normals
         forces = np.zeros((len(by_normal), 2, by_normal.shape[1] + 2 * BEYOND))
@@ -324,7 +328,7 @@ class _Step:
                 found = self.result(motion.moved(*shift), problem, state, status)
                 if error <= FORCE_ERROR:
                     return found
-                step = self._newton(problem, state, unknown, missing)
+                step = self._newton(problem, state, unknown, missing) / self.slope(motion.moved(*shift))
             else:
                 step = step / 2.0 if len(unknown) > 1 else np.array([np.inf])
             change = base + step
@@ -351,50 +355,45 @@ class _Step:
         """Forces at creepages, and at limits that may fall with the slip velocity."""
         rows, strips = self.inside
         friction, pressing = self.contact.friction, self.cells(self.contact.normal_forces)
-        static = friction.limits[0][:, None]
-        rigid = self.rigid(motion.along, motion.across, motion.spin) + self.known_slip
+        rigid = self.slope(motion) * (self.rigid(motion.along, motion.across, motion.spin) + self.known_slip)
         operator = self.contact.operator(self.weights if self.steady else self.weights[:1])
         forces = None if start is None else self.turned(start)[rows, :, strips]
-        highest, lowest = (
-            np.broadcast_to(each[:, None], self.contact.pressures.shape)[rows, strips] for each in friction.limits
-        )
-        coefficients: Floats = highest
-        tried, moved = list[Floats](), list[Floats]()
-        change, turn = np.inf, 0
-        while change > LIMIT_CHANGE and turn < MOST_TURNS:
-            turn += 1
-            problem = FrictionProblem(operator, rigid, coefficients * pressing)
-            state, status = problem.solve(forces, tolerance)
-            if friction.constant:
-                return problem, state, status
-            forces = state.forces
-            slipping = np.linalg.norm(state.slips, axis=1) * ~state.sticks[:, 0] * self._velocity
-            whole = np.zeros(self.contact.pressures.shape)
-            whole[rows, strips] = slipping
-            new: Floats = friction.coefficients(whole)[rows, strips]
-            if friction.decay == 0.0:  # what has slipped keeps its kinetic coefficient: the sets of cells grow and end
-                new = np.minimum(new, coefficients)
-            change = float(np.abs((new - coefficients) * pressing).sum() / (static.max() * pressing.sum()))
-            tried, moved = [*tried[-MIXED:], coefficients], [*moved[-MIXED:], new - coefficients]
-            if friction.decay > 0.0 and turn % MIXED_EACH == 0:
-                new = np.clip(_mixed(tried, moved), lowest, highest)
-            coefficients = new
-        message = f"{status.message}; limits change by {change:.1e} after {turn} turns"
-        return problem, state, Status(status.converged and change <= LIMIT_CHANGE, message, status.iterations)
+        static = np.broadcast_to(friction.limits[0][:, None], self.contact.pressures.shape)[rows, strips]
+        problem = FrictionProblem(operator, rigid, static * pressing)
+        if not friction.constant:
+            warming = None
+            if friction.by_temperature and friction.heating is not None:
+                warming = friction.heating.on_strips(pressing.shape[1], self.contact.grid.strip, motion.speed)
+            areas = self.contact.areas[rows]
+            falling = FallingLimits(friction.of_rows(rows), pressing, areas, self.velocity(motion), warming)
+            problem = replace(problem, falling=falling)
+        return problem, *problem.solve(forces, tolerance)
 
-    @property
-    def _velocity(self) -> float:
-        """Velocity over slip."""
-        return abs(self.motion.speed) / self.distance if self.motion.rolls else 1.0
+    def velocity(self, motion: Creepages) -> float:
+        """Velocity over the slip of `FrictionProblem`, which is slip times the factor of the slope."""
+        return (abs(motion.speed) / self.distance if motion.rolls else 1.0) / self.slope(motion)
+
+    def slope(self, motion: Creepages) -> float:
+        """Factor of `Friction.slope`: displacements by friction are those of the bodies over it."""
+        reduction = self.contact.friction.slope
+        if reduction.remaining == 1.0 or not motion.rolls:
+            return reduction.initial
+        return EllipticContact.of(self.contact, motion).slope_factor
+
+    def _warmed(self, motion: Creepages, heat: Floats) -> Floats | None:
+        """Temperature rises by power over area, of steady rolling."""
+        heating = self.contact.friction.heating
+        return heating.rises(heat, self.contact.grid.strip, motion.speed) if heating and self.steady else None
 
     def result(self, motion: Creepages, problem: FrictionProblem, state: FrictionState, status: Status) -> Rolling:
         """The record of a state."""
         contact = self.contact
-        forces, slips = self.outside(state.forces), self._velocity * self.outside(state.slips)
+        forces, slips = self.outside(state.forces), self.velocity(motion) * self.outside(state.slips)
         loaded = contact.pressures > 0.0
         slips *= loaded[:, None]
         by_friction = contact.displacements(forces)
         raised = by_friction[:, 1] * contact.coupled
+        by_friction[:, ::2] /= self.slope(motion)
         displacements = by_friction + contact.pressing
         sticks = self.outside(np.repeat(state.sticks * 1.0, 2, axis=1))[:, 0] != 0.0
         power, rolling = -np.sum(forces * slips, axis=1), 0.0
@@ -420,24 +419,13 @@ class _Step:
             slip_velocities=slips.swapaxes(1, 2),
             states=np.where(loaded, np.where(sticks, STICKS, SLIPS), NO_CONTACT),
             power_density=power / contact.areas,
+            flash_temperatures=self._warmed(motion, -np.sum(forces * slips, axis=1) / contact.areas),
             rolling_power=rolling,
             raised=raised[:, BEYOND:-BEYOND],
             displacements=(displacements, *(past if motion.rolls else ())),
             problem=problem,
             state=state,
         )
-
-
-def _mixed(tried: list[Floats], moved: list[Floats]) -> Floats:
-    """Next values of a fixed point by values that were tried and their changes (Anderson, 1965, Journal of the ACM 12).
-
-    By themselves, cells that slip more as their friction falls may go to and fro for ever.
-    """
-    values, changes = (np.array([each.ravel() for each in found]) for found in (tried, moved))
-    steps, differences = np.diff(values, axis=0), np.diff(changes, axis=0)
-    shares = np.linalg.lstsq(differences.T, changes[-1], rcond=MIXED_PART)[0]
-    mixed: Floats = values[-1] + changes[-1] - shares @ (steps + differences)
-    return mixed.reshape(tried[-1].shape)
 
 
 def _forces(found: Rolling | Start) -> Floats:

@@ -61,27 +61,31 @@ def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0,
     contact, motion
         The patch and its motion.
     adhesion, slip
-        Reductions of the initial slope in the areas of stick and slip (2005): ``0 < k_S <= k_A <= 1``.
+        Reductions of the initial slope in the areas of stick and slip (2005): ``0 < k_S <= k_A <= 1``; they multiply
+        that of `Friction.slope`, which all theories have.
 
     Raises
     ------
     InputError
-        If the motion is a shift, or the reductions are not as above.
+        If the motion is a shift, the reductions are not as above, or friction falls with temperature, which needs
+        tractions.
 
     """
+    if contact.friction.by_temperature:
+        raise InputError(
+            "Polach's formula with friction that falls with temperature",
+            "a theory with tractions: exact, FASTSIM or FaStrip",
+            "take one of these, or let friction fall with the slip velocity",
+        )
     if not 0.0 < slip <= adhesion <= 1.0:
         raise InputError(f"adhesion={adhesion}, slip={slip}", "0 < slip <= adhesion <= 1", "exchange or correct them")
     ellipse = EllipticContact.of(contact, motion)
     c, a, b = ellipse.coefficients, ellipse.along, ellipse.across
-    creep = np.hypot(ellipse.xi, ellipse.eta)
-    with_spin = ellipse.eta + ellipse.phi * a
-    lateral = with_spin if abs(with_spin) > abs(ellipse.eta) else ellipse.eta
+    creep, lateral = np.hypot(ellipse.xi, ellipse.eta), ellipse.lateral
     whole = np.hypot(ellipse.xi, lateral)
     static, kinetic = (np.broadcast_to(each, contact.grid.widths.shape) for each in contact.friction.limits)
     rows = contact.normal_forces.sum(axis=1)
-    velocity = abs(motion.speed) * whole
-    decay = contact.friction.decay
-    share = np.exp(-velocity / decay) if decay > 0.0 else float(velocity == 0.0)
+    share = contact.friction.share(abs(motion.speed) * whole)
     limit = float((kinetic + (static - kinetic) * share) @ rows)
     x = y = work = 0.0
     if whole > 0.0 and limit > 0.0:

@@ -20,8 +20,6 @@ STEPS = 30
 """Least number of steps along each strip."""
 LEAST = 1e-12
 """Coefficient of friction that is none."""
-MOST_PASSES, PASS_CHANGE = 20, 1e-3
-"""Passes over all strips, and the change of the coefficients at which they end, where friction falls with slip."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +142,12 @@ class SimplifiedRolling(CreepForces):
         return np.asarray(abs(self.motion.speed) * density)
 
     @cached_property
+    def flash_temperatures(self) -> Floats | None:
+        """As those of `flangeway.contact.rolling.rolling_result.Rolling`, by the power of the cells."""
+        heating, speed = self.contact.friction.heating, self.motion.speed
+        return None if heating is None else heating.rises(self.power_density, self.contact.grid.strip, speed)
+
+    @cached_property
     def _places(self) -> tuple[Floats, Bools]:
         return self._places_of(self.contact.places[1])
 
@@ -175,7 +179,8 @@ def fastsim(
 
     Range: one patch that is nearly an ellipse, bodies of one material, a spin up to that of wheel flanges. The force is
     then within about 10 % of the limit of friction of the exact one. Where everything slips, different flexibilities
-    turn it by some degrees.
+    turn it by some degrees. Friction falls with the rigid slip (Spiryagin, Polach and Cole, 2013), and with the
+    temperature by the slip of the steps before.
 
     Parameters
     ----------
@@ -194,7 +199,7 @@ def fastsim(
     if flexibilities is not None and not (are_finite(flexibilities, 3) and min(flexibilities) > 0.0):
         raise InputError(f"flexibilities={flexibilities}", "L1, L2 and L3 > 0", "leave them out for linear theory's")
     strips = _Strips.of(contact, ellipse, n_steps)
-    tractions, slips, slipping = _simplified(contact, motion, ellipse, strips, flexibilities, parabolic=parabolic)
+    tractions, slips, slipping, _ = _simplified(contact, motion, ellipse, strips, flexibilities, parabolic=parabolic)
     return _record("FASTSIM", contact, motion, (ellipse, strips), (tractions, slips, slipping))
 
 
@@ -220,7 +225,7 @@ def fastsim_rows(
     pressures = force / (np.pi * a * b) * (2.0 * share if parabolic else 1.5 * np.sqrt(share))
     flexibilities = np.array([_flexibilities(each) for each in ellipses]).T[..., None]
     rows = np.broadcast_to(True, y.shape[1:])
-    tractions, _ = _traced((x, y), creepages, flexibilities, pressures, _coefficients(contact.friction, rows), speed)
+    tractions, _, _ = _traced((x, y), creepages, flexibilities, pressures, _coefficients(contact.friction, rows), speed)
     # F_cm = sum over steps of tractions (n_steps + 1, 2, m, n) and areas
     forces = direction * tractions[1:-1] * ((x[:-2] - x[2:]) * contact.grid.widths / 2.0)[:, None]
     ahead = np.einsum("kmn,kmn->mn", z0 + direction * x[1:-1], forces[:, 1])
@@ -256,7 +261,9 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
     c, a, b, nu = ellipse.coefficients, ellipse.along, ellipse.across, ellipse.poisson
     # one flexibility, so that all that slips has its direction
     mean = a / ellipse.shear * 8.0 / (1.5 * (c.c11 + c.c22))
-    directions, slips, _ = _simplified(contact, motion, ellipse, strips, (mean, mean, mean), parabolic=True)
+    directions, slips, _, coefficients = _simplified(
+        contact, motion, ellipse, strips, (mean, mean, mean), parabolic=True
+    )
     pressure = 1.5 * ellipse.force / (np.pi * a * b)
     mu = np.broadcast_to(contact.friction.limits[0], contact.grid.widths.shape)[strips.inside]
     unit = ellipse.shear / (2.0 * np.maximum(mu, LEAST) * pressure)
@@ -279,7 +286,7 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
     scale = (mu * pressure / a)[:, None]
     kappa, lam = (across / size)[:, None], (ahead / size)[:, None]
     sticking = scale * np.stack((kappa * (whole - inner), lam * whole - (lam - psi[:, None]) * inner))
-    limit = scale * whole
+    limit = coefficients * (pressure / a) * whole
     length = np.linalg.norm(directions, axis=0)
     sliding = directions * np.where(length > 0.0, limit / np.where(length > 0.0, length, 1.0), 0.0)
     tractions = np.where(sticks, sticking, sliding)
@@ -294,9 +301,9 @@ def _simplified(
     flexibilities: tuple[float, float, float] | None,
     *,
     parabolic: bool,
-) -> tuple[Floats, Floats, Bools]:
-    """Tractions and slip (2, n, n_steps + 1) over the distance rolled, and which nodes slip."""
-    tractions, slips = _traced(
+) -> tuple[Floats, Floats, Bools, Floats]:
+    """Tractions and slip (2, n, n_steps + 1) over the distance rolled, which nodes slip, and their coefficients."""
+    tractions, slips, coefficients = _traced(
         (strips.x.T, strips.y),
         (ellipse.xi, ellipse.eta, ellipse.phi),
         np.array(flexibilities or _flexibilities(ellipse))[:, None],
@@ -304,13 +311,13 @@ def _simplified(
         _coefficients(contact.friction, strips.inside),
         motion.speed,
     )
-    return tractions.transpose(1, 2, 0), slips.transpose(1, 2, 0), (slips != 0.0).any(axis=1).T
+    return tractions.transpose(1, 2, 0), slips.transpose(1, 2, 0), (slips != 0.0).any(axis=1).T, coefficients.T
 
 
 def _coefficients(friction: Friction, rows: Bools) -> Friction:
     """Friction of some rows."""
     static, kinetic = (np.broadcast_to(each, rows.shape)[rows] for each in friction.limits)
-    return Friction(static, kinetic, friction.decay)
+    return replace(friction, static=static, kinetic=kinetic)
 
 
 def _traced(
@@ -320,47 +327,42 @@ def _traced(
     pressures: Floats,
     friction: Friction,
     speed: float,
-) -> tuple[Floats, Floats]:
+) -> tuple[Floats, Floats, Floats]:
     """Tractions and slip over the distance rolled at the nodes of strips, both (n_steps + 1, 2, ..., n).
+
+    Also the coefficients of friction there, (n_steps + 1, ..., n). Slip at a node is that of the step before it.
 
     - `places`: x of the nodes from the leading edge, (n_steps + 1, ..., n), and y of the strips, (..., n).
     - `creepages`: xi, eta and phi; `flexibilities`: L1, L2 and L3, (3, ..., 1).
     - `pressures`: as x; `friction`: of the strips.
     """
     (x, y), (xi, eta, phi), (first, second, third) = places, creepages, flexibilities
-    steps = (x[:-1] - x[1:])[:, None]
+    steps = x[:-1] - x[1:]
     change = np.empty((len(steps), 2, *x.shape[1:]))
     change[:, 0] = xi / first - phi * y / third
     change[:, 1] = eta / second + phi * (x[1:] + x[:-1]) / (2.0 * third)
-    change *= steps
+    change *= steps[:, None]
     static, kinetic = friction.limits
-    coefficients: Floats = np.broadcast_to(static, pressures.shape)
-    moved, passes = np.inf, 0
-    while moved > PASS_CHANGE and passes < MOST_PASSES:
-        passes += 1
-        tractions, slips = _marched(change, coefficients * pressures)
-        slips *= flexibilities[:2]
-        # slip at a node is that of the step before it
-        slips[1:] = np.divide(slips[1:], steps, out=np.zeros_like(change), where=steps > 0.0)
-        if friction.constant:
-            break
-        velocity = abs(speed) * np.linalg.norm(slips, axis=1)
-        part = np.exp(-velocity / friction.decay) if friction.decay > 0.0 else (velocity == 0.0) * 1.0
-        new = kinetic + (static - kinetic) * part
-        moved, coefficients = float(np.abs(new - coefficients).max()), new
-    return tractions, slips
-
-
-def _marched(change: Floats, limits: Floats) -> tuple[Floats, Floats]:
-    """Tractions and what slips of them, from the leading edge; changes of elastic tractions (n_steps, 2, ..., n)."""
-    tractions, slips = (np.zeros((len(limits), *change.shape[1:])) for _ in range(2))
-    last = tractions[0]
-    for number in range(1, len(limits)):
+    velocities = abs(speed) * np.hypot(xi - phi * y, eta + phi * x)
+    heating = friction.heating if friction.by_temperature else None
+    limits = (kinetic + (static - kinetic) * friction.share(velocities)) * pressures
+    tractions, slips = (np.zeros((len(pressures), 2, *x.shape[1:])) for _ in range(2))
+    heat, last = np.zeros(pressures.shape), tractions[0]
+    for number, step in enumerate(steps, 1):
         trial = last - change[number - 1]
-        length = np.sqrt(trial[0] ** 2 + trial[1] ** 2)
-        last = trial * np.minimum(limits[number] / np.maximum(length, 1e-300), 1.0)
-        tractions[number], slips[number] = last, last - trial
-    return tractions, slips
+        length = np.maximum(np.sqrt(trial[0] ** 2 + trial[1] ** 2), 1e-300)
+        if heating is not None:
+            # heat of this step as of the one before it
+            heat[number] = heat[number - 1]
+            ahead = np.stack((x[1 : number + 1], x[:number])) - x[number]
+            rise = np.sum(heat[1 : number + 1] * heating.warming(ahead, speed), axis=0)
+            share = friction.share(velocities[number], rise)
+            limits[number] = (kinetic + (static - kinetic) * share) * pressures[number]
+        last = trial * np.minimum(limits[number] / length, 1.0)
+        slip = (last - trial) * flexibilities[:2]
+        tractions[number], slips[number] = last, np.divide(slip, step, out=np.zeros_like(slip), where=step > 0.0)
+        heat[number] = abs(speed) * np.sqrt(np.sum(last**2, axis=0) * np.sum(slips[number] ** 2, axis=0))
+    return tractions, slips, np.divide(limits, pressures, out=np.zeros_like(limits), where=pressures > 0.0)
 
 
 def _flexibilities(ellipse: EllipticContact) -> tuple[float, float, float]:

@@ -1,15 +1,53 @@
-"""Coulomb's friction, constant or falling with the slip velocity."""
+"""Coulomb's friction, constant or falling with the slip velocity or the temperature."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
+from scipy.special import lambertw
 
 from flangeway.checks import as_numbers, check_finite
+from flangeway.contact.rolling.flash_temperature import Heating
 from flangeway.errors import InputError
 from flangeway.types import Floats
 
 UNUSUAL = 1.0
 """Coefficient above which a notice is given."""
+
+
+@dataclass(frozen=True)
+class SlopeReduction:
+    """Factor k by which layers on the surfaces lower the initial slope of creep forces: compliance in shear is 1/k.
+
+    ``k = initial (remaining + (1 - remaining) / (1 + rate epsilon))`` with the gradient epsilon of the tractions where
+    surfaces stick, ``initial pi G a b c s / (4 mu N)`` for the creepage s (Spiryagin, Polach and Cole, 2013, Vehicle
+    System Dynamics 51; CONTACT's K0_MF, ALFAMF and BETAMF). At creepages s forces are those of k s, slip is that of k s
+    over k.
+
+    Parameters
+    ----------
+    initial
+        k_0 at small creepages, above 0 and up to 1.
+    remaining
+        Part of it at large creepages, 0 to 1; at 1 the factor is the same everywhere.
+    rate
+        How fast it falls, >= 0.
+
+    """
+
+    initial: float = 1.0
+    remaining: float = 1.0
+    rate: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (0.0 < self.initial <= 1.0 and 0.0 <= self.remaining <= 1.0 and 0.0 <= self.rate < np.inf):
+            raise InputError(
+                f"{self}", "0 < initial <= 1, 0 <= remaining <= 1 and rate >= 0", "correct the factors of the slope"
+            )
+
+    def factor(self, gradient: float) -> float:
+        """The factor at a gradient epsilon."""
+        return self.initial * (self.remaining + (1.0 - self.remaining) / (1.0 + self.rate * gradient))
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +65,11 @@ class Friction:
         Coefficient of surfaces that slip fast, from 0 to static; left out: static.
     decay
         Slip velocity in which the difference falls to 1/e, >= 0, in the unit of the speed of rolling.
+    heating
+        Thermal properties of the bodies, for temperatures; `Heating.falls` multiplies the difference of both
+        coefficients by a factor from 1 to 0. Such friction does not depend on the slip velocity where decay is 0.
+    slope
+        Reduction of the initial slope of creep forces.
 
     Raises
     ------
@@ -38,6 +81,8 @@ class Friction:
     static: float | Floats
     kinetic: float | Floats | None = None
     decay: float = 0.0
+    heating: Heating | None = None
+    slope: SlopeReduction = field(default_factory=SlopeReduction)
 
     def __post_init__(self) -> None:
         static, kinetic = self.limits
@@ -77,13 +122,23 @@ class Friction:
         if max(len(static), len(kinetic)) == 1:
             return self
         static, kinetic = (each if len(each) == 1 else each[rows] for each in (static, kinetic))
-        return Friction(static, kinetic, self.decay)
+        return replace(self, static=static, kinetic=kinetic)
 
     @property
     def constant(self) -> bool:
-        """Whether the coefficient does not depend on the slip velocity."""
+        """Whether the coefficient depends on nothing."""
         static, kinetic = self.limits
         return bool((static == kinetic).all())
+
+    @property
+    def by_temperature(self) -> bool:
+        """Whether it falls with temperature."""
+        return not self.constant and self.heating is not None and self.heating.falls is not None
+
+    @property
+    def jumps(self) -> bool:
+        """Whether it is kinetic as soon as surfaces slip."""
+        return not self.constant and self.decay == 0.0 and not self.by_temperature
 
     @property
     def notices(self) -> tuple[str, ...]:
@@ -91,12 +146,67 @@ class Friction:
         most = float(self.limits[0].max())
         return (f"a coefficient of friction of {most:g} is above {UNUSUAL:g}",) if most > UNUSUAL else ()
 
-    def coefficients(self, slip_velocities: Floats) -> Floats:
-        """Coefficients at slip velocities >= 0, shape (n_cells, n_strips)."""
-        static, kinetic = (each[:, None] for each in self.limits)
+    def share(self, velocities: Floats | float, rise: Floats | float = 0.0) -> Floats:
+        """Share of ``static - kinetic`` that is left at slip velocities >= 0 and temperatures above `Heating`'s."""
+        share: Floats = self._warm(rise)[0]
         if self.decay > 0.0:
-            share: Floats = np.exp(-slip_velocities / self.decay)
-        else:
-            share = np.where(slip_velocities > 0.0, 0.0, 1.0)
-        found: Floats = kinetic + (static - kinetic) * share
-        return found
+            return np.asarray(share * np.exp(-np.asarray(velocities) / self.decay))
+        return np.asarray(share * (np.asarray(velocities) <= 0.0)) if self.jumps else share
+
+    def _warm(self, rise: Floats | float) -> tuple[Floats, Floats]:
+        """The same by temperature alone, and its derivative."""
+        if self.heating is None or self.heating.falls is None:
+            return np.ones(()), np.zeros(())
+        start, end = self.heating.falls
+        left = np.asarray((end - self.heating.temperature - rise) / (end - start))
+        return left.clip(0.0, 1.0), np.where((left > 0.0) & (left < 1.0), -1.0 / (end - start), 0.0)
+
+    def fallen(
+        self,
+        rest: Floats,
+        kinetic: Floats,
+        trial: Floats,
+        softness: Floats,
+        rise: Floats | float = 0.0,
+    ) -> "FallenLimits":
+        """Limits of forces where surfaces slip because sticking would need more.
+
+        With the limit m the slip velocity is ``w = softness (trial - m)``, and m is ``kinetic + (rest - kinetic) r(T)
+        exp(-w / decay)``. With A for the second part at w = 0, ``B = trial - kinetic`` and ``a = softness / decay``,
+        ``y = trial - m`` has ``y + A exp(-a y) = B``, by Lambert's function W: ``a y = a B + W(-a A exp(-a B))``. Where
+        B is above A there is one such y.
+
+        Parameters
+        ----------
+        rest, kinetic
+            Limits at rest and at high slip velocities: normal forces times coefficients.
+        trial
+            Sizes of the forces without slip, of the same shape.
+        softness
+            Slip velocity over force.
+        rise
+            Temperature above that without friction.
+
+        """
+        share, by_rise = self._warm(rise)
+        span, beyond = share * (rest - kinetic), trial - kinetic
+        slips = beyond > span
+        part: Floats = np.where(slips & self.jumps, 0.0, 1.0)
+        rate: Floats = np.zeros(trial.shape)
+        if self.decay > 0.0:
+            rate = np.asarray(slips * softness / self.decay)
+            # the argument is not below -1/e, but for round-off
+            argument = np.minimum(rate * span * np.exp(-rate * np.maximum(beyond, 0.0)), np.exp(-1.0))
+            part = np.exp(-rate * beyond - lambertw(-argument).real)
+        steepness = 1.0 - rate * span * part
+        steepness = np.where(np.abs(steepness) > np.finfo(float).eps, steepness, 1.0)
+        by_trial, by_warmth = -rate * span * part / steepness, part * (rest - kinetic) * by_rise / steepness
+        return FallenLimits(kinetic + span * part, by_trial, by_warmth)
+
+
+class FallenLimits(NamedTuple):
+    """Limits, and their derivatives by the trial force and by the temperature, each of the shape of the forces."""
+
+    limits: Floats
+    by_trial: Floats
+    by_rise: Floats

@@ -4,7 +4,8 @@ With tangential forces f of the cells, slip ``S = g + B f`` and limits ``m = mu 
 ``f = P(f - r S)`` for any r > 0, where P projects on the disc of radius m of each cell: where ``|f| < m`` there is no
 slip, elsewhere f is opposite to it (Kalker, 1990, "Three-dimensional elastic bodies in rolling contact", 4). B is
 monotone, so there is one solution. Newton's method for this equation solves ``S = 0`` on the cells that stick and the
-tangential part of the law on the others.
+tangential part of the law on the others. Limits that fall with the slip velocity, or with the temperature that friction
+causes, are functions of f and S in the same equation (`FallingLimits`), with their derivatives.
 """
 
 from collections.abc import Callable
@@ -16,6 +17,7 @@ from scipy.linalg import solve_banded
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from flangeway.contact.patch.normal_contact import Convolution
+from flangeway.contact.rolling.falling_limits import FallingLimits, LimitSlopes
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -32,6 +34,8 @@ ROUND_OFF = 1e-12
 """Residual over the limits that is none."""
 LEAST_PART = 0.02
 """Smallest part of the rigid slip by which it grows where Newton's method does not converge at once."""
+HELD = 1e-4
+"""Error of the law of friction under limits that are held, from which Newton's method starts."""
 COARSE = 20
 """Cells of a side from which a grid of twice as large cells is solved first."""
 
@@ -113,6 +117,8 @@ class FrictionState:
     ----------
     forces, slips
         Tangential forces on the second body and its slip, shape (n_cells, 2, n_strips).
+    limits
+        Limits of the forces, (n_cells, n_strips), and how they change with forces and slip where they do.
     share
         Limit over length of ``f - r S`` where it is beyond the limit, otherwise 1, shape (n_cells, 1, n_strips).
     direction
@@ -126,6 +132,8 @@ class FrictionState:
 
     forces: Floats
     slips: Floats
+    limits: Floats
+    slopes: LimitSlopes | None
     share: Floats
     direction: Floats
     sticks: Bools
@@ -139,25 +147,42 @@ class FrictionState:
 
 @dataclass(frozen=True, eq=False)
 class FrictionProblem:
-    """Rigid slip (n_cells, 2, n_strips) and limits (n_cells, n_strips) of the forces for an operator."""
+    """Rigid slip (n_cells, 2, n_strips) and limits (n_cells, n_strips) of the forces for an operator.
+
+    - `falling`: how limits fall below these, if they do.
+    """
 
     operator: SlipOperator
     rigid: Floats
     limits: Floats
+    falling: FallingLimits | None = None
 
     @cached_property
     def loaded(self) -> Bools:
         """Cells with a limit above 0, shape (n_cells, 1, n_strips)."""
         return self.limits[:, None] > 0.0
 
+    @cached_property
+    def scale(self) -> Floats:
+        """The factor r of the law of friction, (n_cells, 1, 1 or n_strips)."""
+        scale = self.operator.scale
+        if self.falling is None:
+            return scale
+        return np.maximum(scale, self.falling.steepest) + np.zeros((1, 1, self.rigid.shape[2]))
+
     def state(self, forces: Floats) -> FrictionState:
         """Slip and residual of forces."""
-        slips, limits = self.rigid + self.operator(forces), self.limits[:, None]
-        trial = forces - self.operator.scale * slips
+        slips = self.rigid + self.operator(forces)
+        trial = forces - self.scale * slips
+        falling, slopes = self.falling, None
+        all_limits = self.limits
+        if falling is not None:
+            all_limits, slopes = falling.at(self.scale, trial, forces, slips)
         length = np.maximum(np.linalg.norm(trial, axis=1, keepdims=True), np.finfo(float).tiny)
+        limits = all_limits[:, None]
         share = limits / np.maximum(length, limits)
         within = self.loaded & (length <= limits)
-        return FrictionState(forces, slips, share, trial / length, within, forces - share * trial)
+        return FrictionState(forces, slips, all_limits, slopes, share, trial / length, within, forces - share * trial)
 
     def solve(self, start: Floats | None, tolerance: float) -> tuple[FrictionState, Status]:
         """Find the forces.
@@ -171,6 +196,8 @@ class FrictionProblem:
             at small creepages of what single cells would carry.
 
         """
+        if self.falling is not None:
+            return self._fallen(self.falling, start, tolerance)
         state, status = self._newton(self._nested(tolerance) if start is None else start, tolerance)
         # otherwise the slip grows from none, in parts as small as needed
         done, part, forces = 0.0, 0.5, np.zeros(self.rigid.shape)
@@ -183,6 +210,22 @@ class FrictionProblem:
             if done >= 1.0:
                 return trial, found
         return state, status
+
+    def _fallen(self, falling: FallingLimits, start: Floats | None, tolerance: float) -> tuple[FrictionState, Status]:
+        """Forces under limits that fall: Newton's method from those under limits that are held.
+
+        Where it does not converge, as where a patch slips away at once, limits are lowered to those of the slip, and
+        never raised: this ends.
+        """
+        limits, forces, jumps = self.limits, start, falling.friction.jumps
+        enough = max(tolerance, HELD)
+        while True:
+            held = replace(self, falling=None, limits=limits).solve(forces, tolerance if jumps else enough)
+            found = held if jumps else self._newton(held[0].forces, tolerance)
+            lower = np.minimum(limits, falling.under(held[0].forces, held[0].slips * ~held[0].sticks))
+            if (found[1].converged and not jumps) or (lower >= (1.0 - ROUND_OFF) * limits).all():
+                return found
+            limits, forces = lower, held[0].forces
 
     def _newton(self, start: Floats, tolerance: float) -> tuple[FrictionState, Status]:
         """Newton's method with step halving."""
@@ -212,13 +255,15 @@ class FrictionProblem:
 
     def solved(self, state: FrictionState, right: Floats, tolerance: float) -> Floats:
         """Solve the linearised law for a change of the residual."""
-        sticks, scale, ratio, n = state.sticks, self.operator.scale, self._ratio(state), state.direction
+        sticks, scale, ratio, n = state.sticks, self.scale, self._ratio(state), state.direction
         weight, along = self._sticking(state)
 
         def law(forces: Floats) -> Floats:
-            moved = scale * self.operator(np.where(self.loaded, forces, 0.0))
-            # where it slips: df - ratio (1 - n n') (df - r dS)
-            return np.where(sticks, moved, forces - ratio * _across(n, forces - moved))
+            slips = self.operator(np.where(self.loaded, forces, 0.0))
+            moved = scale * slips
+            # where it slips: df - ratio (1 - n n') (df - r dS) - n dm
+            fallen = 0.0 if state.slopes is None else n * state.slopes.change(forces, slips)[:, None]
+            return np.where(sticks, moved, forces - ratio * _across(n, forces - moved) - fallen)
 
         def near(values: Floats) -> Floats:
             across = weight * _across(along, values)
@@ -234,14 +279,20 @@ class FrictionProblem:
 
         Returned: (n_cells, 2, n_strips) and (n_cells, n_strips).
         """
-        # of df = -J^-1 (D r dg - n dm) and J = 1 - D + D r B with D the matrix of the cells, the transpose
-        sticks, scale, ratio, n = state.sticks, self.operator.scale, self._ratio(state), state.direction
+        # of df = -J^-1 (D r dg - n dm) and J = 1 - D + D r B with D the matrix of the cells, the transpose;
+        # limits that fall, dm = M_f df + M_S dS, add -n M_f - n M_S B to J and -n M_S dg to its right-hand side
+        sticks, scale, ratio, n = state.sticks, self.scale, self._ratio(state), state.direction
         (weight, along), other = self._sticking(state), self.operator.reversed
+
+        def fallen(vector: Floats) -> tuple[Floats | float, Floats | float]:
+            radial = np.where(sticks, 0.0, n * vector).sum(axis=1)
+            return (0.0, 0.0) if state.slopes is None else state.slopes.transposed(radial)
 
         def law(vector: Floats) -> Floats:
             inside = np.where(sticks, vector, ratio * _across(n, vector))
-            moved = other((scale * inside)[..., ::-1])[..., ::-1]
-            return vector - inside + np.where(self.loaded, moved, 0.0)
+            by_force, by_slip = fallen(vector)
+            moved = other((scale * inside - by_slip)[..., ::-1])[..., ::-1]
+            return vector - inside - by_force + np.where(self.loaded, moved, 0.0)
 
         def near(vector: Floats) -> Floats:
             across = weight * _across(along, vector)
@@ -249,7 +300,7 @@ class FrictionProblem:
             return vector + weight * _across(along, inside - across)
 
         found = _solved(law, near, np.where(self.loaded, values, 0.0), tolerance)
-        by_slip = -scale * np.where(sticks, found, ratio * _across(n, found))
+        by_slip = fallen(found)[1] - scale * np.where(sticks, found, ratio * _across(n, found))
         return by_slip, np.sum(n * found, axis=1) * (self.loaded & ~sticks)[:, 0]
 
     def _ratio(self, state: FrictionState) -> Floats:
@@ -265,8 +316,10 @@ class FrictionProblem:
 
     def derivative(self, state: FrictionState, rigid: Floats, tolerance: float = 1e-4) -> Floats:
         """Change of the forces by a change of the rigid slip."""
-        scaled = self.operator.scale * rigid
-        slipping = self._ratio(state) * _across(state.direction, scaled)
+        scaled, n = self.scale * rigid, state.direction
+        slipping = self._ratio(state) * _across(n, scaled)
+        if state.slopes is not None:
+            slipping = slipping - n * state.slopes.change(np.zeros(rigid.shape), rigid)[:, None]
         return -self.solved(state, np.where(state.sticks, scaled, slipping), tolerance)
 
     def _within(self, forces: Floats) -> Floats:

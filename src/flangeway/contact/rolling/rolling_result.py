@@ -87,6 +87,9 @@ class Rolling(CreepForces):
     power_density
         Frictional power over area (work of a shift). In steady rolling it is that of slip by central differences: its
         sum is the power of the creepages exactly, single cells beside the edge of slip may be slightly negative.
+    flash_temperatures
+        Temperature of the cells above that without friction, K, by frictional power and `Heating`, (n_cells, n_strips);
+        of steady rolling. None without thermal properties.
     rolling_power
         Power of the pressures as tractions move the surfaces along their normals: with a part of them ahead of the
         middle they resist rolling. 0 between half-spaces of one material.
@@ -103,6 +106,7 @@ class Rolling(CreepForces):
     slip_velocities: Floats
     states: Ints
     power_density: Floats
+    flash_temperatures: Floats | None = None
     rolling_power: float = 0.0
     raised: Floats
     displacements: tuple[Floats, ...] = ()
@@ -141,6 +145,9 @@ class Rolling(CreepForces):
             slip_velocities=np.where(inside[..., None], self.slip_velocities, 0.0),
             states=np.where(inside, self.states, NO_CONTACT),
             power_density=np.where(inside, self.power_density, 0.0),
+            flash_temperatures=None
+            if self.flash_temperatures is None
+            else np.where(inside, self.flash_temperatures, 0.0),
             rolling_power=self.rolling_power * contact.force / self.contact.force,
         )
 
@@ -166,7 +173,7 @@ class Rolling(CreepForces):
         unit = most * max(float(np.linalg.norm(problem.rigid, axis=1)[inside].max()), np.finfo(float).tiny)
         against = force * slip + np.sum(state.forces * state.slips, axis=1)
         return {
-            "cone": float((force - problem.limits).max()) / most if inside.any() else 0.0,
-            "complementarity": float((slip * np.abs(problem.limits - force))[inside].max()) / unit,
+            "cone": float((force - state.limits).max()) / most if inside.any() else 0.0,
+            "complementarity": float((slip * np.abs(state.limits - force))[inside].max()) / unit,
             "opposition": float(against[inside].max()) / unit,
         }

@@ -32,16 +32,16 @@ def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any
     shared: dict[str, Any] = {
         "name": case.name,
         "title": case.title,
-        "converged": summary.status.converged,
-        "message": summary.status.message,
+        "converged": run.status.converged,
+        "message": run.status.message,
         "summary": summary,
         "again": Again(f"flangeway run {file}" if file else command_line(case), case_text(case), file, about_files),
-        "versions": summary.versions,
+        "versions": summary["versions"],
         "units": case.units,
         "inputs": inputs_tables(case),
         "details": [*filter(None, (case.project, case.author)), case.date or date.today().isoformat()],
         "given": given_inputs(case, (*first, *case.essential)),
-        "timings_s": summary.timings_s,
+        "timings_s": summary["timings_s"],
     }
     fields = shared | own
     if case.report_title:

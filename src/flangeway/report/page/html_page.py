@@ -11,7 +11,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
 
-from flangeway.cases.summary import write_summary
+from flangeway.cases.summary import summary_text
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.record import REPORT, Picture, Record
 from flangeway.report.page.tables import timings_table
@@ -60,7 +60,7 @@ def write_record(
     progress("writing the files")
     writers = {each.file: bytes_writer(data) for each, data in drawn} | dict(record.files())
     writers[REPORT] = text_writer(report_page(record, drawn, timings_s))
-    writers[record.summary_file] = lambda path: write_summary(path, record.summary)
+    writers[record.summary_file] = text_writer(summary_text(record.summary))
     return write_together(folder, writers)
 
 

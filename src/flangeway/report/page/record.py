@@ -7,7 +7,6 @@ from typing import Any
 from matplotlib.figure import Figure
 from rich.console import Console
 
-from flangeway.cases.summary import Summary
 from flangeway.report.page.tables import SummaryTable, print_notices, print_table
 from flangeway.report.viewer import Scene
 from flangeway.system.output_folder import Writer
@@ -51,7 +50,7 @@ class Record:
     given: Mapping[str, str] = field(default_factory=dict)  # inputs that define it, by their meanings, with units
     facts: Sequence[tuple[str, str]] = ()  # the most important numbers with units, and what they are
     results: SummaryTable  # the one table of results that the terminal shows
-    summary: Summary | Mapping[str, Any]  # the numbers for programs
+    summary: Mapping[str, Any]  # the numbers for programs
     summary_file: str = SUMMARY
     again: Again  # how to compute it again
     versions: Mapping[str, str]  # versions of what it was made with, by name

@@ -29,6 +29,7 @@ FIELDS = {
     "traction_MPa": ("traction", "MPa"),
     "slip_velocity_m_s": ("slip velocity", "m/s"),
     "slip_mm": ("slip", "mm"),
+    "flash_temperature_K": ("flash temperature", "K"),
     "frictional_power_W_mm2": ("frictional power over the area", "W/mm²"),
 }
 """Words and units of fields of cells by the names of their arrays, for the viewer."""

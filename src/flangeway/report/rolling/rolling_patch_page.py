@@ -219,6 +219,8 @@ def _fields(run: RollingPatchRun) -> dict[str, Floats]:
     found["slip_velocity_m_s" if run.case.rolls else "slip_mm"] = np.pad(cells.slip_velocities, flat)
     if run.case.rolls:
         found["frictional_power_W_mm2"] = cells.power_density
+    if cells.flash_temperatures is not None:
+        found["flash_temperature_K"] = cells.flash_temperatures
     return found | {"stick_slip_state": cells.states.astype(np.float64)}
 
 

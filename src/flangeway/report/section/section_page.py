@@ -11,7 +11,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.cases.section.section_run import STEEL_KG_M3, SectionRun, TorsionCase
-from flangeway.cases.summary import Summary
 from flangeway.formats import write_vtu
 from flangeway.post import corner_shear_stresses
 from flangeway.quantities import Quantity, measured, present
@@ -41,7 +40,7 @@ def section_record(
     case: TorsionCase,
     *,
     command: str,
-    summary: Summary | Mapping[str, Any] | None = None,
+    summary: Mapping[str, Any] | None = None,
     summary_file: str = SUMMARY,
 ) -> Record:
     """Return what was found of a section; its first page is one to pass on.
@@ -49,14 +48,14 @@ def section_record(
     - `command`: computes it again.
     - `summary`, `summary_file`: the numbers for programs, those of the section if left out, and their file.
     """
-    found, options, mesh, units = run.summary, run.options, run.space.mesh, case.units
-    kind = "triangles" if options.method == "fem" else "polygons, virtual elements"
+    found, units, unit = run.summary, case.units, run.drawn.unit
+    kind = "triangles" if case.method == "fem" else "polygons, virtual elements"
     quantities = section_quantities(run, units)
     return Record(
         name=run.drawn.title,
         title=run.drawn.title,
-        subtitle=f"Constants of a section; {mesh.n_cells:,} {kind} of order {options.order}, size "
-        f"{measured(options.size or 0.0, run.drawn.unit, units)}, {run.space.n_dofs:,} unknowns",
+        subtitle=f"Constants of a section; {run.space.mesh.n_cells:,} {kind} of order {case.order}, size "
+        f"{measured(found['mesh'][f'size_{unit}'], unit, units)}, {run.space.n_dofs:,} unknowns",
         converged=True,
         success="solved",
         message="by both formulations of torsion",
@@ -114,7 +113,7 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
     moments = {"Ixx": ixx, "Iyy": iyy, "Ixy": 0.0 if abs(ixy) < 1e-9 * math.sqrt(ixx * iyy) else ixy}
     angle, torsion = found["principal_angle_deg"], constants.torsion_constant
     low, high = constants.torsion_bounds
-    poisson, maximum = run.options.poisson, found[f"max_shear_stress_per_torque_per_{unit}3"]
+    poisson, maximum = found["poisson"], found[f"max_shear_stress_per_torque_per_{unit}3"]
     centre = f"shear centre for ν = {poisson:g}" if poisson else "shear centre"
     return [
         number("area", "area", constants.area, "²"),

@@ -38,7 +38,7 @@ def convergence_record(name: str, convergence: Convergence, command: str) -> Rec
         summary_file=SUMMARY,
         again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
         units=coarse.case.units,
-        versions=coarse.summary.versions,
+        versions=coarse.summary["versions"],
         warnings=[
             f"size scale {scale:g}: {text}"
             for run, scale in zip(convergence.runs, scales, strict=True)
