@@ -88,7 +88,8 @@ def test_tables_and_tiles(records):
                 # the last column of inputs has their meanings
                 if (not one.of_words or unit) and one.header[place] != "meaning":
                     n += compared(*cells, us_unit(own) or unit or columns[place])
-    for (text, _), (converted, _) in zip(metric.facts, us.facts, strict=True):
+    pairs = [(text, other) for (text, _), (other, _) in zip(metric.facts, us.facts, strict=True)]
+    for text, converted in [*pairs, *zip(metric.given.values(), us.given.values(), strict=True)]:
         value, _, words = text.rpartition(" ")
         n += compared(value, converted.rpartition(" ")[0], us_unit(words)) if value else 0
     assert n > 10
@@ -97,7 +98,7 @@ def test_tables_and_tiles(records):
         us.subtitle,
         *us.warnings,
         *us.assumptions,
-        *us.changed,
+        *us.given.values(),
         *(row[0] for _, other in tables for row in other.rows),
     ]
     assert not [text for text in said if METRIC.search(text) and STANDARD not in text]
