@@ -323,6 +323,7 @@ GROUPS = {
     ),
     "equilibria": "Equilibrium",
     "longitudinal_creepage": "Motion and friction",
+    "kinetic_friction": "Friction that falls with slip and temperature",
     "curve": "Creep curve and cells",
 }
 """Captions of the groups of inputs, by the key that begins the group."""
