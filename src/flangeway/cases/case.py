@@ -14,6 +14,7 @@ import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
+from flangeway.cases.nested import mapped
 from flangeway.cases.summary import summary_numbers
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
@@ -541,12 +542,3 @@ def _located(case: type[Table], values: Any, location: Key) -> tuple[Key, type[T
         except (KeyError, IndexError, TypeError):
             values = None
     return tuple(path), table, field, values
-
-
-def mapped(value: Any, function: Callable[[Key, Any], Any], key: Key = ()) -> Any:
-    """Return tables and lists with a function of path and value in the place of each value in them."""
-    if isinstance(value, Mapping):
-        return {name: mapped(inner, function, (*key, name)) for name, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [mapped(inner, function, (*key, number)) for number, inner in enumerate(value)]
-    return function(key, value)

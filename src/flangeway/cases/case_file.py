@@ -9,7 +9,8 @@ from flangeway.cases.bodies.chains import BearingRingCase, RollerBetweenPlatesCa
 from flangeway.cases.bodies.cook import CookCase
 from flangeway.cases.bodies.presets import ContactPatchCase, HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
-from flangeway.cases.case import RunnableCase, Table, closest, key_text, mapped, merged
+from flangeway.cases.case import RunnableCase, Table, closest, key_text, merged
+from flangeway.cases.nested import mapped
 from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase
 from flangeway.cases.section.section_run import TorsionCase
 from flangeway.cases.spatial.spatial_case import SpatialCase
