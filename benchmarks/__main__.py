@@ -22,6 +22,7 @@ from benchmarks import (
     spatial,
     stabilisation,
     standing,
+    sweep,
     torsion_assembly,
     torsion_sections,
     wheelset3d,
@@ -48,14 +49,15 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "rolling": rolling.measurements,
     "wheelset3d": wheelset3d.measurements,
     "standing": standing.measurements,
+    "sweep": sweep.measurements,
     "damage": damage.measurements,
 }
 
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
 """What each measures: the first words of its module."""
 
-CAMPAIGNS = {"polygons", "standing"}
-"""Drawn cases that count what converges: they take an hour or more, and are printed, not recorded."""
+CAMPAIGNS = {"polygons", "standing", "sweep"}
+"""Many cases that count what converges: they take half an hour or more, and are printed, not recorded."""
 
 QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "torsion-assembly": torsion_assembly.quick,
@@ -73,6 +75,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "rolling": rolling.quick,
     "wheelset3d": wheelset3d.quick,
     "standing": standing.quick,
+    "sweep": sweep.quick,
     "damage": damage.quick,
 }
 

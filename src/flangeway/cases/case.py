@@ -328,12 +328,12 @@ GROUPS = {
 
 def grouped(rows: list[tuple[str, str, str, str]]) -> dict[str, list[tuple[str, str, str, str]]]:
     """Return the inputs of a table in their groups, by the caption."""
-    found: dict[str, list[tuple[str, str, str, str]]] = {}
+    groups: dict[str, list[tuple[str, str, str, str]]] = {}
     caption = ""
     for row in rows:
         caption = next((text for key, text in GROUPS.items() if row[0] == key or same_quantity(key, row[0])), caption)
-        found.setdefault(caption, []).append(row)
-    return found
+        groups.setdefault(caption, []).append(row)
+    return groups
 
 
 def allowed(field: FieldInfo, unit: UsUnit | None = None) -> str:

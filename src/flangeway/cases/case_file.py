@@ -229,11 +229,11 @@ def _with_tables(case: type[RunnableCase], values: dict[str, Any], settings: Map
 
 def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values with some replaced, those inside tables named by points."""
-    found = merged(values, {name: value for name, value in settings.items() if "." not in name})
+    changed = merged(values, {name: value for name, value in settings.items() if "." not in name})
     for name, value in settings.items():
         if "." in name:
-            _set_inside(found, name.split("."), value, name)
-    return found
+            _set_inside(changed, name.split("."), value, name)
+    return changed
 
 
 def _set_inside(values: dict[str, Any], path: list[str], value: Any, name: str) -> None:

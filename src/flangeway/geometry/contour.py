@@ -94,9 +94,9 @@ class Contour:
         return chain
 
     def _refuse_crossing(self) -> None:
-        found = first_crossing(self.segments, closed=self._closed, tolerance=CROSSING_TOLERANCE * self.size)
-        if found is not None:
-            i, j, place = found
+        crossing = first_crossing(self.segments, closed=self._closed, tolerance=CROSSING_TOLERANCE * self.size)
+        if crossing is not None:
+            i, j, place = crossing
             raise InputError(
                 f"segments {i} ({self.names[i]}) and {j} ({self.names[j]}) meet at {point_text(place)}",
                 "a chain that does not cross or touch itself",

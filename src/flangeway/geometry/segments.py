@@ -210,7 +210,7 @@ class Arc:
         first, last = math.ceil(low / quarter + 1e-9), math.floor(high / quarter - 1e-9)
         poles = [((1, 0), (0, 1), (-1, 0), (0, -1))[number % 4] for number in range(first, last + 1)]
         x, y = ([c + self.radius * pole[axis] for pole in poles] for axis, c in enumerate(self.centre))
-        x, y = ([*found, self.start[axis], self.end[axis]] for axis, found in enumerate((x, y)))
+        x, y = ([*extremes, self.start[axis], self.end[axis]] for axis, extremes in enumerate((x, y)))
         return _fixed([[min(x), min(y)], [max(x), max(y)]])
 
     def point(self, s: ArrayLike) -> Floats:
@@ -372,15 +372,15 @@ def first_crossing(segments: Sequence[Segment], *, closed: bool, tolerance: floa
                 and float((np.minimum(high[i], high[j]) - np.maximum(low[i], low[j])).max()) < 500 * tolerance
             ):
                 continue
-            found = meetings(segments[i], segments[j], tolerance)
+            points = meetings(segments[i], segments[j], tolerance)
             joints = [segments[i].end] if j == i + 1 else []
             if closed and i == 0 and j == n - 1:
                 joints.append(segments[i].start)
             for joint in joints:
                 # tangent neighbours meet over a length that grows with the root of rounding
-                found = found[np.hypot(*(found - np.array(joint)).T) > 1e3 * tolerance]
-            if len(found):
-                return i, j, found[0]
+                points = points[np.hypot(*(points - np.array(joint)).T) > 1e3 * tolerance]
+            if len(points):
+                return i, j, points[0]
     return None
 
 
@@ -391,8 +391,8 @@ def chains_meet(first: Sequence[Segment], second: Sequence[Segment], tolerance: 
         low, high = a.bounds
         beside = np.all((boxes[:, 0] <= high + tolerance) & (low <= boxes[:, 1] + tolerance), axis=1)
         for j in np.flatnonzero(beside).tolist():
-            found = meetings(a, second[j], tolerance)
-            if len(found):
-                place: Floats = found[0]
+            points = meetings(a, second[j], tolerance)
+            if len(points):
+                place: Floats = points[0]
                 return place
     return None

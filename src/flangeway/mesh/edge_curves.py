@@ -53,8 +53,8 @@ class EdgeCurves:
         parameters = ends[:, :1] + at * (ends[:, 1:] - ends[:, :1])
         points = np.empty((*parameters.shape, 2))
         for each in np.unique(number).tolist():
-            mine = number == each
-            points[mine] = self.curves[each].point(parameters[mine].ravel()).reshape(-1, len(at), 2)
+            on_curve = number == each
+            points[on_curve] = self.curves[each].point(parameters[on_curve].ravel()).reshape(-1, len(at), 2)
         return points
 
     def beside(self, points: Floats) -> tuple[Floats, Floats]:

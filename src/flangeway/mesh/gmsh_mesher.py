@@ -350,8 +350,8 @@ def _of_region(
 
 def _of_section(gmsh: Any, section: Section, surfaces: dict[str, list[int]]) -> PolyMesh:
     """Return Gmsh's triangles, those of each part as a cell set."""
-    _, points, triangles, counts = _triangles(gmsh, [tag for mine in surfaces.values() for tag in mine])
-    owners = np.repeat(np.repeat(np.arange(len(surfaces)), [len(mine) for mine in surfaces.values()]), counts)
+    _, points, triangles, counts = _triangles(gmsh, [tag for tags in surfaces.values() for tag in tags])
+    owners = np.repeat(np.repeat(np.arange(len(surfaces)), [len(tags) for tags in surfaces.values()]), counts)
     cell_sets = {name: np.flatnonzero(owners == number).astype(np.int32) for number, name in enumerate(surfaces)}
     for name, cells in cell_sets.items():
         if not len(cells):

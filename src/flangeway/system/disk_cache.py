@@ -67,11 +67,11 @@ class Cache:
 
     def get(self, key: str, make: Callable[[], Arrays]) -> Arrays:
         """Arrays of a key; made and stored if there are none."""
-        found = self.load(key)
-        if found is None:
-            found = make()
-            self.store(key, found)
-        return found
+        stored = self.load(key)
+        if stored is None:
+            stored = make()
+            self.store(key, stored)
+        return stored
 
     def load(self, key: str) -> Arrays | None:
         """Arrays of a key; None if there are none. A damaged file is removed with a `CacheWarning`."""

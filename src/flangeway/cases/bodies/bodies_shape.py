@@ -150,7 +150,7 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
             raise InputError(f"{key}.{name} with the mesh {body.file}", "the file's mesh as it is", f"leave {name} out")
     # bodies that touch must stay apart
     read = read_mesh(str(body.file), merge_points=body.cells is None)
-    found, mesh = list(read.notices), read.mesh
+    repairs, mesh = list(read.notices), read.mesh
     if body.cells is not None:
         wanted = _listed(body.cells)
         what = "cell sets of the file"
@@ -159,10 +159,10 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
         for name in wanted:
             require_known(f"{key}.cells", name, sorted(mesh.cell_sets), what)
         joined = read.part(*wanted)
-        found += [f"body {body.name}: {notice}" for notice in joined.notices]
+        repairs += [f"body {body.name}: {notice}" for notice in joined.notices]
         mesh = joined.mesh
-    found = [f"{Path(str(body.file)).name}: {notice}" for notice in found]
-    notices += [notice for notice in found if notice not in notices]
+    repairs = [f"{Path(str(body.file)).name}: {notice}" for notice in repairs]
+    notices += [notice for notice in repairs if notice not in notices]
     if body.method == "fem" and (mesh.cell_sizes > 3).any():
         raise InputError(
             f"{key}.method = 'fem' for {body.file}, whose cells have up to {mesh.cell_sizes.max()} corners",

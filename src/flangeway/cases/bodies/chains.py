@@ -53,10 +53,10 @@ class ChainPreset(BodiesPreset):
 
     def general(self) -> TwoBodiesCase:
         """See `PresetCase.general`."""
-        tables, mine = self.layout(), self.model_dump(include=CONTACT_KEYS)
+        tables, shared = self.layout(), self.model_dump(include=CONTACT_KEYS)
         material = {"young_MPa": self.young_MPa, "poisson": self.poisson, "order": self.order}
         tables["bodies"] = [material | body for body in tables["bodies"]]
-        tables["contacts"] = [mine | contact for contact in tables["contacts"]]
+        tables["contacts"] = [shared | contact for contact in tables["contacts"]]
         given = {"thickness_mm": self.thickness_mm, "steps": {"number": self.n_steps}}
         return TwoBodiesCase.from_values({**given, **tables})
 

@@ -101,17 +101,17 @@ class RollingPatchRun(RunResult):
     @property
     def residuals(self) -> dict[str, float]:
         """See `flangeway.contact.rolling.rolling_result.Rolling.residuals`; none of the fast theories."""
-        found = self.state.forces
-        return found.residuals if isinstance(found, Rolling) else {}
+        forces = self.state.forces
+        return forces.residuals if isinstance(forces, Rolling) else {}
 
     @property
     def energy_error(self) -> float | None:
         """Frictional power less that of forces times creepages, over the power; of the exact theory."""
-        found = self.state.forces
-        if not self.state.rolls or not isinstance(found, Rolling):
+        forces = self.state.forces
+        if not self.state.rolls or not isinstance(forces, Rolling):
             return None
-        power = abs(found.motion.speed) * found.t_gamma
-        return abs(found.frictional_power - power) / (abs(power) + abs(found.rolling_power) or 1.0)
+        power = abs(forces.motion.speed) * forces.t_gamma
+        return abs(forces.frictional_power - power) / (abs(power) + abs(forces.rolling_power) or 1.0)
 
     def parts(self) -> dict[str, Any]:
         """See `RunResult.parts`."""
@@ -246,14 +246,14 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         progress("rolling")
         along, across = (None if force is None else 1e3 * force for force in self._forces)
         exact = roll(contact, self.motion, force_along=along, force_across=across)
-        found = exact if self.rolling_theory == "exact" else FAST[self.rolling_theory](contact, self.motion)
+        forces = exact if self.rolling_theory == "exact" else FAST[self.rolling_theory](contact, self.motion)
         states = [exact, *(theory(contact, exact.motion) for theory in self._theories.values())] if self.rolls else []
         rolled = time.perf_counter()
         curve, notices = self._curve(contact, exact.motion, progress)
         total = time.perf_counter()
         timings = {"pressures": pressed - start, "rolling": rolled - pressed, "curve": total - rolled}
-        notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *found.notices, *notices))]
-        state, *theories = (CreepResult(each, each.motion, contact.force) for each in (found, *states))
+        notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *forces.notices, *notices))]
+        state, *theories = (CreepResult(each, each.motion, contact.force) for each in (forces, *states))
         return RollingPatchRun(self, timings | {"total": total - start}, contact, state, theories, curve, notices)
 
     @property

@@ -349,7 +349,7 @@ def wheelset(**inputs: Any) -> WheelsetRun:
     Returns
     -------
     WheelsetRun
-        What it found, which shows itself in a notebook.
+        The result, which shows itself in a notebook.
 
     Raises
     ------

@@ -168,8 +168,8 @@ class WheelsetInputs(Case):
         for wheel in run.wheels:
             ordered = sorted(wheel.patches, key=lambda patch: -float(patch.patch.rail_point_mm[0]))
             for number, patch in enumerate(ordered, 1):
-                found = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
-                rows.append({"side": wheel.side, "number": number} | found)
+                row = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
+                rows.append({"side": wheel.side, "number": number} | row)
         return rows
 
     def warnings_of(self, run: Any) -> list[str]:

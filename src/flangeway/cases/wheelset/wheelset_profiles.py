@@ -64,10 +64,10 @@ def rail_named(
         _refuse_other_kind(name, "rail")
         _refuse_options(name, options, key)
         return rail(name, crown_radius_in=crown_radius_in)
-    found = _from_file(name, "rail", body, other, options, key)
-    if not isinstance(found, RailProfile):
+    profile = _from_file(name, "rail", body, other, options, key)
+    if not isinstance(profile, RailProfile):
         raise TypeError("a rail's file gives a rail")
-    return found
+    return profile
 
 
 def wheel_named(
@@ -84,10 +84,10 @@ def wheel_named(
         if name == IDENTIFIED:
             return identified_wheel()
         return wheel(name)
-    found = _from_file(name, "wheel", body, other, options, key)
-    if not isinstance(found, WheelProfile):
+    profile = _from_file(name, "wheel", body, other, options, key)
+    if not isinstance(profile, WheelProfile):
         raise TypeError("a wheel's file gives a wheel")
-    return found
+    return profile
 
 
 def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
@@ -234,6 +234,6 @@ def side_warnings(track: Track) -> list[str]:
     for side, key in (("right", "rail"), ("left", "left_rail")):
         if side == "right" or not track.is_symmetric:
             one = track.rail_of("left" if side == "left" else "right")
-            found = [each for each in one.notices if each.startswith(MIRRORED)]
-            warnings += [_as_keys(each, key) for each in found or side_notices(one.running_surface)]
+            mirrored = [each for each in one.notices if each.startswith(MIRRORED)]
+            warnings += [_as_keys(each, key) for each in mirrored or side_notices(one.running_surface)]
     return warnings

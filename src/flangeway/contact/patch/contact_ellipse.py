@@ -33,7 +33,7 @@ class ContactEllipse:
     max_pressure
         Maximum mean pressure of a cell.
     area
-        Of the cells under pressure.
+        Inside of the edge that pressures and gaps give, see `covered`.
     cells
         Maximum numbers of them across and along z.
     inside
@@ -49,6 +49,13 @@ class ContactEllipse:
     area: float
     cells: tuple[int, int]
     inside: Bools
+
+    @property
+    def widths(self) -> tuple[float, float]:
+        """Widths of the ellipse across and along z."""
+        long, short = self.semi_axes
+        cos, sin = np.cos(self.angle_rad), np.sin(self.angle_rad)
+        return 2.0 * float(np.hypot(long * sin, short * cos)), 2.0 * float(np.hypot(long * cos, short * sin))
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +74,10 @@ class CellForces:
         Middles of the strips, shape (n_strips,).
     strip
         Width of the strips.
+    gaps
+        Of the deformed surfaces, shape as the forces.
+    modulus
+        Contact modulus.
 
     """
 
@@ -76,6 +87,8 @@ class CellForces:
     normals: Floats
     z: Floats
     strip: float
+    gaps: Floats
+    modulus: float
 
     @property
     def across(self) -> Floats:
@@ -116,12 +129,25 @@ class CellForces:
             (float(np.sqrt(5.0 * values[1])), float(np.sqrt(5.0 * values[0]))),
             float(np.arctan2(direction[1], direction[0])),
             float(self.pressures[inside].max()),
-            float((inside * widths[:, None]).sum() * self.strip),
+            self._area(inside),
             (int(inside.sum(axis=0).max()), int(inside.sum(axis=1).max())),
             inside,
         )
 
-    def hertz(self, patch: ContactEllipse, gaps: Floats, approach: float, modulus: float) -> PointContact | None:
+    def _area(self, inside: Bools) -> float:
+        """Area of the polygon through the points at which the edge of a patch crosses the lines between middles."""
+        steps, pressures = np.diff(self.across)[:, None], self.pressures
+        across = covered(inside, pressures, self.gaps, self.modulus / steps)
+        along = covered(inside.T, pressures.T, self.gaps.T, self.modulus / self.strip).T
+        # rectangles between four middles: corners inside, and the covered parts a and b of the sides that meet there
+        low, high = slice(None, -1), slice(1, None)
+        corners = [(inside[i, j], across[:, j], along[i]) for i in (low, high) for j in (low, high)]
+        number = sum(corner.astype(int) for corner, _, _ in corners)
+        triangle = sum(corner * a * b for corner, a, b in corners) / 2.0
+        cut = sum(~corner * (1.0 - a) * (1.0 - b) for corner, a, b in corners) / 2.0
+        return float((np.where(number > 1, 1.0 - cut, triangle) * steps).sum() * self.strip)
+
+    def hertz(self, patch: ContactEllipse, gaps: Floats, approach: float) -> PointContact | None:
         """Hertz's contact for the force of a patch and the curvatures of its gap; None where these vary too much.
 
         The curvatures are those of the paraboloid that fits the gaps of the cells under pressure best.
@@ -134,8 +160,6 @@ class CellForces:
             Of the undeformed surfaces, shape as the forces.
         approach
             The gaps may be a share of it, `PARABOLIC`, off the paraboloid.
-        modulus
-            Contact modulus.
 
         """
         z, s = (each[patch.inside] for each in np.meshgrid(self.z - patch.centre[2], self.across - self.across.mean()))
@@ -145,7 +169,29 @@ class CellForces:
         least, most = np.linalg.eigvalsh([[2.0 * fit[3], fit[4]], [fit[4], 2.0 * fit[5]]])
         if not least > 0.0 or np.abs(terms @ fit - values).max() > PARABOLIC * approach:
             return None
-        return PointContact(float(np.linalg.norm(patch.force)), 1.0 / least, 1.0 / most, modulus)
+        return PointContact(float(np.linalg.norm(patch.force)), 1.0 / least, 1.0 / most, self.modulus)
+
+
+def covered(inside: Bools, pressures: Floats, gaps: Floats, stiffness: Floats | float) -> Floats:
+    """Parts of the lines between middles of neighbours along the first axis that lie in a patch, shape (n - 1, m).
+
+    At the distance d from the edge the pressure inside is ``p = K sqrt(d)``, and the gap outside is
+    ``g = 4 K d^(3/2) / (3 E*)`` (Johnson, 1985, "Contact Mechanics", 5.1). Between middles at the distance h, of which
+    one is under pressure and the other one open, the edge is at the part t with ``t^(1/2) / (1 - t)^(3/2) =
+    4 h p / (3 E* g)``. It reaches a middle as that cell opens or closes: the edge moves on without a jump.
+
+    - `inside`: cells of the patch, shape (n, m).
+    - `pressures`, `gaps`: of all cells, shape (n, m).
+    - `stiffness`: contact modulus over the distance, E* / h.
+    """
+    low, high = inside[:-1], inside[1:]
+    pressure, gap = np.where(low, pressures[:-1], pressures[1:]), np.where(low, gaps[1:], gaps[:-1])
+    ratio = 4.0 / 3.0 * pressure / (stiffness * np.maximum(gap, np.finfo(float).tiny))
+    beyond = np.where(low, pressures[1:], pressures[:-1])
+    ratio = np.where(beyond > 0.0, 2.0, ratio)  # the middle between it and another patch
+    # u + u^3 = ratio with u^2 = t / (1 - t)
+    u = np.sqrt(4.0 / 3.0) * np.sinh(np.arcsinh(np.sqrt(6.75) * ratio) / 3.0)
+    return np.where(low & high, 1.0, np.where(low | high, u**2 / (1.0 + u**2), 0.0))
 
 
 def separate_patches(loaded: Bools) -> list[Bools]:

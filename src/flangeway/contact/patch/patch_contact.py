@@ -70,7 +70,10 @@ class PatchContact:
         """Forces on the cells."""
         grid, gaps = self.pair.grid, self.pair.gaps
         ends = np.stack((grid.bounds[:-1], grid.bounds[1:]), axis=1)
-        return CellForces(self.contact.forces, ends, gaps.points, gaps.normals, grid.along, grid.strip)
+        modulus = contact_modulus(plane_modulus(self.pair.first), plane_modulus(self.pair.second))
+        return CellForces(
+            self.contact.forces, ends, gaps.points, gaps.normals, grid.along, grid.strip, self.contact.gaps, modulus
+        )
 
     @property
     def pressures(self) -> Floats:
@@ -110,8 +113,7 @@ class PatchContact:
 
     def hertz(self, patch: ContactEllipse) -> PointContact | None:
         """Hertz's contact for the force of a patch and the curvatures of its gap; None where these vary too much."""
-        modulus = contact_modulus(plane_modulus(self.pair.first), plane_modulus(self.pair.second))
-        return self.cells.hertz(patch, self.pair.gaps.values, self.approach, modulus)
+        return self.cells.hertz(patch, self.pair.gaps.values, self.approach)
 
 
 @dataclass(frozen=True, eq=False)

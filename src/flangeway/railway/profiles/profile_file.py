@@ -175,8 +175,8 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
             position = slices.wanted(given.position)
             stem = f"{file.stem} at {position:g} {UNITS[slices.kind]}"
             read, options = partial(_slice, unit=given.unit), replace(given, unit=None)
-            found = _profile(slices.section(position, read), "slices", options, stem, slices.slice(0, read))
-            return replace(found, file=file.name)
+            profile = _profile(slices.section(position, read), "slices", options, stem, slices.slice(0, read))
+            return replace(profile, file=file.name)
         if given.position is not None:
             raise InputError(f"--position {given.position:g}", f"a file of slices, {', '.join(SLICES)}", "leave it out")
         return replace(_profile(_read(content, ending), FORMATS[ending], given, file.stem), file=file.name)
@@ -359,8 +359,8 @@ def profile_text(
         raise InputError(f"--to a file with the ending {ending!r}", ", ".join(FORMATS), "choose one of these formats")
     kind = _KINDS_BY_ENDING.get(ending, profile.kind)
     if kind != profile.kind:
-        mine = ", ".join(e for e, k in _KINDS_BY_ENDING.items() if k == profile.kind)
-        raise InputError(f"--to {ending}, which holds {kind}s, for a {profile.kind}", mine, "change the ending")
+        endings = ", ".join(e for e, k in _KINDS_BY_ENDING.items() if k == profile.kind)
+        raise InputError(f"--to {ending}, which holds {kind}s, for a {profile.kind}", endings, "change the ending")
     title = one_line(profile.title)
     origin, tape = frame_origin(profile), profile.orientation.tape_mm
     if ending == ".csv":

@@ -143,15 +143,15 @@ def read_rolling_radius_difference(file: str | Path, unit: str | None = None) ->
     path = Path(file)
     try:
         text = file_content(path, "a rolling radius difference").decode("utf-8-sig", "replace")
-        found = read_two_column(text, _COLUMNS, "two numbers, lateral displacement and rolling radius difference")
-        chosen = found.unit if unit is None else unit
+        table = read_two_column(text, _COLUMNS, "two numbers, lateral displacement and rolling radius difference")
+        chosen = table.unit if unit is None else unit
         if chosen not in UNITS_MM:
             raise InputError(
                 "no unit of its two columns" if chosen is None else f"unit = {chosen!r}",
                 f"one of: {', '.join(UNITS_MM)}",
                 "add a line `# unit: mm` at the top, name the columns y_mm and delta_r_mm, or give --set unit=mm",
             )
-        rows = found.points * UNITS_MM[chosen]
+        rows = table.points * UNITS_MM[chosen]
         if len(rows) and np.abs(rows[:, 0]).max() > MAX_LATERAL_MM:
             raise InputError(
                 f"lateral displacements up to {np.abs(rows[:, 0]).max():.4g} mm",

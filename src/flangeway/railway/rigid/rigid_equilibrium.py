@@ -193,16 +193,16 @@ def _candidates(derivative: Floats) -> list[_Candidate]:
     """Where the derivative over the load is zero along the path of contact, in order."""
     still = np.concatenate(([False], np.abs(derivative) <= MAX_RESIDUAL, [False]))
     starts, ends = np.flatnonzero(still[1:] & ~still[:-1]), np.flatnonzero(still[:-1] & ~still[1:]) - 1
-    found = [
+    candidates = [
         _Candidate(int(start), int(end), True, True)
         for start, end in zip(starts, ends, strict=True)
         if (end - start) * PATH_STEP_MM >= NEUTRAL_MM
     ]
     rising = derivative >= 0.0
     for place in np.flatnonzero(rising[1:] != rising[:-1]).tolist():
-        if all(place + 1 < each.first or place > each.last for each in found if each.neutral):
-            found.append(_Candidate(place, place + 1, bool(rising[place + 1]), False))
-    return sorted(found)
+        if all(place + 1 < each.first or place > each.last for each in candidates if each.neutral):
+            candidates.append(_Candidate(place, place + 1, bool(rising[place + 1]), False))
+    return sorted(candidates)
 
 
 def _positions(
@@ -219,12 +219,12 @@ def _positions(
     )
     # a neutral equilibrium is shown as near to the middle as it goes
     level = np.clip(0.0, ends.level[:, 0], ends.level[:, 1])
-    found = Intervals(np.stack((level, level), axis=1), ends.roll.copy())
+    intervals = Intervals(np.stack((level, level), axis=1), ends.roll.copy())
     if not neutral.all():
         zeros = _zeros(geometry, load, Intervals(*(each[~neutral] for each in ends)))
-        found.level[~neutral], found.roll[~neutral] = zeros
+        intervals.level[~neutral], intervals.roll[~neutral] = zeros
     # a little to both sides as well: between conforming arcs the contact is decided by rounding at the jump itself
-    levels, rolls = (np.concatenate((each, each), axis=1) for each in found)
+    levels, rolls = (np.concatenate((each, each), axis=1) for each in intervals)
     levels += np.array([0.0, 0.0, -_NEAR_MM, _NEAR_MM])
     settled = geometry.touching(levels.T.ravel(), roll=rolls.T.ravel(), gaps=True)
     lateral = ends.level - geometry.reference_height_mm * np.sin(ends.roll)
@@ -296,13 +296,13 @@ def _reached(derivative: Floats, middle: int, candidates: list[_Candidate]) -> i
 def _position(
     geometry: RigidGeometry,
     load: WheelsetLoad,
-    found: TouchingPositions,
+    touching: TouchingPositions,
     ends: range,
     candidate: _Candidate,
     lateral: Floats,
 ) -> RigidPosition:
     """Forces and points of contact at a candidate; of a zero positions about it, so that both points of a jump are."""
-    locus = geometry.located(found)
+    locus = geometry.located(touching)
     motion = locus.motion(ends[0])
     points = contact_points(locus, ends)
     along, onto = load.in_track

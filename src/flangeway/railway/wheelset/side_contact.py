@@ -13,6 +13,7 @@ import numpy as np
 from flangeway.contact.patch.contact_ellipse import CellForces
 from flangeway.contact.patch.elastic_surface import ElasticSurface, half_spaces_on
 from flangeway.contact.patch.normal_contact import Convolution
+from flangeway.exact import contact_modulus
 from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.solve import Status
@@ -127,6 +128,12 @@ class SideSurfaces:
     rail_stations: Floats
     wheel_frame: Placement
     rail_frame: Placement
+
+    @property
+    def modulus(self) -> float:
+        """Contact modulus."""
+        materials = self.rail_elastic.material, self.wheel_elastic.material
+        return contact_modulus(*(material.young / (1.0 - material.poisson**2) for material in materials))
 
     def rail_points(self, stations: Floats) -> tuple[Floats, Floats]:
         """Points and outward normals of the rail at stations of its elastic surface, each (n, 2)."""
@@ -258,8 +265,10 @@ class SideState:
     @property
     def cells(self) -> CellForces:
         """Forces on the cells, in the right-hand form of the side."""
-        grid = self.grid.grid
-        return CellForces(self.forces, grid.cells, self.points, self.normals, grid.z, grid.strip)
+        grid, surfaces = self.grid.grid, self.grid.surfaces
+        return CellForces(
+            self.forces, grid.cells, self.points, self.normals, grid.z, grid.strip, self.gaps, surfaces.modulus
+        )
 
     @property
     def resultant(self) -> Floats:
@@ -421,6 +430,20 @@ class GriddedSide:
         """The same of `bending_across`."""
         return _modes(self.bending_across)
 
+    def _means(self, gaps: Floats) -> Floats:
+        """Means of the gaps over the cells by those at their middles (n, n_z): ``g + w^2 / 24 g''``.
+
+        A jump of a profile's curvature inside of a cell would be as a step of the surface otherwise.
+        """
+        grid = self.grid
+        steps = np.diff(grid.stations)[:, None]
+        slopes = np.diff(gaps, axis=0) / steps
+        second = np.zeros_like(gaps)
+        second[1:-1] = 2.0 * np.diff(slopes, axis=0) / (steps[1:] + steps[:-1])
+        near = (gaps < FAR_MM)[1:] & (gaps < FAR_MM)[:-1] & (steps < 2.0 * grid.widths[1:, None])
+        second[1:-1] *= near[1:] & near[:-1]
+        return gaps + grid.widths[:, None] ** 2 / 24.0 * second
+
     def deformed(
         self,
         pose: WheelPose,
@@ -449,7 +472,8 @@ class GriddedSide:
         points = points + moved
         gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.z, guess)
         gap.arms[..., :2] += pose.shift  # from the middle of the axle, not from the profile's origin
-        values = np.where(gap.gaps < FAR_MM, gap.gaps + (moved * normals).sum(axis=1)[:, None], FAR_MM)
+        values = self._means(gap.gaps)
+        values = np.where(gap.gaps < FAR_MM, values + (moved * normals).sum(axis=1)[:, None], FAR_MM)
         return points, normals, gap, values
 
 

@@ -19,7 +19,7 @@ from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideS
 from flangeway.railway.wheelset.side_newton import SideNewton, solve_side, transferred, transferred_creep
 from flangeway.railway.wheelset.wheelset_newton import FINE_RESIDUAL, SpatialState, WheelsetNewton, pose_of
 from flangeway.solve import Status
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Ints
 
 COARSE_MM, COARSE_STRIP_MM = 1.4, 3.0
 """Cells of the whole running surfaces; the contact at a flange root jumps between wider ones."""
@@ -45,8 +45,14 @@ NEARBY = 5.0
 """Way over the step limits within which the coarse cells still fit."""
 AT_THE_ENDS = "patches at the ends of their cells"
 """Message of a search that goes on with other cells."""
-LEAST_ACROSS = 20
-"""Cells across a patch that are enough where 26 are wanted."""
+COARSER = 1.3
+"""Size of cells over the one that is wanted, at most."""
+SIZES = 8
+"""Sizes of cells from one to its double."""
+FLAT = 1e-3
+"""Fall of the pressure beside a local maximum, over it, below which that is no narrow peak."""
+PEAK, MAX_DIVISION = 0.3, 4.0
+"""Cells across half a narrow peak of the pressure over those across a patch, and parts of a cell there, at most."""
 FEWER_ACROSS, NESTED_RESIDUAL = 0.5, 2e-3
 """Cells across a patch over the final ones while creep forces are sought, and the residual on them."""
 MARGIN = 0.2
@@ -61,8 +67,8 @@ SEARCHED_MM = 90.0
 """Distance along the track from the wheel's middle up to which it may touch without yaw."""
 FLANGE_SLOPE = 3.0
 """Slope of the flange, by which yaw moves its contact along the track."""
-LONGEST = 48
-"""Strips along the longest patch, at most."""
+LONGEST = 1.8
+"""Strips along the longest patch over those wanted along the shortest, at most."""
 MOST_ON_A_SIDE, MORE_ON_A_SIDE = 5000, 2.0
 """Cells in the windows of a side, at most, and the factor on them where more cells across a patch are wanted."""
 MAIN = 0.05
@@ -322,35 +328,72 @@ def _way(lateral: float) -> str:
 
 @dataclass(frozen=True)
 class _Window:
-    """Ends of a patch along the rail's surface and along z, its cells across and along, and its share of the force."""
+    """A patch on a grid.
+
+    - `ends`, `planes`: along the rail's surface and along z.
+    - `across`, `along`: widths of the ellipse by the second moments of the pressure, which do not jump between cells.
+    - `share`: of the side's force.
+    - `rows`: its rows of cells.
+    - `peaks`: where the maximum pressure of rows has its local maxima, and half the widths of the parabolas through
+      these, each (m, 2).
+    """
 
     ends: tuple[float, float]
     planes: tuple[float, float]
-    across: int
-    along: int
+    across: float
+    along: float
     share: float
-    cell: float
+    rows: Ints
+    peaks: Floats
+
+    def sizes(self, cells: Floats, size: float, n_across: int) -> Floats:
+        """Widths that cells (n, 2) should have where those of the patch have a size: smaller at narrow peaks."""
+        wanted = np.full(len(cells), size)
+        for middle, half in self.peaks:
+            near = (cells[:, 1] > middle - half) & (cells[:, 0] < middle + half)
+            wanted[near] = np.minimum(wanted[near], max(half / (PEAK * n_across), size / MAX_DIVISION))
+        return wanted
 
 
 def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]:
     """One for each patch."""
-    grid = state.grid.grid
-    found: list[_Window] = []
+    grid, pressures = state.grid.grid, state.cells.pressures
+    windows: list[_Window] = []
     for patch in state.cells.patches(insides):
         rows, columns = (np.flatnonzero(patch.inside.any(axis=axis)) for axis in (1, 0))
-        new = _Window(
-            (float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])),
-            (float(grid.z[columns[0]]) - grid.strip / 2.0, float(grid.z[columns[-1]]) + grid.strip / 2.0),
-            *patch.cells,
-            float(state.forces[patch.inside].sum() / state.forces.sum()),
-            float(grid.widths[rows].max()),
+        highest = np.where(patch.inside, pressures, 0.0).max(axis=1)
+        windows.append(
+            _Window(
+                (float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])),
+                (float(grid.z[columns[0]]) - grid.strip / 2.0, float(grid.z[columns[-1]]) + grid.strip / 2.0),
+                *patch.widths,
+                float(state.forces[patch.inside].sum() / state.forces.sum()),
+                rows,
+                _peaks(grid.stations, highest, float(grid.widths[rows].max())),
+            )
         )
-        found.append(new)
-    return found
+    return windows
+
+
+def _peaks(stations: Floats, values: Floats, size: float) -> Floats:
+    """Local maxima above half of the maximum, and half the widths of the parabolas through them, (m, 2).
+
+    - `size`: distance of the values that such a parabola goes through, the same on cells that were divided.
+    """
+    inner = values[1:-1]
+    at = 1 + np.flatnonzero((inner > values[:-2]) & (inner >= values[2:]) & (inner > 0.5 * values.max()))
+    middle = stations[at]
+    # v (1 - x^2 / a^2) falls by v (h / a)^2 at the distance h
+    falls = values[at] - (np.interp(middle - size, stations, values) + np.interp(middle + size, stations, values)) / 2.0
+    return np.column_stack((middle, size * np.sqrt(values[at] / np.maximum(falls, FLAT * values[at]))))
 
 
 def finer(state: SideState, n_across: int = PATCH_CELLS, insides: Sequence[Bools] | None = None) -> GriddedSide:
     """Grid with enough cells across each patch and room around it; the same grid if it is one already.
+
+    Cells end at multiples of their size along the rail's surface and along z, and sizes are powers of one number: so
+    the cells at a position do not depend on how it was reached. At narrow peaks of the pressure, as at jumps of a
+    profile's curvature, cells are divided.
 
     - `n_across`: cells across a patch, and along it.
     - `insides`: cells of the patches, (n, n_z) each; left out: those that are apart.
@@ -359,48 +402,72 @@ def finer(state: SideState, n_across: int = PATCH_CELLS, insides: Sequence[Bools
     loaded = state.forces > 0.0
     if not loaded.any():
         return old
-    windows = _windows(state, insides)
-    main = [each for each in windows if each.share > MAIN]
-    longest = max(each.along for each in main)
-    part = n_across / PATCH_CELLS
-    most_along, least_across = part * LONGEST, part * LEAST_ACROSS
-    strip = grid.strip * min(1.0, max(min(each.along for each in main) / n_across, longest / most_along))
-    enough = all(
-        (each.along >= least_across or longest >= 0.9 * most_along)
-        and (each.across >= least_across or each.cell <= 1.01 * grid.strip / LENGTHENED)
-        for each in main
+    windows = sorted(_windows(state, insides), key=lambda window: window.ends)
+    main = [window for window in windows if window.share > MAIN]
+    longest = max(window.along for window in main)
+    strip = max(min(window.along for window in main) / n_across, longest / (n_across * LONGEST))
+    sizes = [min(max(window.across / n_across, strip / LENGTHENED), LENGTHENED * strip) for window in windows]
+    at_edge = bool((loaded & grid.at_edge).any())
+    enough = grid.strip <= COARSER * strip and all(
+        (grid.widths[window.rows] <= COARSER * window.sizes(grid.cells[window.rows], size, n_across)).all()
+        for window, size in zip(windows, sizes, strict=True)
+        if window.share > MAIN
     )
-    reached_an_end = bool((loaded & grid.at_edge).any())
-    if enough and not reached_an_end:
+    if enough and not at_edge:
         return old
-    margin = BROAD_MARGIN if reached_an_end else MARGIN
+    margin = BROAD_MARGIN if at_edge else MARGIN
     spans: list[list[float]] = []
     reached = -np.inf
-    for each in sorted(windows, key=lambda each: each.ends):
-        (first, last), before = each.ends, spans[-1] if spans else None
-        more = max(margin * (last - first), 0.6 * each.cell)
-        cell = min(each.cell, max((last - first) / n_across, strip / LENGTHENED), LENGTHENED * strip)
+    for window, size in zip(windows, sizes, strict=True):
+        (first, last), before = window.ends, spans[-1] if spans else None
+        more = max(margin * (last - first), 0.6 * float(grid.widths[window.rows].max()))
         low, high = first - more, last + more
         if before is not None and first < reached:
-            before[1:] = max(before[1], high), min(before[2], cell)
+            before[1:] = max(before[1], high), min(before[2], size)
         else:
             if before is not None and low < before[1]:  # each patch has its own cells, up to the middle between them
                 low = before[1] = (first + reached) / 2.0
-            spans.append([low, high, cell])
+            spans.append([low, high, size])
         reached = max(last, reached)
-    # as many cells as a factorisation takes
-    strips = sum(each.planes[1] - each.planes[0] for each in windows) / max(len(windows), 1) / strip
-    most = min(max(part, 1.0) ** 2, MORE_ON_A_SIDE) * MOST_ON_A_SIDE
-    many = np.sqrt(max(sum((high - low) / cell for low, high, cell in spans) * strips / most, 1.0))
-    strip *= many
-    spans = [[low, high, cell * many] for low, high, cell in spans]
-    limits = np.sort(old.surfaces.rail_stations[[0, -1], 1])
-    cells = []
-    for low, high, cell in spans:
-        first, last = max(low, limits[0]), min(high, limits[1])
-        ends = np.linspace(first, last, int(np.ceil((last - first) / cell)) + 1)
-        cells.append(np.stack((ends[:-1], ends[1:]), axis=1))
-    first, last = min(each.planes[0] for each in windows), max(each.planes[1] for each in windows)
+    first, last = min(window.planes[0] for window in windows), max(window.planes[1] for window in windows)
     more = max(margin * (last - first), 0.6 * grid.strip)
+    # as many cells as a factorisation takes
+    strips = sum(window.planes[1] - window.planes[0] for window in windows) / len(windows) / strip
+    most = min(max(n_across / PATCH_CELLS, 1.0) ** 2, MORE_ON_A_SIDE) * MOST_ON_A_SIDE
+    many = np.sqrt(max(sum((high - low) / size for low, high, size in spans) * strips / most, 1.0))
+    strip = _rounded(many * strip)
+    limits = np.sort(old.surfaces.rail_stations[[0, -1], 1])
+    parts, end = [], limits[0]
+    for low, high, size in spans:
+        ends = _multiples(_rounded(many * size), low, high)
+        ends = ends[(ends >= limits[0]) & (ends <= limits[1])]
+        if ends[0] < end:  # beside another patch's cells: one of another width fills what is between
+            ends = np.append(end, ends[ends > end + 0.5 * size])
+        end = ends[-1]
+        cells = np.stack((ends[:-1], ends[1:]), axis=1)
+        wanted = np.min([window.sizes(cells, many * size, n_across) for window in windows], axis=0)
+        parts.append(_divided(cells, wanted))
     planes = np.arange(int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip)) + 1)
-    return GriddedSide(old.surfaces, SideGrid(np.concatenate(cells), strip, planes), state.pose)
+    return GriddedSide(old.surfaces, SideGrid(np.concatenate(parts), strip, planes), state.pose)
+
+
+def _rounded(size: float) -> float:
+    """The closest one of the sizes that cells may have."""
+    return float(2.0 ** (np.round(np.log2(size) * SIZES) / SIZES))
+
+
+def _multiples(size: float, low: float, high: float) -> Floats:
+    """Multiples of a size about an interval."""
+    return size * np.arange(np.floor(low / size), np.ceil(high / size) + 1.0)
+
+
+def _divided(cells: Floats, sizes: Floats) -> Floats:
+    """Cells (n, 2), halved until they are not wider than sizes (n,)."""
+    halvings = np.ceil(np.log2(np.diff(cells, axis=1)[:, 0] / (COARSER * sizes)))
+    counts = 2 ** np.maximum(halvings, 0).astype(int)
+    ends = [
+        np.linspace(low, high, count, endpoint=False)
+        for (low, high), count in zip(cells.tolist(), counts.tolist(), strict=True)
+    ]
+    limits = np.append(np.concatenate(ends), cells[-1, 1])
+    return np.stack((limits[:-1], limits[1:]), axis=1)

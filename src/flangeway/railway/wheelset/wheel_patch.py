@@ -11,7 +11,7 @@ from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.contact.patch.patch_body import Axis, PatchBody
 from flangeway.contact.patch.patch_contact import PatchContact, press_patch
 from flangeway.contact.patch.patch_grid import grid_about
-from flangeway.exact import PointContact, contact_modulus
+from flangeway.exact import PointContact
 from flangeway.geometry import Placement
 from flangeway.post.patch_stresses import DepthProfile, StressField, half_space_profile, stress_field
 from flangeway.problems import Body, Elasticity, Harmonic
@@ -105,8 +105,7 @@ class SpatialPatch:
         approach = float(np.ptp(gaps[inside]))
         if min(self.ellipse.cells) < 3 or not approach > 0.0:
             return None
-        modulus = contact_modulus(*(young / (1.0 - poisson**2) for young, poisson in self.materials.values()))
-        return self.state.cells.hertz(self.ellipse, gaps, approach, modulus)
+        return self.state.cells.hertz(self.ellipse, gaps, approach)
 
     @property
     def remark(self) -> str:

@@ -82,13 +82,13 @@ class ProfileSlices:
         near = near or [0]
         raws = [self.slice(i, read) for i in near]
         if len(raws) == 1:
-            found = _trimmed(raws[0], self.features[near[0]])
+            trimmed = _trimmed(raws[0], self.features[near[0]])
         else:
-            found = _between(raws, self.features[near], part, f"{self.file}: slices {near[0] + 1} and {near[1] + 1}")
+            trimmed = _between(raws, self.features[near], part, f"{self.file}: slices {near[0] + 1} and {near[1] + 1}")
         amplitude, waves, phase = self.waves.T
         depth = float(amplitude @ np.sin(waves * position + phase))
-        sign = -1.0 if found.upwards else 1.0
-        return replace(found, points=found.points + np.array([0.0, sign * depth])) if depth else found
+        sign = -1.0 if trimmed.upwards else 1.0
+        return replace(trimmed, points=trimmed.points + np.array([0.0, sign * depth])) if depth else trimmed
 
     def slice(self, number: int, read: Callable[[Path], RawProfile]) -> RawProfile:
         """Return a slice as its file has it, of this kind."""
