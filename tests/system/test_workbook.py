@@ -64,7 +64,7 @@ def test_without_openpyxl_nothing_is_computed(call, tmp_path, monkeypatch) -> No
         workbook.spreadsheet_library()
     status, _, error = call(*PATCH, "--out", tmp_path / "out")
     assert status == 1
-    assert "pip install 'flangeway[xlsx]'" in error
+    assert "pip install 'flangeway[campaign]'" in error
     assert not (tmp_path / "out").exists()
 
 
