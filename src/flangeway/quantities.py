@@ -193,5 +193,11 @@ def number_text(value: Any, form: str, unit: UsUnit | None = None) -> str:
     return format(converted, f"{'z' * form.startswith('z')}.{max(decimals, 0)}f")
 
 
+def measured(value: float, unit: str, units: Units = "metric", form: str = ".4g") -> str:
+    """Return the text of a metric number and its unit in a system of units, such as ``7.874 in`` for 200 mm."""
+    other = us_unit(unit) if units == "us" else None
+    return f"{number_text(value, form, other)} {other.name if other else unit}".rstrip()
+
+
 def _scaled(value: Any, factor: float) -> Any:
     return value * factor if factor != 1.0 else value

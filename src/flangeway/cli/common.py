@@ -242,9 +242,7 @@ class Show:
         """
         from flangeway.report.page.html_page import write_record  # noqa: PLC0415
         from flangeway.report.page.record import REPORT, print_record  # noqa: PLC0415
-        from flangeway.report.page.us_record import in_units  # noqa: PLC0415
 
-        record = in_units(record, self.units or "metric")
         console = stdout()
         if not self.as_json:
             print_record(console, record, quiet=self.quiet)

@@ -38,7 +38,9 @@ def report_page(record: Record, drawn: Drawn = (), timings_s: Mapping[str, float
         record=record,
         drawn=drawn,
         tables=[*record.tables, *([timings_table(times)] if times else [])],
-        viewer=Markup(field_viewer(record.scene(), INSTEAD if drawn else "")) if record.scene else "",
+        viewer=Markup(field_viewer(record.scene().in_units(record.units), INSTEAD if drawn else ""))
+        if record.scene
+        else "",
         program=Markup((files("flangeway.report.page") / "page.js").read_text(encoding="utf-8")),
     )
 
