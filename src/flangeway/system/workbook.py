@@ -22,8 +22,8 @@ def spreadsheet_library() -> Any:
         return importlib.import_module("openpyxl")
     except ImportError as reason:
         raise MissingLibraryError(
-            "workbooks (.xlsx) need openpyxl, which is not installed\n  what to do: pip install 'flangeway[campaign]', or "
-            "leave --xlsx out: CSV files have the same tables"
+            "workbooks (.xlsx) need openpyxl, which is not installed\n  what to do: pip install 'flangeway[campaign]', "
+            "or leave --xlsx out: CSV files have the same tables"
         ) from reason
 
 
