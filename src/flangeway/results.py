@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError, short
-from flangeway.system.workbook import write_workbook
 from flangeway.units import Units, us_key
 
 SHOWN_ROWS = 12
@@ -106,10 +105,6 @@ class ResultTable:
     def to_csv(self, path: str | Path) -> None:
         """Write it as CSV, which spreadsheets open."""
         Path(path).write_text(self.csv(), encoding="utf-8")
-
-    def to_xlsx(self, path: str | Path) -> None:
-        """Write it as a workbook of one sheet; a `MissingLibraryError` where openpyxl is not installed."""
-        write_workbook(Path(path), {"table": [[*self.columns], *self.rows()]})
 
     def to_dataframe(self) -> Any:
         """Return it as a data frame of pandas; an `InputError` where pandas is not installed."""

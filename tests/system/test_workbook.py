@@ -6,7 +6,6 @@ import openpyxl
 import pytest
 
 from flangeway.errors import InputError, MissingLibraryError
-from flangeway.results import ResultTable
 from flangeway.system import workbook
 
 SMALL = [word for key in ("curve_points=3", "cells_along=8", "cells_across=8") for word in ("--set", key)]
@@ -48,13 +47,6 @@ def test_words_stay_words(tmp_path) -> None:
     assert max(map(len, found)) == 31
     for rows in found.values():
         assert rows == [("rail", "value_mm"), ("60E1", 1e-5), ("54E1", None)]
-
-
-def test_a_result_table_is_a_workbook(tmp_path) -> None:
-    """Numbers have all their digits."""
-    table = ResultTable({"force_kN": [1.0 / 3.0, None], "side": ["left", "right"]})
-    table.to_xlsx(tmp_path / "table.xlsx")
-    assert sheets(tmp_path / "table.xlsx")["table"] == [("force_kN", "side"), (1.0 / 3.0, "left"), (None, "right")]
 
 
 def test_without_openpyxl_nothing_is_computed(call, tmp_path, monkeypatch) -> None:
