@@ -54,8 +54,8 @@ def write_case_file(case: RunnableCase) -> str:
             continue
         for item in value if isinstance(value, list) else [value]:
             tables += ["", f"[[{key}]]" if isinstance(value, list) else f"[{key}]"]
-            for name, each in item.items():
-                seen = os.path.relpath(each) if name in FILE_KEYS else each
+            for name, entry in item.items():
+                seen = os.path.relpath(entry) if name in FILE_KEYS else entry
                 tables.append(f"{name} = {toml_value(seen)}")
     return "\n".join([*lines, *tables]) + "\n"
 
@@ -94,13 +94,13 @@ def _entry(key: str, field: FieldInfo, value: Any, units: Units, *, active: bool
 def _line(key: str, value: Any, units: Units) -> str:
     """Line of a key with a value."""
     values = {key: value} if units == "metric" else _with_us_keys({key: value})
-    return "".join(f"{name} = {toml_value(each)}" for name, each in values.items())
+    return "".join(f"{name} = {toml_value(entry)}" for name, entry in values.items())
 
 
 def _with_us_keys(value: Any) -> Any:
     """Return tables, also those in lists, with keys and numbers in US units."""
     if isinstance(value, list):
-        return [_with_us_keys(each) for each in value]
+        return [_with_us_keys(entry) for entry in value]
     if not isinstance(value, Mapping):
         return value
     units = {key: us_key(key) for key in value}
@@ -137,8 +137,8 @@ def toml_value(value: Any) -> str:
     if isinstance(value, Table):
         value = value.model_dump(exclude_defaults=True)
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {toml_value(each)}" for key, each in value.items()) + " }"
-    return "[" + ", ".join(toml_value(each) for each in value) + "]"
+        return "{ " + ", ".join(f"{key} = {toml_value(entry)}" for key, entry in value.items()) + " }"
+    return "[" + ", ".join(toml_value(entry) for entry in value) + "]"
 
 
 def schema() -> dict[str, Any]:
@@ -195,7 +195,7 @@ def _add_us_keys(table: dict[str, Any]) -> None:
 def _in_us(described: Any, unit: UsUnit) -> Any:
     """Return the description of an input with its limits in a US unit, and without its default."""
     if isinstance(described, list):
-        return [_in_us(each, unit) for each in described]
+        return [_in_us(entry, unit) for entry in described]
     if not isinstance(described, dict):
         return described
     return {
