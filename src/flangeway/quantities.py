@@ -165,10 +165,13 @@ def columns(
 
 def reference(quantities: Iterable[Quantity[Any]]) -> list[tuple[str, str, str]]:
     """Return name with unit, unit, and meaning of quantities, a row each, for the page that explains keys."""
-    return [
-        (quantity.name, quantity.unit, ": ".join(filter(None, (quantity.label.strip(), quantity.meaning))))
-        for quantity in quantities
-    ]
+    rows = []
+    for quantity in quantities:
+        # a label below another one says less than the key
+        words = quantity.label if quantity.label[:1].strip() else quantity.key.replace("_", " ")
+        sub = quantity.label.strip() if words != quantity.label else ""
+        rows.append((quantity.name, quantity.unit, ": ".join(filter(None, (words, sub, quantity.meaning)))))
+    return rows
 
 
 def number_text(value: Any, form: str, unit: UsUnit | None = None) -> str:
