@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import textwrap
 from collections.abc import Mapping
 from typing import Any
 
@@ -62,22 +63,15 @@ def write_case_file(case: RunnableCase) -> str:
 
 def _tables(key: str, field: FieldInfo, table: type[Table], example: Any, units: Units) -> list[str]:
     """Tables of one key: those of the example, or one as a comment."""
-    lines = ["", "", f"# {field.description}."]
     several = isinstance(_default(field), list) or isinstance(example, list)
     header = f"[[{key}]]" if several else f"[{key}]"
     items = example if isinstance(example, list) else [example] if example else []
-    for number, item in enumerate(items):
-        lines += ["", header] if number else [header]
-        if number:
-            lines += [_line(name, value, units) for name, value in item.items()]
-            continue
-        for name, entry in table.model_fields.items():
-            active = name in item
-            lines += ["", *_entry(name, entry, item.get(name, _default(entry)), units, active=active)]
-    if not items:
-        lines.append(f"# {header}")
-        for name, entry in table.model_fields.items():
-            lines += ["#", *_entry(name, entry, _default(entry), units, active=False)]
+    first, comment = (items[0], "") if items else ({}, "#")
+    lines = ["", "", f"# {field.description}.", f"{comment} {header}".strip()]
+    for name, entry in table.model_fields.items():
+        lines += [comment, *_entry(name, entry, first.get(name, _default(entry)), units, active=name in first)]
+    for item in items[1:]:
+        lines += ["", header, *(_line(name, value, units) for name, value in item.items())]
     return lines
 
 
@@ -85,7 +79,14 @@ def _entry(key: str, field: FieldInfo, value: Any, units: Units, *, active: bool
     """Comment and line of a key."""
     unit = us_key(key) if units == "us" else None
     meaning = in_us_units(field.description or "") if units == "us" else field.description
-    lines = _wrapped(f"{meaning} ({allowed(field, unit)})")
+    lines = textwrap.wrap(
+        f"{meaning} ({allowed(field, unit)})",
+        WIDTH,
+        initial_indent="# ",
+        subsequent_indent="# ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
     if value is None or value == []:
         return [*lines, f"# {unit.name if unit else key} ="]
     return [*lines, ("" if active else "# ") + _line(key, value, units)]
@@ -108,16 +109,6 @@ def _with_us_keys(value: Any) -> Any:
         unit.name if unit else key: unit.of(value[key]) if unit else _with_us_keys(value[key])
         for key, unit in units.items()
     }
-
-
-def _wrapped(text: str) -> list[str]:
-    lines, line = [], "#"
-    for word in text.split():
-        if len(line) + len(word) >= WIDTH:
-            lines.append(line)
-            line = "#"
-        line += f" {word}"
-    return [*lines, line]
 
 
 def _default(field: FieldInfo) -> Any:
