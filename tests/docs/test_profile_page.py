@@ -9,7 +9,7 @@ from flangeway.railway.profiles.profile_file import READABLE
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "bring-your-profile.md").read_text(encoding="utf-8")
 
 
-OF_ALL_COMMANDS = ("--quiet", "--json", "--no-pictures", "--units")
+OF_ALL_COMMANDS = ("--quiet", "--json", "--no-pictures", "--units", "--xlsx")
 
 
 def test_the_page_runs_from_top_to_bottom(follow, tmp_path):

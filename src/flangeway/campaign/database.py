@@ -4,7 +4,7 @@ import csv
 import importlib
 import json
 import sqlite3
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +24,7 @@ from flangeway.results import Result, ResultTable
 from flangeway.system.operating_system import lock_file
 from flangeway.system.versions import versions
 from flangeway.types import Floats
+from flangeway.units import Units, in_us_units
 
 FORMAT = "flangeway campaign 1"
 WAITING = "waiting"
@@ -384,17 +385,18 @@ def _columns(connection: sqlite3.Connection, table: str, names: list[str], order
     return {name: [row[place] for row in rows] for place, name in enumerate(names)}
 
 
-def export_writers(table: CampaignTable, kind: str) -> dict[str, Callable[[Path], None]]:
+def export_writers(table: CampaignTable, kind: str, units: Units = "metric") -> dict[str, Callable[[Path], None]]:
     """Return functions that write both tables, by the files' names.
 
     An `InputError` if it is neither. A `MissingLibraryError` if Parquet's library is not installed.
 
-    - `kind`: ``"csv"`` or ``"parquet"``.
+    - `kind`: ``"csv"`` or ``"parquet"``, which is metric.
+    - `units`: units of CSV files, those of sentences of the program too.
     """
     refuse_format(kind)
     tables = {"results": table.rows, "patches": table.patches}
     if kind == "csv":
-        return {f"{name}.csv": _csv_writer(columns) for name, columns in tables.items()}
+        return {f"{name}.csv": _csv_writer(_in_units(columns, units)) for name, columns in tables.items()}
     library = _parquet()
     return {f"{name}.parquet": _parquet_writer(library, columns) for name, columns in tables.items()}
 
@@ -407,7 +409,13 @@ def refuse_format(kind: str) -> None:
         _parquet()
 
 
-def _csv_writer(columns: Columns) -> Callable[[Path], None]:
+def _in_units(columns: Columns, units: Units) -> Mapping[str, Any]:
+    converted = ResultTable(columns).in_units(units).columns
+    sentences = {"message", "warnings"} & columns.keys() if units == "us" else ()
+    return converted | {name: [text and in_us_units(str(text)) for text in columns[name]] for name in sentences}
+
+
+def _csv_writer(columns: Mapping[str, Any]) -> Callable[[Path], None]:
     def write(path: Path) -> None:
         with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)

@@ -212,4 +212,6 @@ class Contour:
     @cached_property
     def _reach(self) -> tuple[Floats, Floats]:
         """Starts (n, 2) and lengths (n,) of the segments."""
-        return np.array([each.start for each in self.segments]), np.array([each.length for each in self.segments])
+        return np.array([segment.start for segment in self.segments]), np.array(
+            [segment.length for segment in self.segments]
+        )

@@ -58,7 +58,7 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
     pairs = mesh.edges[edges]
     start, end = points[pairs[:, 0]], points[pairs[:, 1]]
     lengths = np.hypot(*(end - start).T)
-    segments: tuple[Segment | Spline, ...] = tuple(each for loop in _loops(curves) for each in _segments(loop))
+    segments: tuple[Segment | Spline, ...] = tuple(segment for loop in _loops(curves) for segment in _segments(loop))
     best, number, places = np.full(len(edges), np.inf), np.full(len(edges), -1), np.zeros((len(edges), 2))
     for which, segment in enumerate(segments):
         (at_start, off_start), (at_end, off_end) = segment.closest(start), segment.closest(end)
@@ -148,10 +148,10 @@ def _loops(curves: Curves) -> list[Contour | Spline]:
     if isinstance(curves, Section):
         return [loop for region in curves.regions for loop in region.loops]
     several = list(curves) if isinstance(curves, Iterable) else [curves]
-    for each in several:
-        if not isinstance(each, Contour | Spline):
+    for curve in several:
+        if not isinstance(curve, Contour | Spline):
             raise InputError(
-                f"{short(each)} as a curve of the boundary",
+                f"{short(curve)} as a curve of the boundary",
                 "outlines, chains and splines, one or several; or a region, or a section",
                 "give what was meshed, or fw.geometry.Spline(points)",
             )

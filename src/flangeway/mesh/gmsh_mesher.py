@@ -317,7 +317,7 @@ def _triangles(gmsh: Any, surfaces: Sequence[int]) -> tuple[Ints, Floats, IntArr
     order = np.argsort(tags)
     tags, points = tags[order], coordinates.reshape(-1, 3)[order, :2]
     corners = [mesh.getElementsByType(2, surface)[1] for surface in surfaces]
-    counts = [len(each) // 3 for each in corners]
+    counts = [len(points_of_surface) // 3 for points_of_surface in corners]
     used, numbers = np.unique(corners[0] if len(corners) == 1 else np.concatenate(corners), return_inverse=True)
     del corners  # large
     points, triangles = points[np.searchsorted(tags, used)], numbers.reshape(-1, 3).astype(np.int32)

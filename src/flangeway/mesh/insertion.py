@@ -257,7 +257,7 @@ def opposite_places(
 
     Each boundary is points (n_points, 2), and edges (m, 2) with the body on their left.
     """
-    normals = [_normals(*each) for each in (one, other)]
+    normals = [_normals(*boundary) for boundary in (one, other)]
     return _opposite(one, normals[0], other, normals[1], own=False), _opposite(other, normals[1], one, normals[0])
 
 
@@ -322,7 +322,7 @@ def _opposite(
         order = np.lexsort((distances, which))
         order = order[np.diff(which[order], prepend=-1) != 0]
         pieces.append((some[which[order]], at[order], places[order]))
-    which, at, places = (np.concatenate(each) for each in zip(*pieces, strict=True))
+    which, at, places = (np.concatenate(column) for column in zip(*pieces, strict=True))
     nearest = pairs[at, (places > 0.5).astype(np.int64)].astype(np.int64)
     shortest = np.full(len(points), np.inf)
     for column in (0, 1):

@@ -58,7 +58,7 @@ def utf8_text(content: bytes) -> str:
 
 def csv_separator(header: str) -> str:
     """What separates the cells of a table with this first line: semicolons or tabs if it has some, else commas."""
-    return next((each for each in ";\t" if each in header), ",")
+    return next((separator for separator in ";\t" if separator in header), ",")
 
 
 def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
@@ -132,6 +132,8 @@ def _depth(data: dict[str, Any]) -> int:
     depth = 0
     while level and depth <= MAX_DEPTH:
         depth += 1
-        inner = [each for value in level for each in (value.values() if isinstance(value, dict) else value)]
-        level = [each for each in inner if isinstance(each, dict | list)]
+        inner = [
+            value_inside for value in level for value_inside in (value.values() if isinstance(value, dict) else value)
+        ]
+        level = [value_inside for value_inside in inner if isinstance(value_inside, dict | list)]
     return depth

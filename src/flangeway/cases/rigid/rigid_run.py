@@ -68,7 +68,7 @@ class Conicities(Result):
         at = np.flatnonzero(np.abs(self.amplitudes_mm - REFERENCE_AMPLITUDE_MM) < 1e-6)
         if not len(at):
             return None
-        numbers = (float(each[at[0]]) for each in (self.amplitudes_mm, self.integration, self.regression))
+        numbers = (float(column[at[0]]) for column in (self.amplitudes_mm, self.integration, self.regression))
         return dict(zip(("amplitude_mm", "integration", "regression"), numbers, strict=True))
 
 

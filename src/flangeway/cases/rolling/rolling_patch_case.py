@@ -120,7 +120,7 @@ class RollingPatchRun(RunResult):
             **values(STATE, self.state),
             **values([ENERGY_ERROR], self),
             "residuals": self.residuals,
-            "theories": [values(BY_THEORY, each) for each in self.theories],
+            "theories": [values(BY_THEORY, theory) for theory in self.theories],
             "notices": self.notices,
         }
 
@@ -253,7 +253,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         total = time.perf_counter()
         timings = {"pressures": pressed - start, "rolling": rolled - pressed, "curve": total - rolled}
         notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *forces.notices, *notices))]
-        state, *theories = (CreepResult(each, each.motion, contact.force) for each in (forces, *states))
+        state, *theories = (CreepResult(result, result.motion, contact.force) for result in (forces, *states))
         return RollingPatchRun(self, timings | {"total": total - start}, contact, state, theories, curve, notices)
 
     @property
@@ -275,7 +275,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         if self.semi_axis_along_mm is not None and self.semi_axis_across_mm is not None:
             axes = self.semi_axis_across_mm, self.semi_axis_along_mm
             return RollingContact.under_hertz(axes, force, cells, self._friction, self._materials)
-        modulus = contact_modulus(*(each.plane_modulus for each in self._materials))
+        modulus = contact_modulus(*(material.plane_modulus for material in self._materials))
         hertz = PointContact(force, self.radius_across_mm, self.radius_along_mm, modulus)
         n_rows, n_strips = (n + 2 * MARGIN for n in cells)
         half, strip = hertz.semi_axes[0] * n_rows / cells[0], 2.0 * hertz.semi_axes[1] / cells[1]
@@ -327,11 +327,11 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         motions = [replace(motion, **{name: point}) for point in points.tolist()]
         exact = creep_curve(contact, motions)
         states: dict[str, Sequence[CreepForces]] = {"exact": exact}
-        states |= {theory: [compute(contact, each) for each in motions] for theory, compute in self._theories.items()}
-        failed = sum(not each.status.converged for each in exact)
+        states |= {theory: [compute(contact, step) for step in motions] for theory, compute in self._theories.items()}
+        failed = sum(not point.status.converged for point in exact)
         notices = [f"{failed} of {len(exact)} points of the creep curve by the exact theory did not converge"]
         curve = {
-            theory: [CreepResult(each, each.motion, contact.force) for each in forces]
+            theory: [CreepResult(point, point.motion, contact.force) for point in forces]
             for theory, forces in states.items()
         }
         return curve, notices[:failed]

@@ -16,13 +16,13 @@ from flangeway.cases.summary import RunResult
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError, located
 from flangeway.formats import DrawnSection, read_section
+from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.formats.outline_files import ENDINGS
 from flangeway.geometry import Arc, Section
 from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
 from flangeway.mesh.sizing import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.profiles.bundled import bundled_section
-from flangeway.railway.profiles.orientation import UNITS_MM
 from flangeway.results import Result, ResultTable
 from flangeway.solve import Status
 from flangeway.space import Space

@@ -51,7 +51,7 @@ THEORIES: dict[Theory, str] = {
 }
 
 
-class SpatialWheelsetCase(WheelsetInputs, FrictionInputs, RunnableCase):
+class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     """A wheelset on two rails, by default in three dimensions on standard gauge."""
 
     name = "wheelset"

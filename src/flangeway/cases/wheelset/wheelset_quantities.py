@@ -394,6 +394,9 @@ CREEP_FURTHER: tuple[Quantity[PatchResult], ...] = (
     *map(_creep, FIELDS),
 )
 """CREEP_MAIN, CREEP_FURTHER: numbers of a patch that rolls, those of the table of results and further ones."""
+MAX_VON_MISES, MAX_VON_MISES_DEPTH = _greater(
+    "max_von_mises", "maximum von Mises stress", lambda p, role: p.maximum(role, "max_von_mises")
+)
 SPATIAL_MAIN: tuple[Quantity[PatchResult], ...] = (
     NORMAL,
     PRESSURE,
@@ -405,7 +408,8 @@ SPATIAL_MAIN: tuple[Quantity[PatchResult], ...] = (
     ON_RAIL,
     ON_WHEEL,
     LONGITUDINAL,
-    *_greater("max_von_mises", "maximum von Mises stress", lambda p, role: p.maximum(role, "max_von_mises")),
+    MAX_VON_MISES,
+    MAX_VON_MISES_DEPTH,
 )
 SPATIAL_FURTHER: tuple[Quantity[PatchResult], ...] = (
     *FORCES[1:],

@@ -131,7 +131,7 @@ def bundled_name(name: str) -> str:
     plain = _plain(name)
     plain = _OTHER_NAMES.get(plain, plain)
     names = (*SECTIONS, REFERENCE_RAIL, *WHEELS, *REFERENCE_WHEELS)
-    return next((each for each in names if _plain(each) == plain), name)
+    return next((known for known in names if _plain(known) == plain), name)
 
 
 def _plain(name: str) -> str:
@@ -170,7 +170,7 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     radii = _RAIL_FILES[name]
     radius = next(iter(radii)) if crown_radius_in is None else float(crown_radius_in)
     if radius not in radii:
-        known = ", ".join(f"{each:g}" for each in sorted(each for each in radii if each is not None))
+        known = ", ".join(f"{radius:g}" for radius in sorted(radius for radius in radii if radius is not None))
         raise InputError(
             f"crown_radius_in = {crown_radius_in:g} for {name}",
             f"one of {known}" if known else "no crown radius: this rail has one crown",

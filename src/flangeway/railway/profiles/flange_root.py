@@ -37,7 +37,7 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
         isinstance(narrow, Arc)
         and isinstance(wide, Arc)
         and isinstance(tip, Arc)
-        and all(isinstance(each, Line) for each in (tread, face, land))
+        and all(isinstance(segment, Line) for segment in (tread, face, land))
     ):
         raise InputError(f"another flange root for {profile.title}", "AAR-1B", "leave it out")
     assert tread is not None and face is not None and land is not None  # noqa: PT018 (for the checker of types)

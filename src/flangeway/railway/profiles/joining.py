@@ -326,7 +326,7 @@ def _field_side(head: Contour) -> FloatArray:
 
 def _lean(surface: Contour, nominal: RailProfile) -> tuple[str, ...]:
     """Report a head whose field side, which does not wear, is not parallel to that of the nominal rail."""
-    sides = [_field_side(each) for each in (surface, nominal.outline.part(nominal.head_names))]
+    sides = [_field_side(head) for head in (surface, nominal.outline.part(nominal.head_names))]
     low = float(sides[0][:, 1].min())
     slopes = []
     for side in sides:

@@ -82,7 +82,7 @@ def _rail(points: FloatArray) -> dict[str, float]:
     # faces may lean inwards below their widest place: each side counts as far as it goes down
     sides = points[points[:, 0] <= points[top, 0]], points[points[:, 0] > points[top, 0]]
     low = max(float(points[top, 1]) - _DEEPEST_MM, *(float(side[:, 1].min()) + _SPACING_MM for side in sides))
-    left, right = (_first_x(each, low) for each in (points[top::-1], points[top:]))
+    left, right = (_first_x(side, low) for side in (points[top::-1], points[top:]))
     if left is None or right is None:
         return measures
     left, right = sorted((left, right))
@@ -109,7 +109,7 @@ def worn_side(points: FloatArray) -> WornSide | None:
     width = measures["field_half_width_mm"] - measures["gauge_half_width_mm"]
     more, measure = max(
         (drop, f"drop {SIDE_MM:g} mm from the middle"), (width, f"half width {HEAD_MM:g} mm below the top"),
-        key=lambda each: abs(each[0]),
+        key=lambda pair: abs(pair[0]),
     )  # fmt: skip
     return None if abs(more) < WORN_MM else WornSide("gauge side" if more > 0.0 else "field side", abs(more), measure)
 

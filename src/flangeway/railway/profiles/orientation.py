@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.errors import InputError
+from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.geometry import FloatArray
 from flangeway.railway.profiles.formats.miniprof import TAPE_MM
 from flangeway.railway.profiles.formats.raw_profile import KINDS, RAIL_ORIGINS, WHEEL_ORIGINS, Kind, Origin, RawProfile
 from flangeway.railway.profiles.smoothing import MIN_POINTS
 
-UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}  # lengths of the units in mm
 TREAD_OFF_MM = 0.05  # height of the tread at the tape line above which a wheel is moved to have it at zero
 
 _MIN_DROP_MM = 4.0

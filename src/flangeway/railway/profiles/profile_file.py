@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
+from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Segment, as_point
 from flangeway.railway.profiles.formats.miniprof import TAPE_MM, read_miniprof, write_miniprof
 from flangeway.railway.profiles.formats.raw_profile import Kind, RawProfile
@@ -24,7 +25,7 @@ from flangeway.railway.profiles.formats.simpack import read_simpack, write_simpa
 from flangeway.railway.profiles.formats.slice_files import SLICES, UNITS, read_slices
 from flangeway.railway.profiles.formats.two_column import one_line, read_two_column, write_two_column
 from flangeway.railway.profiles.measures import left_hand, seen_back_mm, worn_side
-from flangeway.railway.profiles.orientation import UNITS_MM, Orientation, agreed_unit, orientation
+from flangeway.railway.profiles.orientation import Orientation, agreed_unit, orientation
 from flangeway.railway.profiles.profile_checks import checked_points, refuse_length
 from flangeway.railway.profiles.smoothing import USUAL_WAVELENGTH_MM, Smoothing, smoothed
 from flangeway.system.file_content import file_content

@@ -56,7 +56,7 @@ class RigidStart:
     def relative_curvature_per_mm(self) -> float:
         """Sum of the curvatures of wheel and rail where they touch, on the side where it is smaller."""
         curvature = self._beside(0.0)
-        return float(min(each.relative_curvature[0, 0] for each in (curvature.left, curvature.right)))
+        return float(min(side.relative_curvature[0, 0] for side in (curvature.left, curvature.right)))
 
     def near_points(self, margin_mm: float = MARGIN_MM, further_mm: float = FLANGE_MM) -> Points:
         """Points with a gap up to a margin, at the start and up to a distance further sideways."""

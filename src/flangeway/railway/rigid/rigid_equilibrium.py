@@ -177,7 +177,7 @@ def rigid_equilibrium(geometry: RigidGeometry, load: WheelsetLoad, *, reached_on
         outcome = _overturning(geometry, position, along / onto)
     else:
         outcome = position
-    return RigidEquilibrium(outcome, tuple(each for each in positions if each.carries), along / onto)
+    return RigidEquilibrium(outcome, tuple(position for position in positions if position.carries), along / onto)
 
 
 class _Candidate(NamedTuple):
@@ -200,7 +200,7 @@ def _candidates(derivative: Floats) -> list[_Candidate]:
     ]
     rising = derivative >= 0.0
     for place in np.flatnonzero(rising[1:] != rising[:-1]).tolist():
-        if all(place + 1 < each.first or place > each.last for each in candidates if each.neutral):
+        if all(place + 1 < candidate.first or place > candidate.last for candidate in candidates if candidate.neutral):
             candidates.append(_Candidate(place, place + 1, bool(rising[place + 1]), False))
     return sorted(candidates)
 
@@ -211,8 +211,8 @@ def _positions(
     """Forces and points of contact at candidates."""
     if not candidates:
         return []
-    first, last = (np.array([each[i] for each in candidates]) for i in (0, 1))
-    neutral = np.array([each.neutral for each in candidates])
+    first, last = (np.array([candidate[i] for candidate in candidates]) for i in (0, 1))
+    neutral = np.array([candidate.neutral for candidate in candidates])
     ends = Intervals(
         np.stack((path.rail_level[first], path.rail_level[last]), axis=1),
         np.stack((path.roll[first], path.roll[last]), axis=1),
@@ -221,17 +221,19 @@ def _positions(
     level = np.clip(0.0, ends.level[:, 0], ends.level[:, 1])
     intervals = Intervals(np.stack((level, level), axis=1), ends.roll.copy())
     if not neutral.all():
-        zeros = _zeros(geometry, load, Intervals(*(each[~neutral] for each in ends)))
+        zeros = _zeros(geometry, load, Intervals(*(end[~neutral] for end in ends)))
         intervals.level[~neutral], intervals.roll[~neutral] = zeros
     # a little to both sides as well: between conforming arcs the contact is decided by rounding at the jump itself
-    levels, rolls = (np.concatenate((each, each), axis=1) for each in intervals)
+    levels, rolls = (np.concatenate((interval, interval), axis=1) for interval in intervals)
     levels += np.array([0.0, 0.0, -_NEAR_MM, _NEAR_MM])
     settled = geometry.touching(levels.T.ravel(), roll=rolls.T.ravel(), gaps=True)
     lateral = ends.level - geometry.reference_height_mm * np.sin(ends.roll)
     count = len(candidates)
     return [
-        _position(geometry, load, settled, range(i, i + 1 if each.neutral else 4 * count, count), each, lateral[i])
-        for i, each in enumerate(candidates)
+        _position(
+            geometry, load, settled, range(i, i + 1 if candidate.neutral else 4 * count, count), candidate, lateral[i]
+        )
+        for i, candidate in enumerate(candidates)
     ]
 
 
@@ -286,9 +288,9 @@ def _reached(derivative: Floats, middle: int, candidates: list[_Candidate]) -> i
     """Number of the first candidate downhill from the middle at which a wheelset stays."""
     falls = derivative[middle] < 0.0
     numbered = list(enumerate(candidates))
-    for number, each in numbered if falls else reversed(numbered):
-        beyond = each.first >= middle if falls else each.first < middle
-        if (each.stops and beyond) or (each.neutral and each.first <= middle <= each.last):
+    for number, candidate in numbered if falls else reversed(numbered):
+        beyond = candidate.first >= middle if falls else candidate.first < middle
+        if (candidate.stops and beyond) or (candidate.neutral and candidate.first <= middle <= candidate.last):
             return number
     return None
 

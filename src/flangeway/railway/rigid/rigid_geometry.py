@@ -48,7 +48,7 @@ class Intervals(NamedTuple):
     def divided(self, n_sections: int) -> "Intervals":
         """Grids (n, n_sections + 1) between the ends."""
         part = np.linspace(0.0, 1.0, n_sections + 1)
-        return Intervals(*(each[:, :1] + np.diff(each, axis=1) * part for each in self))
+        return Intervals(*(column[:, :1] + np.diff(column, axis=1) * part for column in self))
 
 
 class TouchingPositions(NamedTuple):
@@ -329,8 +329,8 @@ class RigidGeometry:
         for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
             curves, touches = self.side(side), positions.side(side)
             along, radii, ahead = (
-                np.where(np.isfinite(touches.lift), each, np.nan)
-                for each in curves.on_wheel(np.nan_to_num(touches.wheel_arc))
+                np.where(np.isfinite(touches.lift), column, np.nan)
+                for column in curves.on_wheel(np.nan_to_num(touches.wheel_arc))
             )
             on_rail = np.stack((touches.x, touches.y), axis=-1)
             sides[side] = SideLocus(

@@ -211,7 +211,7 @@ def _stated(header: Mapping[str, tuple[int, str]]) -> RawProfile:
             return None
         line, value = header[key][0], header[key][1].lower()
         if value not in allowed:
-            known = ", ".join(each for each in allowed if each)
+            known = ", ".join(word for word in allowed if word)
             raise InputError(f"line {line}: {key} = {value!r}", known, "correct this comment")
         return value
 
