@@ -354,7 +354,7 @@ def press(
         def keep(share: float, state: ContactState, number: int = number) -> None:
             done.append(LoadStep(number + share, state))
 
-        reached = follow(solve_at, reached, sizes, keep)
+        reached = follow(solve_at, reached, sizes, keep, _uncertain)
         placed = _moved(system.parts, placed, leg, 1.0)
         if not reached.status.converged:
             break
@@ -375,6 +375,12 @@ def _errors_of_step(
     states = [state] if start is None else [start, state]
     overlaps = body_overlaps(system, response, state)
     return [*(str(each) for each in overlaps if not each.is_explained), *passages(system, states)]
+
+
+def _uncertain(state: ContactState) -> float:
+    """Sum of the forces that tolerated penetrations leave open."""
+    lin, closed = state.linearisation, (state.forces > 0.0) & np.isfinite(state.linearisation.tolerances)
+    return float((lin.tolerances[closed] / lin.compliances[closed]).sum())
 
 
 def _step_settings(

@@ -74,10 +74,10 @@ UNHELD = 1e-9
 """Force left on a floating part over the maximum load, or the total force, above which a message names it."""
 
 NOT_BALANCED = 1e-6
-
-# Forces below this part of the largest one are round-off of the solved equations: their constraints are open.
-ROUND_OFF = 1e-13
 """Force along a motion over the maximum load, above which a message names it."""
+
+ROUND_OFF = 1e-13
+"""Force over the maximum one below which it is round-off of the solved equations: its constraint is open."""
 
 UNHELD_AFTER = 12
 """Iterations after which a part slides away if friction did not hold its load in one: by about its size."""

@@ -69,6 +69,7 @@ def follow(
     start: State | None,
     settings: StepSettings | None = None,
     accepted: Callable[[float, State], None] = lambda *_: None,
+    uncertain: Callable[[State], float] = lambda _: 0.0,
 ) -> State:
     """Follow a solution along a path from 0 (excluded) to 1.
 
@@ -86,6 +87,9 @@ def follow(
         Sizes of the steps.
     accepted
         Called with each position and solution of the path.
+    uncertain
+        Sum of the nodal forces that a solution leaves open, as within the tolerance of its laws: no smaller error is
+        asked of a step.
 
     Returns
     -------
@@ -108,7 +112,8 @@ def follow(
             middle = solve_at(position + size / 2.0, state)
             end = solve_at(target, middle) if middle.status.converged else middle
             maximum_total = max(maximum_total, _total(attempt))
-            error = _total(attempt, end) / (settings.error * (maximum_total or 1.0)) if end.status.converged else np.inf
+            allowed = settings.error * maximum_total + uncertain(attempt) or 1.0
+            error = _total(attempt, end) / allowed if end.status.converged else np.inf
             reached = [(position + size / 2.0, middle), (target, end)]
         shorter = reached[0][1] if settings.error is not None and reached[0][1].status.converged else None
         if not attempt.status.converged or (error > 1.0 and size / 2.0 >= settings.smallest):
