@@ -178,7 +178,9 @@ class SpatialWheelset:
         n_grids, last = 1, False
 
         def finer_ones(state: SpatialState) -> dict[Side, GriddedSide]:
-            return {side: finer(each, across, state.insides(side)) for side, each in state.sides.items()}
+            return {
+                side: finer(each, across, state.insides(side), coarse.sides[side]) for side, each in state.sides.items()
+            }
 
         def others(found: Equilibrium[SpatialState], newton: WheelsetNewton) -> Placed | None:
             nonlocal n_grids
@@ -399,7 +401,12 @@ def _peaks(stations: Floats, values: Floats, size: float) -> Floats:
     return np.column_stack((middle, size * np.sqrt(values[at] / np.maximum(falls, FLAT * values[at]))))
 
 
-def finer(state: SideState, n_across: int = PATCH_CELLS, insides: Sequence[Bools] | None = None) -> GriddedSide:
+def finer(
+    state: SideState,
+    n_across: int = PATCH_CELLS,
+    insides: Sequence[Bools] | None = None,
+    coarse: SideState | None = None,
+) -> GriddedSide:
     """Grid with enough cells across each patch and room around it; the same grid if it is one already.
 
     Cells end at multiples of their size along the rail's surface and along z, and sizes are powers of one number: so
@@ -408,12 +415,19 @@ def finer(state: SideState, n_across: int = PATCH_CELLS, insides: Sequence[Bools
 
     - `n_across`: cells across a patch, and along it.
     - `insides`: cells of the patches, (n, n_z) each; left out: those that are apart.
+    - `coarse`: contact on coarse cells; what touches there has cells too, whether it is loaded here or not.
     """
     old, grid = state.grid, state.grid.grid
     loaded = state.forces > 0.0
     if not loaded.any():
         return old
-    windows = sorted(_windows(state, insides), key=lambda window: window.ends)
+    windows = _windows(state, insides)
+    for window in () if coarse is None else _windows(coarse, None):
+        if all(window.ends[1] < other.ends[0] or window.ends[0] > other.ends[1] for other in windows):
+            windows.append(replace(window, share=0.0, rows=np.zeros(0, dtype=np.int64), peaks=np.zeros((0, 2))))
+    windows.sort(key=lambda window: window.ends)
+    middles = np.array([np.mean(window.ends) for window in windows])
+    covered = ((grid.cells[:, :1] <= middles) & (grid.cells[:, 1:] >= middles)).any(axis=0).all()
     main = [window for window in windows if window.share > MAIN]
     longest = max(window.along for window in main)
     strip = max(min(window.along for window in main) / n_across, longest / (n_across * LONGEST))
@@ -424,14 +438,14 @@ def finer(state: SideState, n_across: int = PATCH_CELLS, insides: Sequence[Bools
         for window, size in zip(windows, sizes, strict=True)
         if window.share > MAIN
     )
-    if enough and not at_edge:
+    if enough and covered and not at_edge:
         return old
     margin = BROAD_MARGIN if at_edge else MARGIN
     spans: list[list[float]] = []
     reached = -np.inf
     for window, size in zip(windows, sizes, strict=True):
         (first, last), before = window.ends, spans[-1] if spans else None
-        more = max(margin * (last - first), 0.6 * float(grid.widths[window.rows].max()))
+        more = max(margin * (last - first), 0.6 * float(grid.widths[window.rows].max(initial=0.0)))
         low, high = first - more, last + more
         if before is not None and first < reached:
             before[1:] = max(before[1], high), min(before[2], size)
