@@ -118,7 +118,7 @@ def test_tables_hold_what_was_computed():
     pair = result("contact")
     assert pair.table.columns["force_on_secondary_y"] == pytest.approx(pair.forces[:, 1])
     run = result("bodies")
-    assert run.table.columns["max_von_mises_MPa"] == [body["max_von_mises_MPa"] for body in run.summary.bodies]
+    assert run.table.columns["max_von_mises_MPa"] == [body["max_von_mises_MPa"] for body in run.summary["bodies"]]
     assert set(run.tables) == {"bodies"}
 
 

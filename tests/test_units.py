@@ -2,7 +2,6 @@
 
 import json
 import re
-from dataclasses import replace
 
 import pytest
 
@@ -11,12 +10,7 @@ from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import check_case, read_case
 from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case
 from flangeway.errors import InputError
-from flangeway.report.case_outputs import case_record
-from flangeway.report.figures.drawing import named
 from flangeway.report.page.case_text import case_text, command_line
-from flangeway.report.page.tables import SummaryTable
-from flangeway.report.page.us_record import UNIT_COLUMN, in_units
-from flangeway.system.output_folder import text_writer
 from flangeway.units import in_us_units, us_key, us_unit
 
 FACTORS = [
@@ -176,66 +170,12 @@ def test_results_of_a_section_in_us_units(call, tmp_path):
     assert not re.search(r"\d mm|, mm|, kg/m<", re.sub(r"<script.*?</script>", "", report, flags=re.DOTALL))
 
 
-def test_a_column_of_units_is_that_of_the_numbers_beside_it():
-    """Numbers in percent stay; changes in mm become inches, and the column of units says so."""
-    rows = (("approach, mm", "25.40", "50.80", "+1.318", "%", "2"), ("x, mm", "0.00", "2.54", "2.540", "mm", "0.25"))
-    record = case_record(load_case("torsion", size=40.0, order=1).run())
-    published = SummaryTable(
-        "", ("", "published", "difference", "limit"), (("force, N", "4.448", "+0.50 %", "1 to 2 %"),)
-    )
-    converted = in_units(replace(record, results=published), "us").results
-    assert converted.rows == (("force, lbf", "1.0000", "+0.50 %", "1 to 2 %"),)
-    table = SummaryTable("The mesh halved", ("", "coarse", "fine", "change", UNIT_COLUMN, "limit"), rows)
-    first, second = in_units(replace(record, results=table), "us").results.rows
-    assert first == ("approach, in", "1.000", "2.000", "+1.318", "%", "2")
-    assert (second[0], second[4]) == ("x, in", "in")
-    assert [float(cell) for cell in (second[3], second[5])] == pytest.approx([0.1, 0.25 / 25.4], abs=2e-4)
-
-
-@pytest.mark.parametrize("name", ["torsion", "cook"])
-def test_no_number_of_a_table_stays_metric(name):
-    """No row of the results has a metric unit, and bounds of a constant are beside it."""
-    coarse = {"torsion": {"size": 40.0, "order": 1}, "cook": {"level": 1}}[name]
-    record = case_record(load_case(name, units="us", **coarse).run())
-    assert not [row for row in record.results.rows if re.search(r"\b(N|mm[²³⁴⁶]?|MPa)\b", row[0])]
-    values = {row[0].strip(): row[1] for row in record.results.rows}
-    if name == "torsion":
-        assert float(values["lower bound (Prandtl), in⁴"]) <= float(values["torsion constant J, in⁴"])
-    else:
-        assert "strain energy, lbf in/in" in values
-
-
 def test_what_computes_it_again_keeps_units_and_exact_inputs():
     """The command asks for US units; the case file has the inputs in metric units with all digits."""
     case = load_case("roller", crown_radius_in=0.8, units="us")
     assert command_line(case) == "flangeway run roller --units us --set crown_radius_mm=20.32"
     assert 'units = "us"' in case_text(case)
     assert "crown_radius_mm = 20.32\n" in case_text(case)
-
-
-def test_csv_files_have_columns_in_us_units(tmp_path):
-    """Names and numbers of columns are converted; words, empty cells, and files with a unit of their own are not."""
-    texts = {
-        "a.csv": "side,x_mm,force_N,angle_deg,note\nleft,25.4,4.4482216152605,3,1 mm\nright,,-8.896443230521,4,\n",
-        "profile.csv": "# unit: mm\nx_mm,y_mm\n1,2\n",
-        "rows.csv": "lateral_in,lateral_mm,message,rail\n0.1,2.54,a gap of 25.4 mm,a 10 mm.csv\n",
-        "a.txt": "x_mm\n1\n",
-    }
-    run = load_case("torsion", size=40.0, order=1, units="us").run()
-    assert any(name == "area, in²" for name, *_ in case_record(run).results.rows)
-    record = replace(case_record(run), assumptions=(), files=lambda: {n: text_writer(t) for n, t in texts.items()})
-    for name, write in in_units(record, "us").files().items():
-        write(tmp_path / name)
-        texts[name] = (tmp_path / name).read_text(encoding="utf-8")
-    assert texts["a.csv"] == "side,x_in,force_lbf,angle_deg,note\nleft,1,1,3,1 mm\nright,,-2,4,\n"
-    assert (
-        texts["rows.csv"] == "lateral_in,message,rail\n0.1,a gap of 1 in,a 10 mm.csv\n"
-    )  # one column of each quantity
-    assert in_units(replace(record, title="gauge 1435.1 mm"), "us").title == "gauge 56.5 in"
-    few = replace(record, results=SummaryTable("", ("", "value"), (("tape line, mm", "70"), ("load, kN", "0.0"))))
-    assert in_units(few, "us").results.rows == (("tape line, in", "2.76"), ("load, kip", "0.00"))
-    assert texts["profile.csv"].startswith("# unit: mm\nx_mm")
-    assert texts["a.txt"] == "x_mm\n1\n"
 
 
 def test_the_inputs_in_us_units_are_listed(call):
@@ -267,10 +207,3 @@ def test_errors_of_a_run_have_the_units_of_its_inputs(call, monkeypatch, options
     monkeypatch.setattr(CASES["wheelset"], "run", fails)
     status, _, err = call("run", "wheelset", *options)
     assert (status, said in err) == (2, True)
-
-
-def test_axes_of_pictures_decode_keys_of_both_systems():
-    """Words and units of keys that vary in a campaign, and names of quantities as one writes them."""
-    assert named("axle_load_kip") == ("axle load", "kip")
-    assert named("speed_mph") == ("speed", "mph")
-    assert named("max_von_mises_MPa") == ("maximum von Mises", "MPa")

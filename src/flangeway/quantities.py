@@ -165,10 +165,13 @@ def columns(
 
 def reference(quantities: Iterable[Quantity[Any]]) -> list[tuple[str, str, str]]:
     """Return name with unit, unit, and meaning of quantities, a row each, for the page that explains keys."""
-    return [
-        (quantity.name, quantity.unit, ": ".join(filter(None, (quantity.label.strip(), quantity.meaning))))
-        for quantity in quantities
-    ]
+    rows = []
+    for quantity in quantities:
+        # a label below another one says less than the key
+        words = quantity.label if quantity.label[:1].strip() else quantity.key.replace("_", " ")
+        sub = quantity.label.strip() if words != quantity.label else ""
+        rows.append((quantity.name, quantity.unit, ": ".join(filter(None, (words, sub, quantity.meaning)))))
+    return rows
 
 
 def number_text(value: Any, form: str, unit: UsUnit | None = None) -> str:
@@ -191,6 +194,12 @@ def number_text(value: Any, form: str, unit: UsUnit | None = None) -> str:
     if abs(value) >= 1.0:
         decimals = max(decimals, MIN_DIGITS - 1 - math.floor(math.log10(abs(converted))))
     return format(converted, f"{'z' * form.startswith('z')}.{max(decimals, 0)}f")
+
+
+def measured(value: float, unit: str, units: Units = "metric", form: str = ".4g") -> str:
+    """Return the text of a metric number and its unit in a system of units, such as ``7.874 in`` for 200 mm."""
+    other = us_unit(unit) if units == "us" else None
+    return f"{number_text(value, form, other)} {other.name if other else unit}".rstrip()
 
 
 def _scaled(value: Any, factor: float) -> Any:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError, short
+from flangeway.units import Units, us_key
 
 SHOWN_ROWS = 12
 LETTERS = "xyz"
@@ -79,6 +80,19 @@ class ResultTable:
 
     def _more(self) -> list[str]:
         return [f"{len(self):,} rows in all"] if len(self) > SHOWN_ROWS else []
+
+    def in_units(self, units: Units) -> "ResultTable":
+        """Return it in a system of units: the names of its columns and their numbers; the other columns as they are.
+
+        Where a quantity has a column of each system, one column is left.
+        """
+        other = {name: us_key(name) if units == "us" else None for name in self.columns}
+        return ResultTable(
+            {
+                unit.name if unit else name: unit.of(_plain(self.columns[name])) if unit else self.columns[name]
+                for name, unit in other.items()
+            }
+        )
 
     def csv(self, digits: int = 10) -> str:
         """Return it as CSV with some digits, for spreadsheets; what there is not is empty."""

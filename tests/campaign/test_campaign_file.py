@@ -1,11 +1,14 @@
 """Campaign files: what they vary, and what is reported about wrong ones before anything is computed."""
 
 import json
+import re
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from flangeway import campaign
 from flangeway.campaign import Campaign
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail
@@ -226,3 +229,11 @@ def test_any_campaign_is_read_or_refused(tmp_path, case, content, cells):
         assert found.rows
     else:
         assert str(tmp_path) in refused.given or refused.given.startswith(("table ", "campaign c: "))
+
+
+def test_campaigns_know_no_kind_of_case():
+    """They ask a case for its columns, bodies and positions: no module of theirs imports a kind of case."""
+    modules = [*Path(campaign.__file__).parent.glob("*.py")]
+    imported = {name for module in modules for name in re.findall(r"flangeway\.cases\.(\w+)", module.read_text())}
+    assert modules
+    assert imported == {"case", "case_file", "case_identity"}

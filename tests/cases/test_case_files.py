@@ -8,9 +8,9 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase, load_case, schema, write_template
+from flangeway.cases import CASES, WheelsetCurveCase, load_case, schema, write_template
 from flangeway.cases.case import GivenText, grouped
-from flangeway.cases.case_file import FORMAT, check_case, read_case
+from flangeway.cases.case_file import check_case, read_case
 from flangeway.cases.case_template import toml_value
 from flangeway.errors import InputError
 from flangeway.units import us_key
@@ -143,12 +143,6 @@ def test_wrong_settings_are_told_without_a_line(tmp_path):
             read_case(two, {name: "1"})
 
 
-def test_older_and_missing_formats_are_read(tmp_path):
-    """The key of the format may be left out."""
-    with_key = load_case(file_of(tmp_path, f'flangeway = {FORMAT}\ncase = "cook"\n'))
-    assert with_key == load_case(file_of(tmp_path, 'case = "cook"\n')) == load_case("cook")
-
-
 def test_the_schema_has_every_key_with_its_range():
     """The JSON Schema lists all cases, refuses other keys, and has descriptions and bounds of the inputs."""
     found = json.loads(json.dumps(schema()))
@@ -170,41 +164,15 @@ def test_the_schema_has_every_key_with_its_range():
 def test_every_unit_is_in_its_name():
     """Inputs that are lengths, forces, stresses or angles bear their unit; the rest has none."""
     without = {
-        *(
-            "rail_inclination",
-            "tolerance",
-            "poisson",
-            "growth",
-            "slack",
-            "penalty_factor",
-            "size_scale",
-            "size",
-            "lower_poisson",
-            "upper_friction",
-            "wheel_poisson",
-        ),
-        *("rail_poisson", "hold", "sleeper_position"),
-        *("friction", "kinetic_friction", "flange_friction"),
-        *("upper_poisson", "longitudinal_creepage", "lateral_creepage", "curve_end"),
+        *("rail_inclination", "tolerance", "growth", "slack", "penalty_factor", "size_scale", "size", "hold"),
+        *("poisson", "lower_poisson", "upper_poisson", "wheel_poisson", "rail_poisson", "sleeper_position"),
+        *("friction", "kinetic_friction", "flange_friction", "upper_friction", "curve_end"),
+        *("longitudinal_creepage", "lateral_creepage"),
     }
     units = (
-        "_mm",
-        "_MPa",
-        "_N",
-        "_kN",
-        "_rad",
-        "_mrad",
-        "_deg",
-        "_in",
-        "_m",
-        "_t",
-        "_km_h",
-        "_MPa_mm",
-        "_N_mm3",
-        "_per_s",
-        "_kNm",
+        *("_mm", "_MPa", "_N", "_kN", "_rad", "_mrad", "_deg", "_in", "_m", "_t", "_km_h", "_MPa_mm", "_N_mm3", "_K"),
+        *("_per_s", "_kNm", "_kNm_per_mrad", "_kg_m3", "_per_K", "_m_s2", "_N_mm"),
     )
-    units = (*units, "_kNm_per_mrad", "_kg_m3", "_per_K", "_m_s2", "_K", "_N_mm")
     for case in CASES.values():
         for _, rows in case.tables_of_inputs():
             for key, _, allowed, _ in rows:
@@ -316,11 +284,6 @@ def test_values_are_written_as_toml_reads_them():
         assert tomllib.loads(f"value = {toml_value(value)}")["value"] == value
     with pytest.raises(ValueError, match="no number"):
         toml_value(float("nan"))
-
-
-def test_the_old_way_stays():
-    """Cases by name, without a file, are what they were."""
-    assert load_case("wheelset-tangent", method="vem") == WheelsetTangentCase.from_values({"method": "vem"})
 
 
 @pytest.mark.parametrize(("name", "first"), [("crossed-cylinders", "force_kN"), ("hertz", "radius_mm")])

@@ -7,7 +7,7 @@ import pytest
 
 from flangeway.campaign import Campaign
 from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase, find_case
-from flangeway.cases.case import OF_REPORT, RENAMED, GivenText
+from flangeway.cases.case import OF_REPORT, RENAMED
 from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
@@ -66,12 +66,6 @@ def test_every_input_reaches_the_problem():
         assert repr(WheelsetTangentCase.from_values({**others, key: value}).problem()) != before, key
 
 
-def test_text_and_numbers_give_the_same_case():
-    """Values from the command line, which are text, are read as numbers."""
-    given = WheelsetTangentCase.from_values({"gauge_mm": GivenText("1435"), "method": GivenText("vem")})
-    assert given == WheelsetTangentCase.from_values({"gauge_mm": 1435.0, "method": "vem"})
-
-
 @pytest.mark.parametrize(
     ("values", "given", "allowed", "advice"),
     [
@@ -110,13 +104,6 @@ def test_cases_are_found_by_name_and_a_wrong_name_gets_the_nearest():
     with pytest.raises(InputError, match="wheelset-tangent") as caught:
         find_case("wheelset-tangnet")
     assert caught.value.advice == "did you mean wheelset-tangent?"
-
-
-def test_every_input_is_explained():
-    """The list of inputs gives a default, what is allowed and a meaning for each."""
-    _, rows = WheelsetTangentCase.tables_of_inputs()[0]
-    assert [row[0] for row in rows] == list(WheelsetTangentCase.model_fields)
-    assert all(all(row) for row in rows)
 
 
 def test_a_curve_to_the_right_is_the_mirror_image():

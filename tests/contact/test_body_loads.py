@@ -252,7 +252,7 @@ def test_loads_of_a_case_file_act_in_contact() -> None:
     run = CASES["two-bodies"].from_values(values).run()
     assert run.status.converged, run.status.message
     weight = 7.85e-9 * 9.81e9 * 40.0
-    assert run.summary.forces[0]["contact_N"][1] == pytest.approx(weight, rel=1e-9)
+    assert run.summary["forces"][0]["contact_N"][1] == pytest.approx(weight, rel=1e-9)
     stresses = cell_stresses(run.bodies["upper"].field.problem, run.bodies["upper"].field.displacements)
     assert np.abs(stresses.components[:, 1]).max() < 3.0 * weight / 10.0  # heat alone strains without stress
     alone = {**values, "springs": [{"body": "lower", "point_mm": [5.0, -4.0], "x_MPa_mm": 10.0}]}
@@ -282,7 +282,7 @@ def test_bodies_of_revolution_of_a_case_carry_the_whole_force() -> None:
     }
     run = CASES["two-bodies"].from_values(values).run()
     assert run.status.converged, run.status.message
-    assert run.summary.forces[0]["contact_N"][1] == pytest.approx(1000.0, rel=1e-9)
+    assert run.summary["forces"][0]["contact_N"][1] == pytest.approx(1000.0, rel=1e-9)
     pressures = run.patches[0].pressures  # peaks at the ring's edges, which press into the plate
     mean = 1000.0 / (np.pi * (14.0**2 - 10.0**2))
     assert pressures.min() < mean < pressures.max() < 3.0 * mean

@@ -267,30 +267,19 @@ def _rigid_case() -> tuple[Any, Any, Any]:
     return matrix, mesh.points, around(mesh, body)
 
 
-@pytest.mark.parametrize(
-    ("order", "advice"),
-    [
-        ("blocked", "reshape(2, -1)"),
-        ("swapped", "swapped"),
-        ("shifted", "counts from 1"),
-        ("permuted", "order of the nodes"),
-    ],
-)
-def test_a_stiffness_in_another_order_than_its_nodes_is_refused_with_the_likely_mistake(order, advice) -> None:
+@pytest.mark.parametrize("order", ["blocked", "swapped", "shifted", "permuted"])
+def test_a_stiffness_in_another_order_than_its_nodes_is_refused(order) -> None:
     """Forces of rigid motions show rows by components, swapped axes, nodes counted from 1, and a permutation."""
     matrix, points, line = _rigid_case()
-    n = len(points)
-    of_node = np.arange(2 * n).reshape(-1, 2)
-    rng = np.random.default_rng(1)
+    of_node = np.arange(2 * len(points)).reshape(-1, 2)
     taken = {
         "blocked": of_node.T.ravel(),
         "swapped": of_node[:, ::-1].ravel(),
         "shifted": np.roll(of_node, 1, axis=0).ravel(),
-        "permuted": of_node[rng.permutation(n)].ravel(),
+        "permuted": of_node[np.random.default_rng(1).permutation(len(points))].ravel(),
     }[order]
-    with pytest.raises(InputError) as refusal:
+    with pytest.raises(InputError, match="rigid motion"):
         Body.from_stiffness("block", matrix[taken][:, taken], points, {"boundary": line})
-    assert advice in str(refusal.value)
 
 
 def test_springs_and_held_rows_in_a_stiffness_are_no_mistake() -> None:

@@ -9,7 +9,7 @@ from flangeway.railway.profiles.profile_file import READABLE
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "bring-your-profile.md").read_text(encoding="utf-8")
 
 
-OF_ALL_COMMANDS = ("--quiet", "--json", "--no-pictures", "--units")
+OF_ALL_COMMANDS = ("--quiet", "--json", "--no-pictures", "--units", "--xlsx")
 
 
 def test_the_page_runs_from_top_to_bottom(follow, tmp_path):
@@ -29,7 +29,7 @@ def test_the_page_names_all_options_and_formats(call):
 
 def test_the_numbers_of_the_page_are_the_programs():
     """Limits that the page tells are those of the program."""
-    assert (joining.LEAST_BLEND_MM, joining.MAX_BLEND_MM, joining.BLEND_FACTOR) == (1.0, 12.0, 4.0)
+    assert (joining.MIN_BLEND_MM, joining.MAX_BLEND_MM, joining.BLEND_FACTOR) == (1.0, 12.0, 4.0)
     assert (joining.MAX_GAP_MM, joining.MAX_RIM_GAP_MM) == (4.0, 15.0)
     assert (smoothing.USUAL_WAVELENGTH_MM, smoothing.NOISE_UM, smoothing.USUAL_LIMIT_UM) == (5.0, 0.02, 20.0)
     assert smoothing.ARC_TOLERANCE_MM == 2e-4

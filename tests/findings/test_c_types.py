@@ -1,7 +1,5 @@
 """Part C of the second look: a number is a number, not a text and not a truth value."""
 
-import sqlite3
-
 import numpy as np
 import pytest
 
@@ -91,22 +89,3 @@ def test_c_campaigns_are_strict(tmp_path):
     (tmp_path / "t.csv").write_text("level\ntrue\n", encoding="utf-8")
     with pytest.raises(InputError, match="level = 'true'"):
         campaign('table = "t.csv"\n')
-
-
-def test_c_fresh_replaces_a_damaged_campaign_file(call, tmp_path):
-    """A file that is damaged is refused with the way out; with --fresh it is replaced; a foreign database is not."""
-    (tmp_path / "c.toml").write_text('case = "cook"\n[inputs]\nlevel = 1\n[vary]\norder = [1]\n', encoding="utf-8")
-    database = tmp_path / "out" / "c" / "campaign.sqlite"
-    database.parent.mkdir(parents=True)
-    database.write_bytes(b"no database at all" * 100)
-    status, _, err = call("campaign", "c.toml", "--workers", 1)
-    assert status == 2
-    assert "--fresh" in err
-    status, _, err = call("campaign", "c.toml", "--workers", 1, "--fresh")
-    assert status == 0, err
-    database.unlink()
-    connection = sqlite3.connect(database)
-    with connection:
-        connection.execute("CREATE TABLE mine (a)")
-    connection.close()
-    assert call("campaign", "c.toml", "--workers", 1, "--fresh")[0] == 2

@@ -29,16 +29,6 @@ def test_superelevation_follows_the_curve(sign):
     assert straight.warnings() == []
 
 
-def test_a_curve_and_its_mirror_image_have_opposite_loads():
-    """With the same superelevation the force in the track's plane changes its sign with the radius."""
-    left, right = (
-        SpatialWheelsetCase.from_values(CURVE | {"curve_radius_m": radius, "superelevation_mm": 60.0}).load().in_track
-        for radius in (500.0, -500.0)
-    )
-    assert left[0] == pytest.approx(-right[0], rel=1e-12)
-    assert left[1] == pytest.approx(right[1], rel=1e-12)
-
-
 @pytest.mark.parametrize("key", ["friction", "kinetic_friction", "flange_friction"])
 def test_coefficients_of_friction_end_at_one(key):
     """A coefficient of 3 is refused by its name with the bound; 1 is allowed."""

@@ -7,7 +7,7 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
-from flangeway.mesh import PolyMesh, check, rectangle_grid
+from flangeway.mesh import PolyMesh, check
 
 # a unit square cut into a triangle and a quadrilateral, with a fifth point on its right side
 POINTS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [1.0, 1.0], [0.0, 1.0]])
@@ -166,9 +166,3 @@ def test_an_edge_with_three_cells_is_refused():
     mesh = PolyMesh(POINTS, [0, 3, 6, 9], [0, 1, 2, 0, 1, 3, 0, 1, 4])
     with pytest.raises(InputError, match="3 cells"):
         _ = mesh.edge_cells
-
-
-def test_euler_formula_of_a_large_grid():
-    """Points minus edges plus cells is one for a body without holes."""
-    mesh = rectangle_grid(3.0, 2.0, 31, 17)
-    assert mesh.n_points - mesh.n_edges + mesh.n_cells == 1

@@ -42,28 +42,3 @@ def test_left_parts_mirror_the_right_ones(runs, method):
         scale = np.abs(right.stresses.components).max()
         assert np.allclose(left.stresses.components * signs, right.stresses.components, atol=1e-6 * scale)
         assert (left.mesh.cell_areas > 0.0).all()
-
-
-def test_deformed_surfaces_meet(runs):
-    """In true scale the deformed points are those of the contact solution; with factor 0 they are at first touch."""
-    result = runs["fem"].result
-    state, system = result.equilibrium.state, result.model.system
-    parts = {part.name: part for part in part_fields(result)}
-    for contact in system.contacts:
-        for surface in (contact.secondary, contact.primary):
-            part = parts[surface.part.name]
-            assert np.allclose(part.points()[surface.nodes], state.positions[system.nodes_of(surface)], atol=1e-9)
-    rail, wheel = parts["rail-right"], parts["wheel-right"]
-    assert np.array_equal(rail.points(0.0), rail.mesh.points)
-    sunk = wheel.mesh.points - wheel.points(0.0)
-    assert np.allclose(sunk, (0.0, -result.approach_mm), atol=1e-8)
-
-
-def test_means_about_points_keep_a_constant(runs):
-    """The mean about each point of a constant is that constant, and of any field lies between its extremes."""
-    part = next(part_fields(runs["vem"].result))
-    assert np.allclose(part.at_points(np.full(part.mesh.n_cells, 7.0)), 7.0)
-    values = part.stresses.von_mises
-    means = part.at_points(values)
-    assert values.min() <= means.min() * (1.0 + 1e-12)
-    assert means.max() * (1.0 - 1e-12) <= values.max()

@@ -1,4 +1,4 @@
-"""What all figures share: words for keys, colours of signed values, windows that are alike, wear along the normal."""
+"""What all figures share: words for keys, colours of signed values, wear along the normal."""
 
 from types import SimpleNamespace
 
@@ -11,36 +11,27 @@ from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.railway.profiles.bundled import rail
-from flangeway.report.figures.drawing import SERIES, SIGNED, ColourSteps, alike, axis_name, new_figure
-from flangeway.report.figures.plots import COLOURS, plot_stress
+from flangeway.report.figures.drawing import COLOURS, SERIES, SIGNED, named, new_figure
+from flangeway.report.figures.plots import plot_stress
 from flangeway.report.profile import profile_figures
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
 
 
 @pytest.mark.parametrize(
-    ("key", "label"),
+    ("key", "words"),
     [
-        ("axle_load_kN", "axle load in kN"),
-        ("speed_km_h", "speed in km/h"),
-        ("foundation_N_mm3", "foundation in N/mm³"),
-        ("lateral_mm", "lateral displacement to the right in mm"),
-        ("rail", "rail"),
+        ("axle_load_kN", ("axle load", "kN")),
+        ("speed_km_h", ("speed", "km/h")),
+        ("foundation_N_mm3", ("foundation", "N/mm³")),
+        ("lateral_mm", ("lateral displacement to the right", "mm")),
+        ("axle_load_kip", ("axle load", "kip")),
+        ("max_von_mises_MPa", ("maximum von Mises", "MPa")),
     ],
 )
-def test_keys_are_decoded(key, label):
+def test_keys_are_decoded(key, words):
     """An axis shows words and a unit, not the key of a file."""
-    assert axis_name(key) == label
-
-
-def test_signed_values_have_diverging_colours():
-    """Values on both sides of zero have steps that are symmetric about it; others go from light to dark."""
-    signed = ColourSteps(np.array([-3.0, 1.0]))
-    assert signed.map is SIGNED
-    assert signed.levels == pytest.approx(-signed.levels[::-1])
-    assert signed.levels[-1] >= 3.0
-    for values in ([1.0, 3.0], [-3.0, -1.0]):
-        assert ColourSteps(np.array(values)).map is not SIGNED
+    assert named(key) == words
 
 
 def test_signed_stresses_are_white_at_zero():
@@ -54,19 +45,14 @@ def test_signed_stresses_are_white_at_zero():
     assert drawn["von_mises"].get_cmap() is COLOURS
 
 
-def test_windows_beside_each_other_are_alike():
-    """Boxes get one width and one range of heights, and keep their middles."""
-    left, right = alike([np.array([[0.0, 0.0], [2.0, 1.0]]), np.array([[10.0, -1.0], [16.0, 0.5]])])
-    assert left.tolist() == [[-2.0, -1.0], [4.0, 1.0]]
-    assert right.tolist() == [[10.0, -1.0], [16.0, 1.0]]
-
-
 def test_wear_is_measured_along_the_normal():
     """A head that lies 0.5 mm lower is 0.5 mm below the nominal one at its top, and off its flanks only by a share."""
     nominal = rail("60E1")
     lowered = nominal.running_surface.transformed(Placement(0.0, (0.0, -0.5)))
-    axes = new_figure(8.0, 3.0).subplots()
-    profile_figures._draw_wear(axes, SimpleNamespace(nominal=nominal, measured=lowered))
+    joint = SimpleNamespace(end=(0.0, 0.0), landing=(0.0, 0.0))
+    profile = SimpleNamespace(outline=nominal.outline, title="lowered")
+    joined = SimpleNamespace(nominal=nominal, measured=lowered, profile=profile, joints=2 * [joint])
+    axes = profile_figures.join_figure(joined).axes[1]
     x, off = axes.lines[0].get_data()
     assert off.min() == pytest.approx(-0.5, abs=1e-3)
     assert off[np.abs(x).argmin()] == pytest.approx(-0.5, abs=1e-3)

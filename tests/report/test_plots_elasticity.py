@@ -114,8 +114,8 @@ def test_pictures_show_the_values_and_say_the_units(element):
         (drawn,) = [c for c in axes.collections if isinstance(c, TriMesh)]
         assert drawn.get_clim() == (0.0, 2.0)
         bar = axes.figure.axes[1]
-        assert bar.get_ylabel().endswith(" in MPa")
-        assert axes.get_xlabel() == "x in mm"
+        assert bar.get_ylabel().endswith(", MPa")
+        assert axes.get_xlabel() == "x, mm"
         assert "deformation x" in axes.get_title()
     shown = display(solution.problem.space, 6)
     wanted = stress_quantity(displayed_stresses(solution, shown), "principal_3")
@@ -135,7 +135,7 @@ def test_a_picture_of_cells_with_constant_stress_has_their_colours():
     )
     solution = solve_elasticity(problem)
     figure = Figure(figsize=(4.0, 2.0), dpi=100)
-    axes = plot_stress(solution, "yy", figure.add_axes((0.0, 0.0, 1.0, 1.0)), edges=False)
+    axes = plot_stress(solution, "yy", figure.add_axes((0.0, 0.0, 1.0, 1.0)))
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
 
     canvas = FigureCanvasAgg(figure)
@@ -151,14 +151,12 @@ def test_a_picture_of_cells_with_constant_stress_has_their_colours():
 
 
 def test_named_edges_are_in_the_legend():
-    """Every edge set is drawn with as many lines as it has edges, and named; so are cell sets if asked."""
-    mesh = MESHES["polygons"].with_cell_set("upper", MESHES["polygons"].cell_centroids[:, 1] > 0.0)
-    axes = plot_mesh(mesh, cell_sets=True)
-    labels = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert labels == ["upper", *mesh.edge_sets]
+    """Every edge set is drawn with as many lines as it has edges, and named."""
+    mesh = MESHES["polygons"]
+    axes = plot_mesh(mesh)
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == [*mesh.edge_sets]
     lines = {c.get_label(): len(c.get_paths()) for c in axes.collections}
     assert all(lines[name] == len(pairs) for name, pairs in mesh.edge_sets.items())
-    assert plot_mesh(mesh, edge_sets=False).get_legend() is None
 
 
 def test_deformed_edges_of_order_2_are_curved():
@@ -166,7 +164,9 @@ def test_deformed_edges_of_order_2_are_curved():
     for order, curved in ((1, False), (2, True)):
         solution = pulled(MESHES["polygons"], order)
         axes = plot_deformed(solution, factor=3.0)
-        lines = np.array([path.vertices for path in axes.collections[0].get_paths()])
+        n_edges = solution.problem.space.mesh.n_edges
+        (edges,) = [c for c in axes.collections if len(c.get_paths()) == n_edges]
+        lines = np.array([path.vertices for path in edges.get_paths()])
         mesh = solution.problem.space.mesh
         moved = mesh.points + 3.0 * solution.displacements[: mesh.n_points]
         np.testing.assert_allclose(lines[:, 0], moved[mesh.edges[:, 0]], atol=1e-12)

@@ -112,7 +112,7 @@ def test_the_page_says_what_was_computed(text, runs):
 def test_pictures_of_the_page_are_the_files(folder, text):
     """Each picture inside the page is one of the files, in their order."""
     inside = [base64.b64decode(image["src"].split(",")[1]) for image in Page(text).images]
-    assert inside == [(folder / name).read_bytes() for name in PICTURES]
+    assert inside == [(folder / name).read_bytes() for name, *_ in PICTURES]
 
 
 def test_text_is_escaped_and_warnings_are_shown(runs):

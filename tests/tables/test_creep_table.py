@@ -5,13 +5,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep
 from flangeway.railway.wheelset.side_contact import WheelPose
-from flangeway.tables.creep_table import FORMAT, MIRROR, OF_PATCH, CreepTable
+from flangeway.tables.creep_table import FORMAT, MIRROR, OF_PATCH, CreepTable, interior, stencil
 
 ANGLES = np.linspace(0.0, np.pi, 9)
 
@@ -107,7 +109,7 @@ def test_files_that_are_no_table_are_refused(tmp_path):
     np.savez(files[2], a=np.ones(2))
     np.savez(files[3], metadata=np.array(json.dumps({"format": 99})))
     for file in files:
-        with pytest.raises(InputError, match=r"(a table of creep forces|format 2)"):
+        with pytest.raises(InputError, match=r"(a table of creep forces|format 3)"):
             CreepTable.load(file)
 
 
@@ -200,3 +202,25 @@ def test_the_wrench_is_that_of_the_forces_at_their_points(table):
     forces[:] = 0.0
     forces[0, :, 0, 1] = 1e3
     np.testing.assert_allclose((table.wrench(contacts, forces)[0] - push)[0, 0, 0], 1e3 * np.cos(0.05))
+
+
+@given(st.integers(0, 10_000))
+def test_the_cubic_of_an_axis_has_a_continuous_derivative(seed):
+    """Weights add up to 1, lines are kept, parabolas where all is smooth, and slopes go over at every point."""
+    random = np.random.default_rng(seed)
+    axis = np.cumsum(random.uniform(0.2, 2.0, 6))
+    smooth = interior(axis) & (random.random(6) < 0.7)
+    at = np.sort(np.concatenate((axis, random.uniform(axis[0], axis[-1], 20))))
+
+    def value(numbers, where, points):
+        nodes, weights = stencil(axis, np.atleast_1d(where), points)
+        return (numbers[nodes] * weights).sum(axis=-1)
+
+    np.testing.assert_allclose(value(np.ones(6), at, smooth), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(value(3.0 * axis - 1.0, at, smooth), 3.0 * at - 1.0, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(value(axis**2, at, interior(axis)), at**2, rtol=1e-9)
+    numbers, step = random.normal(size=6), 1e-7
+    np.testing.assert_allclose(value(numbers, axis, smooth), numbers, atol=1e-9)
+    for place in axis[smooth]:
+        low, high = ((value(numbers, place + s, smooth) - value(numbers, place, smooth)) / s for s in (-step, step))
+        np.testing.assert_allclose(low, high, atol=1e-5)

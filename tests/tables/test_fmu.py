@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import zipfile
+from dataclasses import replace
 
 import fmpy
 import numpy as np
@@ -109,6 +110,33 @@ def test_fmpy_gives_the_forces_of_the_table(small, fmus, fmi):
     )
     for row, lateral in zip(found, (0.0, 0.0, 2e-4), strict=True):  # a step has the inputs of its beginning
         wanted = expected(small[0], STATE | {"lateral": lateral})
+        np.testing.assert_allclose([row[name] for name in names], wanted, rtol=1e-9, atol=1e-6)
+
+
+def test_cubics_over_positions_are_those_of_the_table(small, tmp_path):
+    """Five lateral positions and three loads, one interval not joined: outputs are the table's to 1e-9 everywhere."""
+    shape, values = (5, 1, 3), {}
+    for name, array in small[0].values.items():  # the axes and `joined` are replaced below
+        rows = array[np.arange(5) % len(array)] if array.ndim > 3 else array
+        factor = 1.0 + 0.02 * np.sin(np.arange(15.0)).reshape(5, 1, 3, *[1] * max(array.ndim - 3, 0))
+        values[name] = rows * factor if array.ndim > 3 else rows
+    joined = np.ones((4, 1, 2, 2), dtype=np.bool_)
+    joined[2, 0, 1, 1] = False
+    axes = {"lateral_mm": np.array([0.0, 0.5, 0.8, 1.4, 2.0]), "load_kN": np.array([80.0, 100.0, 130.0])}
+    table = replace(small[0], values=values | axes | {"joined": joined})
+    assert table.values["forces"].shape[:3] == shape
+    write_fmu(table, "2.0", tmp_path / "wide.fmu")
+    names = [f"{side}_{name}" for side in SIDES for name in OUTPUTS]
+    random = np.random.default_rng(4)
+    lateral, load = 1e-3 * random.uniform(0.0, 2.0, 20), 1e3 * random.uniform(80.0, 130.0, 20)
+    rows = [(float(k), *each) for k, each in enumerate(zip(lateral, load, strict=True))]
+    motion = np.array(rows, dtype=[("time", float), ("lateral", float), ("load", float)])
+    start = {name: value for name, value in STATE.items() if name not in ("lateral", "load")}
+    found = fmpy.simulate_fmu(
+        str(tmp_path / "wide.fmu"), stop_time=19.0, output_interval=1.0, input=motion, start_values=start, output=names
+    )
+    for row, one, other in zip(found[1:], lateral, load, strict=False):
+        wanted = expected(table, STATE | {"lateral": one, "load": other})
         np.testing.assert_allclose([row[name] for name in names], wanted, rtol=1e-9, atol=1e-6)
 
 

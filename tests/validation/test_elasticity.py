@@ -15,7 +15,7 @@ def test_mixed_configurations_have_both_methods(space):
     outer = np.zeros(mesh.n_edges, dtype=bool)
     outer[mesh.edge_numbers(mesh.boundary_edges)] = True
     at_rim = np.add.reduceat(outer[mesh.cell_edges], mesh.cell_offsets[:-1]) > 0
-    assert np.array_equal(np.flatnonzero(at_rim), np.sort(mesh.cell_sets["rim"]))
+    assert np.array_equal(np.flatnonzero(at_rim), np.sort(mesh.cell_sets["polygons"]))
     assert np.array_equal(np.flatnonzero(~at_rim), np.sort(mesh.cell_sets["triangles"]))
     assert {type(batch.element).__name__ for batch in space.batches()} == {"Lagrange", "Virtual"}
 

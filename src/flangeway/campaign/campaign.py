@@ -193,8 +193,8 @@ class _CampaignText(TomlFile):
                 )
         rows = []
         for number, values in enumerate(varied, 1):
-            found = self._case(case, inputs, values, number)
-            rows.append(Row(number, {key: _read(found, key, value) for key, value in values.items()}, found))
+            row_case = self._case(case, inputs, values, number)
+            rows.append(Row(number, {key: _read(row_case, key, value) for key, value in values.items()}, row_case))
         self._check(rows)
         kind = type(rows[0].case)
         with rows[0].case.errors_as_written():
@@ -355,13 +355,13 @@ def _read(case: RunnableCase, key: str, value: Any) -> Any:
     """Return an input as the case took it: text of a table is a number where the case wants one."""
     if not isinstance(value, str):
         return value
-    found: Any = case
+    entry: Any = case
     for name in key.split("."):
-        if isinstance(found, list | tuple):
-            known = {str(number): item for number, item in enumerate(found, 1)}
-            found = (known | {getattr(item, "name", None): item for item in found}).get(name)
-        elif isinstance(found, Table):
-            metric, unit = found.input_named(name)
-            found = getattr(found, metric, None)
-            found = unit.of(found) if unit else found
-    return found if isinstance(found, float | int) else value
+        if isinstance(entry, list | tuple):
+            known = {str(number): item for number, item in enumerate(entry, 1)}
+            entry = (known | {getattr(item, "name", None): item for item in entry}).get(name)
+        elif isinstance(entry, Table):
+            metric, unit = entry.input_named(name)
+            entry = getattr(entry, metric, None)
+            entry = unit.of(entry) if unit else entry
+    return entry if isinstance(entry, float | int) else value

@@ -4,7 +4,7 @@ import csv
 import importlib
 import json
 import sqlite3
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +24,7 @@ from flangeway.results import Result, ResultTable
 from flangeway.system.operating_system import lock_file
 from flangeway.system.versions import versions
 from flangeway.types import Floats
+from flangeway.units import Units, in_us_units
 
 FORMAT = "flangeway campaign 1"
 WAITING = "waiting"
@@ -108,8 +109,8 @@ class CampaignDatabase:
 
     def waiting(self) -> frozenset[int]:
         """Numbers of the rows without a result."""
-        found = self._connection.execute("SELECT row FROM rows WHERE status = ?", (WAITING,))
-        return frozenset(number for (number,) in found)
+        numbers = self._connection.execute("SELECT row FROM rows WHERE status = ?", (WAITING,))
+        return frozenset(number for (number,) in numbers)
 
     def counts(self) -> dict[str, int]:
         """Number of rows by status."""
@@ -183,8 +184,8 @@ class CampaignDatabase:
     def _stored_identity(self) -> str | None:
         if not self._connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'meta'").fetchone():
             return None
-        found = self._connection.execute("SELECT value FROM meta WHERE key = 'identity'").fetchone()
-        return str(found[0])
+        stored = self._connection.execute("SELECT value FROM meta WHERE key = 'identity'").fetchone()
+        return str(stored[0])
 
     def _difference(self, campaign: Campaign) -> str:
         stored = {identity for (identity,) in self._connection.execute("SELECT identity FROM rows")}
@@ -235,9 +236,9 @@ def refuse_other_file(connection: sqlite3.Connection, path: Path) -> None:
     tables = {name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
     if not tables:
         return
-    found = connection.execute("SELECT value FROM meta WHERE key = 'format'").fetchone() if "meta" in tables else None
-    if found is None or found[0] != FORMAT:
-        what = "no campaign" if found is None else repr(found[0])
+    stored = connection.execute("SELECT value FROM meta WHERE key = 'format'").fetchone() if "meta" in tables else None
+    if stored is None or stored[0] != FORMAT:
+        what = "no campaign" if stored is None else repr(stored[0])
         raise InputError(f"database {path}, which contains {what}", repr(FORMAT), "choose another folder with --out")
 
 
@@ -314,11 +315,11 @@ class CampaignTable(Result):
 
     def failures(self) -> dict[tuple[str, str], list[int]]:
         """Numbers of the rows that failed or did not converge, by status and message."""
-        found: dict[tuple[str, str], list[int]] = {}
+        rows_by_reason: dict[tuple[str, str], list[int]] = {}
         for number, status, message in zip(self.rows["row"], self.rows["status"], self.rows["message"], strict=True):
             if status in ("failed", "not converged"):
-                found.setdefault((str(status), str(message)), []).append(int(number or 0))
-        return found
+                rows_by_reason.setdefault((str(status), str(message)), []).append(int(number or 0))
+        return rows_by_reason
 
 
 def results(database: str | Path) -> CampaignTable:
@@ -358,10 +359,10 @@ def results(database: str | Path) -> CampaignTable:
 def _wanted(names: list[str], keys: tuple[str, ...], columns: list[str]) -> list[str]:
     """Columns in an order that does not depend on the order in which rows were done."""
     own = [name for name in OWN_COLUMNS if name != "identity"]
-    found = [name for name in names if name not in (*OWN_COLUMNS, *keys)]
+    others = [name for name in names if name not in (*OWN_COLUMNS, *keys)]
     if f"{SIDES[0]}_n_patches" not in names:  # those of wheelsets are in their order already
-        found.sort()
-    return [*own[:2], *keys, *(columns or found), *own[2:]]
+        others.sort()
+    return [*own[:2], *keys, *(columns or others), *own[2:]]
 
 
 def _refuse_broken(columns: Columns) -> None:
@@ -384,17 +385,18 @@ def _columns(connection: sqlite3.Connection, table: str, names: list[str], order
     return {name: [row[place] for row in rows] for place, name in enumerate(names)}
 
 
-def export_writers(table: CampaignTable, kind: str) -> dict[str, Callable[[Path], None]]:
+def export_writers(table: CampaignTable, kind: str, units: Units = "metric") -> dict[str, Callable[[Path], None]]:
     """Return functions that write both tables, by the files' names.
 
     An `InputError` if it is neither. A `MissingLibraryError` if Parquet's library is not installed.
 
-    - `kind`: ``"csv"`` or ``"parquet"``.
+    - `kind`: ``"csv"`` or ``"parquet"``, which is metric.
+    - `units`: units of CSV files, those of sentences of the program too.
     """
     refuse_format(kind)
     tables = {"results": table.rows, "patches": table.patches}
     if kind == "csv":
-        return {f"{name}.csv": _csv_writer(columns) for name, columns in tables.items()}
+        return {f"{name}.csv": _csv_writer(_in_units(columns, units)) for name, columns in tables.items()}
     library = _parquet()
     return {f"{name}.parquet": _parquet_writer(library, columns) for name, columns in tables.items()}
 
@@ -407,7 +409,13 @@ def refuse_format(kind: str) -> None:
         _parquet()
 
 
-def _csv_writer(columns: Columns) -> Callable[[Path], None]:
+def _in_units(columns: Columns, units: Units) -> Mapping[str, Any]:
+    converted = ResultTable(columns).in_units(units).columns
+    sentences = {"message", "warnings"} & columns.keys() if units == "us" else ()
+    return converted | {name: [text and in_us_units(str(text)) for text in columns[name]] for name in sentences}
+
+
+def _csv_writer(columns: Mapping[str, Any]) -> Callable[[Path], None]:
     def write(path: Path) -> None:
         with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)

@@ -9,7 +9,7 @@ from typing import Any
 
 from flangeway.cases.case import GivenText, closest
 from flangeway.errors import InputError, short
-from flangeway.system.file_content import csv_cells, csv_separator
+from flangeway.system.file_content import csv_table
 
 RANGE_KEYS = ("from", "to", "n", "step")
 MAX_ROWS = 1_000_000
@@ -19,13 +19,13 @@ VALUES_ALLOWED = "a list such as [100, 150, 200], or a range such as { from = -7
 
 def flattened(values: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     """Return inputs inside tables by their paths, ``bodies.disc.size_mm``; ranges stay tables."""
-    found: dict[str, Any] = {}
+    by_path: dict[str, Any] = {}
     for key, value in values.items():
         if isinstance(value, dict) and value and not set(value) & set(RANGE_KEYS):
-            found |= flattened(value, f"{above}{key}.")
+            by_path |= flattened(value, f"{above}{key}.")
         else:
-            found[f"{above}{key}"] = value
-    return found
+            by_path[f"{above}{key}"] = value
+    return by_path
 
 
 def values_of(key: str, given: Any, place: str) -> list[Any]:
@@ -111,41 +111,16 @@ def refuse_too_many(n_rows: int, place: str) -> None:
 def read_table(path: Path) -> list[dict[str, Any]]:
     """Rows of a CSV file with the names of inputs in its first line, all as text: 60E1 is a rail, not a number.
 
-    An `InputError` if it cannot be read, a name comes twice, or a line has another number of cells or an empty one.
+    An `InputError` as of `csv_table`, or if a cell is empty or there is no row.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, ValueError) as reason:  # what is no UTF-8, or a zero byte in the name, is the latter
-        why = getattr(reason, "strerror", None) or reason
-        raise InputError(
-            f"table {path}: {why}", "a CSV file in UTF-8, its path relative to the campaign's file", "correct the path"
-        ) from reason
-    separator = csv_separator(text.partition("\n")[0])
-    lines = []
-    for number, line in enumerate(text.splitlines(), 1):
-        try:
-            cells = csv_cells(line, number, separator)
-        except InputError as reason:
-            raise InputError(f"table {path}, {reason.given}", reason.allowed, reason.advice) from reason
-        if any(cells):
-            lines.append((number, cells))
-    if len(lines) < 2:
-        raise InputError(
-            f"table {path} with {len(lines)} lines", "a line with names of inputs and a line for each row", "add rows"
-        )
-    names = lines[0][1]
-    for place, name in enumerate(names):
-        if not name or name in names[:place]:
-            what = f"the column {name} twice" if name else "a column without a name"
-            raise InputError(f"table {path}, line {lines[0][0]}: {what}", "each input once", "correct the first line")
-    rows = []
-    for number, cells in lines[1:]:
-        if len(cells) != len(names) or "" in cells:
-            what = "an empty cell" if len(cells) == len(names) else f"{len(cells)} cells"
+    rows = csv_table(path, "a CSV file with the names of inputs in its first line and a line for each row")
+    if not rows:
+        raise InputError(f"table {path} with 1 lines", "a line with names of inputs, and one for each row", "add rows")
+    for number, row in rows:
+        if "" in row.values():
             raise InputError(
-                f"table {path}, line {number}: {what}",
-                f"{len(names)} values: {', '.join(names)}",
+                f"{path}, line {number}: an empty cell",
+                f"{len(row)} values: {', '.join(row)}",
                 "complete the line, or remove it",
             )
-        rows.append(dict(zip(names, map(GivenText, cells), strict=True)))
-    return rows
+    return [{name: GivenText(cell) for name, cell in row.items()} for _, row in rows]

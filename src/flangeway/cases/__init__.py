@@ -1,10 +1,11 @@
 """Cases by name, their inputs, their runs, and what these leave for programs to read."""
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
-from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, CookRow, cook_grid, cook_row, solve_cook
+from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, cook_grid, solve_cook
 from flangeway.cases.case import Case, Run, RunnableCase
 from flangeway.cases.case_file import CASES, find_case, load_case
 from flangeway.cases.case_template import schema, write_template
+from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import (
     Convergence,
@@ -23,8 +24,8 @@ __all__ = [
     "Case",
     "Convergence",
     "CookCode",
-    "CookRow",
     "Run",
+    "RunResult",
     "RunnableCase",
     "SpatialWheelsetCase",
     "WheelsetCase",
@@ -32,7 +33,6 @@ __all__ = [
     "WheelsetRun",
     "WheelsetTangentCase",
     "cook_grid",
-    "cook_row",
     "find_case",
     "load_case",
     "run_halved",

@@ -14,6 +14,7 @@ import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
+from flangeway.cases.nested import mapped
 from flangeway.cases.summary import summary_numbers
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
@@ -37,6 +38,8 @@ RENAMED = {
 MAX_REPORTED = 5  # errors in one message; of the others only the number is given
 MAX_NUMBER = 1e30  # no length, force or modulus is larger in its unit
 
+PLAIN_TYPES = {float: "a number {}", int: "a whole number {}", bool: "true or false", str: "a name"}
+"""What inputs of one value are called, with their bounds."""
 _BOUNDS = ((at.Gt, "gt", "above"), (at.Ge, "ge", "from"), (at.Lt, "lt", "below"), (at.Le, "le", "up to"))
 
 
@@ -296,7 +299,7 @@ def _inputs_of(table: type[Table], path: str, units: Units) -> list[tuple[str, l
         default = "needed" if field.is_required() else _default_text(field, unit)
         kind = table_in(field.annotation)
         if kind is not None:
-            several = "[]" if any(get_origin(each) is list for each in alternatives(field.annotation)) else ""
+            several = "[]" if any(get_origin(kind) is list for kind in alternatives(field.annotation)) else ""
             inner += _inputs_of(kind, f"{path}{key}{several}.", units)
             default = default if field.is_required() else "none"
         name, meaning = (unit.name if unit else key), (in_us_units(meaning) if units == "us" else meaning)
@@ -321,6 +324,7 @@ GROUPS = {
     ),
     "equilibria": "Equilibrium",
     "longitudinal_creepage": "Motion and friction",
+    "kinetic_friction": "Friction that falls with slip and temperature",
     "curve": "Creep curve and cells",
 }
 """Captions of the groups of inputs, by the key that begins the group."""
@@ -328,12 +332,12 @@ GROUPS = {
 
 def grouped(rows: list[tuple[str, str, str, str]]) -> dict[str, list[tuple[str, str, str, str]]]:
     """Return the inputs of a table in their groups, by the caption."""
-    found: dict[str, list[tuple[str, str, str, str]]] = {}
+    groups: dict[str, list[tuple[str, str, str, str]]] = {}
     caption = ""
     for row in rows:
         caption = next((text for key, text in GROUPS.items() if row[0] == key or same_quantity(key, row[0])), caption)
-        found.setdefault(caption, []).append(row)
-    return found
+        groups.setdefault(caption, []).append(row)
+    return groups
 
 
 def allowed(field: FieldInfo, unit: UsUnit | None = None) -> str:
@@ -354,16 +358,10 @@ def _words(annotation: Any, bounds: str = "") -> list[str]:
         origin, members = get_origin(kind), get_args(kind)
         if origin is Literal:
             words += [str(value) for value in members]
-        elif kind is float:
-            words.append(f"a number {bounds}".strip())
-        elif kind is int:
-            words.append(f"a whole number {bounds}".strip())
-        elif kind is bool:
-            words.append("true or false")
-        elif kind is str:
-            words.append("a name")
+        elif kind in PLAIN_TYPES:
+            words.append(PLAIN_TYPES[kind].format(bounds).strip())
         elif origin is tuple:
-            words.append(f"[{', '.join(' or '.join(_words(each, bounds)) for each in members)}]")
+            words.append(f"[{', '.join(' or '.join(_words(member, bounds)) for member in members)}]")
         elif members == (str,):
             words.append("a list of names")
         elif origin in (list, dict):
@@ -379,7 +377,7 @@ def alternatives(annotation: Any) -> tuple[Any, ...]:
     if get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]
     if get_origin(annotation) in (Union, UnionType):
-        return tuple(kind for each in get_args(annotation) for kind in alternatives(each))
+        return tuple(kind for member in get_args(annotation) for kind in alternatives(member))
     return (annotation,)
 
 
@@ -439,7 +437,7 @@ def _typed(value: Any, annotation: Any) -> Any:
         return value.item() if hasattr(value, "item") else float(value)
     inner = next((get_args(kind)[-1] for kind in kinds if get_origin(kind) in (dict, list)), Any)
     if isinstance(value, Mapping) and table_in(inner) is None and all(table_in(kind) is None for kind in kinds):
-        return {key: _typed(each, inner) for key, each in value.items()}
+        return {key: _typed(entry, inner) for key, entry in value.items()}
     return list(value) if isinstance(value, tuple) else value
 
 
@@ -544,12 +542,3 @@ def _located(case: type[Table], values: Any, location: Key) -> tuple[Key, type[T
         except (KeyError, IndexError, TypeError):
             values = None
     return tuple(path), table, field, values
-
-
-def mapped(value: Any, function: Callable[[Key, Any], Any], key: Key = ()) -> Any:
-    """Return tables and lists with a function of path and value in the place of each value in them."""
-    if isinstance(value, Mapping):
-        return {name: mapped(inner, function, (*key, name)) for name, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [mapped(inner, function, (*key, number)) for number, inner in enumerate(value)]
-    return function(key, value)

@@ -9,7 +9,8 @@ from flangeway.cases.bodies.chains import BearingRingCase, RollerBetweenPlatesCa
 from flangeway.cases.bodies.cook import CookCase
 from flangeway.cases.bodies.presets import ContactPatchCase, HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
-from flangeway.cases.case import RunnableCase, Table, closest, key_text, mapped, merged
+from flangeway.cases.case import RunnableCase, Table, closest, key_text, merged
+from flangeway.cases.nested import mapped
 from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase
 from flangeway.cases.section.section_run import TorsionCase
 from flangeway.cases.spatial.spatial_case import SpatialCase
@@ -223,17 +224,19 @@ def _with_tables(case: type[RunnableCase], values: dict[str, Any], settings: Map
     defaults = {
         key: case.model_fields[key].get_default(call_default_factory=True) for key in named & {*case.model_fields}
     }
-    tables = {key: each.model_dump(exclude_unset=True) for key, each in defaults.items() if isinstance(each, Table)}
+    tables = {
+        key: default.model_dump(exclude_unset=True) for key, default in defaults.items() if isinstance(default, Table)
+    }
     return tables | values
 
 
 def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values with some replaced, those inside tables named by points."""
-    found = merged(values, {name: value for name, value in settings.items() if "." not in name})
+    changed = merged(values, {name: value for name, value in settings.items() if "." not in name})
     for name, value in settings.items():
         if "." in name:
-            _set_inside(found, name.split("."), value, name)
-    return found
+            _set_inside(changed, name.split("."), value, name)
+    return changed
 
 
 def _set_inside(values: dict[str, Any], path: list[str], value: Any, name: str) -> None:
@@ -242,7 +245,9 @@ def _set_inside(values: dict[str, Any], path: list[str], value: Any, name: str) 
         known: dict[str, Any] = {}
         if isinstance(place, list):
             known = {str(n): n - 1 for n in range(1, len(place) + 1)}
-            known |= {str(each["name"]): n for n, each in enumerate(place) if isinstance(each, dict) and "name" in each}
+            known |= {
+                str(entry["name"]): n for n, entry in enumerate(place) if isinstance(entry, dict) and "name" in entry
+            }
         elif isinstance(place, dict):
             known = {key: key for key in place}
         last = number == len(path) - 1

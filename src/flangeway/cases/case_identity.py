@@ -6,8 +6,9 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
-from flangeway.cases.case import OF_REPORT, RunnableCase, mapped
+from flangeway.cases.case import OF_REPORT, RunnableCase
 from flangeway.cases.case_file import FILE_KEYS
+from flangeway.cases.nested import mapped
 from flangeway.railway.profiles.formats.slice_files import files_of
 from flangeway.system.file_content import is_file
 from flangeway.types import Key

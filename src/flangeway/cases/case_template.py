@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import textwrap
 from collections.abc import Mapping
 from typing import Any
 
@@ -54,30 +55,23 @@ def write_case_file(case: RunnableCase) -> str:
             continue
         for item in value if isinstance(value, list) else [value]:
             tables += ["", f"[[{key}]]" if isinstance(value, list) else f"[{key}]"]
-            for name, each in item.items():
-                seen = os.path.relpath(each) if name in FILE_KEYS else each
+            for name, entry in item.items():
+                seen = os.path.relpath(entry) if name in FILE_KEYS else entry
                 tables.append(f"{name} = {toml_value(seen)}")
     return "\n".join([*lines, *tables]) + "\n"
 
 
 def _tables(key: str, field: FieldInfo, table: type[Table], example: Any, units: Units) -> list[str]:
     """Tables of one key: those of the example, or one as a comment."""
-    lines = ["", "", f"# {field.description}."]
     several = isinstance(_default(field), list) or isinstance(example, list)
     header = f"[[{key}]]" if several else f"[{key}]"
     items = example if isinstance(example, list) else [example] if example else []
-    for number, item in enumerate(items):
-        lines += ["", header] if number else [header]
-        if number:
-            lines += [_line(name, value, units) for name, value in item.items()]
-            continue
-        for name, entry in table.model_fields.items():
-            active = name in item
-            lines += ["", *_entry(name, entry, item.get(name, _default(entry)), units, active=active)]
-    if not items:
-        lines.append(f"# {header}")
-        for name, entry in table.model_fields.items():
-            lines += ["#", *_entry(name, entry, _default(entry), units, active=False)]
+    first, comment = (items[0], "") if items else ({}, "#")
+    lines = ["", "", f"# {field.description}.", f"{comment} {header}".strip()]
+    for name, entry in table.model_fields.items():
+        lines += [comment, *_entry(name, entry, first.get(name, _default(entry)), units, active=name in first)]
+    for item in items[1:]:
+        lines += ["", header, *(_line(name, value, units) for name, value in item.items())]
     return lines
 
 
@@ -85,7 +79,14 @@ def _entry(key: str, field: FieldInfo, value: Any, units: Units, *, active: bool
     """Comment and line of a key."""
     unit = us_key(key) if units == "us" else None
     meaning = in_us_units(field.description or "") if units == "us" else field.description
-    lines = _wrapped(f"{meaning} ({allowed(field, unit)})")
+    lines = textwrap.wrap(
+        f"{meaning} ({allowed(field, unit)})",
+        WIDTH,
+        initial_indent="# ",
+        subsequent_indent="# ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
     if value is None or value == []:
         return [*lines, f"# {unit.name if unit else key} ="]
     return [*lines, ("" if active else "# ") + _line(key, value, units)]
@@ -94,13 +95,13 @@ def _entry(key: str, field: FieldInfo, value: Any, units: Units, *, active: bool
 def _line(key: str, value: Any, units: Units) -> str:
     """Line of a key with a value."""
     values = {key: value} if units == "metric" else _with_us_keys({key: value})
-    return "".join(f"{name} = {toml_value(each)}" for name, each in values.items())
+    return "".join(f"{name} = {toml_value(entry)}" for name, entry in values.items())
 
 
 def _with_us_keys(value: Any) -> Any:
     """Return tables, also those in lists, with keys and numbers in US units."""
     if isinstance(value, list):
-        return [_with_us_keys(each) for each in value]
+        return [_with_us_keys(entry) for entry in value]
     if not isinstance(value, Mapping):
         return value
     units = {key: us_key(key) for key in value}
@@ -108,16 +109,6 @@ def _with_us_keys(value: Any) -> Any:
         unit.name if unit else key: unit.of(value[key]) if unit else _with_us_keys(value[key])
         for key, unit in units.items()
     }
-
-
-def _wrapped(text: str) -> list[str]:
-    lines, line = [], "#"
-    for word in text.split():
-        if len(line) + len(word) >= WIDTH:
-            lines.append(line)
-            line = "#"
-        line += f" {word}"
-    return [*lines, line]
 
 
 def _default(field: FieldInfo) -> Any:
@@ -137,8 +128,8 @@ def toml_value(value: Any) -> str:
     if isinstance(value, Table):
         value = value.model_dump(exclude_defaults=True)
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {toml_value(each)}" for key, each in value.items()) + " }"
-    return "[" + ", ".join(toml_value(each) for each in value) + "]"
+        return "{ " + ", ".join(f"{key} = {toml_value(entry)}" for key, entry in value.items()) + " }"
+    return "[" + ", ".join(toml_value(entry) for entry in value) + "]"
 
 
 def schema() -> dict[str, Any]:
@@ -195,7 +186,7 @@ def _add_us_keys(table: dict[str, Any]) -> None:
 def _in_us(described: Any, unit: UsUnit) -> Any:
     """Return the description of an input with its limits in a US unit, and without its default."""
     if isinstance(described, list):
-        return [_in_us(each, unit) for each in described]
+        return [_in_us(entry, unit) for entry in described]
     if not isinstance(described, dict):
         return described
     return {

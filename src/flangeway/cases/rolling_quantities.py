@@ -102,16 +102,16 @@ Creep = Quantity[CreepResult]
 
 def _rolling(value: Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
     """A number that only rolling has."""
-    return lambda found: value(found) if found.rolls else None
+    return lambda creep: value(creep) if creep.rolls else None
 
 
 def _shifting(value: Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
     """A number that only a shift has."""
-    return lambda found: None if found.rolls else value(found)
+    return lambda creep: None if creep.rolls else value(creep)
 
 
 def _t_gamma(number: int) -> Callable[[CreepResult], float | None]:
-    return lambda found: None if found.t_gamma is None else found.t_gamma[number]
+    return lambda creep: None if creep.t_gamma is None else creep.t_gamma[number]
 
 
 THEORY: Creep = Quantity("theory", "theory", "theory")

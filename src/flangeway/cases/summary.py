@@ -2,13 +2,15 @@
 
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, ClassVar
 
+from flangeway.cases.nested import mapped
 from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
+from flangeway.types import Key
 
 PAIRS = ("longer", "shorter")
 ENDINGS = {"cells": ("across", "along"), "semi_axes_mm": PAIRS, "hertz_semi_axes_mm": PAIRS}
@@ -61,18 +63,15 @@ NO_RESULTS = ("timings_s", "peak_memory_MB", "case", "versions", "status")
 
 def summary_numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return all single numbers of a summary, and remarks on them, named by their paths with underscores."""
-    return dict(_numbers({key: part for key, part in summary.items() if key not in NO_RESULTS}, ""))
+    numbers = {}
 
+    def keep(key: Key, value: Any) -> None:
+        path = "_".join(str(name + 1) if isinstance(name, int) else str(name) for name in key)
+        if isinstance(value, float | int) or (value is not None and path.endswith("_remark")):
+            numbers[path] = value
 
-def _numbers(value: Any, path: str) -> Iterable[tuple[str, Any]]:
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _numbers(inner, f"{path}_{key}" if path else str(key))
-    elif isinstance(value, list | tuple):
-        for number, inner in enumerate(value, 1):
-            yield from _numbers(inner, f"{path}_{number}")
-    elif isinstance(value, float | int) or (value is not None and path.endswith("_remark")):
-        yield path, value
+    mapped({name: part for name, part in summary.items() if name not in NO_RESULTS}, keep)
+    return numbers
 
 
 def summary_text(summary: Mapping[str, Any]) -> str:
@@ -82,12 +81,10 @@ def summary_text(summary: Mapping[str, Any]) -> str:
 
 def plain_numbers(value: Any) -> Any:
     """Turn arrays and NumPy's numbers into lists and Python's own; what is not finite into None."""
-    if isinstance(value, dict):
-        return {key: plain_numbers(entry) for key, entry in value.items()}
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, list | tuple):
-        return [plain_numbers(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+
+    def plain(_: Key, leaf: Any) -> Any:
+        if hasattr(leaf, "tolist"):
+            return plain_numbers(leaf.tolist())
+        return None if isinstance(leaf, float) and not math.isfinite(leaf) else leaf
+
+    return mapped(value, plain)

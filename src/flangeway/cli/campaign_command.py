@@ -91,8 +91,8 @@ def campaign(
         raise typer.Exit(INTERRUPTED) from None
     table = results(database)
     seconds = time.perf_counter() - begun
-    record = campaign_record(end, table, export or "csv", command_typed(), seconds)
-    if export is not None and had_all:
+    record = campaign_record(end, table, export or "csv", command_typed(), seconds, wanted.units)
+    if export is not None and had_all and not show.xlsx:
         show.files(write_export(table, folder, export, wanted.units))
         show.json(record.summary)
         return end.all_converged

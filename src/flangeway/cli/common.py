@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flangeway.errors import InputError, MissingLibraryError, OutOfMemoryError
+from flangeway.system.workbook import spreadsheet_library
 
 if TYPE_CHECKING:
     from flangeway.cases.case import Case
@@ -215,6 +216,7 @@ class Show:
     quiet: bool
     as_json: bool
     pictures: bool
+    xlsx: bool = False
     units: "UnitSystem | None" = None
     marks_s: list[float] = field(default_factory=lambda: [STARTED_S])
 
@@ -240,14 +242,12 @@ class Show:
         """
         from flangeway.report.page.html_page import write_record  # noqa: PLC0415
         from flangeway.report.page.record import REPORT, print_record  # noqa: PLC0415
-        from flangeway.report.page.us_record import in_units  # noqa: PLC0415
 
-        record = in_units(record, self.units or "metric")
         console = stdout()
         if not self.as_json:
             print_record(console, record, quiet=self.quiet)
         with self.progress() as progress:
-            files = write_record(record, folder, progress, pictures=self.pictures)
+            files = write_record(record, folder, progress, pictures=self.pictures, xlsx=self.xlsx)
         self.files(others())
         if not self.as_json:
             if not self.quiet:
@@ -286,6 +286,7 @@ SHOWN = {
     ],
     "as_json": Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")],
     "no_pictures": Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures; the report has none.")],
+    "xlsx": Annotated[bool, typer.Option("--xlsx", help="Write all tables as one workbook too, tables.xlsx.")],
     "units": Units,
 }
 
@@ -303,9 +304,11 @@ def shows_results(command: Callable[..., bool]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def wrapped(**given: Any) -> None:
-        quiet, as_json, no_pictures, units = (given.pop(name) for name in SHOWN)
+        quiet, as_json, no_pictures, xlsx, units = (given.pop(name) for name in SHOWN)
         with errors_as_exit_status():
-            show = Show(quiet, as_json, not no_pictures, units_given(units))
+            if xlsx:
+                spreadsheet_library()  # before anything is computed
+            show = Show(quiet, as_json, not no_pictures, xlsx, units_given(units))
             raise typer.Exit(DONE if command(**given, show=show) else FAILED)
 
     wrapped.__signature__ = signature.replace(parameters=[*own, *more], return_annotation=None)  # type: ignore[attr-defined]
@@ -315,7 +318,7 @@ def shows_results(command: Callable[..., bool]) -> Callable[..., None]:
 
 def command_typed() -> str:
     """Return the command as it was typed, without the options of `SHOWN`."""
-    shown = {"-q", "--quiet", "--json", "--no-pictures"}
+    shown = {"-q", "--quiet", "--json", "--no-pictures", "--xlsx"}
     return shlex.join(["flangeway", *(word for word in sys.argv[1:] if word not in shown)])
 
 

@@ -43,5 +43,7 @@ def damage(file: InputsFile, out: Out = None, fresh: Fresh = False, *, show: Sho
         complain(f"interrupted; what is done is kept in {store}, and the same command goes on from there")
         raise typer.Exit(INTERRUPTED) from None
     return show.record(
-        damage_record(inputs, steps, command_typed(), time.perf_counter() - begun), folder, lambda: [store]
+        damage_record(inputs, steps, command_typed(), time.perf_counter() - begun, show.units or "metric"),
+        folder,
+        lambda: [store],
     )

@@ -130,7 +130,7 @@ def _conicity(file: Path, settings: dict[str, Any], out: Path | None, show: Show
         done = run_conicity(file, settings)
     folder = out or Path("out", f"geometry-{file.stem}")
     refuse_unwritable(folder, CONICITY_NAMES)
-    return show.record(conicity_record(done, command_typed()), folder)
+    return show.record(conicity_record(done, command_typed(), show.units or "metric"), folder)
 
 
 SectionName = Annotated[
@@ -305,7 +305,7 @@ def profile(
         if to is not None:
             raise InputError(f"--to {to} for {len(runs)} profiles", "one profile", "convert them one by one")
         refuse_unwritable(folder, BATCH_NAMES)
-        show.record(profiles_record(runs, command_typed()), folder)
+        show.record(profiles_record(runs, command_typed(), show.units or "metric"), folder)
         return True
     (done,) = runs
     conversion = check_profile_folder(done, folder, to)
@@ -313,7 +313,7 @@ def profile(
     def convert() -> list[Path]:
         return [] if to is None else write_together(to.parent, {to.name: text_writer(conversion)})
 
-    show.record(profile_record(done, command_typed()), folder, convert)
+    show.record(profile_record(done, command_typed(), show.units or "metric"), folder, convert)
     return True
 
 
@@ -345,4 +345,4 @@ def profiles(folder: ProfileFolderName, partner: ProfilePartner = None, out: Out
     refuse_unwritable(target, BATCH_NAMES)
     with show.progress() as progress:
         done = run_folder(folder, partner, progress)
-    return show.record(folder_record(done, name, command_typed()), target)
+    return show.record(folder_record(done, name, command_typed(), show.units or "metric"), target)

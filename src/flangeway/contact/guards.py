@@ -23,6 +23,7 @@ from flangeway.contact.node_to_segment import (
     guarded_margins,
 )
 from flangeway.contact.pairs import Pairs
+from flangeway.contact.search import behind
 from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface, node_normals
 from flangeway.types import Bools, Floats, Ints
@@ -256,11 +257,7 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
     depth = min(float(np.linalg.norm(np.ptp(each, axis=(0, 1)))) for each in edges) / 2.0
     counts = [len(surface.nodes) for surface in surfaces]
     found = [np.zeros(count, dtype=np.bool_) for count in counts]
-    boxes = [(each.min(axis=(0, 1)) - depth, each.max(axis=(0, 1)) + depth) for each in edges[::-1]]
-    near = [
-        ((at[:n] >= low) & (at[:n] <= high)).all(axis=1)
-        for at, n, (low, high) in zip(positions, counts, boxes, strict=True)
-    ]
+    near = [behind(at[:n], other) for at, n, other in zip(positions, counts, edges[::-1], strict=True)]
     if not (near[0].any() or near[1].any()):
         return found[0], found[1]
     sagittas = [surface.sagittas(each, bent) for surface, each in zip(surfaces, edges, strict=True)]

@@ -13,6 +13,8 @@ ZERO_DEPTH = 1e-6
 """Depth over the longest edge up to which a point is on the surface; see `leads_out`."""
 DEEP = 0.1
 """Depth behind an edge, over the length of the surface there, from which the point may have entered elsewhere."""
+MAX_SAGITTA = 0.25
+"""Height of a curved edge over its chord, over the chord, beyond all meshes: a quarter of a circle has 0.2."""
 OTHER_EDGE, OWN_EDGE = 4.0, 10.0
 """Depth behind an edge, over the distance from another edge, from which a point entered through that other edge. The
 second value is for an edge with the point itself: it exceeds that of a sharp corner."""
@@ -47,6 +49,18 @@ def _boxes(edges: Floats, reach: float | Floats) -> NDArray[np.object_]:
     )
     boxes: NDArray[np.object_] = shapely.box(x_min, y_min, x_max, y_max)
     return boxes
+
+
+def behind(points: Floats, edges: Floats) -> NDArray[np.bool_]:
+    """Which points (n, 2) are behind the nearest of edges (n_edges, order + 1, 2), or hardly in front of its chord."""
+    chords = edges[:, -1] - edges[:, 0]
+    lengths = np.linalg.norm(chords, axis=1)
+    of, nearest = shapely.STRtree(shapely.linestrings(edges[:, [0, -1]])).query_nearest(shapely.points(points))
+    apart = points[of] - edges[nearest, 0]
+    in_front = (apart[:, 0] * chords[nearest, 1] - apart[:, 1] * chords[nearest, 0]) / lengths[nearest]
+    result = np.zeros(len(points), dtype=np.bool_)
+    result[of[in_front <= MAX_SAGITTA * lengths.max()]] = True
+    return result
 
 
 def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:

@@ -19,15 +19,16 @@ from flangeway.contact.edge_pieces import PieceIntegrals, PiecePoints, Pieces, f
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.slip import Slides
-from flangeway.contact.surface import CORNER, Surface
+from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
 from flangeway.types import Bools, Floats, Ints
 
 LEAST_COVERED = 1e-6
 """Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""
 
-FLAT = CORNER / 2.0
-"""Angle in rad up to which a secondary edge lies flat on primary ones: no two of them meet in a corner."""
+FLAT = np.deg2rad(20.0)
+"""Angle up to which a secondary edge lies flat on primary ones: far above that of the chords of coarse curves, which it
+meets in turn, and below that of the sides of a sharp corner."""
 
 DUAL = np.array([[2.0, -1.0], [-1.0, 2.0]])
 """Biorthogonal functions of an edge as combinations of its two hats."""

@@ -15,7 +15,9 @@ from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Section, nested_regions
 from flangeway.geometry.segments import Segment, segment_of
 
-UNITS = ("mm", "cm", "m", "in", "ft")  # units of length that a section can be given in; nothing is converted
+UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
+UNITS = tuple(UNITS_MM)
+"""UNITS_MM, UNITS: units of length that drawings and profiles may have, and their lengths in mm."""
 
 
 @dataclass(frozen=True)

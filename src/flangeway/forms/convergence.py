@@ -32,10 +32,10 @@ def convergence(
     """
     cells, sizes, errors = [], [], []
     for mesh in meshes:
-        found = problem(mesh)
+        solution = problem(mesh)
         cells.append(mesh.n_cells)
         sizes.append(float(np.sqrt(mesh.cell_areas.mean())))
-        errors.append(found.errors if isinstance(found, ErrorNorms) else dict(found))
+        errors.append(solution.errors if isinstance(solution, ErrorNorms) else dict(solution))
     if len(cells) < 2 or (np.diff(sizes) == 0.0).any():
         raise InputError(f"meshes with cells of sizes {sizes}", "two or more of different sizes", "give finer ones")
     columns: dict[str, Any] = {"cells": cells, "h": sizes}

@@ -207,7 +207,7 @@ class Plate:
             dofs[3 * n :] = np.einsum("vje,jdae,dve->vae", scale, slopes, half, optimize=True)
             places = self.mesh.cell_offsets[batch.cells] + np.arange(n)[:, None]
             numbers.append(3 * self.mesh.n_points + self.mesh.cell_edges[places][:, None])
-        joined = np.concatenate([each.reshape(-1, n_cells) for each in numbers])
+        joined = np.concatenate([number.reshape(-1, n_cells) for number in numbers])
         return PlateCells(batch, joined, frame, moments, curvature, projection, dofs)
 
     def moments_per_curvature(self, curvature: Floats) -> Floats:

@@ -218,7 +218,7 @@ class FormRegion:
                 **{name: field.on(batch, points) for name, field in self.fields.items()},
             )
             batches = [batch] if test is trial else [batch, test.batch_like(batch)]
-            functions = [(local_functions(each, points), each.dofs) for each in batches]
+            functions = [(local_functions(batch, points), batch.dofs) for batch in batches]
             yield w, weights, (functions * 2)[:2], batch, False
 
 

@@ -94,9 +94,9 @@ class Contour:
         return chain
 
     def _refuse_crossing(self) -> None:
-        found = first_crossing(self.segments, closed=self._closed, tolerance=CROSSING_TOLERANCE * self.size)
-        if found is not None:
-            i, j, place = found
+        crossing = first_crossing(self.segments, closed=self._closed, tolerance=CROSSING_TOLERANCE * self.size)
+        if crossing is not None:
+            i, j, place = crossing
             raise InputError(
                 f"segments {i} ({self.names[i]}) and {j} ({self.names[j]}) meet at {point_text(place)}",
                 "a chain that does not cross or touch itself",
@@ -212,4 +212,6 @@ class Contour:
     @cached_property
     def _reach(self) -> tuple[Floats, Floats]:
         """Starts (n, 2) and lengths (n,) of the segments."""
-        return np.array([each.start for each in self.segments]), np.array([each.length for each in self.segments])
+        return np.array([segment.start for segment in self.segments]), np.array(
+            [segment.length for segment in self.segments]
+        )

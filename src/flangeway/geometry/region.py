@@ -96,13 +96,13 @@ class Region:
 
     def reentrant_corners(self, angle_rad: float = 0.02) -> Floats:
         """Return the corners (n, 2) where the material fills more than half a turn, by more than an angle."""
-        found = []
+        corners = []
         for turn, loop in ((-1.0, self.outer), *((1.0, hole) for hole in self.holes)):
             for before, after in zip((loop.segments[-1], *loop.segments), loop.segments, strict=False):
                 into, out = before.tangent(1.0)[0], after.tangent(0.0)[0]
                 if turn * (into[0] * out[1] - into[1] * out[0]) > np.sin(angle_rad):
-                    found.append(after.start)
-        return np.array(found).reshape(-1, 2)
+                    corners.append(after.start)
+        return np.array(corners).reshape(-1, 2)
 
     def transformed(self, placement: Placement) -> "Region":
         """Return the region in the placed frame."""

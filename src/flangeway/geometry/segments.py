@@ -12,12 +12,13 @@ from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import Point, as_point, as_points, cross_product
 from flangeway.geometry.placement import Placement
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
 RADIUS_TOLERANCE = 1e-5  # maximum difference of an arc's two radii, relative to the radius (files carry 6 decimals)
 
@@ -210,7 +211,7 @@ class Arc:
         first, last = math.ceil(low / quarter + 1e-9), math.floor(high / quarter - 1e-9)
         poles = [((1, 0), (0, 1), (-1, 0), (0, -1))[number % 4] for number in range(first, last + 1)]
         x, y = ([c + self.radius * pole[axis] for pole in poles] for axis, c in enumerate(self.centre))
-        x, y = ([*found, self.start[axis], self.end[axis]] for axis, found in enumerate((x, y)))
+        x, y = ([*extremes, self.start[axis], self.end[axis]] for axis, extremes in enumerate((x, y)))
         return _fixed([[min(x), min(y)], [max(x), max(y)]])
 
     def point(self, s: ArrayLike) -> Floats:
@@ -354,45 +355,42 @@ def meetings(a: Segment, b: Segment, tolerance: float) -> Floats:
     return candidates[near]
 
 
+def _beside(first: Sequence[Segment], second: Sequence[Segment], tolerance: float) -> Ints:
+    """Return the numbers (n, 2) of segments of two chains, in order, whose boxes overlap to a tolerance."""
+    corners = [np.reshape([segment.bounds for segment in chain], (-1, 4)) for chain in (first, second)]
+    boxes = [shapely.box(*(ends + 0.5 * tolerance * np.array([-1.0, -1.0, 1.0, 1.0])).T) for ends in corners]
+    pairs: Ints = np.unique(shapely.STRtree(boxes[1]).query(boxes[0]).T, axis=0)
+    return pairs
+
+
 def first_crossing(segments: Sequence[Segment], *, closed: bool, tolerance: float) -> tuple[int, int, Floats] | None:
     """Return the numbers of two segments of a chain that meet elsewhere than at their joint, and where (2,); or None.
 
     The tolerance is the distance below which points count as the same.
     """
-    n = len(segments)
-    boxes = np.array([segment.bounds for segment in segments])
-    low, high = boxes[:, 0] - tolerance, boxes[:, 1] + tolerance
-    for i in range(n - 1):
-        later = slice(i + 1, n)
-        beside = np.all((low[later] <= high[i]) & (low[i] <= high[later]), axis=1)
-        for j in (i + 1 + np.flatnonzero(beside)).tolist():
-            # the boxes of most neighbours have the joint's surroundings alone in common
-            if (
-                j == i + 1
-                and float((np.minimum(high[i], high[j]) - np.maximum(low[i], low[j])).max()) < 500 * tolerance
-            ):
-                continue
-            found = meetings(segments[i], segments[j], tolerance)
-            joints = [segments[i].end] if j == i + 1 else []
-            if closed and i == 0 and j == n - 1:
-                joints.append(segments[i].start)
-            for joint in joints:
-                # tangent neighbours meet over a length that grows with the root of rounding
-                found = found[np.hypot(*(found - np.array(joint)).T) > 1e3 * tolerance]
-            if len(found):
-                return i, j, found[0]
+    for i, j in _beside(segments, segments, 2.0 * tolerance).tolist():
+        (low, high), (other_low, other_high) = segments[i].bounds, segments[j].bounds
+        # the boxes of most neighbours have the joint's surroundings alone in common
+        common = float((np.minimum(high, other_high) - np.maximum(low, other_low)).max())
+        if i >= j or (j == i + 1 and common < 498 * tolerance):
+            continue
+        points = meetings(segments[i], segments[j], tolerance)
+        joints = [segments[i].end] if j == i + 1 else []
+        if closed and i == 0 and j == len(segments) - 1:
+            joints.append(segments[i].start)
+        for joint in joints:
+            # tangent neighbours meet over a length that grows with the root of rounding
+            points = points[np.hypot(*(points - np.array(joint)).T) > 1e3 * tolerance]
+        if len(points):
+            return i, j, points[0]
     return None
 
 
 def chains_meet(first: Sequence[Segment], second: Sequence[Segment], tolerance: float) -> Floats | None:
     """Return a point (2,) that two chains of segments have in common, or None."""
-    boxes = np.array([segment.bounds for segment in second])
-    for a in first:
-        low, high = a.bounds
-        beside = np.all((boxes[:, 0] <= high + tolerance) & (low <= boxes[:, 1] + tolerance), axis=1)
-        for j in np.flatnonzero(beside).tolist():
-            found = meetings(a, second[j], tolerance)
-            if len(found):
-                place: Floats = found[0]
-                return place
+    for i, j in _beside(first, second, 2.0 * tolerance).tolist():
+        points = meetings(first[i], second[j], tolerance)
+        if len(points):
+            place: Floats = points[0]
+            return place
     return None

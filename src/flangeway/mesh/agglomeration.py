@@ -82,8 +82,8 @@ class _Joining:
     def neighbours(self, cell: int) -> set[int]:
         """Polygons on the other side of a polygon's sides."""
         row = self.rows[cell]
-        found = {self.left.get((end, start)) for start, end in zip(row, row[1:] + row[:1], strict=True)}
-        return {other for other in found if other is not None and self.kind[other] == self.kind[cell]} - {cell}
+        across = {self.left.get((end, start)) for start, end in zip(row, row[1:] + row[:1], strict=True)}
+        return {other for other in across if other is not None and self.kind[other] == self.kind[cell]} - {cell}
 
     def united(self, cell: int, other: int) -> list[int] | None:
         """Points of both polygons in order; None if they do not meet in one piece."""

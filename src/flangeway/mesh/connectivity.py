@@ -96,7 +96,7 @@ def edge_places(
     edges: NDArray[np.integer], others: NDArray[np.integer], n_points: int
 ) -> tuple[Ints, NDArray[np.bool_]]:
     """Places among other edges (m, 2) of edges (n, 2) in either direction, and whether each is there, both (n,)."""
-    wanted, keys = (each.min(axis=1).astype(np.int64) * n_points + each.max(axis=1) for each in (edges, others))
+    wanted, keys = (pairs.min(axis=1).astype(np.int64) * n_points + pairs.max(axis=1) for pairs in (edges, others))
     order = np.argsort(keys)
     places = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(order) - 1)]
     return places, keys[places] == wanted

@@ -58,17 +58,17 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
     pairs = mesh.edges[edges]
     start, end = points[pairs[:, 0]], points[pairs[:, 1]]
     lengths = np.hypot(*(end - start).T)
-    found: tuple[Segment | Spline, ...] = tuple(each for loop in _loops(curves) for each in _segments(loop))
+    segments: tuple[Segment | Spline, ...] = tuple(segment for loop in _loops(curves) for segment in _segments(loop))
     best, number, places = np.full(len(edges), np.inf), np.full(len(edges), -1), np.zeros((len(edges), 2))
-    for which, segment in enumerate(found):
+    for which, segment in enumerate(segments):
         (at_start, off_start), (at_end, off_end) = segment.closest(start), segment.closest(end)
         near = np.flatnonzero(np.maximum(off_start, off_end) <= ON_CURVE * lengths)
         off = segment.closest((start[near] + end[near]) / 2.0)[1]
         nearer = near[off < best[near]]
         best[nearer], number[nearer] = off[off < best[near]], which
         places[nearer] = np.column_stack((at_start[nearer], at_end[nearer]))
-    kept = [which for which, segment in enumerate(found) if not isinstance(segment, Line)]
-    rank = np.full(len(found) + 1, -1)
+    kept = [which for which, segment in enumerate(segments) if not isinstance(segment, Line)]
+    rank = np.full(len(segments) + 1, -1)
     rank[kept] = np.arange(len(kept))
     on = rank[number] >= 0
     if not on.any():
@@ -77,8 +77,8 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
             "the arcs and splines of the outline that was meshed",
             "give the outline in the frame of the mesh, or leave it out where all sides are straight",
         )
-    ends = _unwrapped(found, number, places)[on]
-    table = EdgeCurves(pairs[on], tuple(found[which] for which in kept), rank[number[on]], ends)
+    ends = _unwrapped(segments, number, places)[on]
+    table = EdgeCurves(pairs[on], tuple(segments[which] for which in kept), rank[number[on]], ends)
     return PolyMesh(points, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets, table)
 
 
@@ -131,12 +131,12 @@ def _segments(loop: Contour | Spline) -> tuple[Segment | Spline, ...]:
     return loop.segments if isinstance(loop, Contour) else (loop,)
 
 
-def _unwrapped(found: tuple[Segment | Spline, ...], number: Ints, places: Floats) -> Floats:
+def _unwrapped(segments: tuple[Segment | Spline, ...], number: Ints, places: Floats) -> Floats:
     """Parameters (n, 2) of edges that pass the end of a closed spline, continued beyond it."""
-    for which, segment in enumerate(found):
+    for which, segment in enumerate(segments):
         if isinstance(segment, Spline) and segment.closed:
-            mine = number == which
-            places[mine, 1] -= np.round(places[mine, 1] - places[mine, 0])
+            on_segment = number == which
+            places[on_segment, 1] -= np.round(places[on_segment, 1] - places[on_segment, 0])
     return places
 
 
@@ -148,10 +148,10 @@ def _loops(curves: Curves) -> list[Contour | Spline]:
     if isinstance(curves, Section):
         return [loop for region in curves.regions for loop in region.loops]
     several = list(curves) if isinstance(curves, Iterable) else [curves]
-    for each in several:
-        if not isinstance(each, Contour | Spline):
+    for curve in several:
+        if not isinstance(curve, Contour | Spline):
             raise InputError(
-                f"{short(each)} as a curve of the boundary",
+                f"{short(curve)} as a curve of the boundary",
                 "outlines, chains and splines, one or several; or a region, or a section",
                 "give what was meshed, or fw.geometry.Spline(points)",
             )

@@ -11,11 +11,11 @@ NOTCH_REACH = 0.25
 """Length of the boundary beside a corner, relative to the diameter, whose chords make the angle of a notch."""
 NOTCH_ANGLE = np.deg2rad(210.0)
 """Interior angle of these chords above which a corner is a notch: smaller ones are ragged boundaries."""
-SMALLEST_PART = 0.25
+MIN_PART = 0.25
 """Diameter of a part relative to the whole below which it is not cut further."""
 GOOD_ANGLE = np.deg2rad(40.0)
 """Angle between a chord and the boundary below which the chord counts as worse."""
-SMALLEST_AREA = 0.02
+MIN_AREA = 0.02
 """Area of the smaller part relative to the polygon below which a chord is not taken."""
 
 
@@ -42,14 +42,14 @@ def cut_polygon(corners: Floats, divisible: Bools) -> tuple[list[list[int]], Flo
     n, whole = len(corners), _diameter(corners)
     # middle of each edge (a, b), a < b, that may be divided
     middles = {tuple(sorted((i, (i + 1) % n))): n + i for i in np.flatnonzero(divisible).tolist()}
-    middles = {edge: middle for edge, middle in middles.items() if _length(points, edge) > SMALLEST_PART * whole}
+    middles = {edge: middle for edge, middle in middles.items() if _length(points, edge) > MIN_PART * whole}
     chords: dict[tuple[int, ...], int] = {}
     used: set[int] = set()
     open_parts, parts = [list(range(n))], []
     while open_parts:
         ring = open_parts.pop()
         size, notches = _diameter(points[ring]), _notches(points[ring])
-        if size <= SMALLEST_PART * whole or (size <= HALVED * whole and not notches.any()):
+        if size <= MIN_PART * whole or (size <= HALVED * whole and not notches.any()):
             parts.append(ring)
             continue
         candidates: list[int] = []
@@ -67,7 +67,7 @@ def cut_polygon(corners: Floats, divisible: Bools) -> tuple[list[list[int]], Flo
         for piece in (candidates[first : last + 1], candidates[last:] + candidates[: first + 1]):
             open_parts.append([point for point in piece if point in kept])  # noqa: PERF401 (a list for each part)
         edge = tuple(sorted((candidates[first], candidates[last])))
-        if _length(points, edge) > SMALLEST_PART * whole:
+        if _length(points, edge) > MIN_PART * whole:
             middles[edge] = chords[edge] = len(points)
             points = np.vstack((points, points[list(edge)].mean(axis=0)))
     # a chord whose middle one of its parts has used has it in both
@@ -138,7 +138,7 @@ def best_chord(x: Floats, at_notch: Bools) -> tuple[int, int] | None:
     round_second = (area - first) / diameters[j, n - (j - i)] ** 2
     score = np.minimum(round_first, round_second) * np.sqrt(np.maximum(small, 0.0) / area)
     score = score * np.clip(opening / GOOD_ANGLE, 0.0, 1.0)
-    score[small <= SMALLEST_AREA * area] = 0.0
+    score[small <= MIN_AREA * area] = 0.0
     score = np.where(cuts_notch, score + 1.0, score) * (score > 0.0)
     for pair in np.argsort(-score, kind="stable"):
         if score[pair] <= 0.0:

@@ -52,9 +52,9 @@ class EdgeCurves:
         number, ends = self.number[rows], self.ends[rows]
         parameters = ends[:, :1] + at * (ends[:, 1:] - ends[:, :1])
         points = np.empty((*parameters.shape, 2))
-        for each in np.unique(number).tolist():
-            mine = number == each
-            points[mine] = self.curves[each].point(parameters[mine].ravel()).reshape(-1, len(at), 2)
+        for curve in np.unique(number).tolist():
+            on_curve = number == curve
+            points[on_curve] = self.curves[curve].point(parameters[on_curve].ravel()).reshape(-1, len(at), 2)
         return points
 
     def beside(self, points: Floats) -> tuple[Floats, Floats]:
@@ -92,7 +92,7 @@ class EdgeCurves:
             pairs, ends = self.pairs[split].copy(), self.ends[split].copy()
             pairs[:, 1 - end], ends[:, 1 - end] = middles[split], half
             halves.append(EdgeCurves(pairs, self.curves, self.number[split], ends))
-        return united([each for each in halves if each is not None])
+        return united([part for part in halves if part is not None])
 
     def renumbered(self, numbers: NDArray[np.integer]) -> "EdgeCurves":
         """With other numbers of the points, given for the old ones."""

@@ -317,7 +317,7 @@ def _triangles(gmsh: Any, surfaces: Sequence[int]) -> tuple[Ints, Floats, IntArr
     order = np.argsort(tags)
     tags, points = tags[order], coordinates.reshape(-1, 3)[order, :2]
     corners = [mesh.getElementsByType(2, surface)[1] for surface in surfaces]
-    counts = [len(each) // 3 for each in corners]
+    counts = [len(points_of_surface) // 3 for points_of_surface in corners]
     used, numbers = np.unique(corners[0] if len(corners) == 1 else np.concatenate(corners), return_inverse=True)
     del corners  # large
     points, triangles = points[np.searchsorted(tags, used)], numbers.reshape(-1, 3).astype(np.int32)
@@ -350,8 +350,8 @@ def _of_region(
 
 def _of_section(gmsh: Any, section: Section, surfaces: dict[str, list[int]]) -> PolyMesh:
     """Return Gmsh's triangles, those of each part as a cell set."""
-    _, points, triangles, counts = _triangles(gmsh, [tag for mine in surfaces.values() for tag in mine])
-    owners = np.repeat(np.repeat(np.arange(len(surfaces)), [len(mine) for mine in surfaces.values()]), counts)
+    _, points, triangles, counts = _triangles(gmsh, [tag for tags in surfaces.values() for tag in tags])
+    owners = np.repeat(np.repeat(np.arange(len(surfaces)), [len(tags) for tags in surfaces.values()]), counts)
     cell_sets = {name: np.flatnonzero(owners == number).astype(np.int32) for number, name in enumerate(surfaces)}
     for name, cells in cell_sets.items():
         if not len(cells):

@@ -21,8 +21,8 @@ from flangeway.types import Floats, Ints
 MERGE = 1e-7
 """Distance of a point from a node over the shorter edge there, up to which it is the node."""
 COLLINEAR = 1e-6  # turn between edges, in rad, below which they are one straight line
-MOST_PAIRS = 1_000_000  # of nodes and edges that are examined at a time
-LEAST_MERGE = 1e-8  # below it cells would have two corners at one place, see `flangeway.mesh.check`
+MAX_PAIRS = 1_000_000  # of nodes and edges that are examined at a time
+MIN_MERGE = 1e-8  # below it cells would have two corners at one place, see `flangeway.mesh.check`
 
 Edges = str | NDArray[np.integer]
 
@@ -59,8 +59,8 @@ def divided(mesh: PolyMesh, edges: NDArray[np.integer], places: Floats) -> PolyM
         ends = _curve_ends(curves, rim, rows)
         parameters = ends[edges, 0] + places * (ends[edges, 1] - ends[edges, 0])
         for number, curve in enumerate(curves.curves):
-            mine = on & (curves.number[rows[edges]] == number)
-            points[mine] = curve.point(parameters[mine])
+            on_curve = on & (curves.number[rows[edges]] == number)
+            points[on_curve] = curve.point(parameters[on_curve])
         curves = _divided_curves(curves, rows[owner], pieces, ends[owner], spans)
     sets = {}
     for name, pairs in mesh.edge_sets.items():
@@ -206,12 +206,12 @@ def match_boundaries(
         near = its.away <= merge
         same[side][its.nearest[near]] = True
         same[1 - side][its.points[near]] = True
-    found = []
+    matched = []
     for side, its in enumerate(onto):
         new = ~same[1 - side][its.points]
         mesh, rows = sides[side]
-        found.append(divided(mesh, rows[its.edges[new]], its.places[new]))
-    return found[0], found[1]
+        matched.append(divided(mesh, rows[its.edges[new]], its.places[new]))
+    return matched[0], matched[1]
 
 
 def match_all(meshes: Mapping[str, PolyMesh], pairs: Sequence[tuple[str, str, str, str]]) -> dict[str, PolyMesh]:
@@ -221,13 +221,13 @@ def match_all(meshes: Mapping[str, PolyMesh], pairs: Sequence[tuple[str, str, st
 
     Raises `InputError` as `match_boundaries`, or if the boundaries give each other ever more nodes.
     """
-    found = dict(meshes)
+    matched = dict(meshes)
     for _ in range(1 + len(pairs)):
-        before = {name: mesh.n_points for name, mesh in found.items()}
+        before = {name: mesh.n_points for name, mesh in matched.items()}
         for one, edges, other, other_edges in pairs:
-            found[one], found[other] = match_boundaries(found[one], edges, found[other], other_edges)
-        if before == {name: mesh.n_points for name, mesh in found.items()}:
-            return found
+            matched[one], matched[other] = match_boundaries(matched[one], edges, matched[other], other_edges)
+        if before == {name: mesh.n_points for name, mesh in matched.items()}:
+            return matched
     raise InputError(
         f"{len(pairs)} pairs of boundaries that give each other ever more nodes",
         "boundaries that can match",
@@ -257,7 +257,7 @@ def opposite_places(
 
     Each boundary is points (n_points, 2), and edges (m, 2) with the body on their left.
     """
-    normals = [_normals(*each) for each in (one, other)]
+    normals = [_normals(*boundary) for boundary in (one, other)]
     return _opposite(one, normals[0], other, normals[1], own=False), _opposite(other, normals[1], one, normals[0])
 
 
@@ -284,10 +284,14 @@ def _normals(points: Floats, pairs: NDArray[np.integer]) -> Floats:
     normals /= np.where(sizes > 0.0, sizes, 1.0)[:, None]
     ends = np.zeros((2, len(sums)), dtype=np.int64)
     ends[0, line[first]], ends[1, line[last]] = chain[first, 0], chain[last, 1]
-    inner, mine = chain[~bent, 0], line[~bent]
-    start = points[ends[0, mine]]
-    part = np.einsum("mi,mi->m", points[inner] - start, sums[mine]) / np.einsum("mi,mi->m", sums[mine], sums[mine])
-    normals[inner] = (1.0 - part)[:, None] * normals[ends[0, mine]] + part[:, None] * normals[ends[1, mine]]
+    inner, line_of_inner = chain[~bent, 0], line[~bent]
+    start = points[ends[0, line_of_inner]]
+    part = np.einsum("mi,mi->m", points[inner] - start, sums[line_of_inner]) / np.einsum(
+        "mi,mi->m", sums[line_of_inner], sums[line_of_inner]
+    )
+    normals[inner] = (1.0 - part)[:, None] * normals[ends[0, line_of_inner]] + part[:, None] * normals[
+        ends[1, line_of_inner]
+    ]
     return normals
 
 
@@ -299,8 +303,8 @@ def _opposite(
     (points, pairs), nodes = onto, np.unique(other[1])
     edges, at_ends = points[pairs], own_normals[pairs]
     lengths = np.hypot(*(edges[:, 1] - edges[:, 0]).T)
-    found = []
-    for some in np.array_split(nodes, 1 + len(nodes) * len(edges) // MOST_PAIRS):
+    pieces = []
+    for some in np.array_split(nodes, 1 + len(nodes) * len(edges) // MAX_PAIRS):
         apart = other[0][some][:, None, None] - edges  # (n, m, 2, 2)
         along = at_ends[None] if own else np.broadcast_to(-normals[some][:, None, None], apart.shape)
         ends = cross_product(apart, along)  # behind the normal at the start, before that at the end
@@ -317,8 +321,8 @@ def _opposite(
         distances = np.hypot(*(apart[which, at, 0] - places[:, None] * chord).T)
         order = np.lexsort((distances, which))
         order = order[np.diff(which[order], prepend=-1) != 0]
-        found.append((some[which[order]], at[order], places[order]))
-    which, at, places = (np.concatenate(each) for each in zip(*found, strict=True))
+        pieces.append((some[which[order]], at[order], places[order]))
+    which, at, places = (np.concatenate(column) for column in zip(*pieces, strict=True))
     nearest = pairs[at, (places > 0.5).astype(np.int64)].astype(np.int64)
     shortest = np.full(len(points), np.inf)
     for column in (0, 1):
@@ -343,9 +347,9 @@ def _rows(mesh: PolyMesh, edges: Edges) -> Ints:
 
 
 def _check_merge(caller: str, merge: float) -> None:
-    if not (is_finite(merge) and LEAST_MERGE <= merge < 0.5):
+    if not (is_finite(merge) and MIN_MERGE <= merge < 0.5):
         raise InputError(
             f"{caller}(merge={short(merge)})",
-            f"a part of an edge, {LEAST_MERGE:g} to 0.5: nodes nearer to each other make a cell degenerate",
+            f"a part of an edge, {MIN_MERGE:g} to 0.5: nodes nearer to each other make a cell degenerate",
             "leave it out",
         )

@@ -11,7 +11,7 @@ from flangeway.types import Bools, Floats
 
 GOOD_DISTANCE = 0.1  # distance from all sides, over area by diameter, with which a centroid is taken as the centre
 
-SMALLEST_KERNEL = 1e-3
+MIN_KERNEL = 1e-3
 """Radius of the kernel, over area by diameter, below which a polygon counts as one that no point sees whole."""
 
 
@@ -23,11 +23,11 @@ def visible_distances(mesh: PolyMesh, cells: IntArray, centres: Floats) -> Float
     distances = np.empty(len(cells))
     sizes = mesh.cell_sizes[cells]
     for n_vertices in np.unique(sizes):
-        mine = np.flatnonzero(sizes == n_vertices)
-        corners = mesh.points[mesh.batch_points(int(n_vertices), cells[mine])]
+        rows = np.flatnonzero(sizes == n_vertices)
+        corners = mesh.points[mesh.batch_points(int(n_vertices), cells[rows])]
         steps = np.roll(corners, -1, axis=1) - corners
-        rays = centres[mine][:, None] - corners
-        distances[mine] = (cross_product(steps, rays) / np.hypot(steps[..., 0], steps[..., 1])).min(axis=1)
+        rays = centres[rows][:, None] - corners
+        distances[rows] = (cross_product(steps, rays) / np.hypot(steps[..., 0], steps[..., 1])).min(axis=1)
     return distances
 
 
@@ -42,7 +42,7 @@ def cell_centres(mesh: PolyMesh, cells: IntArray) -> tuple[Floats, Bools]:
     for row in np.flatnonzero(distances < GOOD_DISTANCE * widths):
         start, end = mesh.cell_offsets[cells[row] : cells[row] + 2]
         centres[row], distances[row] = kernel_centre(mesh.points[mesh.cell_points[start:end]])
-    return centres, distances > SMALLEST_KERNEL * widths
+    return centres, distances > MIN_KERNEL * widths
 
 
 def kernel_centre(polygon: Floats) -> tuple[Floats, float]:
@@ -55,15 +55,15 @@ def kernel_centre(polygon: Floats) -> tuple[Floats, float]:
     local = (polygon - origin) / size
     steps = np.roll(local, -1, axis=0) - local
     normals = np.column_stack([-steps[:, 1], steps[:, 0]]) / np.hypot(*steps.T)[:, None]
-    found = linprog(
+    solution = linprog(
         [0.0, 0.0, -1.0],
         A_ub=np.column_stack([-normals, np.ones(len(local))]),
         b_ub=-np.sum(normals * local, axis=1),
         bounds=[(-1.0, 1.0), (-1.0, 1.0), (-2.0, 2.0)],
     )
-    if not found.success:
+    if not solution.success:
         return origin, -size
-    return origin + size * found.x[:2], size * float(found.x[2])
+    return origin + size * solution.x[:2], size * float(solution.x[2])
 
 
 def star_parts(polygon: IntArray, points: Floats) -> list[IntArray]:
@@ -75,7 +75,7 @@ def star_parts(polygon: IntArray, points: Floats) -> list[IntArray]:
     steps = np.roll(corners, -1, axis=0) - corners
     area = 0.5 * float(np.sum(cross_product(corners, steps)))
     diameter = float(np.hypot(*(corners[:, None] - corners).T).max())
-    if kernel_centre(corners)[1] > SMALLEST_KERNEL * area / diameter:
+    if kernel_centre(corners)[1] > MIN_KERNEL * area / diameter:
         return [polygon]
     steps_before = np.roll(steps, 1, axis=0)
     chord = best_chord(corners, cross_product(steps_before, steps) < 0.0)

@@ -53,7 +53,7 @@ def _examined(points: Floats, segments: IntArray, reach: Floats, i: Ints, j: Int
     u, v = points[b] - points[a], points[d] - points[c]
     nearest = np.minimum(reach[i], reach[j])
     touched = np.zeros(len(i), dtype=bool)
-    found = []
+    touching = []
     turns = []
     for on, of, p, start, end, step in ((i, j, c, a, b, u), (i, j, d, a, b, u), (j, i, a, c, d, v), (j, i, b, c, d, v)):
         away = points[p] - points[start]
@@ -62,8 +62,8 @@ def _examined(points: Floats, segments: IntArray, reach: Floats, i: Ints, j: Int
         off = away - np.clip(along, 0.0, 1.0)[:, None] * step
         touches = (np.hypot(*off.T) <= nearest) & (p != start) & (p != end)
         touched |= touches
-        found.append((on[touches], of[touches], p[touches]))
+        touching.append((on[touches], of[touches], p[touches]))
     shared = (a == c) | (a == d) | (b == c) | (b == d)
     crosses = (turns[0] * turns[1] < 0.0) & (turns[2] * turns[3] < 0.0) & ~touched & ~shared
-    on, of, met = (np.concatenate(part).astype(np.int64) for part in zip(*found, strict=True))
+    on, of, met = (np.concatenate(part).astype(np.int64) for part in zip(*touching, strict=True))
     return Meeting(on, of, met, np.column_stack([i[crosses], j[crosses]]))

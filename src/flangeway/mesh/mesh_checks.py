@@ -209,45 +209,45 @@ def hanging_points(mesh: PolyMesh) -> tuple[Ints, Ints]:
     Of two cells that meet along an edge with a hanging point, both have edges with one cell only:
     so it is enough to look at boundary edges and their points.
     """
-    found = meeting(mesh.points, mesh.boundary_edges)
-    inside = ~_at_end(mesh, found)[0]
-    _, first = np.unique(found.on[inside] * mesh.n_points + found.points[inside], return_index=True)
-    return found.on[inside][first], found.points[inside][first]
+    touching = meeting(mesh.points, mesh.boundary_edges)
+    inside = ~_at_end(mesh, touching)[0]
+    _, first = np.unique(touching.on[inside] * mesh.n_points + touching.points[inside], return_index=True)
+    return touching.on[inside][first], touching.points[inside][first]
 
 
-def _at_end(mesh: PolyMesh, found: Meeting) -> tuple[Bools, Ints]:
+def _at_end(mesh: PolyMesh, touching: Meeting) -> tuple[Bools, Ints]:
     """Whether each touching point lies at an end of the edge, and that end."""
     rim = mesh.boundary_edges
-    ends = rim[found.on]
-    apart = np.hypot(*np.moveaxis(mesh.points[ends] - mesh.points[found.points][:, None], 2, 0))
+    ends = rim[touching.on]
+    apart = np.hypot(*np.moveaxis(mesh.points[ends] - mesh.points[touching.points][:, None], 2, 0))
     lengths = np.hypot(*np.moveaxis(np.diff(mesh.points[rim], axis=1)[:, 0], 1, 0))
     reach = touching_distance(lengths, mesh.points)
-    at_end: Bools = apart.min(axis=1) <= np.minimum(reach[found.on], reach[found.of])
+    at_end: Bools = apart.min(axis=1) <= np.minimum(reach[touching.on], reach[touching.of])
     return at_end, ends[np.arange(len(ends)), apart.argmin(axis=1)].astype(np.int64)
 
 
 def _check_boundary(mesh: PolyMesh, cracks: Iterable[str], *, allow_hanging: bool, allow_coincident: bool) -> None:
     """Refuse a boundary that touches itself where it is not meant to, crosses itself or encloses itself."""
     rim = mesh.boundary_edges
-    found = meeting(mesh.points, rim)
-    if len(found.crossing):
-        (a, b), (c, d) = rim[found.crossing[0]]
+    touching = meeting(mesh.points, rim)
+    if len(touching.crossing):
+        (a, b), (c, d) = rim[touching.crossing[0]]
         raise InputError(
             f"the boundary edges ({a}, {b}) and ({c}, {d}) near {point_text(mesh.points[a])} cross",
             "cells that do not lie on each other",
             "remove or move the cells that overlap",
         )
-    if len(found.on):
-        at_end, ends = _at_end(mesh, found)
-        meant = _meant(mesh, found, at_end, ends, cracks) | np.where(at_end, allow_coincident, allow_hanging)
+    if len(touching.on):
+        at_end, ends = _at_end(mesh, touching)
+        meant = _meant(mesh, touching, at_end, ends, cracks) | np.where(at_end, allow_coincident, allow_hanging)
         # both ends of a short edge touch the edges beside it
-        meant |= at_end & edge_places(np.column_stack((found.points, ends)), mesh.edges, mesh.n_points)[1]
+        meant |= at_end & edge_places(np.column_stack((touching.points, ends)), mesh.edges, mesh.n_points)[1]
         if not meant.all():
             row = int(np.argmin(meant))
-            point = int(found.points[row])
+            point = int(touching.points[row])
             if at_end[row]:
                 raise _same_place(mesh, *sorted((point, int(ends[row]))))
-            start, end = rim[found.on[row]]
+            start, end = rim[touching.on[row]]
             raise InputError(
                 f"point {point} at {point_text(mesh.points[point])} hangs on the edge ({start}, {end})",
                 "points at the ends of edges",
@@ -289,16 +289,16 @@ def _refuse_inner_boundary(mesh: PolyMesh, rim: IntArray) -> None:
         )
 
 
-def _meant(mesh: PolyMesh, found: Meeting, at_end: Bools, ends: Ints, cracks: Iterable[str]) -> Bools:
+def _meant(mesh: PolyMesh, touching: Meeting, at_end: Bools, ends: Ints, cracks: Iterable[str]) -> Bools:
     """Whether a point may touch an edge or another point: both have an edge of a crack's face."""
     faces = np.zeros(len(mesh.boundary_edges), dtype=bool)
     for name in cracks:
         faces |= np.isin(_keys(mesh, mesh.boundary_edges), _keys(mesh, mesh.edge_set(name)))
     # a touch is found once for each pair of edges there, of which one is enough
-    low, high = np.minimum(found.points, ends), np.maximum(found.points, ends)
-    place = np.where(at_end, low * mesh.n_points + high, -1 - (found.on * mesh.n_points + found.points))
+    low, high = np.minimum(touching.points, ends), np.maximum(touching.points, ends)
+    place = np.where(at_end, low * mesh.n_points + high, -1 - (touching.on * mesh.n_points + touching.points))
     _, touch = np.unique(place, return_inverse=True)
-    meant: Bools = np.bincount(touch, weights=faces[found.on] & faces[found.of])[touch] > 0
+    meant: Bools = np.bincount(touch, weights=faces[touching.on] & faces[touching.of])[touch] > 0
     return meant
 
 

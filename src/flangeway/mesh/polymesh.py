@@ -455,8 +455,8 @@ class PolyMesh:
         numbers = self.edge_numbers(pairs)
         outer = self.edge_numbers(self.boundary_edges)
         order = np.argsort(outer)
-        found = np.minimum(np.searchsorted(outer[order], numbers), len(outer) - 1)
-        inner = outer[order][found] != numbers
+        places = np.minimum(np.searchsorted(outer[order], numbers), len(outer) - 1)
+        inner = outer[order][places] != numbers
         if inner.any():
             a, b = self.edges[numbers[inner.argmax()]]
             raise InputError(
@@ -464,7 +464,7 @@ class PolyMesh:
                 "edges of the boundary",
                 "choose among boundary_edges",
             )
-        sets = {**self.edge_sets, name: self.boundary_edges[order[found]]}
+        sets = {**self.edge_sets, name: self.boundary_edges[order[places]]}
         return self._changed(edge_sets=sets)
 
     def with_cell_set(self, name: str, cells: ArrayLike) -> "PolyMesh":

@@ -14,7 +14,7 @@ from flangeway.types import Bools, Floats, Ints
 
 BYTES_A_SQUARE = 1000
 CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
-MOST_LEVELS = 20  # 2^20 of the smallest sides on the largest
+MAX_LEVELS = 20  # 2^20 of the smallest sides on the largest
 
 
 def quadtree(
@@ -59,7 +59,7 @@ def quadtree(
         check_positive("quadtree", name, value, "a positive length")
     for name, number in (("nx", nx), ("ny", ny)):
         check_integer("quadtree", name, number, 1)
-    check_integer("quadtree", "levels", levels, 0, MOST_LEVELS)
+    check_integer("quadtree", "levels", levels, 0, MAX_LEVELS)
     size = np.array([width / nx, height / ny]) / 2**levels  # of the smallest cells, in which places are counted
     base = np.array(as_point(origin, "origin"))
     place = 2**levels * np.stack(np.meshgrid(np.arange(nx), np.arange(ny)), axis=-1).reshape(-1, 2)

@@ -122,13 +122,13 @@ def mesh_bound(regions: Sequence[Region], size: float, refinements: Sequence[Ref
         added += min(length / r.size + 2.0 * math.log(ratio) / r.growth, size * sides.sum() / r.size)
     smallest = min([size, *(refinement.size for refinement in fine)])
     given = f"size = {size}" if smallest == size else f"size = {size} with the smallest local size {smallest}"
-    for found, most, kind, what in (
+    for number, most, kind, what in (
         (n_seeds, MAX_SEEDS, "points along refinements", "enlarge their size, shorten them or let them grow slower"),
         (_AN_AREA * area, MAX_TRIANGLES, "triangles", "enlarge the size, shorten the refinement or let it grow faster"),
         (sides.max() + added, MAX_EDGES, "edges along one side", "enlarge the size or shorten the refinement"),
     ):
-        if found > most:
-            raise InputError(f"{given}: about {found:.2g} {kind}", f"sizes that make up to {most} {kind}", what)
+        if number > most:
+            raise InputError(f"{given}: about {number:.2g} {kind}", f"sizes that make up to {most} {kind}", what)
     n_edges = np.maximum(sides, 1.0).sum() + added
     n_triangles = math.ceil(max(TRIANGLES_AN_AREA * _AN_AREA * area, n_edges))
     return MeshBound(

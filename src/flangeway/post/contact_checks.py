@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Surface
 from flangeway.contact.pairs import Pairs
-from flangeway.post.pressure import FEWEST_SEGMENTS, PressurePatch, pressure_remark
+from flangeway.post.pressure import MIN_SEGMENTS, PressurePatch, pressure_remark
 from flangeway.solve import ContactState
 
 SMALL_PENETRATION = 0.05
@@ -121,8 +121,8 @@ def roughness(n_segments: float, oscillation: float, name: str, finer: str) -> l
     remark = pressure_remark(n_segments, oscillation)
     if remark is None:
         return []
-    if n_segments < FEWEST_SEGMENTS:
-        return [f"{name} is {remark}, fewer than {FEWEST_SEGMENTS}; {finer} for a reliable pressure"]
+    if n_segments < MIN_SEGMENTS:
+        return [f"{name} is {remark}, fewer than {MIN_SEGMENTS}; {finer} for a reliable pressure"]
     return [f"the pressure of {name} {remark} from node to node; {finer}"]
 
 

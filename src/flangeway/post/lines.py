@@ -74,7 +74,7 @@ def stresses_at(solution: ElasticField, points: ArrayLike) -> Stresses:
     """
     given = np.asarray(points, dtype=np.float64)
     return Stresses(
-        polynomials_at(solution.problem.space, given, _cells_of(solution, given), _stress_polynomials(solution), 4)
+        polynomials_at(solution.problem.space, given, _cells_of(solution, given), stress_polynomials(solution), 4)
     )
 
 
@@ -83,14 +83,8 @@ def displacements_at(solution: ElasticField, points: ArrayLike) -> Floats:
 
     An `InputError` if a point lies outside of the body.
     """
-    given = np.asarray(points, dtype=np.float64)
-
-    def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
-        reconstruction = batch.element.reconstruct(batch.outline)
-        local = solution.displacements[batch.dofs]
-        return reconstruction, np.einsum("ame,mei->iae", reconstruction.projected_value, local)
-
-    return polynomials_at(solution.problem.space, given, _cells_of(solution, given), polynomials, 2)
+    given, values = np.asarray(points, dtype=np.float64), value_polynomials(solution.displacements)
+    return polynomials_at(solution.problem.space, given, _cells_of(solution, given), values, 2)
 
 
 def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: int = 101) -> StressLine:
@@ -111,7 +105,7 @@ def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: i
         raise _no_body("a line", start, end)
     components = np.full((n_points, 4), np.nan)
     components[inside] = polynomials_at(
-        solution.problem.space, points[inside], cells[inside], _stress_polynomials(solution), 4
+        solution.problem.space, points[inside], cells[inside], stress_polynomials(solution), 4
     )
     return StressLine(points, share * float(np.linalg.norm(along)), Stresses(components))
 
@@ -135,7 +129,7 @@ def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutFo
     places = breaks[:-1][inside, None] + shares[:, None] * abscissae
     points = (first + places[..., None] * along).reshape(-1, 2)
     at_cells = np.repeat(cells[inside], len(abscissae))
-    xx, yy, xy, _ = polynomials_at(solution.problem.space, points, at_cells, _stress_polynomials(solution), 4).T
+    xx, yy, xy, _ = polynomials_at(solution.problem.space, points, at_cells, stress_polynomials(solution), 4).T
     normal = np.array([along[1], -along[0]]) / length
     traction = np.stack((xx * normal[0] + xy * normal[1], xy * normal[0] + yy * normal[1]), axis=1)
     lengths = (shares[:, None] * weights).ravel() * length
@@ -180,7 +174,19 @@ def _cells_of(solution: ElasticField, points: Floats) -> Ints:
     return cells
 
 
-def _stress_polynomials(solution: ElasticField) -> Polynomials:
+def value_polynomials(dofs: Floats) -> Polynomials:
+    """Return the function of a batch of cells that gives the projections of a function with unknowns (n_dofs, m)."""
+
+    def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
+        reconstruction = batch.element.reconstruct(batch.outline)
+        # coefficients (m, n_monomials, n_cells): sum over the nodes m of projection[a, m, e] dofs[m, e, i]
+        return reconstruction, np.einsum("ame,mei->iae", reconstruction.projected_value, dofs[batch.dofs])
+
+    return polynomials
+
+
+def stress_polynomials(solution: ElasticField) -> Polynomials:
+    """Return the function of a batch of cells that gives the stresses xx, yy, xy, zz of a solution."""
     return lambda batch: solution.problem.cell_stresses(batch, solution.displacements)
 
 

@@ -13,7 +13,7 @@ from flangeway.types import Floats, Ints
 
 CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one patch
 
-FEWEST_SEGMENTS = 8
+MIN_SEGMENTS = 8
 """Segments in a region of contact below which its maximum pressure depends on where the nodes happen to lie."""
 
 MAX_OSCILLATION = 0.1
@@ -22,11 +22,11 @@ MAX_OSCILLATION = 0.1
 FOURTH = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 """Fourth difference: hardly anything of smooth pressures, and 16 times the amplitude of the finest wave."""
 
-HARDLY = 0.5
+MIN_FACED_FRACTION = 0.5
 """Share of a node's area that the primary faces below which its force counts with its neighbour's: a corner that is
 beside a node presses on a sliver, whose pressure has no limit."""
 
-SHORT = 0.2
+MIN_AREA_RATIO = 0.2
 """Area of a node over its neighbour's below which the force of node-to-node contact counts with the neighbour's: what a
 short edge's node carries is a small part of the errors of its neighbours' forces, but not of their pressures."""
 
@@ -135,7 +135,7 @@ def oscillation_of(pressures: Floats) -> float:
 
 def pressure_remark(n_segments: float, oscillation: float) -> str | None:
     """Return why the pressures of a region that is some segments wide are not reliable; None if they are."""
-    if n_segments < FEWEST_SEGMENTS:
+    if n_segments < MIN_SEGMENTS:
         return f"only {n_segments:g} segment{'' if n_segments == 1 else 's'} wide"
     if oscillation > MAX_OSCILLATION:
         return f"oscillates by {100.0 * oscillation:.0f} %"
@@ -277,7 +277,7 @@ def _patch(
             total,
             pairs.areas[first],
             pairs.whole_areas[first],
-            SHORT if isinstance(contact.pairing, NodeToNode) else 0.0,
+            MIN_AREA_RATIO if isinstance(contact.pairing, NodeToNode) else 0.0,
         ),
         float(_lengths(contact)[nodes[0] : nodes[-1] + 1].sum()),
         share @ on_secondary,
@@ -313,9 +313,9 @@ def _pressures(forces: Floats, areas: Floats, whole_areas: Floats, least: float 
         one, two, three = (np.bincount(of_node, each).astype(np.float64) for each in (forces, areas, whole_areas))
         return _pressures(one, two, three)[of_node]
     n = len(forces)
-    slivers = areas < HARDLY * whole_areas
+    slivers = areas < MIN_FACED_FRACTION * whole_areas
     if n == 1:
-        return forces / np.where(slivers, HARDLY * whole_areas, areas)
+        return forces / np.where(slivers, MIN_FACED_FRACTION * whole_areas, areas)
     label = np.arange(n)
     for sliver in np.flatnonzero(slivers):
         sides = [side for side in (sliver - 1, sliver + 1) if 0 <= side < n]

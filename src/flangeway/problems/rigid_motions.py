@@ -1,7 +1,5 @@
 """Rigid motions in a stiffness matrix that another program has assembled: they strain nothing, so K r = 0."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
@@ -62,26 +60,6 @@ def wrong_rows(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric:
             return 1.0
         wrong |= unequal
     return float(np.asarray(wrong.any(axis=1))[clear].mean()) if clear.any() else 0.0
-
-
-def likely_mistake(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric: bool) -> str | None:
-    """Advice that names the order of unknowns in which rigid motions make fewer forces; None where no such is known."""
-    known = (
-        advice
-        for advice, other in _other_orders(rows, matrix.shape[0])
-        if wrong_rows(matrix, nodes, other, axisymmetric=axisymmetric) <= MAX_WRONG
-    )
-    return next(known, None)
-
-
-def _other_orders(rows: Ints, n: int) -> Iterator[tuple[str, Ints]]:
-    yield "x and y are swapped: give rows=rows[:, ::-1], or swap the columns of the coordinates", rows[:, ::-1]
-    if n == rows.size:
-        blocked, nodewise = np.arange(n).reshape(2, -1).T, np.arange(n).reshape(-1, 2)
-        yield "K has all x components first, then all y: give rows=np.arange(n).reshape(2, -1).T", blocked
-        yield "K has the two components of a node after each other: leave rows out", nodewise
-    for step in (1, -1):
-        yield "nodes are shifted by one: one program counts from 1, the other one from 0", np.roll(rows, step, axis=0)
 
 
 def _far_from(nodes: Floats, missing: Bools) -> Bools:

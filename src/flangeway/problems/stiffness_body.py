@@ -17,7 +17,7 @@ from flangeway.mesh.connectivity import edge_places
 from flangeway.mesh.meeting import meeting
 from flangeway.problems.elasticity_problem import ON_AXIS
 from flangeway.problems.linear_body import LinearBody
-from flangeway.problems.rigid_motions import MAX_WRONG, likely_mistake, wrong_rows
+from flangeway.problems.rigid_motions import MAX_WRONG, wrong_rows
 from flangeway.space import SymmetricMatrix
 from flangeway.types import Bools, Floats, Ints
 
@@ -354,14 +354,14 @@ class StiffnessBody(LinearBody):
             )
 
     def _check_rigid_motions(self) -> None:
-        of = self._matrix, self.nodes, self._places[: len(self.nodes)]
-        wrong = wrong_rows(*of, axisymmetric=self.axisymmetric)
+        places = self._places[: len(self.nodes)]
+        wrong = wrong_rows(self._matrix, self.nodes, places, axisymmetric=self.axisymmetric)
         if wrong > MAX_WRONG:
             raise InputError(
                 f"{self._owner}: a rigid motion of the body makes forces on {100.0 * wrong:.0f} % of the nodes",
                 "a stiffness K that belongs to these coordinates and rows: K times a rigid motion is zero",
-                likely_mistake(*of, axisymmetric=self.axisymmetric)
-                or "compare the order of the nodes in K and in the coordinates: one of them is permuted",
+                "compare the orders of K and the coordinates: where all x components come first, give "
+                "rows=np.arange(n).reshape(2, -1).T; x and y may be swapped, nodes permuted or counted from 1",
             )
 
     def _check_axis(self) -> None:

@@ -27,7 +27,6 @@ from flangeway.report.figures.plots import plot_result
 from flangeway.report.page.case_text import command_line
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import REPORT, SUMMARY, Record
-from flangeway.report.page.us_record import in_units
 from flangeway.report.profile.profile_figures import shape_figure
 from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure
 from flangeway.report.rolling import rolling_patch_page
@@ -99,7 +98,7 @@ def case_files(case: Case) -> tuple[str, ...]:
 
 def case_record(run: Run) -> Record:
     """Return what a run found, for the terminal, the report and programs."""
-    return in_units(_outputs(run.case).record(run), run.case.units)
+    return _outputs(run.case).record(run)
 
 
 def write_case(run: Run, folder: Path, progress: Progress = lambda _: None) -> list[Path]:

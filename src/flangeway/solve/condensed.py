@@ -12,7 +12,7 @@ from scipy.linalg import cho_factor, cho_solve
 from flangeway._core import Cholesky
 from flangeway.errors import InputError
 from flangeway.problems import LinearBody
-from flangeway.solve.body_response import BodyResponse, SurfaceNodes
+from flangeway.solve.body_response import BodyResponse, SurfaceNodes, turning
 from flangeway.solve.constraints import components
 from flangeway.solve.linear import digits_left, factorise, indefinite, relative_maximum
 from flangeway.solve.status import MIN_DIGITS, Status
@@ -134,7 +134,7 @@ class CondensedBodies(BodyResponse):
                 unique[key] = CondensedBody(surface, cache)
             self._condensed.append(unique[key])
         self.digits = min(each.digits for each in self._condensed)
-        self._asked: tuple[Floats, Ints] = (np.empty((0, 2, 2)), np.empty(0, dtype=np.int64))
+        self._asked: Ints = np.empty(0, dtype=np.int64)
         self._kept: list[tuple[slice, Floats]] = []
 
     def flexibility(self, number: int) -> Floats:
@@ -174,8 +174,10 @@ class CondensedBodies(BodyResponse):
         so by Woodbury's formula it is ``F loads - F[:, b] (I + G F)[b, b]^-1 (G F loads)[b]``, for each group of bodies
         that G links: both sides of a track yield apart. F is symmetric.
         """
+        turn = turning(rotations[touched])  # the bodies' axes are those of the flexibilities
+        loads, geometric = sp.csr_array(turn.T @ loads), sp.csr_array(turn.T @ geometric @ turn)
         result = np.zeros(loads.shape)
-        blocks = self._blocks(rotations, touched)
+        blocks = self._blocks(touched)
         for here, flexibility in blocks:
             result[here] = (sp.csc_array(loads[here].T) @ flexibility).T
         bent = np.flatnonzero(np.diff(geometric.indptr))
@@ -196,7 +198,7 @@ class CondensedBodies(BodyResponse):
             bend = np.linalg.solve(matrix, stiffness @ result[np.ix_(bent[own], columns)])
             for here, mine, rows in bodies:  # each body yields to its own forces alone
                 result[here, columns] -= rows.T @ bend[mine]
-        return result
+        return np.asarray(turn @ result)
 
     def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:
         local = np.matmul(forces[:, None], rotations)[:, 0]
@@ -209,26 +211,16 @@ class CondensedBodies(BodyResponse):
         """Where the touched nodes of each body begin, and their number."""
         return np.searchsorted(touched, self.offsets)
 
-    def _blocks(self, rotations: Floats, touched: Ints) -> list[tuple[slice, Floats]]:
-        """Components among the touched ones of each body that has some, and their flexibility in the axes of space.
+    def _blocks(self, touched: Ints) -> list[tuple[slice, Floats]]:
+        """Components among the touched ones of each body that has some, and their flexibility in the body's axes.
 
         Those asked for last are kept: iterations at one place ask for the same ones again.
         """
-        asked = rotations[touched], touched
-        if not all(np.array_equal(one, other) for one, other in zip(asked, self._asked, strict=True)):
-            self._asked, self._kept = asked, []
+        if not np.array_equal(touched, self._asked):
+            self._asked, self._kept = touched, []
             for number, (first, last) in enumerate(pairwise(self._bounds(touched))):
                 if first < last:
                     dofs = components(touched[first:last] - self.offsets[number])
-                    turn = rotations[touched[first]]
                     flexibility = self._condensed[number].flexibility[np.ix_(dofs, dofs)]
-                    self._kept.append((slice(2 * first, 2 * last), _turned(flexibility, turn)))
+                    self._kept.append((slice(2 * first, 2 * last), flexibility))
         return self._kept
-
-
-def _turned(flexibility: Floats, turn: Floats) -> Floats:
-    """Flexibility (2 n, 2 n) in axes that are turned by a matrix (2, 2)."""
-    n = len(flexibility)
-    rows = np.matmul(turn, flexibility.reshape(n // 2, 2, n)).reshape(n, n)
-    result: Floats = np.matmul(rows.reshape(n, n // 2, 2), turn.T).reshape(n, n)
-    return result

@@ -230,30 +230,25 @@ class _Run:
         self.begun = self.reference
         self.history: list[Iteration] = []
         self.start, self.before = start, self.reference if origin is None else origin
-        friction = None
-        previous, forces = None, np.zeros(0)
         self.displacements = np.zeros_like(self.reference)
         if start is None:
-            self.current = constraints.linearise(self.reference, None)
+            self.current = after = constraints.linearise(self.reference, None)
+            self.forces = self.tangential = np.zeros(len(after.keys))
         else:
-            self.before, friction = start.positions, start.friction
-            previous, forces = start.linearisation, start.forces
-            self.current = previous
+            self.before, self.current, self.forces = start.positions, start.linearisation, start.forces
+            self.tangential = np.zeros_like(start.forces) if start.friction is None else start.friction.forces
+            after = self.current
             if not keep_guards:
                 # without the corner that holds it, a part on a handle would go where its load takes it
-                holding = forces if parts.n else np.zeros_like(forces)
-                self.current = constraints.unguarded(start.positions, previous, holding)
+                holding = self.forces if parts.n else np.zeros_like(self.forces)
+                after = constraints.unguarded(start.positions, after, holding)
             if _is_near(start, self.reference):  # the first iteration uses the gaps of the start
                 self.displacements = start.positions - self.reference
             else:
                 everywhere = np.arange(response.n_nodes)
                 self.displacements = response.displacements(self.rotations, everywhere, start.nodal_forces)
-                self.current = constraints.linearise(self.reference + self.displacements, self.current)
-        self.forces = carried_forces(previous, forces, self.current)
-        self.tangential = np.zeros(len(self.current.keys))
-        if friction is not None:
-            self.tangential = carried_forces(previous, friction.forces, self.current)
-        self.slides = self._slides(self.current, self.displacements)
+                after = constraints.linearise(self.reference + self.displacements, after)
+        self.take_over(after)
         self.stalled, self.corrections = False, 0
         self.stable: bool | None = None
         self.correct()
@@ -272,7 +267,7 @@ class _Run:
             failure = self.iterate()
             if failure is not None:
                 return self.result(failure, converged=False)
-            if self.penetration_is_tolerated():
+            if self.excess() <= 1.0:
                 if not self.guard():
                     more = f" and {_counted(self.corrections, 'correction')} of the forces" if self.corrections else ""
                     if self.stalled:
@@ -300,12 +295,16 @@ class _Run:
         more = self.constraints.guarded(self.reference + self.displacements, self.current, self.forces, maximum)
         if more is None:
             return False
-        self.forces, self.tangential = (
-            carried_forces(self.current, each, more) for each in (self.forces, self.tangential)
-        )
-        self.current, self.slides = more, self._slides(more, self.displacements)
+        self.take_over(more)
         self.correct()
         return True
+
+    def take_over(self, after: Linearisation) -> None:
+        """Go on with another linearisation about the same positions or new ones; forces stay where constraints do."""
+        self.forces, self.tangential = (
+            carried_forces(self.current, each, after) for each in (self.forces, self.tangential)
+        )
+        self.current, self.slides = after, self._slides(after, self.displacements)
 
     def correct(self) -> None:
         """Take the forces found as those about which a tolerated penetration gives."""
@@ -318,9 +317,6 @@ class _Run:
             # what the law lets back of the slips
             gaps = np.maximum(gaps, np.abs(self._let_back(self.current, self.tangential)))
         return float((gaps / self.current.tolerances).max(initial=0.0))
-
-    def penetration_is_tolerated(self) -> bool:
-        return self.excess() <= 1.0
 
     def iterate(self) -> str | None:
         """Newton's method with the forces corrected last; None if it converged, else why not."""
@@ -380,9 +376,10 @@ class _Run:
                 )
             )
         after = self.constraints.linearise(self.reference + moved, here.current, settle=settle)
-        carried, tangential = (carried_forces(here.current, each, after) for each in (new_forces, new_tangential))
-        self.displacements, self.current, self.forces, self.tangential = moved, after, carried, tangential
-        self.slides, self.applied, scale = self._slides(after, moved), applied, self._scale()
+        self.current, self.displacements, self.forces, self.tangential = here.current, moved, new_forces, new_tangential
+        self.take_over(after)
+        carried, tangential, scale = self.forces, self.tangential, self._scale()
+        self.applied = applied
         nodal, left = self._nodal(), self._left()
         left -= self.neutral[0] @ (self.neutral[0].T @ left)
         unbalanced = np.append(nodal - applied, left)
@@ -587,7 +584,6 @@ class _Run:
         last = self.history[-1]
         if loose := self._loose():
             return loose
-        unbalanced = self._unbalanced()
         advice = "take smaller steps, a softer penalty or a finer mesh"
         if not last.changed:
             reason = f"the displacements still change by {last.change:.1e} of the maximum one"
@@ -596,18 +592,11 @@ class _Run:
             named = [self.constraints.describe(key, positions) for key in last.changed[:NAMED]]
             more = f" and {len(last.changed) - NAMED} more" if len(last.changed) > NAMED else ""
             reason = f"contact still comes and goes at {'; '.join(named)}{more}"
-            advice += "; with node-to-segment contact, make the finer surface secondary or take segment-to-segment"
-        return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}{unbalanced}; {advice}"
-
-    def _unbalanced(self) -> str:
-        """Words for the maximum force that is left on a handle."""
-        left = self._left()
-        if not (np.abs(left) > NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)).any():
-            return ""
-        most = np.zeros_like(left)
-        most[np.abs(left).argmax()] = 1.0
-        words = "; ".join(self.parts.describe(self.motions, most[:, None]))
-        return f"; a force of {np.abs(left).max():.3g} is not balanced, under which {words}"
+            advice += (
+                "; with node-to-segment contact, nodes opposite each other change between two edges: take elements of "
+                "another size on one side, as half of it, or segment-to-segment"
+            )
+        return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}; {advice}"
 
     def _approach(self) -> str:
         """Move handles that nothing touches along their loads until a surface is within reach; words if none comes.
@@ -634,12 +623,7 @@ class _Run:
             length = float(np.linalg.norm(velocities @ step, axis=1).max())
             travel += min(length, reach)
             self.move(self.motions + step * min(1.0, reach / length))
-            before = self.current
-            self.current = self.constraints.linearise(self.reference + self.displacements, before)
-            self.forces, self.tangential = (
-                carried_forces(before, each, self.current) for each in (self.forces, self.tangential)
-            )
-            self.slides = self._slides(self.current, self.displacements)
+            self.take_over(self.constraints.linearise(self.reference + self.displacements, self.current))
         return self._loose()
 
     def _loose(self) -> str:

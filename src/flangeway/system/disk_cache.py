@@ -67,11 +67,11 @@ class Cache:
 
     def get(self, key: str, make: Callable[[], Arrays]) -> Arrays:
         """Arrays of a key; made and stored if there are none."""
-        found = self.load(key)
-        if found is None:
-            found = make()
-            self.store(key, found)
-        return found
+        stored = self.load(key)
+        if stored is None:
+            stored = make()
+            self.store(key, stored)
+        return stored
 
     def load(self, key: str) -> Arrays | None:
         """Arrays of a key; None if there are none. A damaged file is removed with a `CacheWarning`."""
@@ -151,10 +151,10 @@ def _add(digest: "hashlib._Hash", part: object) -> bool:
         return part.dtype.kind != "O"
     if isinstance(part, Mapping):
         digest.update(f"<{len(part)} items>".encode())
-        return all(_add(digest, each) for item in part.items() for each in item)
+        return all(_add(digest, entry) for item in part.items() for entry in item)
     if isinstance(part, tuple | list):
         digest.update(f"<{len(part)} parts>".encode())
-        return all(_add(digest, each) for each in part)
+        return all(_add(digest, entry) for entry in part)
     text = repr(part)
     digest.update(f"<{len(text)}>{text}".encode())
     return " at 0x" not in text and "..." not in text

@@ -26,10 +26,10 @@ def is_file(path: Path) -> bool:
 
 def limited_bytes(file: Path, limit: int) -> tuple[int, bytes]:
     """Size and bytes of a file, none of a larger one; an `OSError` for what is no file, such as a named pipe."""
-    found = file.stat()
-    if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):  # a folder has an error of its own
+    status = file.stat()
+    if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):  # a folder has an error of its own
         raise OSError(errno.EINVAL, "not a file but a pipe or a device")
-    return found.st_size, file.read_bytes() if found.st_size <= limit else b""
+    return status.st_size, file.read_bytes() if status.st_size <= limit else b""
 
 
 def file_content(file: Path, what: str) -> bytes:
@@ -58,7 +58,7 @@ def utf8_text(content: bytes) -> str:
 
 def csv_separator(header: str) -> str:
     """What separates the cells of a table with this first line: semicolons or tabs if it has some, else commas."""
-    return next((each for each in ";\t" if each in header), ",")
+    return next((separator for separator in ";\t" if separator in header), ",")
 
 
 def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
@@ -73,6 +73,35 @@ def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
             f"line {number} of {len(line)} characters: {reason}", "short cells", "check that each row has its own line"
         ) from reason
     return [cell.replace(",", ".") if separator != "," and COMMA_NUMBER.fullmatch(cell) else cell for cell in cells]
+
+
+def csv_table(file: Path, what: str) -> list[tuple[int, dict[str, str]]]:
+    """Return the lines of a CSV file by the names in its first line, behind their numbers; empty lines are left out.
+
+    An `InputError` if it cannot be read, a column has no name or that of another, or a line another number of cells.
+
+    - `what`: what is expected, for messages.
+    """
+    try:
+        text = utf8_text(file_content(file, what))
+        separator = csv_separator(text.partition("\n")[0])
+        lines = [(n, csv_cells(line, n, separator)) for n, line in enumerate(text.splitlines(), 1)]
+    except InputError as reason:
+        given = reason.given if str(file) in reason.given else f"{file}, {reason.given}"
+        raise InputError(given, reason.allowed, reason.advice) from reason
+    (first, names), *rows = ((number, cells) for number, cells in lines if any(cells))
+    for column, name in enumerate(names):
+        if not name or name in names[:column]:
+            fault = f"the column {name} twice" if name else "a column without a name"
+            raise InputError(f"{file}, line {first}: {fault}", "each name once", "correct the first line")
+    for number, cells in rows:
+        if len(cells) != len(names):
+            raise InputError(
+                f"{file}, line {number}: {len(cells)} cells",
+                f"{len(names)} values: {', '.join(names)}",
+                "complete the line, or remove it",
+            )
+    return [(number, dict(zip(names, cells, strict=True))) for number, cells in rows]
 
 
 def packaged_rows(package: str, name: str) -> list[dict[str, str]]:
@@ -103,6 +132,8 @@ def _depth(data: dict[str, Any]) -> int:
     depth = 0
     while level and depth <= MAX_DEPTH:
         depth += 1
-        inner = [each for value in level for each in (value.values() if isinstance(value, dict) else value)]
-        level = [each for each in inner if isinstance(each, dict | list)]
+        inner = [
+            value_inside for value in level for value_inside in (value.values() if isinstance(value, dict) else value)
+        ]
+        level = [value_inside for value_inside in inner if isinstance(value_inside, dict | list)]
     return depth

@@ -71,7 +71,7 @@ class TomlFile:
     @cached_property
     def _lines(self) -> dict[Key, int]:
         """Line of each table and key."""
-        found: dict[Key, int] = {}
+        lines: dict[Key, int] = {}
         items: dict[Key, int] = {}
         table: Key = ()
         for number, row in enumerate(self.text.split("\n"), 1):
@@ -84,12 +84,12 @@ class TomlFile:
                         items[table] = items.get(table, -1) + 1
                     if table in items:
                         table = (*table, items[table])
-                found.setdefault(table, number)
+                lines.setdefault(table, number)
             elif key := _KEY.match(row):
                 names = _names(key[1])
                 for end in range(1, len(names) + 1):
-                    found.setdefault((*table, *names[:end]), number)
-        return found
+                    lines.setdefault((*table, *names[:end]), number)
+        return lines
 
 
 def _names(dotted: str) -> list[str]:

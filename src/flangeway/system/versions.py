@@ -8,8 +8,8 @@ PACKAGES = ("flangeway", "numpy", "scipy", "gmsh")
 
 def versions() -> dict[str, str]:
     """Return the versions of flangeway, Python and the libraries that decide the numbers."""
-    found = {name: version_of(name) for name in PACKAGES}
-    return {"flangeway": found.pop("flangeway"), "python": platform.python_version(), **found}
+    by_name = {name: version_of(name) for name in PACKAGES}
+    return {"flangeway": by_name.pop("flangeway"), "python": platform.python_version(), **by_name}
 
 
 def version_of(name: str) -> str:

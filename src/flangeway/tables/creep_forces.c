@@ -22,11 +22,12 @@ enum { N_OF_SIDE = 9, OUTSIDE = FIRST_OUTPUT + 2 * N_OF_SIDE, CLAMP, N_VARIABLES
 enum { NORMAL, ANGLE, ROLL, RADIUS, X, Y, Z, FREE_AHEAD, FREE_ACROSS, STIFF_AHEAD, STIFF_ACROSS, GYRATION, N_OF_PATCH };
 
 static const double SATURATED = 2.0; /* reduced creepage at which the axis of slip is at 0.5 */
+static const double ROUNDED = 0.004; /* distance from the limit of friction within which forces bend into it */
 static const double LEAST_SPEED = 0.05; /* m/s; creepages below are slip velocities over it, so that they stay finite */
 
 typedef struct {
     int n[3], m[3], patches; /* points of the axes of positions and of creepages; patches of a side */
-    double *axes[3], *creep[3], *joined, *of_patch, *forces, *all;
+    double *axes[3], *creep[3], *smooth[3], *joined, *of_patch, *forces, *all;
 } Table;
 
 typedef void (*Logger)(void *environment, const char *name, int status, const char *category, const char *message);
@@ -53,7 +54,7 @@ static int read_table(Table *t, const char *path) {
         positions *= t->n[k];
         cells *= t->n[k] > 1 ? t->n[k] - 1 : 1;
         creepages *= t->m[k];
-        sum += t->n[k] + t->m[k];
+        sum += 3 * t->n[k] + t->m[k];
     }
     t->patches = (int)head[3];
     size_t rows = positions * 2 * t->patches, total = sum + cells + rows * (N_OF_PATCH + creepages);
@@ -63,6 +64,7 @@ static int read_table(Table *t, const char *path) {
     if (!whole) return 0;
     for (int k = 0; k < 3; at += t->n[k++]) t->axes[k] = at;
     for (int k = 0; k < 3; at += t->m[k++]) t->creep[k] = at;
+    for (int k = 0; k < 3; at += 2 * t->n[k++]) t->smooth[k] = at; /* of both sides */
     t->joined = at; at += cells;
     t->of_patch = at; at += rows * N_OF_PATCH;
     t->forces = at;
@@ -82,64 +84,99 @@ static int below(const double *axis, int n, double value, double *above) {
     return low;
 }
 
+/* Numbers of the points of an axis around a value within it, and their weights: `stencil` of creep_table.py.
+ * `low`, `high`: whether parabolas give the slopes at the points below and above. */
+static int stencil(const double *axis, int n, double value, int low, int high, int *node, double *weight) {
+    double above, line[4] = {0}, first[4], second[4];
+    int at = below(axis, n, value, &above);
+    for (int k = 0; k < 4; k++) {
+        node[k] = at - 1 + k < 0 ? 0 : at - 1 + k < n ? at - 1 + k : n - 1;
+        weight[k] = k == 1;
+    }
+    if (n == 1) return 0;
+    double h = axis[at + 1] - axis[at], t = above;
+    line[1] = -1.0 / h;
+    line[2] = 1.0 / h;
+    double g = low ? axis[at] - axis[at - 1] : h, f = high ? axis[at + 2] - axis[at + 1] : h;
+    double left[4] = {-h / g / (g + h), (h / g - g / h) / (g + h), g / h / (g + h), 0.0};
+    double right[4] = {0.0, -f / h / (h + f), (f / h - h / f) / (h + f), h / f / (h + f)};
+    for (int k = 0; k < 4; k++) {
+        first[k] = low ? left[k] : high ? 2.0 * line[k] - right[k] : line[k];
+        second[k] = high ? right[k] : low ? 2.0 * line[k] - left[k] : line[k];
+        weight[k] += t * t * (3.0 - 2.0 * t) * h * line[k] + h * t * (1.0 - t) * ((1.0 - t) * first[k] - t * second[k]);
+    }
+    return at;
+}
+
+enum { N_AROUND = 64 };
+
 /* Nodes around a position, and their weights for both sides: where patches jump the nearest node has all weight. */
-static void around(const Table *t, const double *position, int *nodes, double (*weights)[8]) {
-    int at[3];
-    double above[3];
+static void around(const Table *t, const double *position, int *nodes, double (*weights)[N_AROUND]) {
+    int at[3], node[3][4];
+    double above[3], each[2][3][4];
     for (int k = 0; k < 3; k++) {
-        double low = t->axes[k][0], high = t->axes[k][t->n[k] - 1];
-        at[k] = below(t->axes[k], t->n[k], fmin(fmax(position[k], low), high), &above[k]);
+        double low = t->axes[k][0], high = t->axes[k][t->n[k] - 1], value = fmin(fmax(position[k], low), high);
+        at[k] = below(t->axes[k], t->n[k], value, &above[k]);
+        int next = at[k] + 1 < t->n[k] ? at[k] + 1 : at[k];
+        for (int side = 0; side < 2; side++)
+            stencil(t->axes[k], t->n[k], value, t->smooth[k][2 * at[k] + side] != 0.0,
+                    t->smooth[k][2 * next + side] != 0.0, node[k], each[side][k]);
     }
     int c1 = t->n[1] > 1 ? t->n[1] - 1 : 1, c2 = t->n[2] > 1 ? t->n[2] - 1 : 1;
     const double *joined = t->joined + 2 * ((at[0] * c1 + at[1]) * c2 + at[2]);
-    for (int corner = 0; corner < 8; corner++) {
-        int place[3], nearest = 1;
-        double weight = 1.0;
-        for (int k = 0; k < 3; k++) {
-            int up = corner >> k & 1;
-            place[k] = at[k] + up < t->n[k] ? at[k] + up : t->n[k] - 1;
-            weight *= up ? above[k] : 1.0 - above[k];
-            nearest &= (above[k] >= 0.5) == up;
-        }
-        nodes[corner] = (place[0] * t->n[1] + place[1]) * t->n[2] + place[2];
-        for (int side = 0; side < 2; side++) weights[side][corner] = joined[side] != 0.0 ? weight : nearest;
+    for (int corner = 0; corner < N_AROUND; corner++) {
+        int place[3] = {corner >> 4 & 3, corner >> 2 & 3, corner & 3}, nearest = 1;
+        for (int k = 0; k < 3; k++) nearest &= place[k] == (above[k] > 0.5 ? 2 : 1);
+        nodes[corner] = (node[0][place[0]] * t->n[1] + node[1][place[1]]) * t->n[2] + node[2][place[2]];
+        for (int side = 0; side < 2; side++)
+            weights[side][corner] = joined[side] == 0.0 ? nearest
+                : each[side][0][place[0]] * each[side][1][place[1]] * each[side][2][place[2]];
     }
 }
 
 static void within_cone(double *f) {
-    double size = fmax(hypot(f[0], f[1]), 1.0);
-    f[0] /= size;
-    f[1] /= size;
+    double size = hypot(f[0], f[1]), over = fmin(fmax(size, 1.0 - ROUNDED), 1.0 + ROUNDED) - 1.0 + ROUNDED;
+    double factor = size > 0.0 ? (fmin(size, 1.0 + ROUNDED) - over * over / (4.0 * ROUNDED)) / size : 1.0;
+    f[0] *= factor;
+    f[1] *= factor;
 }
 
-/* Forces over the limit of friction of one patch at a node, linear between reduced creepages. */
-static void at_node(const Table *t, size_t row, double slip, double spin, double creep, double *f) {
-    double point[3], above[3], sign = 1.0;
-    int at[3];
-    if (creep < 0.0) { spin = -spin; creep += 3.14159265358979323846; sign = -1.0; }
-    point[0] = slip; point[1] = spin; point[2] = creep;
-    for (int k = 0; k < 3; k++) at[k] = below(t->creep[k], t->m[k], point[k], &above[k]);
-    f[0] = f[1] = f[2] = 0.0;
-    for (int corner = 0; corner < 8; corner++) {
-        double weight = 1.0;
-        int place[3];
-        for (int k = 0; k < 3; k++) {
-            int up = corner >> k & 1;
-            weight *= up ? above[k] : 1.0 - above[k];
-            place[k] = at[k] + up < t->m[k] ? at[k] + up : t->m[k] - 1;
-        }
-        const double *value = t->forces + 3 * (((row * t->m[0] + place[0]) * t->m[1] + place[1]) * t->m[2] + place[2]);
-        for (int k = 0; k < 3; k++) f[k] += weight * value[k];
+typedef struct { int node[3][4]; double weight[3][4], factor; } Creep;
+
+/* Points around reduced creepages and their weights; opposite creepages have opposite forces. */
+static Creep around_creep(const Table *t, double slip, double spin, double creep) {
+    Creep c;
+    c.factor = slip;
+    if (creep < 0.0) { spin = -spin; creep += 3.14159265358979323846; c.factor = -slip; }
+    double point[3] = {slip, spin, creep}, above;
+    for (int k = 0; k < 3; k++) {
+        int at = below(t->creep[k], t->m[k], point[k], &above);
+        stencil(t->creep[k], t->m[k], point[k], at > 0, at + 2 < t->m[k], c.node[k], c.weight[k]);
     }
-    for (int k = 0; k < 3; k++) f[k] *= sign * slip;
+    return c;
+}
+
+/* Forces over the limit of friction of one patch at a node. */
+static void at_node(const Table *t, size_t row, const Creep *c, double *f) {
+    f[0] = f[1] = f[2] = 0.0;
+    for (int a = 0; a < 4; a++)
+        for (int b = 0; b < 4; b++) {
+            double weight = c->weight[0][a] * c->weight[1][b];
+            size_t line = ((row * t->m[0] + c->node[0][a]) * t->m[1] + c->node[1][b]) * t->m[2];
+            for (int d = 0; d < 4; d++) {
+                const double *value = t->forces + 3 * (line + c->node[2][d]);
+                for (int k = 0; k < 3; k++) f[k] += weight * c->weight[2][d] * value[k];
+            }
+        }
+    for (int k = 0; k < 3; k++) f[k] *= c->factor;
     within_cone(f);
 }
 
 /* Outputs of both sides for a wheelset that rolls ahead, in the axes of the table. */
 static void evaluate(const Table *t, const double *position, double speed, double rotation, double lateral_velocity,
                      double yaw_rate, double friction, double (*push)[3], double (*moment)[3], double (*sums)[3]) {
-    int nodes[8];
-    double weights[2][8], yaw = 1e-3 * position[1];
+    int nodes[N_AROUND];
+    double weights[2][N_AROUND], yaw = 1e-3 * position[1];
     around(t, position, nodes, weights);
     for (int side = 0; side < 2; side++) {
         double sign = side ? 1.0 : -1.0;
@@ -148,7 +185,8 @@ static void evaluate(const Table *t, const double *position, double speed, doubl
         memset(sums[side], 0, 3 * sizeof(double));
         for (int number = 0; number < t->patches; number++) {
             double p[N_OF_PATCH] = {0};
-            for (int corner = 0; corner < 8; corner++) {
+            for (int corner = 0; corner < N_AROUND; corner++) {
+                if (weights[side][corner] == 0.0) continue;
                 size_t row = ((size_t)nodes[corner] * 2 + side) * t->patches + number;
                 for (int k = 0; k < N_OF_PATCH; k++) p[k] += weights[side][corner] * t->of_patch[row * N_OF_PATCH + k];
             }
@@ -173,11 +211,12 @@ static void evaluate(const Table *t, const double *position, double speed, doubl
             double u1 = p[STIFF_AHEAD] * (ahead - p[FREE_AHEAD]), u2 = p[STIFF_ACROSS] * (across - p[FREE_ACROSS]);
             double u3 = p[STIFF_ACROSS] * p[GYRATION] * spin, plane = hypot(u1, u2), whole = hypot(plane, u3);
             double v = whole / fmax(whole + SATURATED * limit, 1e-300), f[3], total[3] = {0};
-            for (int corner = 0; corner < 8; corner++) {
+            Creep creep = around_creep(t, v, atan2(u3, plane), atan2(u2, u1));
+            for (int corner = 0; corner < N_AROUND; corner++) {
                 double weight = weights[side][corner];
                 if (weight == 0.0) continue;
                 size_t row = ((size_t)nodes[corner] * 2 + side) * t->patches + number;
-                at_node(t, row, v, atan2(u3, plane), atan2(u2, u1), f);
+                at_node(t, row, &creep, f);
                 for (int k = 0; k < 3; k++) total[k] += weight * f[k];
             }
             total[2] *= p[GYRATION];
@@ -257,8 +296,8 @@ static int update(Model *m) {
 
 static void start(Model *m) {
     const Table *t = &m->table;
-    double *v = m->value, middle[3] = {0.0, 0.0, t->axes[2][t->n[2] / 2]}, weights[2][8], radius = 0.0, normal = 0.0;
-    int nodes[8];
+    double *v = m->value, middle[3] = {0.0, 0.0, t->axes[2][t->n[2] / 2]}, weights[2][N_AROUND], radius = 0.0, normal = 0.0;
+    int nodes[N_AROUND];
     for (int k = 0; k < 2; k++) middle[k] = fmin(fmax(0.0, t->axes[k][0]), t->axes[k][t->n[k] - 1]);
     memset(v, 0, sizeof m->value);
     v[LATERAL] = 1e-3 * middle[0];
@@ -268,7 +307,7 @@ static void start(Model *m) {
     v[FRICTION] = 0.3;
     around(t, middle, nodes, weights);
     for (int side = 0; side < 2; side++)
-        for (int corner = 0; corner < 8; corner++)
+        for (int corner = 0; corner < N_AROUND; corner++)
             for (int number = 0; number < t->patches; number++) {
                 size_t row = ((size_t)nodes[corner] * 2 + side) * t->patches + number;
                 const double *p = t->of_patch + row * N_OF_PATCH;

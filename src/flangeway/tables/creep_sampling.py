@@ -11,7 +11,7 @@ from flangeway.contact.rolling.exact_rolling import derivatives, roll
 from flangeway.contact.rolling.fastsim import fastsim_forces
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.tables.creep_table import SATURATED, interpolated
+from flangeway.tables.creep_table import SATURATED, extended, interpolated
 from flangeway.types import Floats
 
 PADDING = 3
@@ -222,5 +222,6 @@ def check(
 ) -> CreepErrors:
     """Compare with exact solutions at reduced creepages (n, 3)."""
     exact = np.array([patch.over_limit(patch.coupled(*point)) for point in points.tolist()]).reshape(-1, 3)
-    error = interpolated(found.forces, (), axes, tuple(points.T)) - exact
+    forces, more = extended(found.forces, axes)
+    error = interpolated(forces, (), more, tuple(points.T)) - exact
     return CreepErrors(points, np.hypot(error[:, 0], error[:, 1]), np.abs(error[:, 2]))

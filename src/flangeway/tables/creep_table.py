@@ -7,6 +7,7 @@ axle load, N, N mm. Axes of forces are those of each patch; see the README that 
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ MIRROR = np.array([-1.0, 1.0])
 """From a side's right-hand form to the axes of the track: factor on x of left and right."""
 SATURATED = 2.0
 """Reduced creepage at which the axis of slip is at 0.5."""
-FORMAT = 2
+FORMAT = 3
 AXES = ("lateral_mm", "yaw_mrad", "load_kN")
 OF_PATCH = {
     "normal_force_N": 0,
@@ -43,6 +44,8 @@ OF_PATCH = {
 }
 """Numbers of a patch that are interpolated, and their further dimensions."""
 TINY = 1e-300
+ROUNDED = 0.004
+"""Distance from the limit of friction within which forces bend into it; at the limit they are a quarter of it less."""
 
 
 def reduced(creepages: Floats, stiffness: Floats, radius: Floats, limit: Floats) -> tuple[Floats, Floats, Floats]:
@@ -59,43 +62,85 @@ def reduced(creepages: Floats, stiffness: Floats, radius: Floats, limit: Floats)
     return size / np.maximum(size + SATURATED * limit, TINY), np.arctan2(spin, plane), np.arctan2(across, ahead)
 
 
-def corners(axis: Floats, values: Floats) -> tuple[NDArray[np.intp], Floats]:
-    """Index below each value and the weight of the one above, for values within the axis; one value has weight 0."""
-    if len(axis) == 1:
-        return np.zeros(np.shape(values), dtype=np.intp), np.zeros(np.shape(values))
-    below = np.clip(np.searchsorted(axis, values, side="right") - 1, 0, len(axis) - 2)
-    return below, (values - axis[below]) / (axis[below + 1] - axis[below])
+def stencil(axis: Floats, values: Floats, smooth: NDArray[np.bool_]) -> tuple[NDArray[np.intp], Floats]:
+    """Numbers (n, 4) of the points of an axis around values (n,) within it, and their weights, (n, ..., 4).
+
+    Between two points a cubic has the slopes of parabolas through three points (Catmull and Rom, 1974): it and its
+    derivative are continuous. At points that are not smooth the slope is that of a parabola with the other end's slope,
+    or of a line.
+
+    - `smooth`: points at which the parabola through both neighbours counts, (n_points, ...); never the ends.
+    """
+    last = len(axis) - 1
+    below = np.clip(np.searchsorted(axis, values, side="right") - 1, 0, max(last - 1, 0))
+    nodes = np.clip(below[:, None] + np.arange(-1, 3), 0, last)
+    if last == 0:
+        return nodes, np.broadcast_to([0.0, 1.0, 0.0, 0.0], (len(values), *smooth.shape[1:], 4))
+    x = axis[nodes]
+    before, step, after = np.where(np.diff(x) > 0.0, np.diff(x), 1.0).T
+    zero = np.zeros(len(values))
+    line = np.stack((zero, -1.0 / step, 1.0 / step, zero), -1)
+    low = np.stack((-step / before, step / before - before / step, before / step, zero), -1) / (before + step)[:, None]
+    high = np.stack((zero, -after / step, after / step - step / after, step / after), -1) / (step + after)[:, None]
+    shape = (len(values), *[1] * (smooth.ndim - 1), 4)
+    line, low, high = (each.reshape(shape) for each in (line, low, high))
+    left, right = smooth[below][..., None], smooth[np.minimum(below + 1, last)][..., None]
+    first = np.where(left, low, np.where(right, 2.0 * line - high, line))
+    second = np.where(right, high, np.where(left, 2.0 * line - low, line))
+    t, h = (each.reshape((*shape[:-1], 1)) for each in ((values - x[:, 1]) / step, step))
+    ends = t**2 * (3.0 - 2.0 * t) * h * line
+    ends = ends + np.array([0.0, 1.0, 0.0, 0.0])
+    return nodes, ends + h * t * (1.0 - t) * ((1.0 - t) * first - t * second)
+
+
+def interior(axis: Floats) -> NDArray[np.bool_]:
+    """Points of an axis other than its ends, (n_points,)."""
+    place = np.arange(len(axis))
+    return np.asarray((place > 0) & (place < len(axis) - 1))
+
+
+def extended(forces: NDArray[Any], axes: tuple[Floats, ...]) -> tuple[NDArray[Any], tuple[Floats, ...]]:
+    """Forces with one more angle at each end, and their axes; the opposite creepage has the opposite force.
+
+    At the spin angle + 180 degrees, and at minus the spin angle and the creep angle + 180 degrees, all forces have the
+    other sign.
+    """
+    slip, spin, creep = axes
+    over = np.concatenate((-forces[..., -2:-1, :, :], forces, -forces[..., 1:2, :, :]), axis=-3)
+    turned = over[..., ::-1, :, :]
+    around = np.concatenate((-turned[..., -2:-1, :], over, -turned[..., 1:2, :]), axis=-2)
+    more = [np.concatenate((2.0 * each[:1] - each[1:2], each, 2.0 * each[-1:] - each[-2:-1])) for each in (spin, creep)]
+    return around, (slip, *more)
 
 
 def interpolated(
     forces: NDArray[Any], rows: tuple[NDArray[np.intp], ...], axes: tuple[Floats, ...], point: tuple[Floats, ...]
 ) -> Floats:
-    """Forces over their limits of friction at reduced creepages, (n, 3), linear between the points of the table.
+    """Forces over their limits of friction at reduced creepages, (n, 3), by cubics between the points of the table.
 
-    - `forces`: over the limit and over slip, (..., slip, spin angle, creep angle, 3); the angle of creepage goes from 0
-      to pi: the other half has the opposite forces at the opposite creepages.
+    - `forces`, `axes`: those of `extended`, over the limit and over slip, (..., slip, spin angle, creep angle, 3).
     - `rows`: places in the first dimensions, each (n,).
-    - `point`: slip, angle of spin, angle of creepage, each (n,).
+    - `point`: slip, angle of spin, angle of creepage from -pi to pi, each (n,).
     """
     slip, spin, creep = point
     other = creep < 0.0
     spin, creep = np.where(other, -spin, spin), np.where(other, creep + np.pi, creep)
-    found = [corners(axis, value) for axis, value in zip(axes, (slip, spin, creep), strict=True)]
+    found = [stencil(axis, value, interior(axis)) for axis, value in zip(axes, (slip, spin, creep), strict=True)]
     total = np.zeros((len(slip), 3))
-    for number in range(8):
-        weight, place = np.ones(len(slip)), []
-        for bit, (below, above) in enumerate(found):
-            up = number >> bit & 1
-            weight = weight * (above if up else 1.0 - above)
-            place.append(below + up)
-        total += weight[:, None] * forces[(*rows, *place)]
+    for a, b, c in np.ndindex(4, 4, 4):
+        places = tuple(nodes[:, k] for (nodes, _), k in zip(found, (a, b, c), strict=True))
+        weight = found[0][1][:, a] * found[1][1][:, b] * found[2][1][:, c]
+        total += weight[:, None] * forces[(*rows, *places)]
     return within_cone(total * np.where(other, -slip, slip)[:, None])
 
 
 def within_cone(forces: Floats) -> Floats:
-    """Forces over the limit of friction, those beyond it shortened, (..., 3)."""
+    """Forces over the limit of friction, those near it and beyond it shortened without a kink, (..., 3)."""
     size = np.hypot(forces[..., 0], forces[..., 1])
-    forces[..., :2] /= np.maximum(size, 1.0)[..., None]
+    near = np.clip(size, 1.0 - ROUNDED, 1.0 + ROUNDED) - 1.0 + ROUNDED
+    forces[..., :2] *= ((np.minimum(size, 1.0 + ROUNDED) - near**2 / (4.0 * ROUNDED)) / np.maximum(size, TINY))[
+        ..., None
+    ]
     return forces
 
 
@@ -161,7 +206,7 @@ class CreepTable:
         *,
         clamp: bool = False,
     ) -> tuple[NDArray[np.intp], Floats]:
-        """Numbers of the table's positions around each, and their weights for both sides: (n, 8) and (n, 2, 8).
+        """Numbers of the table's positions around each, and their weights for both sides: (n, 64) and (n, 2, 64).
 
         Where a side's patches are not the same all around, the nearest position has all weight.
 
@@ -181,22 +226,48 @@ class CreepTable:
                     f"values from {axis[0]:g} to {axis[-1]:g}, the range of the table",
                     "make a larger table, or clamp=True",
                 )
-            found.append(corners(axis, inside))
+            found.append((axis, inside))
+        around = [stencil(axis, inside, smooth) for (axis, inside), smooth in zip(found, self.smooth, strict=True)]
         shape = tuple(len(axis) for axis in self.axes)
-        joined = self.values["joined"][tuple(below for below, _ in found)]
-        nodes, smooth, near = [], [], []
-        for number in range(8):
-            place, weight, nearest = [], np.ones(len(given[0])), np.ones(len(given[0]), dtype=bool)
-            for bit, (below, above) in enumerate(found):
-                up = number >> bit & 1
-                place.append(np.minimum(below + up, shape[bit] - 1))
-                weight = weight * (above if up else 1.0 - above)
-                nearest &= (above >= 0.5) == bool(up)
-            nodes.append(np.ravel_multi_index(place, shape))
-            smooth.append(weight)
-            near.append(nearest)
-        weights = np.where(joined[:, :, None], np.stack(smooth, -1)[:, None], np.stack(near, -1)[:, None])
-        return np.stack(nodes, -1), weights
+        cell = tuple(np.minimum(nodes[:, 1], max(n - 2, 0)) for (nodes, _), n in zip(around, shape, strict=True))
+        nearest = [
+            np.abs(axis[nodes] - inside[:, None]).argmin(axis=1)
+            for (axis, inside), (nodes, _) in zip(found, around, strict=True)
+        ]
+        numbers, weights, near = [], [], []
+        for places in np.ndindex(4, 4, 4):
+            each = [(nodes[:, k], weight[..., k]) for (nodes, weight), k in zip(around, places, strict=True)]
+            numbers.append(np.ravel_multi_index([nodes for nodes, _ in each], shape))
+            weights.append(np.prod([weight for _, weight in each], axis=0))
+            near.append(np.all([closest == k for closest, k in zip(nearest, places, strict=True)], axis=0))
+        joined = self.values["joined"][cell][:, :, None]
+        return np.stack(numbers, -1), np.where(joined, np.stack(weights, -1), np.stack(near, -1)[:, None])
+
+    @cached_property
+    def smooth(self) -> tuple[NDArray[np.bool_], ...]:
+        """Points of the axes of positions at which slopes are those of parabolas, by side, (n_points, 2) each.
+
+        There all patches of the side go over into those of both neighbours, at all points of the other axes.
+        """
+        found = []
+        for axis, points in enumerate(self.axes):
+            edges: NDArray[Any] = np.moveaxis(
+                self.values["joined"], axis, 0
+            )  # cells along the axis, cells of the others, sides
+            for other in (1, 2):  # an edge of the axis is joined in one of the cells that it bounds
+                none = np.zeros_like(edges.take([0], axis=other))
+                edges = np.concatenate((edges, none), axis=other) | np.concatenate((none, edges), axis=other)
+            whole = np.asarray(edges.all(axis=(1, 2)))
+            smooth = np.zeros((len(points), 2), dtype=np.bool_)
+            smooth[1:-1] = whole[:-1] & whole[1:]
+            found.append(smooth)
+        return tuple(found)
+
+    @cached_property
+    def extended(self) -> tuple[NDArray[Any], tuple[Floats, ...]]:
+        """Forces with one more angle at each end, see `extended`, rows of positions first."""
+        forces, axes = extended(self.values["forces"], self.creep_axes)
+        return forces.reshape(-1, *forces.shape[3:]), axes
 
     def contacts(
         self,
@@ -276,11 +347,11 @@ class CreepTable:
         further = given - np.concatenate((free, np.zeros((*normal.shape, 1))), axis=-1)
         point = reduced(further, stiffness, radius, limit)
         total = np.zeros(given.shape)
-        table = self.values["forces"].reshape(-1, *self.values["forces"].shape[3:])
+        table, axes = self.extended
         weight = weights[..., None] * (normal > 0.0)[:, :, None]
         at, side, corner, patch = np.nonzero(weight)
         rows = nodes[at, corner], side, patch
-        found = interpolated(table, rows, self.creep_axes, tuple(each[at, side, patch] for each in point))
+        found = interpolated(table, rows, axes, tuple(each[at, side, patch] for each in point))
         np.add.at(total, (at, side, patch), weight[at, side, corner, patch, None] * found)
         total[..., 2] *= radius
         return within_cone(total) * limit[..., None]

@@ -95,9 +95,11 @@ def table_numbers(table: CreepTable) -> Floats:
     """Return the numbers of the table in the order in which the C source reads them."""
     normal = table.values["normal_force_N"]
     patches = [table.values[name].reshape(*normal.shape, -1) for name in _OF_PATCH]
-    head = [*(len(axis) for axis in table.axes), normal.shape[-1], *(len(axis) for axis in table.creep_axes)]
-    arrays = [head, *table.axes, *table.creep_axes, table.values["joined"], np.concatenate(patches, axis=-1)]
-    parts = [np.asarray(array, dtype=np.float64).ravel() for array in (*arrays, table.values["forces"])]
+    forces, creep_axes = table.extended
+    head = [*(len(axis) for axis in table.axes), normal.shape[-1], *(len(axis) for axis in creep_axes)]
+    axes = [*table.axes, *creep_axes, *table.smooth]
+    arrays = [head, *axes, table.values["joined"], np.concatenate(patches, axis=-1), forces]
+    parts = [np.asarray(array, dtype=np.float64).ravel() for array in arrays]
     return np.concatenate(parts)
 
 

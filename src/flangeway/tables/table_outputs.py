@@ -159,9 +159,13 @@ With friction mu, normal force N, longitudinal and lateral creepage xi, eta and 
     spin angle = atan2(u3, sqrt(u1^2 + u2^2)),  creep angle = atan2(u2, u1)
     longitudinal force = mu N V forces[0],  lateral force = mu N V forces[1],  spin moment = mu N r V forces[2]
 
-`forces` is linear between its points. The creep angle goes from 0 to 180 degrees: for a negative one, take minus spin
-angle, creep angle plus 180 degrees, and the opposite forces. V = 0 is linear theory, V = 1 sliding everywhere; so there
-is no largest creepage. mu is free, since forces over mu N depend on creepages over mu.
+Between its points `forces` is a cubic with the slopes of parabolas through three points (Catmull and Rom), along each
+of the three axes; so are all arrays along lateral position, yaw and load where `joined`. Forces and their derivatives
+are continuous, but at patches that jump and at creepages of 0. Near the limit of friction the size s of both forces
+over it is rounded: s - (s - 1 + w)^2 / (4 w) within w = {creep_table.ROUNDED:g} of 1, and 1 beyond. Linear
+interpolation is less exact, and its derivative jumps. The creep angle goes from 0 to 180 degrees: for a negative one,
+take minus spin angle, creep angle plus 180 degrees, and the opposite forces. V = 0 is linear theory, V = 1 sliding
+everywhere; so there is no largest creepage. mu is free, since forces over mu N depend on creepages over mu.
 
 Without spin a patch has no creep force at xi0, eta0: the top of a rail that bends under a wheel is shorter, surfaces
 of both bodies are stretched by the pressures. xi0 = 0.0004 is as if the wheel's radius were smaller by that share.

@@ -9,8 +9,8 @@ from flangeway.railway.profiles.bundled import RailProfile, rail, wheel
 from flangeway.railway.profiles.formats.segment_files import write_segment_csv
 from flangeway.railway.profiles.joining import (
     BLEND_FACTOR,
-    LEAST_BLEND_MM,
     MAX_BLEND_MM,
+    MIN_BLEND_MM,
     joined,
     nominal_profile,
     on_plain_body,
@@ -81,7 +81,7 @@ def test_the_rule_is_kept(tmp_path):
         np.testing.assert_allclose(ends, sorted([joint.end, joint.landing]), atol=1e-9)
         assert nominal.closest([joint.landing, joint.foot])[2].max() < 1e-9
         assert joint.gap_mm == pytest.approx(np.hypot(*np.subtract(joint.end, joint.foot)), abs=1e-9)
-        blend = min(max(LEAST_BLEND_MM, BLEND_FACTOR * joint.gap_mm), MAX_BLEND_MM)
+        blend = min(max(MIN_BLEND_MM, BLEND_FACTOR * joint.gap_mm), MAX_BLEND_MM)
         places = [place_of(nominal, lengths, p) for p in (joint.foot, joint.landing)]
         assert abs(places[1] - places[0]) == pytest.approx(blend, abs=1e-6)
     assert found.nominal.outline.area - outline.area > 10.0

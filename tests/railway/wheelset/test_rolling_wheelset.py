@@ -219,6 +219,19 @@ def test_friction_of_the_gauge_face_and_what_is_refused(wheelset):
     assert one.spatial_model().rolling.torque_Nm == 0.0
 
 
+@pytest.mark.parametrize("theory", ["exact", "fastsim"])
+def test_friction_that_falls_with_the_flash_temperature(theory):
+    """The wheelset is in equilibrium, has a flash temperature, and less friction than without."""
+    inputs = {**ROLLS, "speed_km_h": 120.0, "yaw_mrad": 8.0, "lateral_mm": 0.0, "rolling_theory": theory}
+    falls = {"kinetic_friction": 0.1, "friction_falls_from_C": 25.0, "friction_falls_to_C": 60.0}
+    plain, warm = (coarse_case(**inputs, **more).run() for more in ({}, falls))
+    assert warm.status.converged
+    rises = [max(patch.forces.flash_temperatures.max() for patch in run.result.rolling) for run in (plain, warm)]
+    assert rises[0] > rises[1] > 5.0
+    used = [max(patch.used_friction for patch in run.result.rolling) for run in (plain, warm)]
+    assert used[1] < 0.9 * used[0]
+
+
 def test_patches_that_touch_are_divided_where_little_is_carried():
     """Two heaps of forces: apart below 0.1 of the lesser, below 0.25 if they were apart before, else one patch."""
     heaps = np.array([0.0, 2.0, 4.0, 2.0, 0.0, 2.0, 3.0, 1.0, 0.0])[:, None] * np.ones(3)

@@ -107,7 +107,7 @@ class BodyModel:
     @property
     def loads(self) -> list[BodyLoad]:
         """Loads and displacements of supports that are not zero."""
-        return [*self.problem.loads, *(each for each in self.problem.prescribed if each.x or each.y)]
+        return [*self.problem.loads, *(support for support in self.problem.prescribed if support.x or support.y)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,8 +2,9 @@
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,19 +13,20 @@ from flangeway.cases.bodies.bodies_tables import BodyTable, DiscTable, FineTable
 from flangeway.cases.case import Box, require_known
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, read_section
+from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.formats.outline_files import ENDINGS
 from flangeway.formats.outline_toml import outline_region
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, rectangle
-from flangeway.geometry.arrays import Point
 from flangeway.geometry.region import Region
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
 from flangeway.problems import LinearBody
 
-UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}  # lengths of the units
 SHAPES = ("rectangle", "disc", "outline", "file")
 DIAGONAL_PER_SIZE = 20.0  # diagonal of a shape per default edge length of its triangles
 MAX_EDGES = 100_000  # along a side of an outline: more is a mistake in a size
 RIM, ARC, CUT = "rim", "arc", "cut"
+POINTS = ("start", "end", "centre")
+"""Points of segments."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +40,7 @@ class BodyShape:
         """Drawn curve along points (n, 2) of one outline; of named sides alone where these are one chain."""
         if not self.loops:
             return None
-        loop = min(self.loops, key=lambda each: float(each.closest(points)[2].max()))
+        loop = min(self.loops, key=lambda outline: float(outline.closest(points)[2].max()))
         try:
             return loop if names is None else loop.part([name for name in _listed(names) if name in loop.names])
         except InputError:
@@ -67,7 +69,7 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
             raise InputError(f"{key}.{name} = {value!r} of an outline", "cell sets of a mesh file", f"leave {name} out")
     region = _region(body, key, notices)
     diagonal = float(np.hypot(*np.ptp(region.outer.bounds(), axis=0)))
-    fine = [_refinement(each, f"{key}.fine[{n}]", region) for n, each in enumerate(body.fine, 1)]
+    fine = [_refinement(table, f"{key}.fine[{n}]", region) for n, table in enumerate(body.fine, 1)]
     size = body.size_mm or diagonal / DIAGONAL_PER_SIZE
     mesh = triangulate(region.outer, size=size, holes=region.holes, refinements=fine)
     mesh = dual(mesh) if body.method == "vem" else mesh
@@ -150,7 +152,7 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
             raise InputError(f"{key}.{name} with the mesh {body.file}", "the file's mesh as it is", f"leave {name} out")
     # bodies that touch must stay apart
     read = read_mesh(str(body.file), merge_points=body.cells is None)
-    found, mesh = list(read.notices), read.mesh
+    repairs, mesh = list(read.notices), read.mesh
     if body.cells is not None:
         wanted = _listed(body.cells)
         what = "cell sets of the file"
@@ -159,10 +161,10 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
         for name in wanted:
             require_known(f"{key}.cells", name, sorted(mesh.cell_sets), what)
         joined = read.part(*wanted)
-        found += [f"body {body.name}: {notice}" for notice in joined.notices]
+        repairs += [f"body {body.name}: {notice}" for notice in joined.notices]
         mesh = joined.mesh
-    found = [f"{Path(str(body.file)).name}: {notice}" for notice in found]
-    notices += [notice for notice in found if notice not in notices]
+    repairs = [f"{Path(str(body.file)).name}: {notice}" for notice in repairs]
+    notices += [notice for notice in repairs if notice not in notices]
     if body.method == "fem" and (mesh.cell_sizes > 3).any():
         raise InputError(
             f"{key}.method = 'fem' for {body.file}, whose cells have up to {mesh.cell_sizes.max()} corners",
@@ -176,16 +178,13 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
 def _in_mm(outline: Outline, factor: float) -> Outline:
     """Outline times the length of its unit in mm."""
 
-    def scaled(point: Point) -> Point:
-        return factor * point[0], factor * point[1]
+    def scaled(segment: Line | Arc) -> Line | Arc:
+        points: dict[str, Any] = {
+            name: tuple(factor * x for x in value) for name, value in vars(segment).items() if name in POINTS
+        }
+        return replace(segment, **points)
 
-    segments = [
-        Line(scaled(each.start), scaled(each.end))
-        if isinstance(each, Line)
-        else Arc(scaled(each.start), scaled(each.end), scaled(each.centre), each.counter_clockwise)
-        for each in outline.segments
-    ]
-    return Outline.from_segments(segments, outline.names)
+    return Outline.from_segments([scaled(segment) for segment in outline.segments], outline.names)
 
 
 def _listed(names: str | Sequence[str] | None) -> list[str]:

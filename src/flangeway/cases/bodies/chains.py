@@ -53,10 +53,10 @@ class ChainPreset(BodiesPreset):
 
     def general(self) -> TwoBodiesCase:
         """See `PresetCase.general`."""
-        tables, mine = self.layout(), self.model_dump(include=CONTACT_KEYS)
+        tables, shared = self.layout(), self.model_dump(include=CONTACT_KEYS)
         material = {"young_MPa": self.young_MPa, "poisson": self.poisson, "order": self.order}
         tables["bodies"] = [material | body for body in tables["bodies"]]
-        tables["contacts"] = [mine | contact for contact in tables["contacts"]]
+        tables["contacts"] = [shared | contact for contact in tables["contacts"]]
         given = {"thickness_mm": self.thickness_mm, "steps": {"number": self.n_steps}}
         return TwoBodiesCase.from_values({**given, **tables})
 
@@ -264,7 +264,7 @@ class BearingRingCase(ChainPreset):
         def fine(centre: np.ndarray[Any, Any], radius: float, way: np.ndarray[Any, Any]) -> dict[str, Any]:
             turns = np.linspace(-zone / radius, zone / radius, 1 + 2 * math.ceil(zone / (2.0 * self.size_mm)))
             turned = np.outer(np.cos(turns), way) + np.outer(np.sin(turns), (-way[1], way[0]))
-            return {"at_mm": [tuple(each) for each in (centre + radius * turned).tolist()], "size_mm": self.size_mm}
+            return {"at_mm": [tuple(point) for point in (centre + radius * turned).tolist()], "size_mm": self.size_mm}
 
         middle, size = np.zeros(2), {"size_mm": self.body_size_mm}
         outer = race + self.ring_height_mm

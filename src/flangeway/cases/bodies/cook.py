@@ -1,7 +1,7 @@
 """Cook's membrane (Moherdaui 2021, 5.2.2): the case, its meshes, its solutions, and its adaptive refinement."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,7 +10,7 @@ from pydantic import Field
 
 from flangeway.cases.bodies.bodies_run import BodiesCase, BodiesRun, BodyResult
 from flangeway.cases.case import Progress
-from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
+from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.elements.lagrange import HIGHEST_ORDER
 from flangeway.errors import InputError
 from flangeway.geometry import polygon
@@ -80,36 +80,6 @@ class CookCode:
         return method_space(cook_triangles(self.level), self.method, self.order)
 
 
-@dataclass(frozen=True, eq=False)
-class CookRow:
-    """One solution of the membrane.
-
-    Parameters
-    ----------
-    code
-        Its configuration.
-    poisson
-        Poisson's ratio.
-    n_unknowns
-        Components of displacement at nodes, prescribed ones too; those inside cells are condensed.
-    energy
-        Strain energy per thickness.
-    middle, corner
-        Vertical displacements at `MIDDLE` and `CORNER`.
-    solution
-        The solution.
-
-    """
-
-    code: CookCode
-    poisson: float
-    n_unknowns: int
-    energy: float
-    middle: float
-    corner: float
-    solution: ElasticitySolution
-
-
 def cook_triangles(level: int) -> PolyMesh:
     """Delaunay triangles, finer towards the corners; each level has the triangles of the one before cut into four."""
     refinements = [
@@ -136,14 +106,9 @@ def method_space(triangles: PolyMesh, method: str, order: int) -> Space:
     mesh = triangles
     for name in triangles.edge_sets:
         mesh = edges_halved(mesh, name)
-    sizes = mesh.cell_sizes
-    sets = {
-        name: np.flatnonzero(chosen).astype(np.int32)
-        for name, chosen in (("triangles", sizes == 3), ("rim", sizes > 3))
-    }
-    mixed = PolyMesh(mesh.points, mesh.cell_offsets, mesh.cell_points, sets, mesh.edge_sets)
-    elements: Mapping[str, Element] = {"triangles": Lagrange(order), "rim": published_virtual(order)}
-    return Space(mixed, elements)
+    polygons = mesh.cell_sizes > 3
+    mesh = mesh.with_cell_set("triangles", ~polygons).with_cell_set("polygons", polygons)
+    return Space(mesh, {"triangles": Lagrange(order), "polygons": published_virtual(order)})
 
 
 def cook_grid(n: int) -> PolyMesh:
@@ -161,12 +126,10 @@ def solve_cook(space: Space, poisson: float = 1.0 / 3.0) -> ElasticitySolution:
     return solve_elasticity(Elasticity(space, material, 1.0, [load], [fixed("left")], "membrane"))
 
 
-def cook_row(code: CookCode, poisson: float = 1.0 / 3.0) -> CookRow:
-    """Solve one configuration."""
-    space = code.space()
-    solution = solve_cook(space, poisson)
+def vertical_displacements(solution: ElasticitySolution) -> tuple[float, float]:
+    """Vertical displacements at `MIDDLE` and `CORNER`."""
     middle, corner = displacements_at(solution, [MIDDLE, CORNER])[:, 1].tolist()
-    return CookRow(code, poisson, 2 * space.n_nodes, solution.energy, middle, corner, solution)
+    return middle, corner
 
 
 class CookCase(BodiesCase):
@@ -185,6 +148,11 @@ class CookCase(BodiesCase):
     poisson: float = Field(PUBLISHED_POISSON, gt=-1.0, lt=0.5)
     """Poisson's ratio; 0.4999 shows locking"""
 
+    @property
+    def code(self) -> CookCode:
+        """Its configuration."""
+        return CookCode(LETTERS[self.method], self.level, self.order)
+
     def check(self) -> None:
         """See `RunnableCase.check`."""
         if self.order > HIGHEST_ORDER and self.method != "vem":
@@ -196,9 +164,8 @@ class CookCase(BodiesCase):
         """See `RunnableCase.run`."""
         self.check()
         start = time.perf_counter()
-        code = CookCode(LETTERS[self.method], self.level, self.order)
         progress("meshing the membrane")
-        space = code.space()
+        space = self.code.space()
         progress(f"solving for {2 * space.n_dofs} unknowns")
         solution = solve_cook(space, self.poisson)
         timings = {"total": time.perf_counter() - start}
@@ -208,9 +175,9 @@ class CookCase(BodiesCase):
         """Displacements of the loaded side, and the energy, beside the exact one where that is known."""
         solution = run.bodies["membrane"].field
         assert isinstance(solution, ElasticitySolution)
-        middle, corner = displacements_at(solution, [MIDDLE, CORNER])[:, 1].tolist()
+        middle, corner = vertical_displacements(solution)
         rows: list[Quantity[BodiesRun]] = [
-            Quantity("code", "code", lambda _: str(CookCode(LETTERS[self.method], self.level, self.order))),
+            Quantity("code", "code", lambda _: str(self.code)),
             Quantity("middle_vertical", "vertical displacement of the middle", lambda _: middle, "mm", ".6g"),
             Quantity("upper_corner_vertical", "vertical displacement of the corner", lambda _: corner, "mm", ".6g"),
             Quantity("strain_energy", "strain energy", lambda _: solution.energy, "N mm/mm", ".6g"),

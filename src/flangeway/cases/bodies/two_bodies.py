@@ -114,7 +114,7 @@ class TwoBodiesCase(BodiesInputs, BodiesCase):
     def _pressed(self, model: BodiesModel, progress: Progress) -> ContactSolution:
         progress("condensing the bodies to their surfaces")
         sizes, given = None, self.steps.number
-        if given is not None or not any(each.friction_coefficient for each in model.contacts):
+        if given is not None or not any(pair.friction_coefficient for pair in model.contacts):
             step = 1.0 / (given or 1)
             sizes = StepSettings(step, step, min(step, MIN_STEP))
         handles = [] if model.push is None else [model.push]
@@ -143,9 +143,9 @@ def _alone(body: BodyModel, progress: Progress) -> ElasticitySolution:
 def _overlaps(contact: ContactSolution, tables: Sequence[ContactTable]) -> list[str]:
     """Warnings about overlaps before any motion that are not intended."""
     return [
-        f"{each.secondary.part.name} on {each.primary.part.name}: the surfaces overlapped by {depth:.3g} mm before any "
+        f"{pair.secondary.part.name} on {pair.primary.part.name}: the surfaces overlapped by {depth:.3g} mm before any "
         "motion; the overlap is removed as an interference fit, which interference = true calls intended."
-        for each, depth, table in zip(contact.system.contacts, contact.initial_penetration, tables, strict=True)
+        for pair, depth, table in zip(contact.system.contacts, contact.initial_penetration, tables, strict=True)
         if depth > ROUND_OFF * contact.system.parts[0].body.elasticity.size and not table.interference
     ]
 
@@ -164,7 +164,7 @@ def checked_bodies(contact: ContactSolution, model: BodiesModel) -> tuple[Status
         return status, ()
     patches = pressure_patches(contact.system, contact.state)
     names = [
-        f"the contact of {each.secondary.part.name} on {each.primary.part.name}" for each in contact.system.contacts
+        f"the contact of {pair.secondary.part.name} on {pair.primary.part.name}" for pair in contact.system.contacts
     ]
     checks = check_contact(contact.system, contact.state, patches, names)
     errors = [*checks.errors, *_residual_errors(contact, model)]

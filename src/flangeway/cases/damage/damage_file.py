@@ -6,8 +6,9 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict, Field, create_model
 
-from flangeway.cases.case import Table, mapped, require_known
+from flangeway.cases.case import Table, require_known
 from flangeway.cases.case_file import FILE_KEYS
+from flangeway.cases.nested import mapped
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError, located
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState

@@ -237,16 +237,16 @@ def run_profiles(names: Sequence[str], options: ReadOptions, join: str | None = 
 
     Profiles with the same title, as from one instrument, have the names of their files in it.
     """
-    found, files = [], []
+    runs, files = [], []
     for name in names:
         places = sections_of(Path(name)) if options.position is None else ()
         each = [replace(options, position=place) for place in places] or [options]
-        found += [run_profile(name, one, join) for one in each]
+        runs += [run_profile(name, one, join) for one in each]
         files += [Path(name).name] * len(each)
-    titles = Counter(run.profile.title for run in found)
+    titles = Counter(run.profile.title for run in runs)
     return [
         run if titles[run.profile.title] == 1 else _renamed(run, f"{run.profile.title}, {file}")
-        for run, file in zip(found, files, strict=True)
+        for run, file in zip(runs, files, strict=True)
     ]
 
 

@@ -68,8 +68,8 @@ class Conicities(Result):
         at = np.flatnonzero(np.abs(self.amplitudes_mm - REFERENCE_AMPLITUDE_MM) < 1e-6)
         if not len(at):
             return None
-        found = (float(each[at[0]]) for each in (self.amplitudes_mm, self.integration, self.regression))
-        return dict(zip(("amplitude_mm", "integration", "regression"), found, strict=True))
+        numbers = (float(column[at[0]]) for column in (self.amplitudes_mm, self.integration, self.regression))
+        return dict(zip(("amplitude_mm", "integration", "regression"), numbers, strict=True))
 
 
 def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None) -> Conicities:
@@ -91,15 +91,15 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
     reached = float(amplitudes[-1]) if len(amplitudes) else 0.0
     if maximum_mm is not None and reached < math.floor(maximum_mm / STEP_MM + 1e-9) * STEP_MM - 1e-6:
         notices.append(f"conicity only up to an amplitude of {reached:.1f} mm")
-    found = equivalent_conicity(difference, amplitudes) if len(amplitudes) else none
-    pushed = amplitudes[np.isnan(found)]
+    integration = equivalent_conicity(difference, amplitudes) if len(amplitudes) else none
+    pushed = amplitudes[np.isnan(integration)]
     if len(pushed):
         notices.append(
             f"no equivalent conicity by integration at {len(pushed)} amplitudes from {pushed[0]:.1f} to "
             f"{pushed[-1]:.1f} mm: the rolling radius difference pushes the wheelset away from the middle"
         )
     regression = conicity_by_regression(difference, amplitudes) if len(amplitudes) else none
-    return Conicities(amplitudes, found, regression, tuple(notices))
+    return Conicities(amplitudes, integration, regression, tuple(notices))
 
 
 @dataclass(frozen=True, eq=False)

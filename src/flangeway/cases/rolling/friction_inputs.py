@@ -30,11 +30,11 @@ class FrictionInputs(Case):
     friction_decay_m_per_s: float = Field(0.0, ge=0.0)
     """slip velocity in which the difference of both falls to 1/e"""
     friction_falls_from_C: float | None = None
-    """temperature of the contact from which friction falls to kinetic_friction, linearly"""
+    """temperature of the contact in degrees Celsius from which friction falls to kinetic_friction, linearly"""
     friction_falls_to_C: float | None = None
-    """temperature at which it has fallen"""
+    """temperature in degrees Celsius at which it has fallen"""
     temperature_C: float = 20.0
-    """temperature of both bodies away from the contact"""
+    """temperature of both bodies away from the contact, degrees Celsius"""
     conductivity_W_per_m_K: float = Field(50.0, gt=0.0)
     """thermal conductivity of both bodies"""
     density_kg_per_m3: float = Field(7850.0, gt=0.0)

@@ -6,14 +6,14 @@ import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
-from flangeway.system.file_content import csv_cells, csv_separator, file_content
+from flangeway.system.file_content import csv_table
 from flangeway.types import Floats, Ints
 
 COLUMNS = ("right_mm", "ahead_mm", "pressure_MPa")
 WANTED = f"a CSV file with the columns {', '.join(COLUMNS)}: middles of even cells, and mean pressures"
 OFF_GRID = 0.02
 """Distance of a place from the regular grid, over the size of the cells, that digits explain."""
-MOST_CELLS = 120
+MAX_CELLS = 120
 
 
 def read_pressures(path: Path) -> tuple[PatchGrid, Floats]:
@@ -25,26 +25,20 @@ def read_pressures(path: Path) -> tuple[PatchGrid, Floats]:
         If it cannot be read, lacks a column, has what is no number, or its places are on no regular grid.
 
     """
-    try:
-        lines = file_content(path, WANTED).decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError as reason:
-        raise InputError(f"{path}: no text in UTF-8", WANTED, "save it as CSV") from reason
-    separator = csv_separator(lines[0])
-    names = csv_cells(lines[0], 1, separator)
-    missing = [name for name in COLUMNS if name not in names]
-    if missing:
-        raise InputError(f"{path}, line 1: no column {' and '.join(missing)}", WANTED, "name the columns")
-    places = [names.index(name) for name in COLUMNS]
-    rows = []
-    for number, line in enumerate(lines[1:], 2):
-        cells = csv_cells(line, number, separator)
+    rows = csv_table(path, WANTED)
+    missing = [name for name in COLUMNS if rows and name not in rows[0][1]]
+    if missing or not rows:
+        what = f"no column {' and '.join(missing)}" if missing else "no cells"
+        raise InputError(f"{path}, line 1: {what}", WANTED, "name the columns")
+    values: Floats = np.empty((len(rows), 3))
+    for cell, (number, row_cells) in zip(values, rows, strict=True):
+        texts = [row_cells[name] for name in COLUMNS]
         try:
-            rows += [[float(cells[place]) for place in places]] if cells else []
-        except (ValueError, IndexError) as reason:
+            cell[:] = [float(text) for text in texts]
+        except ValueError as reason:
             raise InputError(
-                f"{path}, line {number}: {line[:60]!r}", "a number in each column", "correct it"
+                f"{path}, line {number}: {','.join(texts)!r}", "a number in each column", "correct it"
             ) from reason
-    values: Floats = np.array(rows, dtype=np.float64).reshape(-1, 3)
     if not np.isfinite(values).all():
         raise InputError(f"{path}: numbers that are not finite", WANTED, "correct them")
     (row, bounds), (strip, ends) = (_on_grid(path, name, values[:, axis]) for axis, name in enumerate(COLUMNS[:2]))
@@ -59,7 +53,7 @@ def read_pressures(path: Path) -> tuple[PatchGrid, Floats]:
 def _on_grid(path: Path, name: str, values: Floats) -> tuple[Ints, Floats]:
     """Numbers of the cells in which places are, and the ends of these cells."""
     different = np.unique(values)
-    if len(different) < 2 or not np.ptp(values) < MOST_CELLS * np.diff(different).min():
+    if len(different) < 2 or not np.ptp(values) < MAX_CELLS * np.diff(different).min():
         raise _uneven(path, name, different)
     # digits are lost in single differences, not in the whole length
     n = round(float(np.ptp(values) / np.diff(different).min())) + 1
@@ -75,6 +69,6 @@ def _uneven(path: Path, name: str, different: Floats) -> InputError:
     steps = f" in steps from {np.diff(different).min():g} mm" if len(different) > 1 else ""
     return InputError(
         f"{path}: {len(different)} different {name}{steps}",
-        f"places on a regular grid of 2 to {MOST_CELLS} cells",
+        f"places on a regular grid of 2 to {MAX_CELLS} cells",
         "interpolate them to even cells",
     )

@@ -101,17 +101,17 @@ class RollingPatchRun(RunResult):
     @property
     def residuals(self) -> dict[str, float]:
         """See `flangeway.contact.rolling.rolling_result.Rolling.residuals`; none of the fast theories."""
-        found = self.state.forces
-        return found.residuals if isinstance(found, Rolling) else {}
+        forces = self.state.forces
+        return forces.residuals if isinstance(forces, Rolling) else {}
 
     @property
     def energy_error(self) -> float | None:
         """Frictional power less that of forces times creepages, over the power; of the exact theory."""
-        found = self.state.forces
-        if not self.state.rolls or not isinstance(found, Rolling):
+        forces = self.state.forces
+        if not self.state.rolls or not isinstance(forces, Rolling):
             return None
-        power = abs(found.motion.speed) * found.t_gamma
-        return abs(found.frictional_power - power) / (abs(power) + abs(found.rolling_power) or 1.0)
+        power = abs(forces.motion.speed) * forces.t_gamma
+        return abs(forces.frictional_power - power) / (abs(power) + abs(forces.rolling_power) or 1.0)
 
     def parts(self) -> dict[str, Any]:
         """See `RunResult.parts`."""
@@ -120,7 +120,7 @@ class RollingPatchRun(RunResult):
             **values(STATE, self.state),
             **values([ENERGY_ERROR], self),
             "residuals": self.residuals,
-            "theories": [values(BY_THEORY, each) for each in self.theories],
+            "theories": [values(BY_THEORY, theory) for theory in self.theories],
             "notices": self.notices,
         }
 
@@ -246,14 +246,14 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         progress("rolling")
         along, across = (None if force is None else 1e3 * force for force in self._forces)
         exact = roll(contact, self.motion, force_along=along, force_across=across)
-        found = exact if self.rolling_theory == "exact" else FAST[self.rolling_theory](contact, self.motion)
+        forces = exact if self.rolling_theory == "exact" else FAST[self.rolling_theory](contact, self.motion)
         states = [exact, *(theory(contact, exact.motion) for theory in self._theories.values())] if self.rolls else []
         rolled = time.perf_counter()
         curve, notices = self._curve(contact, exact.motion, progress)
         total = time.perf_counter()
         timings = {"pressures": pressed - start, "rolling": rolled - pressed, "curve": total - rolled}
-        notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *found.notices, *notices))]
-        state, *theories = (CreepResult(each, each.motion, contact.force) for each in (found, *states))
+        notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *forces.notices, *notices))]
+        state, *theories = (CreepResult(result, result.motion, contact.force) for result in (forces, *states))
         return RollingPatchRun(self, timings | {"total": total - start}, contact, state, theories, curve, notices)
 
     @property
@@ -275,7 +275,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         if self.semi_axis_along_mm is not None and self.semi_axis_across_mm is not None:
             axes = self.semi_axis_across_mm, self.semi_axis_along_mm
             return RollingContact.under_hertz(axes, force, cells, self._friction, self._materials)
-        modulus = contact_modulus(*(each.plane_modulus for each in self._materials))
+        modulus = contact_modulus(*(material.plane_modulus for material in self._materials))
         hertz = PointContact(force, self.radius_across_mm, self.radius_along_mm, modulus)
         n_rows, n_strips = (n + 2 * MARGIN for n in cells)
         half, strip = hertz.semi_axes[0] * n_rows / cells[0], 2.0 * hertz.semi_axes[1] / cells[1]
@@ -327,11 +327,11 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         motions = [replace(motion, **{name: point}) for point in points.tolist()]
         exact = creep_curve(contact, motions)
         states: dict[str, Sequence[CreepForces]] = {"exact": exact}
-        states |= {theory: [compute(contact, each) for each in motions] for theory, compute in self._theories.items()}
-        failed = sum(not each.status.converged for each in exact)
+        states |= {theory: [compute(contact, step) for step in motions] for theory, compute in self._theories.items()}
+        failed = sum(not point.status.converged for point in exact)
         notices = [f"{failed} of {len(exact)} points of the creep curve by the exact theory did not converge"]
         curve = {
-            theory: [CreepResult(each, each.motion, contact.force) for each in forces]
+            theory: [CreepResult(point, point.motion, contact.force) for point in forces]
             for theory, forces in states.items()
         }
         return curve, notices[:failed]

@@ -16,13 +16,13 @@ from flangeway.cases.summary import RunResult
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError, located
 from flangeway.formats import DrawnSection, read_section
+from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.formats.outline_files import ENDINGS
 from flangeway.geometry import Arc, Section
 from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
 from flangeway.mesh.sizing import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.profiles.bundled import bundled_section
-from flangeway.railway.profiles.orientation import UNITS_MM
 from flangeway.results import Result, ResultTable
 from flangeway.solve import Status
 from flangeway.space import Space
@@ -32,8 +32,8 @@ from flangeway.system.versions import versions
 SOLVED = Status(True, "both formulations of torsion are solved", 1)
 STEEL_KG_M3 = 7850.0
 _USUAL_TRIANGLES = 3000
-_MOST_TRIANGLES = 30_000
-_MOST_EDGES = 10_000
+_MAX_TRIANGLES = 30_000
+_MAX_EDGES = 10_000
 _CELLS_ACROSS_WALL = 4.0
 _SAGITTA = 1e-4  # of the mean thickness: chords then change the torsion constant by about 1e-4 of it
 _WORTHWHILE = 0.6  # chords hardly shorter than the size are not worth a refinement of their own
@@ -179,9 +179,9 @@ def usual_size(section: Section) -> float:
     Limits of 30,000 triangles and 10,000 edges on the boundary keep foils from taking minutes.
     """
     per_triangle = section.area / (0.25 * math.sqrt(3.0))
-    compact, smallest = math.sqrt(per_triangle / _USUAL_TRIANGLES), math.sqrt(per_triangle / _MOST_TRIANGLES)
+    compact, smallest = math.sqrt(per_triangle / _USUAL_TRIANGLES), math.sqrt(per_triangle / _MAX_TRIANGLES)
     boundary = sum(region.boundary_length for region in section.regions)
-    return max(min(section.mean_thickness / _CELLS_ACROSS_WALL, compact), smallest, boundary / _MOST_EDGES)
+    return max(min(section.mean_thickness / _CELLS_ACROSS_WALL, compact), smallest, boundary / _MAX_EDGES)
 
 
 def section_mesh(section: Section, size: float, method: str) -> PolyMesh:
@@ -212,13 +212,13 @@ def _along_arcs(section: Section, size: float) -> list[Refinement]:
         for arc in loop.segments
         if isinstance(arc, Arc)
     }
-    found = []
+    refinements = []
     for arc in arcs.values():
         chord = math.sqrt(8.0 * arc.radius * sagitta)
         if chord < _WORTHWHILE * size:
             n_chords = max(math.ceil(arc.length / chord), 2)
-            found.append(Refinement(arc.point(np.linspace(0.0, 1.0, n_chords + 1)), chord, _GROWTH))
-    return found
+            refinements.append(Refinement(arc.point(np.linspace(0.0, 1.0, n_chords + 1)), chord, _GROWTH))
+    return refinements
 
 
 def _n_pieces(mesh: PolyMesh) -> int:
@@ -317,16 +317,16 @@ def _bending(drawn: DrawnSection, constants: SectionConstants) -> dict[str, dict
     """Return radii of gyration, and second moments over the distance of the outermost points on each side."""
     unit, (xx, yy, _) = drawn.unit, constants.second_moments
     radii = {"xx": math.sqrt(xx / constants.area), "yy": math.sqrt(yy / constants.area)}
-    found = {f"radii_of_gyration_{unit}": radii}
+    properties = {f"radii_of_gyration_{unit}": radii}
     if len(drawn.section.parts) == 1:  # of several materials each has a stress of its own
         low, high = np.abs(drawn.section.bounds() - constants.centroid).tolist()
-        found[f"section_moduli_{unit}3"] = {
+        properties[f"section_moduli_{unit}3"] = {
             "top": xx / high[1],
             "bottom": xx / low[1],
             "right": yy / high[0],
             "left": yy / low[0],
         }
-    return found
+    return properties
 
 
 def _angle_deg(angle_rad: float) -> float:

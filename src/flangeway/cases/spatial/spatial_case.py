@@ -225,12 +225,12 @@ class SpatialCase(RunnableCase):
         for name, given in (("held_edges", table.held_edges), ("foundation_edges", table.foundation_edges)):
             if given is not None:
                 supports[name] = f"{key}.{name}"
-                mesh = mesh.with_edge_set(f"{key}.{name}", np.vstack([mesh.edge_set(each) for each in _list(given)]))
+                mesh = mesh.with_edge_set(f"{key}.{name}", np.vstack([mesh.edge_set(edges) for edges in _list(given)]))
         if (table.foundation_edges is None) != (table.foundation_N_mm3 is None):
             raise InputError(f"{key} with one of foundation_edges and foundation_N_mm3", "both or none", "give both")
         names = _list(table.contact_edges)
         chain = mesh.chain(*names).astype(np.int64)
-        material = {name: elastic(each, "plane-strain") for name, each in table.materials.items()}
+        material = {name: elastic(material, "plane-strain") for name, material in table.materials.items()}
         problem = Harmonic(
             Elasticity(
                 Space(mesh, elements_of(table)),

@@ -27,7 +27,7 @@ class SpatialPreset(PresetCase):
         """See `PresetCase.general`."""
         own = {"young_MPa": self.young_MPa, "poisson": self.poisson, "method": self.method, "order": self.order}
         values = self.tables()
-        return SpatialCase.from_values(values | {"bodies": [each | own for each in values["bodies"]]})
+        return SpatialCase.from_values(values | {"bodies": [body | own for body in values["bodies"]]})
 
     def tables(self) -> dict[str, Any]:
         """Inputs of the general case, without material and elements."""

@@ -51,7 +51,7 @@ THEORIES: dict[Theory, str] = {
 }
 
 
-class SpatialWheelsetCase(WheelsetInputs, FrictionInputs, RunnableCase):
+class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     """A wheelset on two rails, by default in three dimensions on standard gauge."""
 
     name = "wheelset"
@@ -349,7 +349,7 @@ def wheelset(**inputs: Any) -> WheelsetRun:
     Returns
     -------
     WheelsetRun
-        What it found, which shows itself in a notebook.
+        The result, which shows itself in a notebook.
 
     Raises
     ------

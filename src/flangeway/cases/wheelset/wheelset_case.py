@@ -145,9 +145,9 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
             *self.derived(),
             *profile_notes(track, wheelset),
             *(
-                f"Linear elastic, isotropic {name}: Young's modulus {each.young:g} MPa, Poisson's ratio "
-                f"{each.poisson:g}; no yielding, however high the stress."
-                for name, each in materials.items()
+                f"Linear elastic, isotropic {name}: Young's modulus {material.young:g} MPa, Poisson's ratio "
+                f"{material.poisson:g}; no yielding, however high the stress."
+                for name, material in materials.items()
             ),
             "Contact without friction.",
             *([CONFORMING] if any(patch.hertz is None for patch in result.patches) else []),

@@ -100,7 +100,7 @@ class WheelsetInputs(Case):
         None,
         gt=0.0,
         description="distance between the wheels' inner faces (default by gauge): "
-        + ", ".join(f"{each.back_to_back_mm:g} for {each.gauge_mm:g}" for each in USUAL_GAUGES),
+        + ", ".join(f"{gauge.back_to_back_mm:g} for {gauge.gauge_mm:g}" for gauge in USUAL_GAUGES),
     )
     wheel_radius_mm: float = Field(Wheelset.radius_mm, ge=150.0)
     """distance from the axle to the position wheel_radius_at"""
@@ -168,8 +168,8 @@ class WheelsetInputs(Case):
         for wheel in run.wheels:
             ordered = sorted(wheel.patches, key=lambda patch: -float(patch.patch.rail_point_mm[0]))
             for number, patch in enumerate(ordered, 1):
-                found = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
-                rows.append({"side": wheel.side, "number": number} | found)
+                row = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
+                rows.append({"side": wheel.side, "number": number} | row)
         return rows
 
     def warnings_of(self, run: Any) -> list[str]:
@@ -308,15 +308,17 @@ class WheelsetInputs(Case):
         """
         name = getattr(self, key)
         names = [f"{key}_unit", f"{key}_mirror", f"{key}_tape_mm", position_key(key)]
-        options = {each.removeprefix(f"{key}_"): getattr(self, each, None) for each in names}
-        options_given = [f"{key}_{each}" for each, value in options.items() if value not in (None, False)]
+        options = {name.removeprefix(f"{key}_"): getattr(self, name, None) for name in names}
+        options_given = [f"{key}_{option}" for option, value in options.items() if value not in (None, False)]
         if name is None and options_given:
             raise InputError(
                 f"{' and '.join(options_given)} without {key}", f"{key} with a file", f"give {key}, or leave it out"
             )
         right = key.removeprefix("left_")
         if name == getattr(self, right):  # the same file has the same unit
-            options = {each: getattr(self, f"{right}_{each}", None) if v is None else v for each, v in options.items()}
+            options = {
+                option: getattr(self, f"{right}_{option}", None) if v is None else v for option, v in options.items()
+            }
         return ReadOptions(
             unit=options["unit"],
             mirror=options["mirror"],

@@ -64,10 +64,10 @@ def rail_named(
         _refuse_other_kind(name, "rail")
         _refuse_options(name, options, key)
         return rail(name, crown_radius_in=crown_radius_in)
-    found = _from_file(name, "rail", body, other, options, key)
-    if not isinstance(found, RailProfile):
+    profile = _from_file(name, "rail", body, other, options, key)
+    if not isinstance(profile, RailProfile):
         raise TypeError("a rail's file gives a rail")
-    return found
+    return profile
 
 
 def wheel_named(
@@ -84,10 +84,10 @@ def wheel_named(
         if name == IDENTIFIED:
             return identified_wheel()
         return wheel(name)
-    found = _from_file(name, "wheel", body, other, options, key)
-    if not isinstance(found, WheelProfile):
+    profile = _from_file(name, "wheel", body, other, options, key)
+    if not isinstance(profile, WheelProfile):
         raise TypeError("a wheel's file gives a wheel")
-    return found
+    return profile
 
 
 def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
@@ -142,7 +142,7 @@ def with_body(
     try:
         return on_plain_body(measured) if body == PLAIN else _joined(measured, body).profile
     except InputError as reason:
-        others = [each for each in bodies if each != body and _fits(measured, each)]
+        others = [other_body for other_body in bodies if other_body != body and _fits(measured, other_body)]
         advice = (
             f"flangeway profile {name} --join {body} shows how it is read; options give what the file does not contain"
         )
@@ -169,14 +169,14 @@ def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProf
         if "--kind" in reason.allowed:
             try:
                 measured = read_profile(name, replace(options, kind=kind))
-                return replace(measured, notices=tuple(_as_keys(each, key) for each in measured.notices))
+                return replace(measured, notices=tuple(_as_keys(notice, key) for notice in measured.notices))
             except InputError as second:
                 reason = second
         given, allowed, advice = (_as_keys(text, key) for text in (reason.given, reason.allowed, reason.advice))
         if "--" in f"{allowed} {advice}":
             advice += f": options of `flangeway profile {name}`, whose --to writes a file for {kind}"
         raise InputError(f"{key} = {given}", allowed, advice) from reason
-    return replace(measured, notices=tuple(_as_keys(each, key) for each in measured.notices))
+    return replace(measured, notices=tuple(_as_keys(notice, key) for notice in measured.notices))
 
 
 def _fits(measured: MeasuredProfile, body: str) -> bool:
@@ -218,12 +218,12 @@ def _means_file(name: str) -> bool:
 def profile_notes(track: Track, wheelset: Wheelset) -> list[str]:
     """Return how far the profiles can be trusted, and what was assumed when their files were read, in sentences."""
     both: tuple[Side, Side] = ("right", "left")
-    wheels = [("Wheel", each) for each in dict.fromkeys(wheelset.wheel_of(side) for side in both)]
-    rails = [("Rail", each) for each in dict.fromkeys(track.rail_of(side) for side in both)]
+    wheels = [("Wheel", profile) for profile in dict.fromkeys(wheelset.wheel_of(side) for side in both)]
+    rails = [("Rail", profile) for profile in dict.fromkeys(track.rail_of(side) for side in both)]
     profiles: list[tuple[str, RailProfile | WheelProfile]] = [*wheels, *rails]
-    notices = [(notice, each.title) for _, each in profiles for notice in each.notices]
+    notices = [(notice, profile.title) for _, profile in profiles for notice in profile.notices]
     return [
-        *(f"{word} {each.title}. {each.certainty}" for word, each in profiles),
+        *(f"{word} {profile.title}. {profile.certainty}" for word, profile in profiles),
         *(f"{notice} ({title})" for notice, title in notices if not notice.startswith((MIRRORED, FIELD_WORN))),
     ]
 
@@ -234,6 +234,6 @@ def side_warnings(track: Track) -> list[str]:
     for side, key in (("right", "rail"), ("left", "left_rail")):
         if side == "right" or not track.is_symmetric:
             one = track.rail_of("left" if side == "left" else "right")
-            found = [each for each in one.notices if each.startswith(MIRRORED)]
-            warnings += [_as_keys(each, key) for each in found or side_notices(one.running_surface)]
+            mirrored = [notice for notice in one.notices if notice.startswith(MIRRORED)]
+            warnings += [_as_keys(notice, key) for notice in mirrored or side_notices(one.running_surface)]
     return warnings

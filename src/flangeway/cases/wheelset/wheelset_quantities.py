@@ -79,13 +79,13 @@ class PlanePatchResult:
     @cached_property
     def below(self) -> dict[Role, tuple[SubsurfaceExtreme, SubsurfaceExtreme]]:
         """Maximum in-plane shear and von Mises stress on the normals below the centre of pressure."""
-        found = {}
+        maxima = {}
         for role in ROLES:
             line = stresses_below(self.result, self.patch, role)
             both = line.stresses.in_plane_shear, line.stresses.von_mises
             shear, mises = (maximum_on(line.distances, values, SEARCHED) for values in both)
-            found[role] = shear, mises
-        return found
+            maxima[role] = shear, mises
+        return maxima
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,9 +161,9 @@ class PatchResult:
 
     def maximum(self, role: Role, name: str) -> tuple[float, float, Floats]:
         """Maximum of a stress in the volume below, MPa, its depth in mm, and its point in the track's axes."""
-        found = getattr(self.fields[role], name)
-        point = self.patch.points_below(role, *(np.array([entry]) for entry in found.position))[0]
-        return found.value, found.position[1], point
+        extreme = getattr(self.fields[role], name)
+        point = self.patch.points_below(role, *(np.array([entry]) for entry in extreme.position))[0]
+        return extreme.value, extreme.position[1], point
 
     def below_centre(self, role: Role) -> tuple[float, float]:
         """Maximum von Mises stress on the normal below the centre, MPa, and its depth in mm."""
@@ -394,6 +394,9 @@ CREEP_FURTHER: tuple[Quantity[PatchResult], ...] = (
     *map(_creep, FIELDS),
 )
 """CREEP_MAIN, CREEP_FURTHER: numbers of a patch that rolls, those of the table of results and further ones."""
+MAX_VON_MISES, MAX_VON_MISES_DEPTH = _greater(
+    "max_von_mises", "maximum von Mises stress", lambda p, role: p.maximum(role, "max_von_mises")
+)
 SPATIAL_MAIN: tuple[Quantity[PatchResult], ...] = (
     NORMAL,
     PRESSURE,
@@ -405,7 +408,8 @@ SPATIAL_MAIN: tuple[Quantity[PatchResult], ...] = (
     ON_RAIL,
     ON_WHEEL,
     LONGITUDINAL,
-    *_greater("max_von_mises", "maximum von Mises stress", lambda p, role: p.maximum(role, "max_von_mises")),
+    MAX_VON_MISES,
+    MAX_VON_MISES_DEPTH,
 )
 SPATIAL_FURTHER: tuple[Quantity[PatchResult], ...] = (
     *FORCES[1:],

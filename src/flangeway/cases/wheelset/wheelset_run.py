@@ -134,7 +134,7 @@ class WheelsetRun(RunResult):
     def parts(self) -> dict[str, Any]:
         """See `RunResult.parts`."""
         result, space = self.result, self.in_space
-        found: dict[str, Any] = {
+        content: dict[str, Any] = {
             "position": values(POSITION, result),
             "load": values(LOAD, self.problem.load),
             "residual": values(RESIDUAL, result.equilibrium.residuals),
@@ -142,7 +142,7 @@ class WheelsetRun(RunResult):
             "patches": [values(self.patch_quantities, patch) for patch in self.patches],
         }
         if space is not None:
-            found["rolling"] = values(ROLLING, space) if space.rolling else None
+            content["rolling"] = values(ROLLING, space) if space.rolling else None
         elif isinstance(result, WheelsetResult):
-            found["bodies"] = [values(MESH, body) for body in result.model.bodies]
-        return found | {"assumptions": self.case.assumptions(result), "warnings": self.warnings}
+            content["bodies"] = [values(MESH, body) for body in result.model.bodies]
+        return content | {"assumptions": self.case.assumptions(result), "warnings": self.warnings}

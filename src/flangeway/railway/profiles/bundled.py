@@ -131,7 +131,7 @@ def bundled_name(name: str) -> str:
     plain = _plain(name)
     plain = _OTHER_NAMES.get(plain, plain)
     names = (*SECTIONS, REFERENCE_RAIL, *WHEELS, *REFERENCE_WHEELS)
-    return next((each for each in names if _plain(each) == plain), name)
+    return next((known for known in names if _plain(known) == plain), name)
 
 
 def _plain(name: str) -> str:
@@ -170,7 +170,7 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     radii = _RAIL_FILES[name]
     radius = next(iter(radii)) if crown_radius_in is None else float(crown_radius_in)
     if radius not in radii:
-        known = ", ".join(f"{each:g}" for each in sorted(each for each in radii if each is not None))
+        known = ", ".join(f"{radius:g}" for radius in sorted(radius for radius in radii if radius is not None))
         raise InputError(
             f"crown_radius_in = {crown_radius_in:g} for {name}",
             f"one of {known}" if known else "no crown radius: this rail has one crown",
@@ -290,7 +290,7 @@ def _reference_rail() -> RailProfile:
 
 
 def _s1002() -> WheelProfile:
-    found = _wheel_below(
+    profile = _wheel_below(
         s1002_contour(),
         title="S1002",
         certainty=(
@@ -299,7 +299,7 @@ def _s1002() -> WheelProfile:
         ),
         source="EN 13715, S1002: formulas and coefficients as in public programs, the same in six of them.",
     )
-    return replace(found, fine=s1002_contour(FINE_TOLERANCE_MM))
+    return replace(profile, fine=s1002_contour(FINE_TOLERANCE_MM))
 
 
 def _heavy_haul() -> WheelProfile:
@@ -376,14 +376,14 @@ def bundled_section(name: str) -> DrawnSection:
 
     An `InputError` if there is none of that name; the message lists those there are.
     """
-    found = bundled_name(name)
-    if found not in SECTIONS:
+    key = bundled_name(name)
+    if key not in SECTIONS:
         near = difflib.get_close_matches(name.upper(), SECTIONS, n=1, cutoff=0.75)
         raise InputError(
             f"a section called {name!r}",
             f"{', '.join(SECTIONS)}, or a file that ends with .toml, .csv or .dxf",
             f"did you mean {near[0]}?" if near else "give one of these names or a file",
         )
-    rail_name, radius = SECTIONS[found]
+    rail_name, radius = SECTIONS[key]
     profile = rail(rail_name, crown_radius_in=radius)
     return DrawnSection(profile.title, Section({"section": Region(profile.outline)}), "mm", certainty=profile.certainty)

@@ -37,7 +37,7 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
         isinstance(narrow, Arc)
         and isinstance(wide, Arc)
         and isinstance(tip, Arc)
-        and all(isinstance(each, Line) for each in (tread, face, land))
+        and all(isinstance(segment, Line) for segment in (tread, face, land))
     ):
         raise InputError(f"another flange root for {profile.title}", "AAR-1B", "leave it out")
     assert tread is not None and face is not None and land is not None  # noqa: PT018 (for the checker of types)
@@ -113,16 +113,16 @@ def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfi
 
 def identified_wheel() -> WheelProfile:
     """Return the AAR-1B whose flange root was identified; see `IDENTIFIED_RADIUS_MM`."""
-    found = with_flange_root(wheel("AAR-1B"), IDENTIFIED_RADIUS_MM)
+    profile = with_flange_root(wheel("AAR-1B"), IDENTIFIED_RADIUS_MM)
     return replace(
-        found,
+        profile,
         title=IDENTIFIED,
         certainty=(
             "Identified: taper, height, thickness and angle of the flange and width of the rim agree with the "
             f"standard's figures; the wide arc of the flange root, {IDENTIFIED_RADIUS_MM:g} mm, is the one with which "
             "one published position comes out."
         ),
-        source=f"{found.source} The wide arc: from the lateral translation of VO2 in Table 16 of Moherdaui (2021).",
+        source=f"{profile.source} The wide arc: from the lateral translation of VO2 in Table 16 of Moherdaui (2021).",
     )
 
 

@@ -2,7 +2,7 @@
 
 The rule: the measured surface is kept whole. From each of its ends a straight transition leads to the nominal outline,
 to the point that lies beyond the end's foot on that outline by a blend: four times the distance between the end and its
-foot, at least `LEAST_BLEND_MM` and at most `MAX_BLEND_MM`. The nominal
+foot, at least `MIN_BLEND_MM` and at most `MAX_BLEND_MM`. The nominal
 outline closes the body from there. The ends may be no further from the nominal outline than the limits below: else the
 origin is wrong, or it is the profile of another rail or wheel.
 
@@ -36,7 +36,7 @@ from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origi
 from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, extent, graphs_of
 from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between, point_at
 
-LEAST_BLEND_MM = 1.0
+MIN_BLEND_MM = 1.0
 MAX_BLEND_MM = 12.0
 BLEND_FACTOR = 4.0
 MAX_GAP_MM = 4.0
@@ -276,12 +276,12 @@ def nominal_profile(name: str) -> RailProfile | WheelProfile:
 
     An `InputError` if there is none of that name.
     """
-    found = bundled_name(name)
-    if found in (*WHEELS, *REFERENCE_WHEELS):
-        return wheel(found)
-    if found not in (*SECTIONS, REFERENCE_RAIL):
+    known = bundled_name(name)
+    if known in (*WHEELS, *REFERENCE_WHEELS):
+        return wheel(known)
+    if known not in (*SECTIONS, REFERENCE_RAIL):
         raise InputError(f"a rail or wheel called {name!r}", BUNDLED_NAMES, "choose one of them, or give a file")
-    rail_name, radius = SECTIONS.get(found, (found, None))
+    rail_name, radius = SECTIONS.get(known, (known, None))
     return rail(rail_name, crown_radius_in=radius)
 
 
@@ -326,7 +326,7 @@ def _field_side(head: Contour) -> FloatArray:
 
 def _lean(surface: Contour, nominal: RailProfile) -> tuple[str, ...]:
     """Report a head whose field side, which does not wear, is not parallel to that of the nominal rail."""
-    sides = [_field_side(each) for each in (surface, nominal.outline.part(nominal.head_names))]
+    sides = [_field_side(head) for head in (surface, nominal.outline.part(nominal.head_names))]
     low = float(sides[0][:, 1].min())
     slopes = []
     for side in sides:
@@ -440,7 +440,7 @@ def _joints(
                 "check --origin, --mirror and the name after --join"
                 + ("" if is_rail else ", and the tape line: --tape"),
             )
-        blend = min(max(LEAST_BLEND_MM, BLEND_FACTOR * gap), MAX_BLEND_MM)
+        blend = min(max(MIN_BLEND_MM, BLEND_FACTOR * gap), MAX_BLEND_MM)
         place = (foot_place + sense * blend) % total
         places.append(place)
         joints.append(Joint(end, foot, point_at(nominal.outline, lengths, place), gap, names[i]))

@@ -60,16 +60,16 @@ def _wheel(points: FloatArray) -> dict[str, float]:
     lowest = float(points[tip, 1])
     if tip in (0, len(points) - 1) or lowest > -FACE_MM - TIP_MM or points[:, 0].max() < 0.0:
         return {}
-    found = {"flange_height_mm": -lowest}
+    measures = {"flange_height_mm": -lowest}
     front = points[tip:] if points[-1, 0] > points[tip, 0] else points[tip::-1]
     back = points[: tip + 1] if points[-1, 0] > points[tip, 0] else points[tip:]
     face, top = _first_x(front, -FACE_MM), _first_x(front, lowest + TIP_MM)
     if face is not None and top is not None:
-        found["flange_slope_mm"] = face - top
+        measures["flange_slope_mm"] = face - top
     # the back has to be seen, not the tip's rounding alone
     if face is not None and back[:, 1].max() > lowest + FACE_MM:
-        found["flange_thickness_mm"] = face - float(back[:, 0].min())
-    return found
+        measures["flange_thickness_mm"] = face - float(back[:, 0].min())
+    return measures
 
 
 def _rail(points: FloatArray) -> dict[str, float]:
@@ -78,22 +78,22 @@ def _rail(points: FloatArray) -> dict[str, float]:
     first, second = _first_x(points[top::-1], level), _first_x(points[top:], level)
     if first is None or second is None:
         return {}
-    found = {"head_width_mm": abs(second - first)}
+    measures = {"head_width_mm": abs(second - first)}
     # faces may lean inwards below their widest place: each side counts as far as it goes down
     sides = points[points[:, 0] <= points[top, 0]], points[points[:, 0] > points[top, 0]]
     low = max(float(points[top, 1]) - _DEEPEST_MM, *(float(side[:, 1].min()) + _SPACING_MM for side in sides))
-    left, right = (_first_x(each, low) for each in (points[top::-1], points[top:]))
+    left, right = (_first_x(side, low) for side in (points[top::-1], points[top:]))
     if left is None or right is None:
-        return found
+        return measures
     left, right = sorted((left, right))
     middle = 0.5 * (left + right)
     order = np.argsort(points[:, 0])
     for name, sign, side_x in (("gauge", -1.0, min(first, second)), ("field", 1.0, max(first, second))):
         at = middle + sign * SIDE_MM
         if left < at < right:
-            found[f"{name}_drop_mm"] = float(points[top, 1] - np.interp(at, points[order, 0], points[order, 1]))
-            found[f"{name}_half_width_mm"] = sign * (side_x - middle)
-    return found
+            measures[f"{name}_drop_mm"] = float(points[top, 1] - np.interp(at, points[order, 0], points[order, 1]))
+            measures[f"{name}_half_width_mm"] = sign * (side_x - middle)
+    return measures
 
 
 def worn_side(points: FloatArray) -> WornSide | None:
@@ -102,14 +102,14 @@ def worn_side(points: FloatArray) -> WornSide | None:
     Compared are both sides' drops below the top and both sides' half widths, see `measures`: a worn corner drops more,
     a worn face is nearer to the middle. A head that was measured inclined drops more at the gauge side as well.
     """
-    found = _rail(points)
-    if "gauge_drop_mm" not in found or "field_drop_mm" not in found:
+    measures = _rail(points)
+    if "gauge_drop_mm" not in measures or "field_drop_mm" not in measures:
         return None
-    drop = found["gauge_drop_mm"] - found["field_drop_mm"]
-    width = found["field_half_width_mm"] - found["gauge_half_width_mm"]
+    drop = measures["gauge_drop_mm"] - measures["field_drop_mm"]
+    width = measures["field_half_width_mm"] - measures["gauge_half_width_mm"]
     more, measure = max(
         (drop, f"drop {SIDE_MM:g} mm from the middle"), (width, f"half width {HEAD_MM:g} mm below the top"),
-        key=lambda each: abs(each[0]),
+        key=lambda pair: abs(pair[0]),
     )  # fmt: skip
     return None if abs(more) < WORN_MM else WornSide("gauge side" if more > 0.0 else "field side", abs(more), measure)
 
@@ -207,6 +207,6 @@ def _curvatures(surface: Contour, point: ArrayLike, along: FloatArray) -> FloatA
     numbers, parameters, _ = surface.closest(np.atleast_2d(point))
     i = int(numbers[0])
     start = lengths[i] - (1.0 - float(parameters[0])) * surface.segments[i].length
-    found = np.minimum(np.searchsorted(lengths, start + along), len(lengths) - 1)
-    curvatures: FloatArray = np.array([segment.curvature for segment in surface.segments])[found]
+    ends = np.minimum(np.searchsorted(lengths, start + along), len(lengths) - 1)
+    curvatures: FloatArray = np.array([segment.curvature for segment in surface.segments])[ends]
     return curvatures

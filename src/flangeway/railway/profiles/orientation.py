@@ -10,18 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.errors import InputError
+from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.geometry import FloatArray
 from flangeway.railway.profiles.formats.miniprof import TAPE_MM
 from flangeway.railway.profiles.formats.raw_profile import KINDS, RAIL_ORIGINS, WHEEL_ORIGINS, Kind, Origin, RawProfile
-from flangeway.railway.profiles.smoothing import FEWEST_POINTS
+from flangeway.railway.profiles.smoothing import MIN_POINTS
 
-UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}  # lengths of the units in mm
 TREAD_OFF_MM = 0.05  # height of the tread at the tape line above which a wheel is moved to have it at zero
 
-_LEAST_DROP_MM = 4.0
-_LEAST_END_DROP_MM = 3.0
+_MIN_DROP_MM = 4.0
+_MIN_END_DROP_MM = 3.0
 _NECK_MM = 10.0
-_LEAST_FLANGE_MM = 15.0
+_MIN_FLANGE_MM = 15.0
 _TREAD_FROM_MM = 40.0
 _TREAD_MM = 30.0
 _TREAD_DROP_MM = 12.0
@@ -131,8 +131,8 @@ def orientation(
         shift = (-x_sign * given[0] * scale, -y_sign * given[1] * scale)
         label, how["origin"] = f"{given[0]:g},{given[1]:g}", "given"
     else:
-        found = _origin(raw, agreed_kind, placed, origin, how)
-        label = found
+        at_origin = _origin(raw, agreed_kind, placed, origin, how)
+        label = at_origin
         shift = (0.0, 0.0)
     if agreed_kind == "wheel":
         tape = _tape(raw, tape_mm, label == "flange-back", how)
@@ -318,14 +318,14 @@ def _half_head(points: FloatArray) -> _Shape | None:
     """Tell up and down of a head of which one side is missing: its ends are lower than its middle."""
     ends = 0.5 * float(points[0, 1] + points[-1, 1])
     lower = float(np.median(points[:, 1])) - ends
-    return None if abs(lower) < _LEAST_END_DROP_MM else _Shape("rail", lower > 0.0, 0.0)
+    return None if abs(lower) < _MIN_END_DROP_MM else _Shape("rail", lower > 0.0, 0.0)
 
 
 def _bump(x: FloatArray, height: FloatArray) -> tuple[int, int, int] | None:
     """Numbers of the highest point and of the places beside it that are lower by the neck, None without such places."""
     top = int(np.argmax(height))
     drop = min(float(height[top] - height[: top + 1].min()), float(height[top] - height[top:].min()))
-    if drop < _LEAST_DROP_MM or len(x) < FEWEST_POINTS:
+    if drop < _MIN_DROP_MM or len(x) < MIN_POINTS:
         return None
     level = height[top] - min(_NECK_MM, 0.9 * drop)
     left, right = np.flatnonzero(height[:top] < level), np.flatnonzero(height[top:] < level)
@@ -339,7 +339,7 @@ def _tread_side(points: FloatArray, sign: float) -> float:
     near = slice(0, int(passed[0]) + 1 if len(passed) else len(points))
     beside = away[near] >= _TREAD_FROM_MM
     depth = sign * (points[0, 1] - points[near, 1][beside])
-    if len(depth) < 2 or depth.min() < _LEAST_FLANGE_MM or np.ptp(depth) > _TREAD_DROP_MM:
+    if len(depth) < 2 or depth.min() < _MIN_FLANGE_MM or np.ptp(depth) > _TREAD_DROP_MM:
         return 0.0
     if np.ptp(points[near, 0][beside]) < 0.5 * _TREAD_MM:
         return 0.0

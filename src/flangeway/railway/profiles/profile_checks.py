@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
-from flangeway.railway.profiles.smoothing import FEWEST_POINTS, noise_um
+from flangeway.railway.profiles.smoothing import MIN_POINTS, noise_um
 
 SAME_MM = 0.01  # neighbours nearer than this are one point given twice
 LENGTHS_MM = (5.0, 1000.0)  # lengths along a profile, for a unit that the file or the user names
@@ -15,12 +15,12 @@ USUAL_LENGTHS_MM = (40.0, 500.0)  # lengths along a profile, for a unit that is 
 
 UNITS_TO_GUESS = {"in": 25.4, "m": 1000.0, "cm": 10.0}
 
-WIDEST_GAP_MM = 25.0
+MAX_GAP_MM = 25.0
 _SMALL_GAP_MM = 5.0
 _TURN_OVER_GAP_DEG = 12.0
 _FOLD_DEG = 100.0
 _MAX_FOLD_MM = 1.0
-_MOST_FOLDED = 20
+_MAX_FOLDED = 20
 _HOOK = 3  # points at the end of a file that may be a stray stroke
 _OUTLIER_UM = 100.0
 MAX_OUTLIERS = 0.05  # part of the points that may be off the curve
@@ -51,9 +51,9 @@ def checked_points(points: FloatArray, lines: Lines, *, unit_is_sure: bool) -> t
 
 
 def _refuse_few(points: FloatArray) -> None:
-    if len(points) < FEWEST_POINTS:
+    if len(points) < MIN_POINTS:
         raise InputError(
-            f"{len(points)} points", f"{FEWEST_POINTS} or more", "give the whole profile; hundreds of points are usual"
+            f"{len(points)} points", f"{MIN_POINTS} or more", "give the whole profile; hundreds of points are usual"
         )
 
 
@@ -109,8 +109,8 @@ def _outliers(points: FloatArray) -> NDArray[np.int64]:
     apart = np.zeros(len(points), dtype=np.bool_)
     apart[2:-2] = np.hypot(*(points[3:-1] - points[1:-3]).T) > 0.7 * np.minimum(steps[:-3], steps[3:])
     least = 1e-3 * max(_OUTLIER_UM, 10.0 * noise_um(points))
-    found: NDArray[np.int64] = np.flatnonzero((out > least) & (out > 6.0 * without) & apart)
-    return found
+    outliers: NDArray[np.int64] = np.flatnonzero((out > least) & (out > 6.0 * without) & apart)
+    return outliers
 
 
 def _off_line(points: FloatArray, starts: FloatArray, ends: FloatArray) -> FloatArray:
@@ -123,18 +123,20 @@ def _off_line(points: FloatArray, starts: FloatArray, ends: FloatArray) -> Float
 
 
 def _without_outliers(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[str]]:
-    found = _outliers(points)
-    if not len(found):
+    outliers = _outliers(points)
+    if not len(outliers):
         return points, lines, []
-    x, y = points[found[0]]
-    what = f"line {lines[found[0]]}: the point ({x:.6g}, {y:.6g}) mm"
-    if len(found) > MAX_OUTLIERS * len(points):
-        raise InputError(f"{len(found)} points off the curve, the first in {what}", "a smooth curve", "measure again")
-    kept = np.setdiff1d(np.arange(len(points)), found)
+    x, y = points[outliers[0]]
+    what = f"line {lines[outliers[0]]}: the point ({x:.6g}, {y:.6g}) mm"
+    if len(outliers) > MAX_OUTLIERS * len(points):
+        raise InputError(
+            f"{len(outliers)} points off the curve, the first in {what}", "a smooth curve", "measure again"
+        )
+    kept = np.setdiff1d(np.arange(len(points)), outliers)
     return (
         points[kept],
         lines[kept],
-        [f"{len(found)} of {len(points)} points off the curve are left out, the first in {what}."],
+        [f"{len(outliers)} of {len(points)} points off the curve are left out, the first in {what}."],
     )
 
 
@@ -154,7 +156,7 @@ def _without_folds(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines,
                 f"The last {len(points) - i} of {len(points)} points turn back and are left out, from line {lines[i]}."
             )
             return points[kept], lines[kept], [notice]
-        if math.dist(points[i], last) > _MAX_FOLD_MM or len(dropped) > _MOST_FOLDED:
+        if math.dist(points[i], last) > _MAX_FOLD_MM or len(dropped) > _MAX_FOLDED:
             x, y = last
             raise InputError(
                 f"line {lines[i]}: the points turn back at ({x:.6g}, {y:.6g}) mm",
@@ -186,9 +188,9 @@ def _gaps(points: FloatArray, lines: Lines) -> list[str]:
         around = [d for d in (before, after) if np.hypot(*d) > 0.0]
         turn = max(float(_turns_deg(steps[i][None], d[None])[0]) for d in around) if around else 180.0
         at_end = len(around) < 2
-        if lengths[i] > WIDEST_GAP_MM or turn > _TURN_OVER_GAP_DEG or at_end:
+        if lengths[i] > MAX_GAP_MM or turn > _TURN_OVER_GAP_DEG or at_end:
             raise InputError(
-                gap, f"gaps up to {WIDEST_GAP_MM:g} mm, and only where the profile is straight", "measure it again"
+                gap, f"gaps up to {MAX_GAP_MM:g} mm, and only where the profile is straight", "measure it again"
             )
         notices.append(f"{gap[0].upper()}{gap[1:]}, is bridged: the profile is straight there.")
     return notices

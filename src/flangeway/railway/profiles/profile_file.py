@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
+from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Segment, as_point
 from flangeway.railway.profiles.formats.miniprof import TAPE_MM, read_miniprof, write_miniprof
 from flangeway.railway.profiles.formats.raw_profile import Kind, RawProfile
@@ -24,7 +25,7 @@ from flangeway.railway.profiles.formats.simpack import read_simpack, write_simpa
 from flangeway.railway.profiles.formats.slice_files import SLICES, UNITS, read_slices
 from flangeway.railway.profiles.formats.two_column import one_line, read_two_column, write_two_column
 from flangeway.railway.profiles.measures import left_hand, seen_back_mm, worn_side
-from flangeway.railway.profiles.orientation import UNITS_MM, Orientation, agreed_unit, orientation
+from flangeway.railway.profiles.orientation import Orientation, agreed_unit, orientation
 from flangeway.railway.profiles.profile_checks import checked_points, refuse_length
 from flangeway.railway.profiles.smoothing import USUAL_WAVELENGTH_MM, Smoothing, smoothed
 from flangeway.system.file_content import file_content
@@ -175,8 +176,8 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
             position = slices.wanted(given.position)
             stem = f"{file.stem} at {position:g} {UNITS[slices.kind]}"
             read, options = partial(_slice, unit=given.unit), replace(given, unit=None)
-            found = _profile(slices.section(position, read), "slices", options, stem, slices.slice(0, read))
-            return replace(found, file=file.name)
+            profile = _profile(slices.section(position, read), "slices", options, stem, slices.slice(0, read))
+            return replace(profile, file=file.name)
         if given.position is not None:
             raise InputError(f"--position {given.position:g}", f"a file of slices, {', '.join(SLICES)}", "leave it out")
         return replace(_profile(_read(content, ending), FORMATS[ending], given, file.stem), file=file.name)
@@ -359,8 +360,8 @@ def profile_text(
         raise InputError(f"--to a file with the ending {ending!r}", ", ".join(FORMATS), "choose one of these formats")
     kind = _KINDS_BY_ENDING.get(ending, profile.kind)
     if kind != profile.kind:
-        mine = ", ".join(e for e, k in _KINDS_BY_ENDING.items() if k == profile.kind)
-        raise InputError(f"--to {ending}, which holds {kind}s, for a {profile.kind}", mine, "change the ending")
+        endings = ", ".join(e for e, k in _KINDS_BY_ENDING.items() if k == profile.kind)
+        raise InputError(f"--to {ending}, which holds {kind}s, for a {profile.kind}", endings, "change the ending")
     title = one_line(profile.title)
     origin, tape = frame_origin(profile), profile.orientation.tape_mm
     if ending == ".csv":

@@ -46,7 +46,7 @@ _FLAT_SAGITTA = 1e-7
 _FLAT_CURVATURE = 2e-6  # flatter arcs are lines: their centres would have no digits
 _DEEPEST = 14
 
-FEWEST_POINTS = 10
+MIN_POINTS = 10
 _PIECE_MM = 4.0
 _GAIN_INTEGRAL = 0.2777
 _N_ROUNDS = 60
@@ -127,7 +127,7 @@ def smoothed(
 ) -> Smoothing:
     """Return a smooth curve near points (n, 2) in mm.
 
-    An `InputError` if there are fewer than `FEWEST_POINTS` points, a number is out of range, or the smooth curve meets
+    An `InputError` if there are fewer than `MIN_POINTS` points, a number is out of range, or the smooth curve meets
     itself.
 
     - `points`: in order along the profile, neighbours differing.
@@ -145,9 +145,9 @@ def smoothed(
     if limit_um is not None and not low <= limit_um <= high:
         raise InputError(f"--limit {limit_um:g}", f"{low:g} to {high:g} micrometres", "leave it out")
     points = points[np.concatenate(([True], np.diff(_lengths(points)) > _SAME_MM))]
-    if len(points) < FEWEST_POINTS:
+    if len(points) < MIN_POINTS:
         raise InputError(
-            f"{len(points)} points", f"{FEWEST_POINTS} or more", "give the whole profile; hundreds of points are usual"
+            f"{len(points)} points", f"{MIN_POINTS} or more", "give the whole profile; hundreds of points are usual"
         )
     noise = noise_um(points)
     limit = max(USUAL_LIMIT_UM, 6.0 * noise) if limit_um is None else limit_um
@@ -182,7 +182,7 @@ def _limited_spline(
     before, after = _extension(s, points, wavelength), _extension(-s[::-1], points[::-1], wavelength)
     all_s = np.concatenate([before[0][::-1], s, -after[0]])
     all_points = np.vstack([before[1][::-1], points, after[1]])
-    mine = slice(len(before[0]), len(before[0]) + len(s))
+    own_points = slice(len(before[0]), len(before[0]) + len(s))
     # a point represents the length about it, so that dense parts are not smoothed less
     spacing = np.gradient(all_s)
     bending = (wavelength / (2.0 * math.pi)) ** 4
@@ -195,7 +195,7 @@ def _limited_spline(
         if excess.max() <= 1.0:
             return spline, deviations, int(held.sum())
         held |= excess > 1.0
-        weight[mine] *= np.where(excess > 1.0, np.minimum(1.5 * excess**2, _MAX_WEIGHT), 1.0)
+        weight[own_points] *= np.where(excess > 1.0, np.minimum(1.5 * excess**2, _MAX_WEIGHT), 1.0)
     worst = int(np.argmax(np.abs(deviations)))
     x, y = points[worst]
     raise InputError(
@@ -267,14 +267,14 @@ def biarcs(curve: Curve, breaks: FloatArray, tolerance: float) -> list[Segment]:
     - `breaks`: parameters (n,), increasing; joints of the chain are at all of them.
     - `tolerance`: maximum distance between curve and arcs.
     """
-    found: list[Segment] = []
+    arcs: list[Segment] = []
     for first, last in itertools.pairwise(breaks.tolist()):
         pending = [(first, last, 0)]
         while pending:
             low, high, depth = pending.pop()
             pieces, error = _pair(curve, low, high)
             if error <= tolerance:
-                found += pieces
+                arcs += pieces
             elif depth == _DEEPEST:
                 x, y = curve(np.array([low]))[0][0]
                 raise InputError(
@@ -285,7 +285,7 @@ def biarcs(curve: Curve, breaks: FloatArray, tolerance: float) -> list[Segment]:
             else:
                 middle = 0.5 * (low + high)
                 pending += [(middle, high, depth + 1), (low, middle, depth + 1)]
-    return found
+    return arcs
 
 
 def _pair(curve: Curve, low: float, high: float) -> tuple[list[Segment], float]:

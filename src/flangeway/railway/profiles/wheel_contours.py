@@ -135,4 +135,4 @@ def reference_contour(name: str) -> Contour:
         start, end = ((y, -(height + root * math.sqrt(max(radius**2 - (y - middle) ** 2, 0.0)))) for y in ends)
         drawn.append(DrawnSegment(start, end, (middle, -height), root > 0.0, name=row["name"]))
     closed = closed_gaps(drawn, GAP_MM)[0]
-    return Contour.from_segments([each.checked() for each in closed], [each.name for each in closed])
+    return Contour.from_segments([segment.checked() for segment in closed], [segment.name for segment in closed])

@@ -32,8 +32,8 @@ def whole_profile(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     if measured.kind == "rail":
         whole = _rail(outline, measured.title, certainty, source)
         return replace(whole, notices=(*measured.notices, *side_notices(whole.running_surface)))
-    found = _wheel(outline, measured.title, measured.flange_back_mm, certainty, source)
-    return replace(found, notices=measured.notices)
+    profile = _wheel(outline, measured.title, measured.flange_back_mm, certainty, source)
+    return replace(profile, notices=measured.notices)
 
 
 def _rail(outline: Outline, title: str, certainty: str, source: str) -> RailProfile:

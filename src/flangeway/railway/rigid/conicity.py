@@ -20,8 +20,8 @@ from scipy.optimize import brentq
 
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError
+from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.railway.profiles.formats.two_column import read_two_column
-from flangeway.railway.profiles.orientation import UNITS_MM
 from flangeway.railway.rigid.rigid_locus import ContactLocus
 from flangeway.system.file_content import file_content
 from flangeway.types import Floats
@@ -137,21 +137,21 @@ def read_rolling_radius_difference(file: str | Path, unit: str | None = None) ->
     - `file`: lateral displacement to the right, and radius of the right wheel less that of the left one; separators,
       decimal commas and comments as in profiles of two columns. Rows in either order. Of several columns, as in
       ``table.csv`` of ``flangeway geometry``, those named ``lateral_mm`` and ``rolling_radius_difference_mm``.
-    - `unit`: unit of both columns, one of `flangeway.railway.profiles.orientation.UNITS_MM`; by default what the file
+    - `unit`: unit of both columns, one of `flangeway.formats.UNITS`; by default what the file
       says in a comment such as ``# unit: mm`` or in the names of its columns such as ``y_mm, delta_r_mm``.
     """
     path = Path(file)
     try:
         text = file_content(path, "a rolling radius difference").decode("utf-8-sig", "replace")
-        found = read_two_column(text, _COLUMNS, "two numbers, lateral displacement and rolling radius difference")
-        chosen = found.unit if unit is None else unit
+        table = read_two_column(text, _COLUMNS, "two numbers, lateral displacement and rolling radius difference")
+        chosen = table.unit if unit is None else unit
         if chosen not in UNITS_MM:
             raise InputError(
                 "no unit of its two columns" if chosen is None else f"unit = {chosen!r}",
                 f"one of: {', '.join(UNITS_MM)}",
                 "add a line `# unit: mm` at the top, name the columns y_mm and delta_r_mm, or give --set unit=mm",
             )
-        rows = found.points * UNITS_MM[chosen]
+        rows = table.points * UNITS_MM[chosen]
         if len(rows) and np.abs(rows[:, 0]).max() > MAX_LATERAL_MM:
             raise InputError(
                 f"lateral displacements up to {np.abs(rows[:, 0]).max():.4g} mm",
@@ -187,7 +187,7 @@ def equivalent_conicity(difference: RollingRadiusDifference, amplitudes_mm: Arra
             "give the rolling radius difference over a wider range, or a smaller amplitude",
         )
     waves = np.array(
-        [_half_wave(difference, *each) for each in zip(middles.tolist(), amplitudes.tolist(), strict=True)]
+        [_half_wave(difference, *motion) for motion in zip(middles.tolist(), amplitudes.tolist(), strict=True)]
     )
     # of a cone: half a wave is pi / sqrt(2 tan)
     return 0.5 * (math.pi / waves) ** 2

@@ -55,14 +55,14 @@ class RigidStart:
     @property
     def relative_curvature_per_mm(self) -> float:
         """Sum of the curvatures of wheel and rail where they touch, on the side where it is smaller."""
-        found = self._beside(0.0)
-        return float(min(each.relative_curvature[0, 0] for each in (found.left, found.right)))
+        curvature = self._beside(0.0)
+        return float(min(side.relative_curvature[0, 0] for side in (curvature.left, curvature.right)))
 
     def near_points(self, margin_mm: float = MARGIN_MM, further_mm: float = FLANGE_MM) -> Points:
         """Points with a gap up to a margin, at the start and up to a distance further sideways."""
         lateral = self.motion.lateral_mm
         further = math.copysign(further_mm, lateral) if abs(lateral) > FLANGE_MM else 0.0
-        found: dict[str, list[Floats]] = {}
+        near_by_kind: dict[str, list[Floats]] = {}
         for offset in (0.0, 0.5 * further, further) if further else (0.0,):
             try:
                 positions = self._beside(offset)
@@ -75,9 +75,9 @@ class RigidStart:
                 touches, at = positions.side(side), locus.side(side)
                 near = (at.gaps_mm[0] <= margin_mm) & self._inside(side, touches.wheel_arc[0], touches.x[0])
                 near[0] = True
-                found.setdefault(f"wheel-{side}", []).append(at.wheel_points_mm[0, near])
-                found.setdefault(f"rail-{side}", []).append(at.rail_points_mm[0, near])
-        return {name: np.concatenate(points) for name, points in found.items()}
+                near_by_kind.setdefault(f"wheel-{side}", []).append(at.wheel_points_mm[0, near])
+                near_by_kind.setdefault(f"rail-{side}", []).append(at.rail_points_mm[0, near])
+        return {name: np.concatenate(points) for name, points in near_by_kind.items()}
 
     def close_points(self) -> Points:
         """All points at the start with a gap below `CLOSE_MM`.
@@ -86,16 +86,16 @@ class RigidStart:
         """
         start = self._beside(0.0)
         lateral, lift = float(self.geometry.axle_lateral(start)[0]), float(start.lift[0])
-        found: Points = {}
+        points: Points = {}
         for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
             curves, roll = self.geometry.side(side), sign * float(start.roll[0])
             arcs = curves.close_arcs(sign * lateral, roll, lift, CLOSE_MM)
             on_wheel = np.column_stack(curves.wheel.at(arcs)[:2])
             moved = Placement(roll, (sign * lateral, lift)).points(on_wheel)
             on_rail = np.column_stack(curves.rail.over(moved[:, 0])[:2])
-            found[f"wheel-{side}"] = curves.wheel_frame.inverse().points(on_wheel)
-            found[f"rail-{side}"] = curves.rail_frame.inverse().points(on_rail)
-        return found
+            points[f"wheel-{side}"] = curves.wheel_frame.inverse().points(on_wheel)
+            points[f"rail-{side}"] = curves.rail_frame.inverse().points(on_rail)
+        return points
 
     def _beside(self, offset_mm: float) -> TouchingPositions:
         """The position beside the start by a lateral offset at the height of the rails."""
@@ -146,5 +146,5 @@ def _prescribed_start(geometry: RigidGeometry, lateral: float) -> WheelsetPositi
 
 def _steepest(locus: ContactLocus) -> Floats:
     """Contact angle of the steeper side, shape (n,)."""
-    found: Floats = np.maximum(*(locus.side(side).contact_angles_rad[:, 0] for side in SIDES))
-    return found
+    angles: Floats = np.maximum(*(locus.side(side).contact_angles_rad[:, 0] for side in SIDES))
+    return angles

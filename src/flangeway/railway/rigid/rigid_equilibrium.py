@@ -177,7 +177,7 @@ def rigid_equilibrium(geometry: RigidGeometry, load: WheelsetLoad, *, reached_on
         outcome = _overturning(geometry, position, along / onto)
     else:
         outcome = position
-    return RigidEquilibrium(outcome, tuple(each for each in positions if each.carries), along / onto)
+    return RigidEquilibrium(outcome, tuple(position for position in positions if position.carries), along / onto)
 
 
 class _Candidate(NamedTuple):
@@ -193,16 +193,16 @@ def _candidates(derivative: Floats) -> list[_Candidate]:
     """Where the derivative over the load is zero along the path of contact, in order."""
     still = np.concatenate(([False], np.abs(derivative) <= MAX_RESIDUAL, [False]))
     starts, ends = np.flatnonzero(still[1:] & ~still[:-1]), np.flatnonzero(still[:-1] & ~still[1:]) - 1
-    found = [
+    candidates = [
         _Candidate(int(start), int(end), True, True)
         for start, end in zip(starts, ends, strict=True)
         if (end - start) * PATH_STEP_MM >= NEUTRAL_MM
     ]
     rising = derivative >= 0.0
     for place in np.flatnonzero(rising[1:] != rising[:-1]).tolist():
-        if all(place + 1 < each.first or place > each.last for each in found if each.neutral):
-            found.append(_Candidate(place, place + 1, bool(rising[place + 1]), False))
-    return sorted(found)
+        if all(place + 1 < candidate.first or place > candidate.last for candidate in candidates if candidate.neutral):
+            candidates.append(_Candidate(place, place + 1, bool(rising[place + 1]), False))
+    return sorted(candidates)
 
 
 def _positions(
@@ -211,27 +211,29 @@ def _positions(
     """Forces and points of contact at candidates."""
     if not candidates:
         return []
-    first, last = (np.array([each[i] for each in candidates]) for i in (0, 1))
-    neutral = np.array([each.neutral for each in candidates])
+    first, last = (np.array([candidate[i] for candidate in candidates]) for i in (0, 1))
+    neutral = np.array([candidate.neutral for candidate in candidates])
     ends = Intervals(
         np.stack((path.rail_level[first], path.rail_level[last]), axis=1),
         np.stack((path.roll[first], path.roll[last]), axis=1),
     )
     # a neutral equilibrium is shown as near to the middle as it goes
     level = np.clip(0.0, ends.level[:, 0], ends.level[:, 1])
-    found = Intervals(np.stack((level, level), axis=1), ends.roll.copy())
+    intervals = Intervals(np.stack((level, level), axis=1), ends.roll.copy())
     if not neutral.all():
-        zeros = _zeros(geometry, load, Intervals(*(each[~neutral] for each in ends)))
-        found.level[~neutral], found.roll[~neutral] = zeros
+        zeros = _zeros(geometry, load, Intervals(*(end[~neutral] for end in ends)))
+        intervals.level[~neutral], intervals.roll[~neutral] = zeros
     # a little to both sides as well: between conforming arcs the contact is decided by rounding at the jump itself
-    levels, rolls = (np.concatenate((each, each), axis=1) for each in found)
+    levels, rolls = (np.concatenate((interval, interval), axis=1) for interval in intervals)
     levels += np.array([0.0, 0.0, -_NEAR_MM, _NEAR_MM])
     settled = geometry.touching(levels.T.ravel(), roll=rolls.T.ravel(), gaps=True)
     lateral = ends.level - geometry.reference_height_mm * np.sin(ends.roll)
     count = len(candidates)
     return [
-        _position(geometry, load, settled, range(i, i + 1 if each.neutral else 4 * count, count), each, lateral[i])
-        for i, each in enumerate(candidates)
+        _position(
+            geometry, load, settled, range(i, i + 1 if candidate.neutral else 4 * count, count), candidate, lateral[i]
+        )
+        for i, candidate in enumerate(candidates)
     ]
 
 
@@ -286,9 +288,9 @@ def _reached(derivative: Floats, middle: int, candidates: list[_Candidate]) -> i
     """Number of the first candidate downhill from the middle at which a wheelset stays."""
     falls = derivative[middle] < 0.0
     numbered = list(enumerate(candidates))
-    for number, each in numbered if falls else reversed(numbered):
-        beyond = each.first >= middle if falls else each.first < middle
-        if (each.stops and beyond) or (each.neutral and each.first <= middle <= each.last):
+    for number, candidate in numbered if falls else reversed(numbered):
+        beyond = candidate.first >= middle if falls else candidate.first < middle
+        if (candidate.stops and beyond) or (candidate.neutral and candidate.first <= middle <= candidate.last):
             return number
     return None
 
@@ -296,13 +298,13 @@ def _reached(derivative: Floats, middle: int, candidates: list[_Candidate]) -> i
 def _position(
     geometry: RigidGeometry,
     load: WheelsetLoad,
-    found: TouchingPositions,
+    touching: TouchingPositions,
     ends: range,
     candidate: _Candidate,
     lateral: Floats,
 ) -> RigidPosition:
     """Forces and points of contact at a candidate; of a zero positions about it, so that both points of a jump are."""
-    locus = geometry.located(found)
+    locus = geometry.located(touching)
     motion = locus.motion(ends[0])
     points = contact_points(locus, ends)
     along, onto = load.in_track

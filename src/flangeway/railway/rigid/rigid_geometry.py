@@ -48,7 +48,7 @@ class Intervals(NamedTuple):
     def divided(self, n_sections: int) -> "Intervals":
         """Grids (n, n_sections + 1) between the ends."""
         part = np.linspace(0.0, 1.0, n_sections + 1)
-        return Intervals(*(each[:, :1] + np.diff(each, axis=1) * part for each in self))
+        return Intervals(*(column[:, :1] + np.diff(column, axis=1) * part for column in self))
 
 
 class TouchingPositions(NamedTuple):
@@ -310,7 +310,7 @@ class RigidGeometry:
         """
         eta = target if rail_level is None else rail_level
         phi = np.zeros(len(target)) if roll is None else roll
-        found, lost = self._rolled(target, eta, phi, at_axle=at_axle)
+        rolls, lost = self._rolled(target, eta, phi, at_axle=at_axle)
         if len(lost):
             raise InputError(
                 f"a lateral displacement of {target[lost[0]]:g} mm: no two-wheel contact position found",
@@ -318,9 +318,9 @@ class RigidGeometry:
                 "smooth the profiles, or change the displacement a little",
             )
         if not gaps:
-            return found
+            return rolls
         return TouchingPositions(
-            found.rail_level, found.roll, *self._both(self.axle_lateral(found), found.roll, gaps=True)
+            rolls.rail_level, rolls.roll, *self._both(self.axle_lateral(rolls), rolls.roll, gaps=True)
         )
 
     def located(self, positions: TouchingPositions) -> ContactLocus:
@@ -329,8 +329,8 @@ class RigidGeometry:
         for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
             curves, touches = self.side(side), positions.side(side)
             along, radii, ahead = (
-                np.where(np.isfinite(touches.lift), each, np.nan)
-                for each in curves.on_wheel(np.nan_to_num(touches.wheel_arc))
+                np.where(np.isfinite(touches.lift), column, np.nan)
+                for column in curves.on_wheel(np.nan_to_num(touches.wheel_arc))
             )
             on_rail = np.stack((touches.x, touches.y), axis=-1)
             sides[side] = SideLocus(
@@ -372,11 +372,11 @@ class RigidGeometry:
         if over[n_side]:
             level = level[_run_about(over, n_side)]
             coarse = self._rolled(level[::10], level[::10], np.zeros(len(level[::10])))[0]
-            found, lost = self._rolled(level, level, np.interp(level, coarse.rail_level, coarse.roll))
-            inside = ~np.isin(np.arange(len(level)), lost) & ~self._at_edge(found)
+            rolls, lost = self._rolled(level, level, np.interp(level, coarse.rail_level, coarse.roll))
+            inside = ~np.isin(np.arange(len(level)), lost) & ~self._at_edge(rolls)
             middle = int(np.argmin(np.abs(level)))
             if inside[middle]:
-                return found.part(_run_about(inside, middle))
+                return rolls.part(_run_about(inside, middle))
         raise InputError(
             "gauge_mm and back_to_back_mm do not fit: the wheels touch the rails outside of their running surfaces",
             "wheels that stand on the heads of the rails",

@@ -38,7 +38,7 @@ class SideLocus:
 
     def part(self, chosen: slice | NDArray[np.int64]) -> "SideLocus":
         """The points of some positions."""
-        arrays = (getattr(self, each.name)[chosen] for each in fields(self) if each.name != "side")
+        arrays = (getattr(self, entry.name)[chosen] for entry in fields(self) if entry.name != "side")
         return SideLocus(self.side, *arrays)
 
 

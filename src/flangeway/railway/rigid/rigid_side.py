@@ -197,13 +197,13 @@ class RigidSide:
             step = np.where(falls, -difference / np.where(falls, slope, -1.0), np.inf)
             tolerance = _ARC_TOLERANCE_MM * (1.0 + np.abs(s))
             # in the end the root is an end of the bracket: a short step is the last one
-            found = (difference == 0.0) | (np.abs(step) < tolerance)
+            converged = (difference == 0.0) | (np.abs(step) < tolerance)
             target = np.where(difference == 0.0, s, s + step)
             inside = (target > low[active]) & (target < high[active])
             bisected = 0.5 * (low[active] + high[active])
-            new = np.where(found, np.clip(target, low[active], high[active]), np.where(inside, target, bisected))
+            new = np.where(converged, np.clip(target, low[active], high[active]), np.where(inside, target, bisected))
             arc[active] = new
-            active = active[~found & (np.abs(new - s) >= tolerance)]
+            active = active[~converged & (np.abs(new - s) >= tolerance)]
             if not len(active):
                 break
         return arc

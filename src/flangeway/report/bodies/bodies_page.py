@@ -20,6 +20,7 @@ from flangeway.cases.bodies.bodies_run import (
 from flangeway.elements import Element, Lagrange
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic, Material
+from flangeway.quantities import measured
 from flangeway.report.bodies.bodies_figures import pressure_figure, stress_figure, traction_figure
 from flangeway.report.bodies.body_fields import BodySteps, bodies_fields, body_steps
 from flangeway.report.figures.newton_history import load_steps, newton_figure, steps_table
@@ -120,14 +121,16 @@ def _element_words(space: Space) -> str:
 
 
 def _assumptions(run: BodiesRun) -> list[str]:
-    problems = [body.field.problem for body in run.bodies.values()]
+    problems, units = [body.field.problem for body in run.bodies.values()], run.case.units
     materials: dict[Material, None] = dict.fromkeys(material for problem in problems for material in problem.materials)
     thicknesses = sorted({problem.thickness for problem in problems})
     sentences = [
         *(HYPOTHESES[name] for name in dict.fromkeys(material.hypothesis for material in materials)),
-        f"Thickness {', '.join(f'{each:g}' for each in thicknesses)} mm: forces refer to this length out of the plane.",
+        f"Thickness {', '.join(measured(each, 'mm', units) for each in thicknesses)}: forces refer to this length out "
+        "of the plane.",
         *(
-            f"Linear elastic, isotropic: Young's modulus {each.young:g} MPa, Poisson's ratio {each.poisson:g}; no "
+            f"Linear elastic, isotropic: Young's modulus {measured(each.young, 'MPa', units, '.6g')}, Poisson's ratio "
+            f"{each.poisson:g}; no "
             "yielding, however high the stress."
             for each in materials
             if isinstance(each, Elastic)
@@ -197,40 +200,22 @@ def _files(run: BodiesRun, steps: BodySteps) -> dict[str, Writer]:
 def _pictures(run: BodiesRun) -> list[Picture]:
     """Pictures, the most important first."""
     near, contact = ", and near the contact" if run.patches else "", run.contact
-    pictures = [
-        Picture(
-            STRESSES,
-            lambda: stress_figure(run),
-            f"The bodies as deformed, with their elements, coloured by von Mises stress{near}.",
-            f"Von Mises stress on the deformed bodies{near}.",
-        )
+    theory = ", beside Hertz's theory for the same force" if run.theory is not None else ""
+    steps = load_steps(contact) if contact is not None else []
+    described = [
+        (STRESSES, True, partial(stress_figure, run), f"Von Mises stress on the deformed bodies{near}."),
+        (PRESSURE, run.patches, partial(pressure_figure, run), f"Contact pressure along the surface{theory}."),
+        (
+            TRACTION,
+            run.patches and run.rubbing,
+            partial(traction_figure, run),
+            "Tangential traction along the surface (solid) between the limits of friction (dashed).",
+        ),
+        (
+            CONVERGENCE,
+            sum(len(state.history) for _, state in steps) >= MIN_DRAWN_ITERATIONS,
+            partial(newton_figure, steps),
+            "Convergence: residual of the forces and change of the displacements in each iteration.",
+        ),
     ]
-    if run.patches:
-        theory = ", beside Hertz's theory for the same force" if run.theory is not None else ""
-        pictures.append(
-            Picture(
-                PRESSURE,
-                lambda: pressure_figure(run),
-                f"Contact pressure along each region of contact, node by node{theory}.",
-                f"Contact pressure along the surface{theory}.",
-            )
-        )
-    if run.patches and run.rubbing:
-        pictures.append(
-            Picture(
-                TRACTION,
-                lambda: traction_figure(run),
-                "Tangential traction of each contact, and the limits of friction, along the surface.",
-                "Tangential traction along the surface (solid) between the limits of friction (dashed).",
-            )
-        )
-    if contact is not None and sum(len(state.history) for _, state in load_steps(contact)) >= MIN_DRAWN_ITERATIONS:
-        pictures.append(
-            Picture(
-                CONVERGENCE,
-                lambda: newton_figure(load_steps(contact)),
-                "Relative residuals over the iterations of Newton's method in all load steps, on a logarithmic axis.",
-                "Convergence: residual of the forces and change of the displacements in each iteration.",
-            )
-        )
-    return pictures
+    return [Picture(name, draw, caption) for name, wanted, draw, caption in described if wanted]

@@ -6,16 +6,18 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 from flangeway.campaign import CampaignProgress, CampaignTable
 from flangeway.campaign.database import FORMATS, export_writers
+from flangeway.quantities import Quantity, measured
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.campaign.campaign_figures import FORCES, LOCUS, PRESSURE, PRESSURE_MAP, RATIO, campaign_figures
 from flangeway.report.campaign.campaign_figures import NAMES as PICTURES
 from flangeway.report.figures.drawing import named
+from flangeway.report.page.case_text import input_rows
 from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable
-from flangeway.report.page.us_record import files_in_units
 from flangeway.system.output_folder import refuse_unwritable, write_together
 from flangeway.system.versions import versions
 from flangeway.units import NUMBER, Units
@@ -45,10 +47,17 @@ def check_campaign_folder(folder: Path) -> None:
 
 def write_export(table: CampaignTable, folder: Path, kind: str, units: Units = "metric") -> list[Path]:
     """Write the tables of a campaign as CSV, in some units, or as Parquet, together or not at all."""
-    return write_together(folder, files_in_units(export_writers(table, kind), units))
+    return write_together(folder, export_writers(table, kind, units))
 
 
-def campaign_record(end: CampaignProgress, table: CampaignTable, kind: str, command: str, seconds: float) -> Record:
+def campaign_record(
+    end: CampaignProgress,
+    table: CampaignTable,
+    kind: str,
+    command: str,
+    seconds: float,
+    units: Units = "metric",
+) -> Record:
     """Return what a finished campaign found; its tables are written as CSV and as `kind`.
 
     - `command`: runs it again.
@@ -62,14 +71,14 @@ def campaign_record(end: CampaignProgress, table: CampaignTable, kind: str, comm
             warned[warning] = warned.get(warning, 0) + 1
     files = "every row is in `results.csv`, every contact in `patches.csv`, all of it in `campaign.sqlite`"
     ranges = _ranges(table)
-    shown = tuple(_shown_range(name, each) for name, each in ranges)
+    shown = tuple(_shown_range(name, each, units) for name, each in ranges)
     return Record(
         name=table.name,
         title=f"{table.name}: a campaign of {table.case}",
         subtitle=f"{end.n_rows} runs of case {table.case!r}; varied: {', '.join(table.keys) or 'nothing'}",
         converged=end.all_converged,
         message=", ".join(f"{number} {status}" for status, number in counts.items()),
-        facts=[(f"{number}", f"rows {status}") for status, number in counts.items()] + _extremes(table),
+        facts=[(f"{number}", f"rows {status}") for status, number in counts.items()] + _extremes(table, units),
         results=SummaryTable(
             "Range of the results over all rows", ("", "minimum", "median", "maximum"), shown[:MAX_REASONS]
         ),
@@ -87,8 +96,9 @@ def campaign_record(end: CampaignProgress, table: CampaignTable, kind: str, comm
         },
         again=Again(command, files=f"A campaign goes on where it stopped; {files}."),
         versions=versions(),
+        units=units,
         warnings=_warnings(failures, warned),
-        pictures=[Picture(name, draw, f"{SHOWN[name]}.") for name, draw in campaign_figures(table).items()],
+        pictures=[Picture(name, draw, f"{SHOWN[name]}.") for name, draw in campaign_figures(table, units).items()],
         tables=[SummaryTable("Further results", ("", "minimum", "median", "maximum"), shown[MAX_REASONS:])]
         if len(ranges) > MAX_REASONS
         else [],
@@ -96,12 +106,12 @@ def campaign_record(end: CampaignProgress, table: CampaignTable, kind: str, comm
             SummaryTable(
                 "Inputs of the first row",
                 ("", "value"),
-                tuple((k, str(v)) for k, v in table.inputs.items()),
+                tuple(input_rows(table.inputs, units)),
                 of_words=True,
             )
         ],
         timings_s={"total": seconds},
-        files=lambda: export_writers(table, "csv") | (export_writers(table, kind) if kind != "csv" else {}),
+        files=lambda: export_writers(table, "csv", units) | (export_writers(table, kind) if kind != "csv" else {}),
     )
 
 
@@ -136,7 +146,7 @@ def _ranges(table: CampaignTable) -> list[tuple[str, list[float]]]:
     return sorted(found, key=lambda row: next((i for i, end in enumerate(FIRST) if row[0].endswith(end)), len(FIRST)))
 
 
-def _shown_range(key: str, values: list[float]) -> tuple[str, ...]:
+def _shown_range(key: str, values: list[float], units: Units) -> tuple[str, ...]:
     """Words and unit of a column of results, and its numbers with as many digits as the largest needs."""
     side, _, rest = key.partition("_")
     words, unit = named(rest if side in SIDES else key)
@@ -147,21 +157,23 @@ def _shown_range(key: str, values: list[float]) -> tuple[str, ...]:
         size, numbers = 0.0, [0.0] * len(numbers)
     decimals = 0 if all(isinstance(value, int) for value in values) or not size else 4 - math.floor(math.log10(size))
     form = f"z.{max(decimals, 0)}f" if decimals <= MAX_DECIMALS else ".3g"
-    name = f"{side}: {words}" if side in SIDES else words
-    return (f"{name}, {unit}" if unit else name, *(format(float(value), form) for value in numbers))
+    words = f"{side}: {words}" if side in SIDES else words
+    of: Quantity[Any] = Quantity(key, words, lambda value: value, unit, form)
+    return *of.labels(units), *(text for value in numbers for text in of.texts(float(value), units))
 
 
-def _extremes(table: CampaignTable) -> list[tuple[str, str]]:
+def _extremes(table: CampaignTable, units: Units) -> list[tuple[str, str]]:
     """Maximum pressure and L/V of all rows."""
-    found = []
-    for ending, text, form in (
-        ("_max_pressure_MPa", "maximum pressure of all rows", ".0f"),
-        ("_lateral_over_vertical", "maximum L/V of all rows", ".3f"),
+    facts = []
+    for key, words, unit, form in (
+        ("max_pressure_MPa", "pressure", "MPa", ".0f"),
+        ("lateral_over_vertical", "L/V", "", ".3f"),
     ):
-        values = [v for name, column in table.rows.items() if name.endswith(ending) for v in column if v is not None]
+        columns = (table.rows[f"{side}_{key}"] for side in SIDES if f"{side}_{key}" in table.rows)
+        values = [value for column in columns for value in column if value is not None]
         if values:
-            found.append((f"{max(values):{form}}{' MPa' * ending.endswith('MPa')}", text))
-    return found
+            facts.append((measured(float(max(values)), unit, units, form), f"maximum {words} of all rows"))
+    return facts
 
 
 def _numbers(rows: Sequence[int]) -> str:

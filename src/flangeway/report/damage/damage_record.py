@@ -1,22 +1,25 @@
 """What an evolution of profiles found: profiles over distance, where they wear and crack, and their limits."""
 
-import csv
-import io
 from collections.abc import Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.cases.damage.damage_file import DamageInputs
 from flangeway.errors import InputError
-from flangeway.railway.damage.evolution import Evolution, EvolutionStep
+from flangeway.quantities import Quantity, measured
+from flangeway.railway.damage.evolution import Evolution, EvolutionStep, StateDamage
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.report.figures.drawing import SERIES, axis_name, new_figure
+from flangeway.report.figures.drawing import SERIES, name_axes, named, new_figure
 from flangeway.report.page.record import Again, Picture, Record
-from flangeway.report.page.tables import SummaryTable
+from flangeway.report.page.tables import SummaryTable, table_of
+from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
 from flangeway.system.versions import versions
+from flangeway.units import Units
 
 STEPS_CSV = "steps.csv"
 PROFILES_PNG = "profiles.png"
@@ -28,10 +31,12 @@ PROFILES_TEXT = (
 )
 CONICITY_MM = 3.0
 """Amplitude of the equivalent conicity, as EN 15302 reports it."""
-OVER_DISTANCE = {"conicity": "conicity at 3 mm", "max_pressure_MPa": "p0 in MPa", "t_gamma_N": "T-gamma in N"}
+OVER_DISTANCE = {"conicity": ("conicity at 3 mm", ""), "max_pressure_MPa": ("p0", "MPa"), "t_gamma_N": ("T-gamma", "N")}
 
 
-def damage_record(inputs: DamageInputs, steps: Sequence[EvolutionStep], command: str, seconds: float) -> Record:
+def damage_record(
+    inputs: DamageInputs, steps: Sequence[EvolutionStep], command: str, seconds: float, units: Units = "metric"
+) -> Record:
     """Return what was found.
 
     - `command`: runs it again.
@@ -45,7 +50,10 @@ def damage_record(inputs: DamageInputs, steps: Sequence[EvolutionStep], command:
     facts = [(f"{last.position:.6g} {unit}", f"to {ended}")]
     for role, side in last.surfaces:
         facts.append(
-            (f"{row[f'{side}_{role}_depth_mm']:.3f} mm", f"deepest wear of the {_whose(evolution, role, side)}")
+            (
+                measured(row[f"{side}_{role}_depth_mm"], "mm", units, ".3f"),
+                f"deepest wear of the {_whose(evolution, role, side)}",
+            )
         )
     return Record(
         name=inputs.name,
@@ -58,7 +66,7 @@ def damage_record(inputs: DamageInputs, steps: Sequence[EvolutionStep], command:
         results=SummaryTable(
             "Profiles, first and last",
             ("", "new", "worn"),
-            tuple((_label(key, unit), f"{rows[0][key]:.5g}", f"{value:.5g}") for key, value in row.items()),
+            tuple(_range(key, rows[0][key], value, unit, units) for key, value in row.items()),
         ),
         summary={
             "name": inputs.name,
@@ -74,24 +82,28 @@ def damage_record(inputs: DamageInputs, steps: Sequence[EvolutionStep], command:
             command, files="`steps.csv` has all numbers, `worn-*.csv` the worn profiles, `damage.sqlite` all steps."
         ),
         versions=versions(),
+        units=units,
         warnings=list(dict.fromkeys(unconverged)),
         assumptions=_assumptions(inputs),
         pictures=[
-            Picture(PROFILES_PNG, lambda: profiles_figure(steps, rows, unit), PROFILES_TEXT),
+            Picture(PROFILES_PNG, lambda: profiles_figure(steps, rows, unit, units), PROFILES_TEXT),
         ],
-        tables=[_states(steps)],
+        tables=[_states(steps, units)],
         timings_s={"total": seconds},
-        files=lambda: _files(steps, rows),
+        files=lambda: _files(steps, rows, units),
     )
 
 
-def _label(key: str, unit: str) -> str:
+def _range(key: str, first: float, last: float, distance: str, units: Units) -> tuple[str, ...]:
+    """Words and unit of a number over the distance, and its values on new and worn profiles."""
     own = {
-        "position": f"distance in {unit}",
-        "t_gamma_N": "mean T-gamma in N",
-        "conicity": "equivalent conicity at 3 mm",
+        "position": ("distance", distance),
+        "t_gamma_N": ("mean T-gamma", "N"),
+        "conicity": ("equivalent conicity at 3 mm", ""),
     }
-    return own.get(key) or axis_name(key)
+    words, unit = own.get(key) or named(key)
+    of: Quantity[float] = Quantity(key, words, lambda value: value, unit, ".5g")
+    return *of.labels(units), *of.texts(first, units), *of.texts(last, units)
 
 
 def _whose(evolution: Evolution, role: str, side: str) -> str:
@@ -119,16 +131,24 @@ def _assumptions(inputs: DamageInputs) -> list[str]:
     return found
 
 
-def _states(steps: Sequence[EvolutionStep]) -> SummaryTable:
-    rows = []
-    for first, last in zip(steps[0].states, steps[-1].states, strict=True):
-        numbers = []
-        for state in (first, last):
-            numbers.append(f"{max((each.max_pressure_MPa for each in state.patches), default=float('nan')):.0f}")
-            numbers.append(f"{sum(each.t_gamma_N for each in state.patches):.2f}")
-        rows.append((first.name, *numbers))
-    header = ("state", "p0 new, MPa", "T-gamma new, N", "p0 worn, MPa", "T-gamma worn, N")
-    return SummaryTable("States on new and worn profiles", header, tuple(rows))
+def _states(steps: Sequence[EvolutionStep], units: Units) -> SummaryTable:
+    """Maximum pressure and T-gamma of each state on new and worn profiles."""
+    quantities: list[Quantity[Any]] = [Quantity("state", "state", lambda both: both[0].name)]
+    for number, word in enumerate(("new", "worn")):
+        pressure = partial(_max_pressure, number)
+        energy = partial(_t_gamma, number)
+        quantities.append(Quantity(f"p0_{word}", f"p0 {word}", pressure, "MPa", ".0f"))
+        quantities.append(Quantity(f"t_gamma_{word}", f"T-gamma {word}", energy, "N", ".2f"))
+    both = zip(steps[0].states, steps[-1].states, strict=True)
+    return table_of("States on new and worn profiles", both, quantities, units=units)
+
+
+def _max_pressure(number: int, states: Sequence[StateDamage]) -> float | None:
+    return max((patch.max_pressure_MPa for patch in states[number].patches), default=None)
+
+
+def _t_gamma(number: int, states: Sequence[StateDamage]) -> float:
+    return sum(patch.t_gamma_N for patch in states[number].patches)
 
 
 def numbers_over_distance(evolution: Evolution, steps: Sequence[EvolutionStep]) -> list[dict[str, float]]:
@@ -147,41 +167,36 @@ def numbers_over_distance(evolution: Evolution, steps: Sequence[EvolutionStep]) 
     return rows
 
 
-def _files(steps: Sequence[EvolutionStep], rows: Sequence[dict[str, float]]) -> dict[str, Writer]:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(rows[0])
-    writer.writerows([list(map(float, row.values())) for row in rows])
+def _files(steps: Sequence[EvolutionStep], rows: Sequence[dict[str, float]], units: Units) -> dict[str, Writer]:
+    table = ResultTable({key: [float(row[key]) for row in rows] for key in rows[0]})
     worn = {f"worn-{side}-{role}.csv": text_writer(each.csv()) for (role, side), each in steps[-1].surfaces.items()}
-    return {STEPS_CSV: text_writer(text.getvalue()), **worn}
+    return {STEPS_CSV: text_writer(table.in_units(units).csv(17)), **worn}
 
 
-def profiles_figure(steps: Sequence[EvolutionStep], rows: Sequence[dict[str, float]], unit: str) -> Figure:
+def profiles_figure(
+    steps: Sequence[EvolutionStep], rows: Sequence[dict[str, float]], unit: str, units: Units = "metric"
+) -> Figure:
     """Draw the depth of each surface at some distances, the damage of the last step, and numbers over the distance."""
     keys = list(steps[0].surfaces)
-    figure = new_figure(max(5.0 * len(keys), 8.0), 7.0)
+    figure = new_figure(max(5.0 * len(keys), 8.0), 7.0, units)
     grid = figure.add_gridspec(2, 1, height_ratios=(5, 2))
     profiles, distance = figure.add_subfigure(grid[0]), figure.add_subfigure(grid[1])
     axes = profiles.subplots(2, len(keys), squeeze=False, sharex="col", height_ratios=(2, 1))
     shown = np.unique(np.linspace(0, len(steps) - 1, min(len(steps), MAX_PROFILES)).round().astype(int))
-    for column, (role, side) in enumerate(keys):
-        above, below = axes[:, column]
-        for number, index in enumerate(shown[shown > 0]):
+    for (above, below), (role, side) in zip(axes.T, keys, strict=True):
+        for index in shown[shown > 0]:
             surface = steps[index].surfaces[role, side]
             x = surface.worn_points[:-1, 0] + np.diff(surface.worn_points[:, 0]) / 2.0
-            label = f"{steps[index].position:.0f} {unit}"
-            above.plot(x, surface.depth, color=SERIES[number % len(SERIES)], label=label, lw=1.2)
+            above.plot(x, surface.depth, label=measured(steps[index].position, unit, units, ".0f"), lw=1.2)
         x = steps[-1].surfaces[role, side].worn_points[:-1, 0]
         below.plot(x, steps[-1].damage[role, side], color=SERIES[1], lw=1.2)
         above.invert_yaxis()
         above.set_title(role)
-        above.set_ylabel("depth in mm")
-        below.set_ylabel("net damage")
-        below.set_xlabel("lateral position in mm")
+        name_axes(above, ("", "mm"), ("depth", "mm"))
+        name_axes(below, ("lateral position", "mm"), "net damage")
         above.legend(fontsize=7)
     positions = [row["position"] for row in rows]
-    for panel, (key, label) in zip(distance.subplots(1, len(OVER_DISTANCE)), OVER_DISTANCE.items(), strict=True):
+    for panel, (key, name) in zip(distance.subplots(1, len(OVER_DISTANCE)), OVER_DISTANCE.items(), strict=True):
         panel.plot(positions, [row[key] for row in rows], ".-", color=SERIES[0])
-        panel.set_xlabel(unit)
-        panel.set_ylabel(label)
+        name_axes(panel, ("distance", unit), name)
     return figure

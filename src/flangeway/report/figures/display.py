@@ -7,16 +7,14 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.elements import Reconstruction, monomials
-from flangeway.elements.monomials import Frame
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.kernel import cell_centres, kernel_centre, star_parts
 from flangeway.post import Stresses, corner_stresses
-from flangeway.post.stress import Polynomials
+from flangeway.post.lines import polynomials_at, stress_polynomials, value_polynomials
 from flangeway.problems import ElasticField
-from flangeway.space import CellBatch, Space
+from flangeway.space import Space
 from flangeway.types import Floats, Ints
 
 _Fans: TypeAlias = tuple[Floats, Ints, Ints, Ints, Ints]
@@ -58,33 +56,9 @@ class Display:
             numbers[mine] = mesh.edges[self.edge[mine], end]
         return numbers
 
-    def evaluate(self, polynomials: Polynomials, n_components: int) -> Floats:
-        """Values (n, n_components) of a field that is a polynomial in each cell."""
-        values = np.empty((len(self.points), n_components))
-        column = np.empty(self.mesh.n_cells, dtype=np.int64)
-        order = np.argsort(self.cells, kind="stable")
-        starts = np.searchsorted(self.cells[order], np.arange(self.mesh.n_cells + 1))
-        for batch in self.space.batches():
-            reconstruction, coefficients = polynomials(batch)
-            column[batch.cells] = np.arange(len(batch.cells))
-            counts = starts[batch.cells + 1] - starts[batch.cells]
-            within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-            mine = order[np.repeat(starts[batch.cells], counts) + within]
-            at = column[self.cells[mine]]
-            frame = Frame(reconstruction.frame.origin[:, at], reconstruction.frame.map[:, :, at])
-            degree = next(d for d in range(20) if monomials.n_monomials(d) >= coefficients.shape[1])
-            basis = monomials.evaluate(degree, frame.local(self.points[mine].T))[: coefficients.shape[1]]
-            values[mine] = np.einsum("sap,ap->ps", coefficients[:, :, at], basis)
-        return values
-
     def function(self, dofs: Floats) -> Floats:
         """Values (n, m) of a continuous function with unknowns (n_dofs, m): on edges its own, inside the projection."""
-
-        def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
-            reconstruction = batch.element.reconstruct(batch.outline)
-            return reconstruction, np.einsum("ame,mei->iae", reconstruction.projected_value, dofs[batch.dofs])
-
-        values = self.evaluate(polynomials, dofs.shape[1])
+        values = polynomials_at(self.space, self.points, self.cells, value_polynomials(dofs), dofs.shape[1])
         on_edge = np.flatnonzero(self.edge != NO_EDGE)
         nodes = self.space.edge_nodes(self.mesh.edges[self.edge[on_edge]])
         weights = edge_weights(self.space.order, self.pieces)[self.step[on_edge]]
@@ -198,11 +172,7 @@ def _ring_triangles(n: int, pieces: int) -> Ints:
 
 def displayed_stresses(solution: ElasticField, shown: Display) -> Stresses:
     """Stresses at the points of a display, each from its own cell."""
-
-    def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
-        return solution.problem.cell_stresses(batch, solution.displacements)
-
-    return Stresses(shown.evaluate(polynomials, 4))
+    return Stresses(polynomials_at(shown.space, shown.points, shown.cells, stress_polynomials(solution), 4))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,49 +1,59 @@
-"""What all pictures share: sizes, colours that stay apart in grey, cells, contour lines, outlines."""
+"""What all pictures share: figures, colours that stay apart in grey, labels with units, colour bars, legends, fields.
+
+A figure has a system of units. What it draws is metric; `name_axis`, `name_axes` and `colour_bar` set labels and ticks
+of its system from the unit of the data, and `units_of` returns the system for numbers in texts, see
+`flangeway.quantities.measured`.
+"""
 
 import io
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import PathCollection
-from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap
-from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
+from matplotlib.collections import LineCollection
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import Colormap, ListedColormap, Normalize
+from matplotlib.figure import Figure, FigureBase
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import AutoLocator, Formatter
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 from PIL import Image
 
 from flangeway.mesh import PolyMesh
-from flangeway.mesh.curved import as_polylines
-from flangeway.report.figures.fields import PartFields
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
+from flangeway.units import Units, UsUnit, us_unit
 
 DPI = 160
-INK = "#1a1a1a"
-GREY = "#777777"
+INK, GREY, LIGHT, PURPLE = "#1a1a1a", "#777777", "#dddddd", "#8b1a8b"
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Colours of lines and points one after the other: those of Okabe and Ito (2008), which the colour-blind can tell."""
 SIDE_COLOURS = {"left": SERIES[1], "right": SERIES[0]}
 SIGNED: Colormap = ListedColormap(mpl.colormaps["RdBu_r"](np.linspace(0.04, 0.96, 256)))
 """For values on both sides of zero, which is white: blue below, red above, equally dark at equal distances."""
+COLOURS: Colormap = ListedColormap(mpl.colormaps["magma_r"](np.linspace(0.02, 0.92, 256)))
+"""From light, the minimum, to dark, the maximum, in grey too."""
+Style = dict[str, Any]
+"""Options of functions of matplotlib that draw."""
+NODES: Style = {"lw": 1.0, "marker": "o", "ms": 3.0, "mfc": "white"}
+HERTZ: Style = {"lw": 1.6, "ls": "--", "zorder": 1}
+"""NODES, HERTZ: lines of computed values at nodes or cells, and of Hertz's theory."""
 POWERS = str.maketrans("23", "²³")
 HALO = withStroke(linewidth=2.0, foreground="white")
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-CONTOUR = "MPa"  # `gid` of the numbers on lines of equal stress: their unit
-LABELS_APART = 0.11  # of the width of the axes
 
 
 class ShownFigure(Figure):
     """A figure that notebooks show without a global state of matplotlib; what it draws has the colours of `SERIES`."""
+
+    units: Units = "metric"
 
     def add_subplot(self, *args: Any, **kwargs: Any) -> Axes:
         """Add axes as matplotlib does, which adds all axes of `Figure.subplots` by this method."""
@@ -55,69 +65,119 @@ class ShownFigure(Figure):
         return png(self)
 
 
-def new_figure(width_in: float, height_in: float, *, measured: bool = True) -> Figure:
-    """Return an empty figure, apart from any global state of matplotlib.
+def new_figure(width_in: float, height_in: float, units: Units = "metric", *, compressed: bool = False) -> Figure:
+    """Return an empty figure, apart from any global state of matplotlib, which makes room for all labels.
 
-    If it is measured, it makes room for all labels by itself when it is drawn.
+    - `compressed`: whether axes of one scale stand close together, and colour bars are as high as what is drawn.
     """
     figure = ShownFigure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
-    figure.set_layout_engine("constrained" if measured else "none")
+    figure.units = units
+    figure.set_layout_engine("compressed" if compressed else "constrained")
     FigureCanvasAgg(figure)
     return figure
 
 
-@dataclass(frozen=True)
-class Room:
-    """Room about panels for labels, titles and legends, in inches."""
-
-    left: float = 0.75
-    right: float = 0.2
-    bottom: float = 0.55
-    top: float = 0.35  # left, right, bottom, top: beyond the outermost panels
-    across: float = 0.8
-    between: float = 0.8  # across, between: between panels beside each other, and between rows
-
-
-def figure_with_room(
-    width_in: float,
-    height_in: float,
-    room: Room,
-    n_rows: int = 1,
-    n_columns: int = 1,
-    *,
-    width_ratios: Sequence[float] | None = None,
-    sharex: bool = False,
-    sharey: bool = False,
+def panels(
+    width_in: float, height_in: float, n_rows: int = 1, n_columns: int = 1, units: Units = "metric", **options: Any
 ) -> tuple[Figure, NDArray[Any]]:
-    """Return a figure and its panels, shape (n_rows, n_columns), with given room about them.
+    """Return a figure and its axes with a grid, shape (n_rows, n_columns).
 
-    For pictures whose labels are known beforehand: to measure them all, several times, takes as long as to draw.
+    - `options`: those of `matplotlib.figure.Figure.subplots`.
     """
-    figure = new_figure(width_in, height_in, measured=False)
-    width = (width_in - room.left - room.right - (n_columns - 1) * room.across) / n_columns
-    height = (height_in - room.bottom - room.top - (n_rows - 1) * room.between) / n_rows
-    panels = figure.subplots(
-        n_rows,
-        n_columns,
-        squeeze=False,
-        sharex=sharex,
-        sharey=sharey,
-        width_ratios=width_ratios,
-        gridspec_kw={
-            "left": room.left / width_in,
-            "right": 1.0 - room.right / width_in,
-            "bottom": room.bottom / height_in,
-            "top": 1.0 - room.top / height_in,
-            "wspace": room.across / width,
-            "hspace": room.between / height,
-        },
-    )
-    return figure, panels
+    figure = new_figure(width_in, height_in, units)
+    axes = figure.subplots(n_rows, n_columns, squeeze=False, **options)
+    for panel in axes.flat:
+        panel.grid(color=LIGHT, linewidth=0.6)
+    return figure, axes
 
 
-def draw_title(axes: Axes, text: str, size: float = 10.0) -> None:
-    """Set the title right above the axes; if it has to find a place, matplotlib measures all labels once more."""
-    axes.set_title(text, fontsize=size, y=1.0)
+def units_of(axes: Axes) -> Units:
+    """Return the system of units of the figure of some axes."""
+    return getattr(axes.get_figure(root=True), "units", "metric")
+
+
+class UsLocator(AutoLocator):
+    """Ticks at round numbers of a unit, on an axis in the metric one."""
+
+    def __init__(self, unit: UsUnit) -> None:
+        super().__init__()
+        self.metric = float(unit.metric)
+
+    def tick_values(self, vmin: float, vmax: float) -> list[float]:
+        """Return places on the axis."""
+        values = np.asarray(super().tick_values(vmin / self.metric, vmax / self.metric)) * self.metric
+        return [float(each) for each in values]
+
+
+class UsFormatter(Formatter):
+    """Numbers of a unit beside ticks in the metric one, all with as many decimals as the finest needs."""
+
+    def __init__(self, unit: UsUnit) -> None:
+        self.metric = float(unit.metric)
+
+    def __call__(self, x: float, pos: int | None = None) -> str:  # noqa: ARG002 (matplotlib's)
+        """Return the number of one place, for the cursor of windows."""
+        return f"{x / self.metric:.6g}"
+
+    def format_ticks(self, values: Sequence[float]) -> list[str]:
+        """Return the numbers at the ticks."""
+        numbers = np.asarray(values) / self.metric
+        if not len(numbers) or not 1e-4 <= abs(numbers).max() < 1e6:
+            return [f"{number:.4g}" for number in numbers]
+        off = 1e-9 * float(abs(numbers).max())
+        decimals = next((n for n in range(8) if np.allclose(numbers, numbers.round(n), rtol=0.0, atol=off)), 8)
+        return [f"{number:z.{decimals}f}" for number in numbers]
+
+
+def name_axis(axis: Axis, words: str, unit: str = "") -> None:
+    """Label an axis whose data is in a metric unit, and set its ticks, both in the units of its figure.
+
+    - `words`: what the data is; empty where another axis in the same direction says it, and only ticks are set.
+    """
+    other = us_unit(unit) if unit and units_of(axis.axes) == "us" else None
+    if other is not None and axis.get_scale() == "linear":
+        axis.set_major_locator(UsLocator(other))
+        axis.set_major_formatter(UsFormatter(other))
+    if words:
+        axis.set_label_text(with_unit(words, other.name if other else unit))
+
+
+def name_axes(axes: Axes, x: tuple[str, str] | str = "", y: tuple[str, str] | str = "") -> None:
+    """Label both axes: words, or words and metric unit of the data; see `name_axis`."""
+    for axis, name in ((axes.xaxis, x), (axes.yaxis, y)):
+        if name:
+            name_axis(axis, *((name,) if isinstance(name, str) else name))
+
+
+def with_unit(words: str, unit: str | None) -> str:
+    """Return the words of a label with the unit behind."""
+    return f"{words}, {unit}" if unit else words
+
+
+def colour_bar(
+    drawn: ScalarMappable, axes: Axes | Sequence[Axes], words: str, unit: str = "", **options: Any
+) -> Colorbar:
+    """Add a bar of colours, labelled in the units of the figure, to axes that it takes its room from.
+
+    - `options`: those of `matplotlib.figure.Figure.colorbar`.
+    """
+    first = axes if isinstance(axes, Axes) else axes[0]
+    figure: FigureBase = first.get_figure(root=True)  # type: ignore[assignment]
+    bar = figure.colorbar(drawn, ax=axes, **{"shrink": 0.9} | options)
+    name_axis(bar.long_axis, words, unit)
+    return bar
+
+
+def legend_below(figure: Figure, n_columns: int, **options: Any) -> None:
+    """Add one legend of all axes below them, each name once.
+
+    - `options`: those of `matplotlib.figure.Figure.legend`.
+    """
+    entries = [axes.get_legend_handles_labels() for axes in figure.axes]
+    known = {label: handle for handles, labels in entries for handle, label in zip(handles, labels, strict=True)}
+    if known:
+        style: Style = {"loc": "outside lower center", "frameon": False, "fontsize": 8} | options
+        figure.legend(list(known.values()), list(known), ncols=n_columns, **style)
 
 
 def power_of_ten(value: float, _position: int | None = None) -> str:
@@ -134,6 +194,11 @@ def png(figure: Figure, dpi: int = DPI) -> bytes:
     buffer = io.BytesIO()
     pixels.quantize(method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(buffer, "PNG")
     return buffer.getvalue()
+
+
+def sequence_colours(number: int) -> NDArray[np.float64]:
+    """Colours (number, 4) of lines in an order, apart in grey too; the first is dark."""
+    return np.asarray(mpl.colormaps["viridis"](np.linspace(0.0, 0.88, max(number, 2))[:number]))
 
 
 QUANTITIES = {
@@ -162,117 +227,48 @@ NAMES = {"von mises": "von Mises", "hertz": "Hertz", "lame ": "Lamé's ", "max "
 UNIT = re.compile(r"_(km_h|mph|kip|lbf|ksi|ft|N_mm\d|N_mm|N_m|MPa|GPa|mm\d?|mrad|rad|deg|kN|N|m|t|s|in)$")
 
 
-def spelled(key: str) -> str:
-    """Words of a key, names with their capitals."""
-    words = key.replace("_", " ")
+def named(key: str) -> tuple[str, str]:
+    """Words for a key of inputs or results, names with their capitals, and its unit, empty without one."""
+    unit = UNIT.search(key)
+    words = QUANTITIES.get(key) or (key[: unit.start()] if unit else key).replace("_", " ")
     for letters, name in NAMES.items():
         words = words.replace(letters, name)
-    return words
+    return words, unit[1].replace("_", "/").translate(POWERS) if unit else ""
 
 
-def named(key: str) -> tuple[str, str]:
-    """Words for a key of inputs or results, and its unit, empty without one."""
-    found = UNIT.search(key)
-    words = QUANTITIES.get(key) or spelled(key[: found.start()] if found else key)
-    return words, found[1].replace("_", "/").translate(POWERS) if found else ""
+def shade_of(values: Floats, limits: tuple[float, float] | None = None) -> ScalarMappable:
+    """Return the colours of values: dark where they are largest in size, blue to red where they change their sign.
 
-
-def axis_name(key: str) -> str:
-    """Label of an axis for a key: words, and the unit in which its values are."""
-    words, unit = named(key)
-    return f"{words} in {unit}" if unit else words
-
-
-class ColourSteps:
-    """Steps of colour from light to dark, in grey too; of values on both sides of zero from blue by white to red.
-
-    - `values`: all values to be shown.
-    - `from_zero`: for values none of which is below zero, or none above: from light at zero to dark at the extreme.
+    - `limits`: values of the first and last colour; those of the values by default.
     """
-
-    def __init__(self, values: Floats, *, from_zero: bool = False) -> None:
-        values = np.append(values, 0.0) if from_zero else values
-        low, high = float(values.min()), float(values.max())
-        self.compressive = from_zero and -low > high
-        if from_zero:
-            low, high = (low, 0.0) if self.compressive else (0.0, max(high, 1e-6))
-        elif not high - low > 1e-12 * max(abs(low), abs(high)):
-            low, high = low - 0.5, high + 0.5
-        self.signed = low < 0.0 < high
-        if self.signed:
-            low, high = -max(-low, high), max(-low, high)
-        locator = MaxNLocator(nbins=10 if from_zero else 12, steps=[1, 2, 2.5, 5, 10], symmetric=self.signed)
-        self.levels: Floats = np.asarray(locator.tick_values(low, high))
-        shades = mpl.colormaps["magma_r"](np.linspace(0.0, 0.9, 256))
-        self.map = SIGNED if self.signed else ListedColormap(shades[::-1] if self.compressive else shades)
-        self.norm = BoundaryNorm(self.levels.tolist(), self.map.N)
-
-    def mappable(self) -> ScalarMappable:
-        """For the colour bar."""
-        return ScalarMappable(self.norm, self.map)
-
-    @property
-    def lines(self) -> Floats:
-        """Levels with a contour line: every second one, without zero."""
-        levels = self.levels[::-1] if self.compressive else self.levels
-        return np.sort(levels[2:-1:2])
+    low, high = (float(values.min()), float(values.max())) if limits is None else limits
+    if not high - low > 1e-12 * max(abs(low), abs(high)):
+        low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+    signed = low < 0.0 < high
+    if signed:
+        low, high = -max(-low, high), max(-low, high)
+    return ScalarMappable(Normalize(low, high), SIGNED if signed else COLOURS.reversed() if high <= 0.0 else COLOURS)
 
 
-def draw_contours(
-    axes: Axes,
-    part: PartFields,
-    points: Floats,
-    values: Floats,
-    colours: ColourSteps,
-    chosen: NDArray[np.bool_] | None = None,
+def fill_triangles(axes: Axes, points: Floats, triangles: Ints, values: Floats, shade: ScalarMappable) -> None:
+    """Fill triangles (m, 3) of points (n, 2) with the colours of values at the points (n,), smooth within each."""
+    grid = Triangulation(points[:, 0], points[:, 1], triangles)
+    style: Style = {"cmap": shade.cmap, "norm": shade.norm, "rasterized": True}
+    axes.tripcolor(grid, values, shading="gouraud", **style)
+
+
+def draw_lines(
+    axes: Axes, lines: Iterable[Floats], colour: str, width: float, alpha: float | None = None, ls: Any = "solid"
 ) -> None:
-    """Draw lines of equal value, from means about the points, with numbers that keep apart; set the axes first.
-
-    `chosen` are the cells that are drawn, (n_cells,); all if left out.
-    """
-    smooth = part.at_points(values)
-    levels = [v for v in colours.lines.tolist() if smooth.min() < v < smooth.max()]
-    if not levels:
-        return
-    grid = Triangulation(points[:, 0], points[:, 1], triangles(part.mesh))
-    if chosen is not None:
-        inside = np.zeros(part.mesh.n_points, dtype=np.bool_)
-        inside[part.mesh.cell_points[np.repeat(chosen, part.mesh.cell_sizes)]] = True
-        grid.set_mask(~inside[grid.triangles].all(axis=1))
-    lines = axes.tricontour(grid, smooth, levels=levels, colors=INK, linewidths=0.5, linestyles="solid")
-    apart = LABELS_APART * abs(np.subtract(*axes.get_xlim()))
-    places = [text.get_position() for text in axes.texts if text.get_gid() == CONTOUR]
-    for label in axes.clabel(lines, fmt="%g", fontsize=6.5, inline=False):
-        x, y = label.get_position()
-        if not _well_inside(axes, x, y) or any(
-            np.hypot(x - other_x, y - other_y) < apart for other_x, other_y in places
-        ):
-            label.remove()
-            continue
-        label.set(path_effects=[HALO], zorder=6, gid=CONTOUR)
-        places.append((x, y))
+    """Draw lines of points (n, 2) each."""
+    axes.add_collection(LineCollection(list(lines), colors=colour, linewidths=width, alpha=alpha, linestyles=[ls]))
 
 
-def _well_inside(axes: Axes, x: float, y: float) -> bool:
-    """Whether a label at a place would not be cut by the axes."""
-    places = axes.transAxes.inverted().transform(axes.transData.transform((x, y)))
-    return bool((np.abs(places - 0.5) < 0.47).all())
-
-
-def draw_outline(axes: Axes, mesh: PolyMesh, points: Floats | None = None, *, dashed: bool = False) -> None:
-    """Draw the outer boundary of a mesh and the holes', its points being at `points`."""
-    mesh = as_polylines(mesh) if points is None else mesh
-    places = mesh.points if points is None else points
-    style = {"color": GREY, "linestyle": (0, (4, 2))} if dashed else {"color": INK, "linestyle": "solid"}
-    for loop in boundary_loops(mesh):
-        axes.plot(*places[loop].T, linewidth=0.9, **style)
-
-
-def equal_axes(axes: Axes, corners: Floats) -> None:
-    """Show the box (2, 2) with one scale for both axes, labelled in mm."""
+def equal_axes(axes: Axes, corners: Floats, unit: str = "mm") -> None:
+    """Show the box (2, 2) with one scale for both axes, labelled with the unit."""
     axes.set(xlim=(corners[0, 0], corners[1, 0]), ylim=(corners[0, 1], corners[1, 1]))
     axes.set_aspect("equal", adjustable="box")
-    axes.set(xlabel="x in mm", ylabel="y in mm")
+    name_axes(axes, ("x", unit), ("y", unit))
 
 
 def box(points: Sequence[Floats], margin: float) -> Floats:
@@ -281,98 +277,7 @@ def box(points: Sequence[Floats], margin: float) -> Floats:
     return np.array([every.min(axis=0) - margin, every.max(axis=0) + margin])
 
 
-def alike(boxes: Sequence[Floats]) -> list[Floats]:
-    """Return boxes (2, 2) beside each other with one size and one range of heights, each about its own middle."""
-    every = np.array(boxes)
-    low, high = every[:, 0, 1].min(), every[:, 1, 1].max()
-    half = np.ptp(every[:, :, 0], axis=1).max() / 2.0
-    return [np.array([[x - half, low], [x + half, high]]) for x in every[:, :, 0].mean(axis=1)]
-
-
-def boundary_loops(mesh: PolyMesh) -> list[NDArray[np.int64]]:
-    """Points along each closed boundary, the first repeated at the end."""
-    after = dict(mesh.boundary_edges.tolist())
-    loops = []
-    while after:
-        loop = [next(iter(after))]
-        while loop[-1] in after:
-            loop.append(after.pop(loop[-1]))
-        loops.append(np.array(loop))
-    return loops
-
-
-def triangles(mesh: PolyMesh) -> NDArray[np.int32]:
-    """Polygons as fans of triangles about their first corner, shape (n, 3)."""
-    fans = []
-    for n_vertices, cells in mesh.batches():
-        corners = mesh.batch_points(n_vertices, cells)
-        fans += [corners[:, [0, i, i + 1]] for i in range(1, n_vertices - 1)]
-    return np.vstack(fans)
-
-
-def draw_field(axes: Axes, mesh: PolyMesh, values: Floats, shades: ColourSteps, *, lines: bool = True) -> None:
-    """Fill between contour lines of values at a mesh's points (n_points,); dashed lines are negative."""
-    surface = Triangulation(mesh.points[:, 0], mesh.points[:, 1], triangles(mesh))
-    # rounding below the first level would leave a hole
-    values = np.clip(values, shades.levels[0], shades.levels[-1])
-    axes.tricontourf(surface, values, levels=shades.levels, cmap=shades.map, norm=shades.norm)
-    if lines:
-        styles = ["dashed" if level < 0.0 else "solid" for level in shades.levels]
-        axes.tricontour(surface, values, levels=shades.levels, colors=INK, linewidths=0.5, linestyles=styles)
-
-
-Colour = tuple[float, float, float, float]
-
-LINE_WIDTH = 0.2
-NOT_SHOWN = -1
-
-
-def fill_cells(
-    axes: Axes,
-    mesh: PolyMesh,
-    points: Floats,
-    values: Floats,
-    colours: ColourSteps,
-    *,
-    chosen: NDArray[np.bool_] | None = None,
-    lines: Colour | None = None,
-) -> None:
-    """Fill cells by their values (n_cells,), the mesh's points being drawn at `points` (n_points, 2).
-
-    All cells of the first step of colour or a later one are filled as one path, then over it all of the second or a
-    later one, and so on: so there are no gaps between cells. `chosen` (n_cells,) are the cells that are drawn, by
-    default all; `lines` is the colour of their edges, which are not drawn by default. The limits of the axes stay.
-    """
-    levels = colours.levels
-    steps = np.clip(np.searchsorted(levels, values, side="right") - 1, 0, len(levels) - 2)
-    if chosen is not None:
-        steps = np.where(chosen, steps, NOT_SHOWN)
-    present = [step for step in np.unique(steps).tolist() if step != NOT_SHOWN]
-    paths = [cells_path(mesh, points, np.flatnonzero(steps >= step)) for step in present]
-    shades = colours.map(colours.norm([0.5 * (levels[step] + levels[step + 1]) for step in present]))
-    regions = PathCollection(paths, facecolors=shades, linewidths=0.0)
-    regions.set_snap(False)
-    axes.add_collection(regions, autolim=False)
-    if lines is not None:
-        edges = np.unique(mesh.cell_edges[np.repeat(steps != NOT_SHOWN, mesh.cell_sizes)])
-        draw_lines(axes, points[mesh.edges[edges]], lines, LINE_WIDTH)
-
-
-def draw_lines(axes: Axes, lines: Floats, colour: str | Colour, width: float, alpha: float | None = None) -> None:
-    """Draw lines of equally many points, shape (n_lines, n, 2), as one path: much faster than a path for each."""
-    codes = np.full(lines.shape[:2], Path.LINETO, dtype=Path.code_type)
-    codes[:, 0] = Path.MOVETO
-    path = Path(lines.reshape(-1, 2), codes.ravel())
-    axes.add_artist(PathPatch(path, facecolor="none", edgecolor=colour, linewidth=width, alpha=alpha, zorder=2))
-
-
 def cells_path(mesh: PolyMesh, points: Floats, cells: NDArray[np.integer]) -> Path:
     """One path about each of some cells (n,), the points of the mesh being drawn at `points` (n_points, 2)."""
-    sizes = mesh.cell_sizes[cells].astype(np.int64)
-    ends = np.cumsum(sizes + 1)
-    place = np.arange(ends[-1]) - np.repeat(ends - sizes - 1, sizes + 1)
-    last = place == np.repeat(sizes, sizes + 1)
-    codes = np.full(len(place), Path.LINETO, dtype=Path.code_type)
-    codes[place == 0], codes[last] = Path.MOVETO, Path.CLOSEPOLY
-    corners = np.repeat(mesh.cell_offsets[cells], sizes + 1) + np.where(last, 0, place)
-    return Path(points[mesh.cell_points[corners]], codes)
+    polygons = [points[mesh.cell_points[mesh.cell_offsets[cell] : mesh.cell_offsets[cell + 1]]] for cell in cells]
+    return Path.make_compound_path(*(Path(polygon, closed=False) for polygon in polygons))

@@ -2,18 +2,17 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses, cell_stresses
 from flangeway.problems import ElasticField
 from flangeway.railway.track.placements import Side
-from flangeway.railway.wheelset.wheelset_checks import above_the_web
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.report.figures.series import placed_stresses, solution_frame, write_frame
+from flangeway.report.figures.stress_picture import DrawnBody
 from flangeway.types import Floats
 
 
@@ -36,8 +35,6 @@ class PartFields:
         that is in its place.
     stresses
         Mean stresses of the cells, axes of space.
-    above_web
-        Cells above a rail's web, (n_cells,), where the stresses of a slice may be believed; None: all of them.
 
     """
 
@@ -47,32 +44,12 @@ class PartFields:
     touch_points: Floats
     displacement: Floats
     stresses: Stresses
-    above_web: NDArray[np.bool_] | None = None
-
-    def points(self, factor: float = 1.0) -> Floats:
-        """Points with all motion since first touch, rigid and elastic, multiplied by a factor."""
-        motion = self.mesh.points + self.displacement - self.touch_points
-        moved: Floats = self.touch_points + factor * motion
-        return moved
-
-    def at_points(self, cell_values: Floats) -> Floats:
-        """Means of cells' values (n_cells,) about each point, weighted by area, shape (n_points,)."""
-        mesh = self.mesh
-        weights = np.repeat(mesh.cell_areas, mesh.cell_sizes)
-        values = np.repeat(cell_values, mesh.cell_sizes)
-        total = np.bincount(mesh.cell_points, weights, minlength=mesh.n_points)
-        sums = np.bincount(mesh.cell_points, weights * values, minlength=mesh.n_points)
-        means: Floats = sums / total
-        return means
 
 
 def part_fields(result: WheelsetResult) -> Iterator[PartFields]:
     """Fields of every part: left side first, wheels before rails."""
-    model = result.model
-    at_touch = dict(
-        zip((part.name for part in model.system.parts), model.placements(model.rigid_position), strict=True)
-    )
-    for name, part in model.parts.items():
+    at_touch = _at_touch(result)
+    for name, part in result.model.parts.items():
         placement, mesh = result.placements[name], part.body.space.mesh
         displacement = result.displacements[name]
         yield PartFields(
@@ -82,8 +59,29 @@ def part_fields(result: WheelsetResult) -> Iterator[PartFields]:
             at_touch[name].points(mesh.points),
             placement.vectors(displacement[: mesh.n_points]),
             placed_stresses(cell_stresses(part.body.elasticity, displacement), placement),
-            above_the_web(model, name),
         )
+
+
+def _at_touch(result: WheelsetResult) -> dict[str, Placement]:
+    """Placements of the parts when the wheelset first touches the rails."""
+    model = result.model
+    names = (part.name for part in model.system.parts)
+    return dict(zip(names, model.placements(model.rigid_position), strict=True))
+
+
+def drawn_parts(result: WheelsetResult, side: Side, factor: float = 1.0) -> dict[str, DrawnBody]:
+    """Wheel and rail of a side by their names, all motion since first touch multiplied by a factor."""
+    at_touch = _at_touch(result)
+
+    def placed(name: str, points: Floats, moved: Floats) -> Floats:
+        start: Floats = at_touch[name].points(points)
+        return start + factor * (result.placements[name].points(points + moved) - start)
+
+    return {
+        name: DrawnBody(ElasticField(part.body.elasticity, result.displacements[name]), partial(placed, name))
+        for name, part in result.model.parts.items()
+        if name.endswith(side)
+    }
 
 
 def write_part(path: Path, result: WheelsetResult, name: str) -> None:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from flangeway.contact import ContactSolution
-from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room, power_of_ten
+from flangeway.report.figures.drawing import GREY, INK, NODES, legend_below, name_axes, panels, power_of_ten
 from flangeway.report.page.tables import SummaryTable
 from flangeway.solve import ContactState
 
@@ -32,37 +32,30 @@ def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
 
 def newton_figure(steps: Sequence[tuple[str, ContactState]]) -> Figure:
     """Draw residual and change of all iterations, load step by load step, each with its name."""
-    figure, ((axes,),) = figure_with_room(13.0, 4.0, Room(bottom=0.8, top=0.15))
-    named = [(name, state.history) for name, state in steps if state.history]
-    start, corrected = 0, False
-    for number, (name, history) in enumerate(named):
+    figure, ((axes,),) = panels(13.0, 4.0)
+    axes.set_yscale("log")
+    steps = [(name, state) for name, state in steps if state.history]
+    start = 0
+    for number, (name, state) in enumerate(steps):
+        history = state.history
         at = np.arange(start + 1, start + 1 + len(history))
         for key, colour, line, marker in (("residual", INK, "-", "o"), ("change", GREY, "--", "s")):
             errors = np.maximum([getattr(iteration, key) for iteration in history], MIN_ERROR)
-            axes.semilogy(
-                at, errors, color=colour, lw=1.4, ls=line, marker=marker, ms=4.0, mfc="white",
-                label=None if number else ERRORS[key],
-            )  # fmt: skip
+            axes.plot(at, errors, **NODES | {"color": colour, "ls": line, "marker": marker}, label=ERRORS[key])
         if number:
             axes.axvline(start + 0.5, color=GREY, lw=0.6)
         corrections = np.array([iteration.correction for iteration in history])
         for place in np.flatnonzero(np.diff(corrections)):
-            label = "force correction" if not corrected else None
-            axes.axvline(at[place] + 0.5, color=GREY, lw=0.8, ls=":", label=label)
-            corrected = True
-        if 1 < len(named) <= MAX_NAMED:
-            axes.text(
-                start + 0.6, 0.98, name, fontsize=8, color=GREY, va="top", transform=axes.get_xaxis_transform()
-            )  # fmt: skip
+            axes.axvline(at[place] + 0.5, color=GREY, lw=0.8, ls=":", label="force correction")
+        if 1 < len(steps) <= MAX_NAMED:
+            across = axes.get_xaxis_transform()
+            axes.text(start + 0.6, 0.98, name, fontsize=8, color=GREY, va="top", transform=across)
         start += len(history)
     axes.set_xlim(0.5, max(start, 1) + 0.5)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
-    axes.set(
-        xlabel="Newton iterations" + (", load step by load step" if len(named) > 1 else ""), ylabel="relative error"
-    )
+    name_axes(axes, "Newton iterations" + (", load step by load step" if len(steps) > 1 else ""), "relative error")
     axes.yaxis.set_major_formatter(power_of_ten)
-    axes.grid(color="#dddddd", linewidth=0.6)
-    figure.legend(loc="lower center", ncols=3, fontsize=8, frameon=False)
+    legend_below(figure, 3)
     return figure
 
 

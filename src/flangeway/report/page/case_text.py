@@ -2,8 +2,9 @@
 
 import re
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import date
+from pathlib import Path
 from typing import Any
 
 from flangeway.cases.case import OF_REPORT, Case, Run, RunnableCase, table_in
@@ -11,15 +12,20 @@ from flangeway.cases.case_file import FORMAT
 from flangeway.cases.case_template import toml_value, write_case_file
 from flangeway.cases.section.section_run import TorsionCase
 from flangeway.checks import is_number
+from flangeway.quantities import measured
 from flangeway.report.page.record import Again, Record
 from flangeway.report.page.tables import SummaryTable
-from flangeway.units import unit_in, us_unit
+from flangeway.units import Units, in_us_units, unit_in, us_key
 
 MAX_LETTERS = 60  # of a value on the page; longer ones are cut there, the case file has them whole
 
 
-def run_record(run: Run, about_files: str, **own: Any) -> Record:
-    """Return the record of a run: what every run has, and its own, see `Record`; `about_files` is for `Again`."""
+def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any) -> Record:
+    """Return the record of a run: what every run has, and its own, see `Record`.
+
+    - `about_files`: for `Again`.
+    - `first`: inputs that the first page has in any case, before the essential ones and those that are not defaults.
+    """
     case, summary = run.case, run.summary
     assert isinstance(case, RunnableCase)
     file = f"{case.name}.toml" if has_tables(case) else ""
@@ -31,9 +37,10 @@ def run_record(run: Run, about_files: str, **own: Any) -> Record:
         "summary": summary,
         "again": Again(f"flangeway run {file}" if file else command_line(case), case_text(case), file, about_files),
         "versions": summary["versions"],
+        "units": case.units,
         "inputs": inputs_tables(case),
         "details": [*filter(None, (case.project, case.author)), case.date or date.today().isoformat()],
-        "changed": inputs_in_words(case),
+        "given": given_inputs(case, (*first, *case.essential)),
         "timings_s": summary["timings_s"],
     }
     fields = shared | own
@@ -42,19 +49,25 @@ def run_record(run: Run, about_files: str, **own: Any) -> Record:
     return Record(**fields)
 
 
-def inputs_in_words(case: Case) -> list[str]:
-    """Return the inputs that are not the defaults, by their meanings; those inside tables are left out."""
-    found = []
-    for key, field in type(case).model_fields.items():
-        value = getattr(case, key)
-        if value == field.default or key in OF_REPORT or table_in(field.annotation) is not None:
+def given_inputs(case: Case, first: Sequence[str]) -> dict[str, str]:
+    """Return values by meanings of some inputs, and of those that are not the defaults; without those inside tables."""
+    fields, given = type(case).model_fields, {}
+    changed = [key for key, field in fields.items() if getattr(case, key) != field.default]
+    for key in dict.fromkeys([*first, *changed]):
+        if key in OF_REPORT or table_in(fields[key].annotation) is not None:
             continue
-        meaning = re.split(r"[;,(:]", field.description or key)[0].strip()
-        unit, number = unit_in(key), is_number(value)
-        other = us_unit(unit) if case.units == "us" and number else None
-        text = f"{other.of(value) if other else value:.6g}" if number else _plain(value)
-        found.append(f"{meaning} {text} {other.name if other else unit}".rstrip())
-    return found
+        meaning = re.split(r"[;,(:]", fields[key].description or key)[0].strip()
+        given[meaning] = _in_words(getattr(case, key), unit_in(key), case.units)
+    return given
+
+
+def _in_words(value: object, unit: str, units: Units) -> str:
+    """Text of an input with its unit; of a file with the date of its content."""
+    if is_number(value):
+        return measured(float(value), unit, units, ".6g")  # type: ignore[arg-type]
+    if isinstance(value, str) and Path(value).is_file():
+        return f"{value}, file of {date.fromtimestamp(Path(value).stat().st_mtime).isoformat()}"
+    return "not given" if value is None else _plain(value)
 
 
 def case_text(case: RunnableCase) -> str:
@@ -75,19 +88,23 @@ def case_text(case: RunnableCase) -> str:
 
 def inputs_tables(case: Case) -> list[SummaryTable]:
     """Inputs for the page: plain ones with their meanings, and those inside tables that are set, table by table."""
-    plain = [
-        (key, _plain(getattr(case, key)), field.description or "")
-        for key, field in type(case).model_fields.items()
-        if table_in(field.annotation) is None
-    ]
-    found = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), tuple(plain), of_words=True)]
+    fields = type(case).model_fields
+    plain = {key: value for key, value in case.model_dump().items() if table_in(fields[key].annotation) is None}
+    meanings = [fields[key].description or "" for key in plain]
+    if case.units == "us":
+        meanings = [*map(in_us_units, meanings)]
+    rows = tuple((*row, meaning) for row, meaning in zip(input_rows(plain, case.units), meanings, strict=True))
+    found = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), rows, of_words=True)]
     for key, value in case.model_dump(exclude_defaults=True).items():
-        if table_in(type(case).model_fields[key].annotation) is None:
-            continue
-        items = value if isinstance(value, list) else [value]
-        for number, item in enumerate(items, 1):
-            caption = f"{key}[{number}]" if isinstance(value, list) else key
-            found.append(SummaryTable(caption, ("", "value"), tuple(_rows(item)), of_words=True))
+        if key not in plain:
+            items = (
+                {f"{key}[{number}]": item for number, item in enumerate(value, 1)}
+                if isinstance(value, list)
+                else {key: value}
+            )
+            for caption, item in items.items():
+                table = SummaryTable(caption, ("", "value"), tuple(input_rows(item, case.units)), of_words=True)
+                found.append(table)
     return found
 
 
@@ -96,22 +113,23 @@ def has_tables(case: Case) -> bool:
     return any(table_in(field.annotation) is not None for field in type(case).model_fields.values())
 
 
-def _rows(item: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, str]]:
-    """Keys and values of a table, those of tables inside behind a point."""
+def input_rows(item: Mapping[str, Any], units: Units, path: str = "") -> Iterator[tuple[str, str]]:
+    """Keys and values of a table in a system of units, those of tables inside behind a point."""
     for key, value in item.items():
         if isinstance(value, Mapping):
-            yield from _rows(value, f"{path}{key}.")
+            yield from input_rows(value, units, f"{path}{key}.")
         else:
-            yield f"{path}{key}", _plain(value)
+            unit = us_key(key) if units == "us" else None
+            yield f"{path}{unit.name if unit else key}", _plain(unit.of(value) if unit else value, 6 if unit else 10)
 
 
-def _plain(value: object) -> str:
+def _plain(value: object, digits: int = 10) -> str:
     if value is None:
         return "–"
     if isinstance(value, list | tuple | Mapping):
         text = toml_value(value)
         return text if len(text) <= MAX_LETTERS else f"{text[: MAX_LETTERS - 4]} ..."
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 
 OPTIONS = {

@@ -16,8 +16,11 @@ from flangeway.report.figures.drawing import png
 from flangeway.report.page.record import REPORT, Picture, Record
 from flangeway.report.page.tables import timings_table
 from flangeway.report.viewer import field_viewer
+from flangeway.results import ResultTable
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
+from flangeway.system.workbook import csv_tables, write_workbook
 
+WORKBOOK = "tables.xlsx"
 SHOWN_SIZE = 0.55  # pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures
 NUMBER_CELL = re.compile(r"–|yes|no||[-+(\d.,) e/–%]+")
 INSTEAD = "The figures above and the figures below show the most important fields."
@@ -35,17 +38,25 @@ def report_page(record: Record, drawn: Drawn = (), timings_s: Mapping[str, float
         record=record,
         drawn=drawn,
         tables=[*record.tables, *([timings_table(times)] if times else [])],
-        viewer=Markup(field_viewer(record.scene(), INSTEAD if drawn else "")) if record.scene else "",
+        viewer=Markup(field_viewer(record.scene().in_units(record.units), INSTEAD if drawn else ""))
+        if record.scene
+        else "",
         program=Markup((files("flangeway.report.page") / "page.js").read_text(encoding="utf-8")),
     )
 
 
 def write_record(
-    record: Record, folder: Path, progress: Callable[[str], None] = lambda _: None, *, pictures: bool = True
+    record: Record,
+    folder: Path,
+    progress: Callable[[str], None] = lambda _: None,
+    *,
+    pictures: bool = True,
+    xlsx: bool = False,
 ) -> list[Path]:
     """Write all files of a record, the report and the summary last, together or not at all.
 
     - `pictures`: whether pictures are drawn.
+    - `xlsx`: whether a workbook has the numbers of the summary and of all CSV files, a sheet each.
 
     It is an `InputError` if the folder cannot be written.
     """
@@ -57,6 +68,10 @@ def write_record(
     timings_s = {**record.timings_s, "pictures": time.perf_counter() - start} if drawn else record.timings_s
     progress("writing the files")
     writers = {each.file: bytes_writer(data) for each, data in drawn} | dict(record.files())
+    if xlsx:
+        summary = ResultTable.of_numbers(record.summary)
+        rows = [[*summary.columns], *summary.rows()]
+        writers[WORKBOOK] = lambda path: write_workbook(path, {"summary": rows, **csv_tables(path.parent)})
     writers[REPORT] = text_writer(report_page(record, drawn, timings_s))
     writers[record.summary_file] = text_writer(summary_text(record.summary))
     return write_together(folder, writers)

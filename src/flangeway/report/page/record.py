@@ -10,8 +10,10 @@ from rich.console import Console
 from flangeway.report.page.tables import SummaryTable, print_notices, print_table
 from flangeway.report.viewer import Scene
 from flangeway.system.output_folder import Writer
+from flangeway.units import Units, in_us_units
 
 REPORT, SUMMARY = "report.html", "summary.json"
+METRIC_FILES = "The page, its pictures and CSV files are in US units; JSON, Parquet and ParaView files are metric."
 
 
 @dataclass(frozen=True)
@@ -20,12 +22,8 @@ class Picture:
 
     file: str  # name of the PNG file
     draw: Callable[[], Figure]
-    alternative: str  # what it shows, for those who do not see it
-    caption: str = ""  # text below it, if it is another one
+    caption: str  # what it shows
     chapter: str = ""  # the section of the report that it is in, if not that of all pictures
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "caption", self.caption or self.alternative)
 
 
 @dataclass(frozen=True)
@@ -49,13 +47,14 @@ class Record:
     message: str  # converged, message: how it ended
     success: str = "converged"  # the word for that
     details: Sequence[str] = ()  # project, author, date
-    changed: Sequence[str] = ()  # inputs that are not the defaults, in words
+    given: Mapping[str, str] = field(default_factory=dict)  # inputs that define it, by their meanings, with units
     facts: Sequence[tuple[str, str]] = ()  # the most important numbers with units, and what they are
     results: SummaryTable  # the one table of results that the terminal shows
     summary: Mapping[str, Any]  # the numbers for programs
     summary_file: str = SUMMARY
     again: Again  # how to compute it again
     versions: Mapping[str, str]  # versions of what it was made with, by name
+    units: Units = "metric"  # units of tables, pictures and CSV files
     sentences: Sequence[str] = ()  # further sentences of the summary
     warnings: Sequence[str] = ()
     notes: Sequence[str] = ()  # what was repaired, assumed or left out of what was given
@@ -68,6 +67,16 @@ class Record:
     inputs: Sequence[SummaryTable] = ()  # tables of inputs
     timings_s: Mapping[str, float] = field(default_factory=dict)  # seconds of each stage
     files: Callable[[], Mapping[str, Writer]] = dict  # functions that write further files, by their names
+
+    def __post_init__(self) -> None:
+        """Give sentences that computing wrote the units of the record; its numbers are made in them."""
+        if self.units == "us":
+            for name in ("title", "subtitle", "message", "sentences", "warnings", "notes", "assumptions"):
+                text = getattr(self, name)
+                converted = in_us_units(text) if isinstance(text, str) else [*map(in_us_units, text)]
+                object.__setattr__(self, name, converted)
+            if METRIC_FILES not in self.assumptions:  # a record that is copied has it
+                object.__setattr__(self, "assumptions", [*self.assumptions, METRIC_FILES])
 
     @property
     def verdict(self) -> str:

@@ -1,7 +1,6 @@
 """Tables, and what all commands print alike: tables without a frame, how a run ended, notices, and the files."""
 
-import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -35,51 +34,55 @@ class SummaryTable:
         return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
 
 
-Column = tuple[str, str | Callable[[Any], Any], str] | Quantity[Any]
-"""A quantity; or heading, attribute of an object or function of it, and format of the value."""
-
-
 def table_of(
-    caption: str, objects: Iterable[Any], columns: Sequence[Column], note: str = "", units: Units = "metric"
+    caption: str, objects: Iterable[Any], quantities: Iterable[Quantity[Any]], note: str = "", units: Units = "metric"
 ) -> SummaryTable:
     """Return a table with a row for each object and a number in each cell; missing values are dashes."""
-    objects = list(objects)
-    found = [_cells(column, objects, units) for column in _shown(columns)]
-    heads = tuple(head for heads, _ in found for head in heads)
-    rows = zip(*(cells for _, lines in found for cells in lines), strict=True)
-    return SummaryTable(caption, heads, tuple(rows), note=note)
+    heads, columns = _columns(quantities, list(objects), units)
+    return SummaryTable(caption, tuple(heads), tuple(zip(*columns, strict=True)), note=note)
 
 
 def table_across(
     caption: str,
     names: Iterable[str],
     objects: Sequence[Any],
-    quantities: Iterable[Column],
+    quantities: Iterable[Quantity[Any]],
     note: str = "",
     units: Units = "metric",
 ) -> SummaryTable:
     """Return a table with a column for each object, headed by its name, and a row for each number of a quantity."""
-    found = [_cells(quantity, objects, units) for quantity in _shown(quantities)]
-    rows = tuple((head, *cells) for heads, lines in found for head, cells in zip(heads, lines, strict=True))
+    heads, columns = _columns(quantities, objects, units)
+    rows = tuple((head, *cells) for head, cells in zip(heads, columns, strict=True))
     return SummaryTable(caption, ("", *names), rows, note=note)
+
+
+def _columns(
+    quantities: Iterable[Quantity[Any]], objects: Sequence[Any], units: Units
+) -> tuple[list[str], list[list[str]]]:
+    """Names of the numbers of quantities, and their texts for all objects."""
+    shown = [quantity for quantity in quantities if quantity.label]
+    heads = [name for quantity in shown for name in quantity.labels(units)]
+    lines = [[text for quantity in shown for text in texts(quantity, of, units)] for of in objects]
+    return heads, [[line[number] for line in lines] for number in range(len(heads))]
+
+
+def texts(quantity: Quantity[Any], of: Any, units: Units = "metric") -> list[str]:
+    """Return the numbers of an object as texts, marked if they are approximate."""
+    return [marked(text, quantity.remark(of)) for text in quantity.texts(of, units)]
 
 
 def rows_of(
     quantities: Iterable[Quantity[Any]], of: Any, units: Units = "metric", owner: str = ""
 ) -> list[tuple[str, str]]:
     """Return names and texts of the numbers of one object, a row each, the names after that of an owner."""
-    table = table_across("", ("",), [of], quantities, units=units)
-    return [(f"{owner}: {name}" if owner else name, text) for name, text in table.rows]
+    heads, columns = _columns(quantities, [of], units)
+    return [(f"{owner}: {name}" if owner else name, text) for name, (text,) in zip(heads, columns, strict=True)]
 
 
 def fact(quantity: Quantity[Any], of: Any, units: Units = "metric", owner: str = "") -> tuple[str, str]:
     """Return the text of a number with its unit, and what it is, and of which owner, for the top of the page."""
     text, label = quantity.fact(of, units)
     return marked(text, quantity.remark(of)), f"{label}, {owner}" if owner else label
-
-
-def _shown(columns: Iterable[Column]) -> list[Column]:
-    return [column for column in columns if not isinstance(column, Quantity) or column.label]
 
 
 def with_whole(
@@ -105,70 +108,25 @@ def with_whole(
     return replace(table, rows=(*rows, *table.rows))
 
 
-def _cells(column: Column, objects: Sequence[Any], units: Units) -> tuple[list[str], list[list[str]]]:
-    """Names and texts of the numbers of a quantity: of several numbers each has its own, as "{x|y} of a point"."""
-    if isinstance(column, Quantity):
-        rows = [[marked(text, column.remark(of)) for text in column.texts(of, units)] for of in objects]
-        names = column.labels(units)
-        return names, [[row[number] for row in rows] for number in range(len(names))]
-    name, key, form = column
-    values = [getattr(of, key) if isinstance(key, str) else key(of) for of in objects]
-    choice = re.search(r"\{(.*?)\}", name)
-    if choice is None:
-        return [name], [[cell_text(value, form) for value in values]]
-    words, forms = choice[1].split("|"), form.split("|")
-    forms *= len(words) // len(forms)
-    lines = [
-        [cell_text(None if value is None else value[place], forms[place]) for value in values]
-        for place in range(len(words))
-    ]
-    return [name.replace(choice[0], word) for word in words], lines
-
-
-def cell_text(value: Any, form: str) -> str:
-    """Return the text of a value; None is a dash."""
-    return "–" if value is None else value if isinstance(value, str) else formatted(value, form)
-
-
 def timings_table(timings_s: Mapping[str, float]) -> SummaryTable:
     """Seconds of each stage; ``total`` is that of computing."""
-    rows = [(name.replace("_", "-"), number(t, 2)) for name, t in timings_s.items()]
+    rows = [(name.replace("_", "-"), f"{t:.2f}") for name, t in timings_s.items()]
     return SummaryTable("Time", ("", "s"), tuple(rows))
 
 
-class Number(str):
-    """The text of a number, which has all its digits and its format for other units."""
-
-    value: float
-    form: str
-
-
-class About(Number):
+class About(str):
     """The text of a value that is approximate."""
 
     remark: str = ""  # the reason
-
-
-def formatted(value: float, form: str) -> Number:
-    """Return the text of a number."""
-    found = Number(format(value, form))
-    found.value, found.form = value, form
-    return found
 
 
 def marked(text: str, remark: str | None) -> str:
     """Return the text of a value, with the reason why it is approximate, if there is one."""
     if not remark:
         return text
-    found = About(text)
-    found.__dict__ |= vars(text) if isinstance(text, Number) else {}
-    found.remark = remark
-    return found
-
-
-def number(value: float | None, digits: int) -> str:
-    """Return a number with some decimals, or a dash for None."""
-    return cell_text(value, f".{digits}f")
+    about = About(text)
+    about.remark = remark
+    return about
 
 
 def plain_table(*columns: str) -> Table:

@@ -4,31 +4,40 @@ import textwrap
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flangeway.cases.profile.profile_run import ProfileRun
 from flangeway.geometry import Contour, Outline, Placement
+from flangeway.quantities import measured
 from flangeway.railway.profiles.formats.raw_profile import KINDS
 from flangeway.railway.profiles.joining import Joined
-from flangeway.report.figures.drawing import GREY, INK, SERIES, new_figure
+from flangeway.report.figures.drawing import (
+    GREY,
+    INK,
+    SERIES,
+    Style,
+    name_axes,
+    new_figure,
+    panels,
+    sequence_colours,
+    units_of,
+)
 from flangeway.types import Floats
+from flangeway.units import Units
 
 BLUE, ORANGE = SERIES[:2]
+NOMINAL = (0, (5, 3))
 TITLE_LETTERS = 70
-OVERLAY_SPACING_MM, MOST_NAMED = 0.25, 8
+OVERLAY_SPACING_MM, MAX_NAMED = 0.25, 8
 DRAWN_DEVIATION_MM = 0.01
 MAX_CURVATURE_PER_MM = 0.2
 
 
-def shape_figure(run: ProfileRun) -> Figure:
+def shape_figure(run: ProfileRun, units: Units = "metric") -> Figure:
     """Draw the profile with one scale: points and curve."""
-    profile = run.profile
-    figure = new_figure(8.5, 6.0)
-    figure.set_layout_engine("compressed")
-    axes = figure.subplots()
-    body = run.body
+    profile, body = run.profile, run.body
+    axes = new_figure(8.5, 6.0, units, compressed=True).subplots()
     if body is not None and run.join is None:
         axes.plot(*_closed(body.outline).T, color=GREY, lw=0.9, label="whole outline")
         axes.plot(*_line(body.running_surface).T, color=BLUE, lw=1.8, label="running surface")
@@ -38,103 +47,88 @@ def shape_figure(run: ProfileRun) -> Figure:
         axes.plot(*profile.points.T, ".", ms=2.0, color=INK, label=f"{len(profile.points)} points", zorder=4)
     axes.plot(0.0, 0.0, "+", color=ORANGE, ms=12, mew=1.6, label="origin", zorder=5)
     axes.set_title(f"{_title(profile.title)}\n{profile.kind}, {profile.format}", fontsize=10)
-    _equal(axes)
+    return _shape(axes)
+
+
+def _shape(axes: Axes) -> Figure:
+    """Give axes one scale, names and a legend; return their figure."""
+    axes.set_aspect("equal", adjustable="datalim")
+    name_axes(axes, ("x", "mm"), ("y", "mm"))
     axes.legend(loc="best", fontsize=8, frameon=False)
-    return figure
+    return axes.get_figure(root=True)  # type: ignore[return-value]
 
 
-def curvature_figure(run: ProfileRun) -> Figure:
+def curvature_figure(run: ProfileRun, units: Units = "metric") -> Figure:
     """Draw curvature along the running surface, and below it the points' distances from the curve."""
-    smoothing = run.profile.smoothing
-    figure = new_figure(8.5, 6.0 if smoothing is not None else 3.6)
-    rows = figure.subplots(2 if smoothing is not None else 1, 1, sharex=True, squeeze=False)[:, 0]
-    surface = run.running
+    smoothing, surface = run.profile.smoothing, run.running
+    n_rows = 1 if smoothing is None else 2
+    figure, rows = panels(8.5, 1.2 + 2.4 * n_rows, n_rows, 1, units, sharex=True)
+    axes = rows[0, 0]
     lengths = np.concatenate([[0.0], np.cumsum([segment.length for segment in surface.segments])])
     curvatures = np.array([segment.curvature for segment in surface.segments])
-    rows[0].stairs(curvatures, lengths, color=BLUE, lw=1.0, baseline=None)
-    rows[0].axhline(0.0, color=GREY, lw=0.6)
+    axes.stairs(curvatures, lengths, color=BLUE, lw=1.0, baseline=None)
+    axes.axhline(0.0, color=GREY, lw=0.6)
     low, high = float(curvatures.min(initial=0.0)), float(curvatures.max(initial=0.0))
     margin = 0.05 * max(high - low, 1e-4)
-    rows[0].set(
-        ylim=(max(low - margin, -MAX_CURVATURE_PER_MM), min(high + margin, MAX_CURVATURE_PER_MM)),
-        ylabel="curvature in 1/mm, convex positive",
-    )
-    start = "from the field side to the gauge side" if run.profile.kind == "rail" else "from the flange to the rim"
-    rows[-1].set_xlabel(f"length along the profile in mm, {start}")
+    axes.set_ylim(max(low - margin, -MAX_CURVATURE_PER_MM), min(high + margin, MAX_CURVATURE_PER_MM))
+    start = "field side to gauge side" if run.profile.kind == "rail" else "flange to rim"
+    name_axes(rows[-1, 0], (f"length along the profile, {start}", "mm"))
+    name_axes(axes, y=("curvature, convex positive", "1/mm"))
     title = f"{_title(run.profile.title)}: curvature of the {surface.n_segments} lines and arcs"
-    rows[0].set_title(title, fontsize=10)
+    axes.set_title(title, fontsize=10)
     if smoothing is not None:
-        _draw_residuals(rows[1], run)
+        _draw_residuals(rows[1, 0], run)
     return figure
 
 
-def join_figure(joined: Joined) -> Figure:
+def join_figure(joined: Joined, units: Units = "metric") -> Figure:
     """Draw the measured surface on the nominal outline with both transitions, and deviations along the normal."""
-    figure = new_figure(8.5, 8.6)
-    whole, below = figure.subplots(2, 1, height_ratios=(2.2, 1.0))
-    whole.plot(*_closed(joined.nominal.outline).T, color=GREY, lw=1.0, ls=(0, (5, 3)), label="nominal")
+    _, ((whole,), (below,)) = panels(8.5, 8.6, 2, 1, units, height_ratios=(2.2, 1.0))
+    whole.plot(*_closed(joined.nominal.outline).T, color=GREY, lw=1.0, ls=NOMINAL, label="nominal")
     whole.plot(*_closed(joined.profile.outline).T, color=INK, lw=1.0, label="joined")
     whole.plot(*_line(joined.measured).T, color=BLUE, lw=2.0, label="measured", zorder=3)
     for joint, label in zip(joined.joints, ("transition", None), strict=True):
         whole.plot(*np.array([joint.end, joint.landing]).T, color=ORANGE, lw=2.0, label=label, zorder=4)
-    _equal(whole)
-    whole.legend(fontsize=8, frameon=False, loc="best")
     whole.set_title(_title(joined.profile.title), fontsize=10)
-    _draw_wear(below, joined)
-    return figure
-
-
-def _draw_wear(axes: Axes, joined: Joined) -> None:
-    """Draw how far the measured surface is off the nominal outline along its normal."""
     points = _line(joined.measured)
     off = deviations(joined.nominal.outline, points)
-    x, most = points[:, 0], int(off.argmin())
-    axes.fill_between(x, off, 0.0, where=off < 0.0, color=BLUE, alpha=0.25, lw=0.0)
-    axes.plot(x, off, color=BLUE, lw=1.4)
-    axes.axhline(0.0, color=GREY, lw=1.0, ls=(0, (5, 3)))
-    if off[most] < 0.0:
-        axes.plot(x[most], off[most], "o", ms=5, mfc="white", mec=INK)
-    worn = f"; at most {-off[most]:.3g} mm below it at x = {x[most]:.3g} mm" if off[most] < 0.0 else ""
-    axes.set_title(f"measured surface off the nominal outline along its normal{worn}", fontsize=9)
-    axes.set(xlabel="x in mm", ylabel="deviation in mm\n(below zero: worn)")
-    axes.grid(color="#dddddd", lw=0.5)
+    x, lowest, worn = points[:, 0], int(off.argmin()), ""
+    below.fill_between(x, off, 0.0, where=off < 0.0, color=BLUE, alpha=0.25, lw=0.0)
+    below.plot(x, off, color=BLUE, lw=1.4)
+    below.axhline(0.0, color=GREY, lw=1.0, ls=NOMINAL)
+    if off[lowest] < 0.0:
+        below.plot(x[lowest], off[lowest], "o", ms=5, mfc="white", mec=INK)
+        depth, place = (measured(value, "mm", units, ".3g") for value in (-off[lowest], x[lowest]))
+        worn = f"; at most {depth} below it at x = {place}"
+    below.set_title(f"measured surface off the nominal outline along its normal{worn}", fontsize=9)
+    name_axes(below, ("x", "mm"), ("deviation (below zero: worn)", "mm"))
+    return _shape(whole)
 
 
-def overlay_figure(runs: Sequence[ProfileRun]) -> Figure:
+def overlay_figure(runs: Sequence[ProfileRun], units: Units = "metric") -> Figure:
     """Draw profiles over each other, rails and wheels apart, and below the distance of each from the first."""
     kinds = [kind for kind in KINDS if any(run.profile.kind == kind for run in runs)]
-    figure = new_figure(4.0 + 4.5 * len(kinds), 7.0)
-    panels = figure.subplots(2, len(kinds), squeeze=False, height_ratios=(1.4, 1.0))
-    for (shapes, apart), kind in zip(panels.T, kinds, strict=True):
+    figure, rows = panels(4.0 + 4.5 * len(kinds), 7.5, 2, len(kinds), units, height_ratios=(1.4, 1.0))
+    for (shapes, apart), kind in zip(rows.T, kinds, strict=True):
         chosen = [run for run in runs if run.profile.kind == kind]
-        shades = sequence_colours(len(chosen))
         first = _running(chosen[0])
-        for run, shade in zip(chosen, shades, strict=True):
-            surface = _running(run)
-            title = _title(run.profile.title)
+        for run, shade in zip(chosen, sequence_colours(len(chosen)), strict=True):
+            surface, title = _running(run), _title(run.profile.title)
             shapes.plot(*_line(surface).T, color=shade, lw=1.2, label=title)
             if run is not chosen[0]:
                 at = surface.sampled(spacing=OVERLAY_SPACING_MM)
-                apart.plot(at[:, 0], deviations(first, at), color=shade, lw=1.0, label=title)
-        _equal(shapes)
+                apart.plot(at[:, 0], deviations(first, at), color=shade, lw=1.0)
+        _shape(shapes)
         shapes.set_title(f"{len(chosen)} {kind}{'s' * (len(chosen) > 1)}", fontsize=10)
-        where = "tape line" if kind == "wheel" else "origin"
-        apart.set(xlabel=f"from the {where} in mm", ylabel="off the first along its normal, in mm")
+        name_axes(apart, (f"from the {'tape line' if kind == 'wheel' else 'origin'}", "mm"), ("off the first", "mm"))
         apart.axhline(0.0, color=GREY, lw=0.6)
-        apart.grid(color="#e4e4e4", linewidth=0.5)
         # of many profiles the first and the last
         handles, labels = shapes.get_legend_handles_labels()
-        kept = range(len(labels)) if len(labels) <= MOST_NAMED else (0, len(labels) - 1)
-        apart.legend(
-            [handles[i] for i in kept], [labels[i] for i in kept],
-            fontsize=8, frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2,
-        )  # fmt: skip
+        few = slice(None) if len(labels) <= MAX_NAMED else slice(None, None, len(labels) - 1)
+        shapes.get_legend().remove()
+        place: Style = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.22), "ncols": 2}
+        apart.legend(handles[few], labels[few], fontsize=8, frameon=False, **place)
     return figure
-
-
-def sequence_colours(count: int) -> list[tuple[float, ...]]:
-    """Colours of curves in their order, apart in grey too; the first is dark."""
-    return [tuple(each) for each in colormaps["viridis"](np.linspace(0.0, 0.88, max(count, 2))[:count])]
 
 
 def _running(run: ProfileRun) -> Contour:
@@ -162,27 +156,20 @@ def deviations(reference: Contour, points: Floats) -> Floats:
 
 
 def _draw_residuals(axes: Axes, run: ProfileRun) -> None:
-    smoothing = run.profile.smoothing
-    if smoothing is None:
-        return
+    smoothing, units = run.profile.smoothing, units_of(axes)
+    assert smoothing is not None
     lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(run.profile.points, axis=0).T))])
     axes.plot(lengths, smoothing.deviations_um, ".", ms=2.5, color=INK)
+    text = "curve through all points"
     if smoothing.wavelength_mm > 0.0:
         for sign in (-1.0, 1.0):
             axes.axhline(sign * smoothing.limit_um, color=ORANGE, lw=0.8, ls="--")
-        text = (
-            f"smoothed by {smoothing.wavelength_mm:g} mm; root mean square {smoothing.rms_um:.2f} μm, "
-            f"maximum {smoothing.maximum_um:.2f} μm, limit {smoothing.limit_um:.3g} μm"
-        )
-    else:
-        text = "curve through all points"
+        sizes = (smoothing.rms_um, smoothing.maximum_um, smoothing.limit_um)
+        rms, maximum, limit = (measured(size, "µm", units, ".3g") for size in sizes)
+        wavelength = measured(smoothing.wavelength_mm, "mm", units)
+        text = f"smoothed by {wavelength}; root mean square {rms}, maximum {maximum}, limit {limit}"
     axes.set_title(text, fontsize=9)
-    axes.set_ylabel("points off the curve in μm")
-
-
-def _equal(axes: Axes) -> None:
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel="x in mm", ylabel="y in mm")
+    name_axes(axes, y=("points off the curve", "µm"))
 
 
 def _line(contour: Contour) -> Floats:

@@ -7,12 +7,13 @@ from pathlib import Path
 from flangeway.cases.profile.profile_folder import FOLDER_QUANTITIES, ProfileFolder
 from flangeway.cases.profile.profile_run import MEASURES, QUANTITIES, ProfileRun, converted
 from flangeway.errors import InputError
-from flangeway.quantities import Quantity, columns, values
+from flangeway.quantities import Quantity, columns, measured, values
 from flangeway.report.page.record import REPORT, Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, table_across, table_of
 from flangeway.report.profile.profile_figures import curvature_figure, join_figure, overlay_figure, shape_figure
 from flangeway.system.output_folder import refuse_unwritable
 from flangeway.system.versions import versions
+from flangeway.units import Units
 
 SUMMARY, SHAPE, CURVATURE, JOIN = "profile.json", "profile.png", "curvature.png", "joined.png"
 NAMES = (SHAPE, CURVATURE, JOIN, REPORT, SUMMARY)
@@ -42,15 +43,15 @@ def check_profile_folder(run: ProfileRun, folder: Path, to: Path | None) -> str:
     return text
 
 
-def profile_record(run: ProfileRun, command: str) -> Record:
+def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Record:
     """Return what was read and measured of a profile; `command` reads it again."""
     summary, join = run.summary, run.join
     pictures = [
-        Picture(SHAPE, lambda: shape_figure(run), SHAPE_SHOWN),
-        Picture(CURVATURE, lambda: curvature_figure(run), CURVATURE_SHOWN),
+        Picture(SHAPE, lambda: shape_figure(run, units), SHAPE_SHOWN),
+        Picture(CURVATURE, lambda: curvature_figure(run, units), CURVATURE_SHOWN),
     ]
     if join is not None:
-        pictures.insert(1, Picture(JOIN, lambda: join_figure(join), JOIN_SHOWN))
+        pictures.insert(1, Picture(JOIN, lambda: join_figure(join, units), JOIN_SHOWN))
     there = [quantity for quantity in QUANTITIES if quantity.value(run) is not None]
     return Record(
         name=run.profile.title,
@@ -59,11 +60,12 @@ def profile_record(run: ProfileRun, command: str) -> Record:
         converged=True,
         success="read",
         message=f"{len(run.profile.points)} points, {run.profile.surface.n_segments} lines and arcs",
-        facts=[quantity.fact(run) for quantity in there if quantity in MEASURES[:5] or quantity.key == "area"],
-        results=replace(table_across("Profile", ("value",), [run], there), of_words=True),
+        facts=[quantity.fact(run, units) for quantity in there if quantity in MEASURES[:5] or quantity.key == "area"],
+        results=replace(table_across("Profile", ("value",), [run], there, units=units), of_words=True),
         summary=summary,
         summary_file=SUMMARY,
         again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
+        units=units,
         versions=summary["versions"],
         notes=[
             *run.notices,
@@ -73,7 +75,7 @@ def profile_record(run: ProfileRun, command: str) -> Record:
     )
 
 
-def profiles_record(runs: Sequence[ProfileRun], command: str) -> Record:
+def profiles_record(runs: Sequence[ProfileRun], command: str, units: Units = "metric") -> Record:
     """Return the measures of several profiles side by side; `command` reads them again."""
     title: Quantity[ProfileRun] = Quantity("title", "profile", lambda run: run.profile.title)
     kind: Quantity[ProfileRun] = Quantity("kind", "kind", lambda run: run.profile.kind)
@@ -86,14 +88,15 @@ def profiles_record(runs: Sequence[ProfileRun], command: str) -> Record:
         converged=True,
         success="read",
         message="",
-        results=table_of("Profiles", runs, [title, *shown]),
+        results=table_of("Profiles", runs, [title, *shown], units=units),
         summary={"profiles": [run.summary for run in runs]},
         summary_file=BATCH_SUMMARY,
         again=Again(command, files=f"The table is in `{TABLE}`, all numbers of each profile are in `{BATCH_SUMMARY}`."),
+        units=units,
         versions=runs[0].summary["versions"],
         notes=_notes(runs),
-        pictures=[Picture(OVERLAY, lambda: overlay_figure(runs), OVERLAY_SHOWN)],
-        files=lambda: {TABLE: columns((title, kind, *chosen, *MEASURES), runs).to_csv},
+        pictures=[Picture(OVERLAY, lambda: overlay_figure(runs, units), OVERLAY_SHOWN)],
+        files=lambda: {TABLE: columns((title, kind, *chosen, *MEASURES), runs, units).to_csv},
     )
 
 
@@ -109,7 +112,7 @@ def _notes(runs: Sequence[ProfileRun]) -> list[str]:
     ]
 
 
-def folder_record(folder: ProfileFolder, name: str, command: str) -> Record:
+def folder_record(folder: ProfileFolder, name: str, command: str, units: Units = "metric") -> Record:
     """Return wear, measures and conicity of the profiles of a folder, the most worn first."""
     rows = folder.profiles
     runs = [replace(row.run, profile=replace(row.run.profile, title=row.file)) for row in rows]
@@ -118,7 +121,7 @@ def folder_record(folder: ProfileFolder, name: str, command: str) -> Record:
         chosen = [row for row in rows if row.run.profile.kind == kind]
         there = [q for q in FOLDER_QUANTITIES if q.key != "kind" and any(q.value(row) is not None for row in chosen)]
         if chosen:
-            tables.append(table_of(f"{kind.capitalize()}s, the most worn first", chosen, there))
+            tables.append(table_of(f"{kind.capitalize()}s, the most worn first", chosen, there, units=units))
     notices = [(row.file, notice) for row in rows for notice in row.run.notices]
     return Record(
         name=name,
@@ -127,7 +130,7 @@ def folder_record(folder: ProfileFolder, name: str, command: str) -> Record:
         converged=True,
         success="read",
         message=f"{len(rows)} profiles, {len(folder.refused)} files refused",
-        facts=[(f"{rows[0].worst_mm:.2f} mm", f"largest wear: {rows[0].file}")],
+        facts=[(measured(rows[0].worst_mm, "mm", units, ".2f"), f"largest wear: {rows[0].file}")],
         results=tables[0],
         tables=[
             *tables[1:],
@@ -136,9 +139,10 @@ def folder_record(folder: ProfileFolder, name: str, command: str) -> Record:
         summary={"profiles": [values(FOLDER_QUANTITIES, row) for row in rows], "refused": folder.refused},
         summary_file=BATCH_SUMMARY,
         again=Again(command, files=f"The table is in `{TABLE}`."),
+        units=units,
         versions=versions(),
         warnings=folder.refused,
         notes=[row.notice for row in rows if row.notice],
-        pictures=[Picture(OVERLAY, lambda: overlay_figure(runs), OVERLAY_SHOWN)],
-        files=lambda: {TABLE: folder.table.to_csv},
+        pictures=[Picture(OVERLAY, lambda: overlay_figure(runs, units), OVERLAY_SHOWN)],
+        files=lambda: {TABLE: folder.table.in_units(units).to_csv},
     )

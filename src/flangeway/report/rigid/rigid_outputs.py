@@ -11,11 +11,13 @@ from flangeway.cases.rigid.rigid_run import (
     ConicityRun,
     GeometryRun,
 )
-from flangeway.quantities import Quantity, columns
-from flangeway.railway.rigid.rigid_equilibrium import RigidPosition
+from flangeway.quantities import Quantity, columns, of_part
+from flangeway.railway.rigid.rigid_locus import ContactJump
+from flangeway.report.page.case_text import input_rows
 from flangeway.report.page.record import REPORT, Again, Picture, Record
-from flangeway.report.page.tables import SummaryTable, table_across, table_of, with_whole
+from flangeway.report.page.tables import SummaryTable, rows_of, table_across, table_of, with_whole
 from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure, pairs_figure
+from flangeway.units import Units
 
 TABLE, CONICITY, SUMMARY = "table.csv", "conicity.csv", "geometry.json"
 LOCUS_PICTURE, CONICITY_PICTURE = "contact_locus.png", "conicity.png"
@@ -39,42 +41,35 @@ ASSUMPTIONS = (
 )
 
 
-def _of_pair(quantity: Quantity[RigidPosition]) -> Quantity[Any]:
-    """Return a number of the position in equilibrium as one of a pair, None where there is none."""
-
-    def value(run: GeometryRun) -> Any:
-        return run.equilibrium.position and quantity.value(run.equilibrium.position)
-
-    return Quantity(quantity.key, quantity.label, value, quantity.unit, quantity.form, quantity.parts)
-
-
 PAIR_QUANTITIES: tuple[Quantity[Any], ...] = (
     Quantity("wheel", "wheel", lambda run: Path(run.case.wheel).name),
     Quantity("rail", "rail", lambda run: Path(run.case.rail).name),
     *CONICITY_QUANTITIES,
-    *map(_of_pair, POSITION_QUANTITIES),
+    *(of_part(lambda run: run.equilibrium.position, quantity) for quantity in POSITION_QUANTITIES),
     Quantity("jumps", "contact jumps", lambda run: len(run.jumps), form="d"),
     Quantity("status", "status", lambda run: "converged" if run.equilibrium.status.converged else "not converged"),
 )
 """Numbers of a pair of profiles."""
 
 
+JUMP: tuple[Quantity[ContactJump], ...] = (
+    Quantity("side", "side", "side"),
+    Quantity("lateral", "lateral displacement", lambda jump: jump.motion.lateral_mm, "mm", ".3f"),
+    Quantity(
+        "rail_x", "x on the rail", lambda jump: [x for x, _ in jump.rail_points_mm], "mm", ".2f", ("before", "after")
+    ),
+)
+"""Numbers of a jump of the point of contact."""
+
+
 def geometry_record(run: GeometryRun, command: str) -> Record:
     """Return what was found of the contact geometry; `command` computes it again."""
-    summary, position = run.summary, run.equilibrium.position
-    jumps = [
-        (
-            jump.side,
-            f"{jump.motion.lateral_mm:.3f}",
-            *(f"{x:.2f}" for x, _ in jump.rail_points_mm),
-        )
-        for jump in run.jumps
-    ]
-    head = ("side", "lateral displacement, mm", "x on the rail before, mm", "after, mm")
-    inputs = tuple((key, str(value)) for key, value in summary["inputs"].items())
-    facts = [quantity.fact(position) for quantity in POSITION_QUANTITIES[::3]] if position else []
+    summary, position, units = run.summary, run.equilibrium.position, run.case.units
+    facts = [quantity.fact(position, units) for quantity in POSITION_QUANTITIES[::3]] if position else []
+    jumps = table_of("Jumps of the point of contact", run.jumps, JUMP, units=units)
+    inputs = tuple(input_rows(summary["inputs"], units))
     return Record(
-        **_common(summary, command, (SUMMARY, TABLE, CONICITY)),
+        **_common(summary, command, units, (SUMMARY, TABLE, CONICITY)),
         subtitle=f"Rigid wheels {run.case.wheel} on rigid rails {run.case.rail}",
         converged=run.equilibrium.status.converged,
         message=run.equilibrium.status.message,
@@ -83,19 +78,20 @@ def geometry_record(run: GeometryRun, command: str) -> Record:
         assumptions=ASSUMPTIONS,
         pictures=[
             Picture(LOCUS_PICTURE, lambda: locus_figure(run), f"{LOCUS_SHOWN}."),
-            Picture(CONICITY_PICTURE, lambda: conicity_figure(run), f"{CONICITY_SHOWN}."),
+            Picture(CONICITY_PICTURE, lambda: conicity_figure(run, units), f"{CONICITY_SHOWN}."),
         ],
-        tables=[SummaryTable("Jumps of the point of contact", head, tuple(jumps))] if jumps else [],
+        tables=[jumps] if run.jumps else [],
         axes=AXES,
         inputs=[SummaryTable("Inputs", ("", "value"), inputs, of_words=True)],
-        files=lambda: {TABLE: run.table.to_csv, CONICITY: run.conicities.table.to_csv},
+        files=lambda: {TABLE: run.table.in_units(units).to_csv, CONICITY: run.conicities.table.in_units(units).to_csv},
     )
 
 
 def geometries_record(runs: Sequence[GeometryRun], command: str) -> Record:
     """Return conicity and equilibrium of several pairs of profiles side by side; `command` computes them again."""
+    units = runs[0].case.units
     return Record(
-        **_common(runs[0].summary, command, (BATCH_SUMMARY, BATCH_TABLE))
+        **_common(runs[0].summary, command, units, (BATCH_SUMMARY, BATCH_TABLE))
         | {
             "summary": {"pairs": [run.summary for run in runs]},
             "summary_file": BATCH_SUMMARY,
@@ -106,15 +102,15 @@ def geometries_record(runs: Sequence[GeometryRun], command: str) -> Record:
         subtitle=f"{len(runs)} pairs of rigid wheels and rails",
         converged=all(run.equilibrium.status.converged for run in runs),
         message="",
-        results=table_of("Pairs of profiles", runs, [PAIR_QUANTITIES[place] for place in (0, 1, 2, 4, 7, 8)]),
+        results=table_of("Pairs of profiles", runs, [PAIR_QUANTITIES[at] for at in (0, 1, 2, 4, 7, 8)], units=units),
         assumptions=ASSUMPTIONS,
         pictures=[Picture(BATCH_PICTURE, lambda: pairs_figure(runs), PAIRS_SHOWN)],
         axes=AXES,
-        files=lambda: {BATCH_TABLE: columns(PAIR_QUANTITIES, runs).to_csv},
+        files=lambda: {BATCH_TABLE: columns(PAIR_QUANTITIES, runs, units).to_csv},
     )
 
 
-def conicity_record(run: ConicityRun, command: str) -> Record:
+def conicity_record(run: ConicityRun, command: str, units: Units = "metric") -> Record:
     """Return what was found of a rolling radius difference from a file; `command` computes it again."""
     summary = run.summary
     middle: Quantity[ConicityRun] = Quantity(
@@ -125,7 +121,7 @@ def conicity_record(run: ConicityRun, command: str) -> Record:
         "z.3f",
     )
     return Record(
-        **_common(summary, command, (SUMMARY, CONICITY)),
+        **_common(summary, command, units, (SUMMARY, CONICITY)),
         subtitle=summary["inputs"]["file"],
         converged=True,
         success="computed",
@@ -133,13 +129,13 @@ def conicity_record(run: ConicityRun, command: str) -> Record:
         if summary["equivalent_conicity"]
         else "without a conicity at 3 mm, see the notes",
         facts=_conicity_facts(run),
-        results=table_across("Conicity", ("value",), [run], (middle, *CONICITY_QUANTITIES)),
-        pictures=[Picture(CONICITY_PICTURE, lambda: conicity_figure(run), f"{CONICITY_SHOWN}.")],
-        files=lambda: {CONICITY: run.conicities.table.to_csv},
+        results=table_across("Conicity", ("value",), [run], (middle, *CONICITY_QUANTITIES), units=units),
+        pictures=[Picture(CONICITY_PICTURE, lambda: conicity_figure(run, units), f"{CONICITY_SHOWN}.")],
+        files=lambda: {CONICITY: run.conicities.table.in_units(units).to_csv},
     )
 
 
-def _common(summary: dict[str, Any], command: str, files: tuple[str, ...]) -> dict[str, Any]:
+def _common(summary: dict[str, Any], command: str, units: Units, files: tuple[str, ...]) -> dict[str, Any]:
     """Return what both records have from their summaries."""
     return {
         "name": summary["case"],
@@ -148,6 +144,7 @@ def _common(summary: dict[str, Any], command: str, files: tuple[str, ...]) -> di
         "summary_file": SUMMARY,
         "again": Again(command, files=f"Numbers for programs and spreadsheets: {', '.join(f'`{f}`' for f in files)}."),
         "versions": summary["versions"],
+        "units": units,
         "notes": summary["notices"],
         "timings_s": summary["timings_s"],
     }
@@ -159,10 +156,6 @@ def _conicity_facts(run: GeometryRun | ConicityRun) -> list[tuple[str, str]]:
 
 def _results(run: GeometryRun) -> SummaryTable:
     """Position and conicity, and the points of contact, one column each."""
-    sides = [contact.point.side for contact in run.contacts]
-    whole = table_across("Results", ("value",), [run], PAIR_QUANTITIES[2:-1])
-    return with_whole(
-        table_across("Results", sides, run.contacts, CONTACT_QUANTITIES[1:]),
-        {row[0]: row[1] for row in whole.rows},
-        sides,
-    )
+    units, sides = run.case.units, [contact.point.side for contact in run.contacts]
+    table = table_across("Results", sides, run.contacts, CONTACT_QUANTITIES[1:], units=units)
+    return with_whole(table, dict(rows_of(PAIR_QUANTITIES[2:-1], run, units)), sides)

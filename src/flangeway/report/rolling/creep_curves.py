@@ -16,9 +16,10 @@ from flangeway.contact.rolling.fast_theories import polach
 from flangeway.contact.rolling.fastsim import fastsim
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.report.figures.drawing import GREY, INK, Room, draw_title, figure_with_room
+from flangeway.report.figures.drawing import GREY, INK, PURPLE, legend_below, name_axes, panels
 from flangeway.report.rolling.rolling_maps import ShownRolling
 from flangeway.types import Floats
+from flangeway.units import Units
 
 Theory = Callable[[RollingContact, Creepages], CreepForces]
 
@@ -36,29 +37,26 @@ SATURATED = 3.0
 """And over that at which linear theory reaches the limit of friction."""
 UNLOADED = 1e-3
 """Greatest creepage where there is no friction and no creepage."""
-ROOM = Room(left=0.8, right=0.2, bottom=0.95, top=0.35, across=0.8, between=0.75)
 
 
-def curves_figure(patches: Sequence[ShownRolling]) -> Figure:
+def curves_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> Figure:
     """Draw for each patch the force ahead over its creepage and that across over its own, the others fixed."""
     count = max(len(patches), 1)
-    figure, panels = figure_with_room(9.0, 2.6 * count + 1.0, ROOM, count, 2)
-    for row, shown in zip(panels, patches, strict=False):
-        _draw_curve(row[0], shown, "along", 1.0)
-        _draw_curve(row[1], shown, "across", -shown.sign)
-        draw_title(row[0], f"{shown.name}: ahead", 9.5)
-        draw_title(row[1], f"{shown.name}: to the right", 9.5)
-        row[0].set_ylabel("creep force in kN")
-    panels[-1, 0].set_xlabel("longitudinal creepage in %")
-    panels[-1, 1].set_xlabel("lateral creepage in %")
-    handles, labels = panels[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=5, frameon=False, fontsize=9)
+    figure, rows = panels(9.0, 2.6 * count + 1.0, count, 2, units)
+    for row, shown in zip(rows, patches, strict=False):
+        ways = (("along", 1.0, "ahead", "longitudinal"), ("across", -shown.sign, "to the right", "lateral"))
+        for axes, (name, sign, way, words) in zip(row, ways, strict=True):
+            _draw_curve(axes, shown, name, sign)
+            axes.set_title(f"{shown.name}: {way}", fontsize=9.5)
+            name_axes(axes, (f"{words} creepage" if row is rows[-1] else "", "%"))
+            name_axes(axes, y=("creep force" if axes is row[0] else "", "kN"))
+    legend_below(figure, 5, fontsize=9)
     return figure
 
 
 def _draw_curve(axes: Axes, shown: ShownRolling, name: str, sign: float) -> None:
     """Draw one force over its creepage, from zero to beyond the working point, in a direction that is drawn."""
-    found, contact = shown.found, shown.contact
+    found, contact = shown.forces, shown.contact
     ellipse = EllipticContact.of(contact, found.motion)
     c = ellipse.coefficients
     stiffness = ellipse.unit * (c.c11 if name == "along" else c.c22)
@@ -79,14 +77,11 @@ def _draw_curve(axes: Axes, shown: ShownRolling, name: str, sign: float) -> None
         fine: Floats = np.linspace(points[0, 0], points[-1, 0], N_FAST)
         axes.plot(100.0 * sign * fine, 1e-3 * sign * PchipInterpolator(*points.T)(fine), color=INK, lw=1.0)
         axes.plot(*(sign * points * (100.0, 1e-3)).T, "o", color=INK, ms=3.5, mfc="white", label="exact theory")
-    axes.plot(
-        100.0 * sign * working, 1e-3 * sign * getattr(found, name), "D", color="#8b1a8b", ms=6.5, label="working point",
-        zorder=5,
-    )  # fmt: skip
+    here = 100.0 * sign * working, 1e-3 * sign * getattr(found, name)
+    axes.plot(*here, "D", color=PURPLE, ms=6.5, label="working point", zorder=5)
     at_limit = -np.sign(sign * end) * 1e-3 * limit
     axes.axhline(at_limit, color=GREY, lw=0.8, ls="dotted", label="limit of friction")
     axes.axhline(0.0, color=GREY, lw=0.6)
-    axes.grid(color="#e4e4e4", linewidth=0.5)
 
 
 def _exact(

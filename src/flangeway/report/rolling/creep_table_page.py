@@ -6,27 +6,34 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from flangeway.report.figures.drawing import GREY, Room, figure_with_room
+from flangeway.quantities import Quantity, measured
+from flangeway.report.figures.drawing import GREY, name_axes, panels, sequence_colours
 from flangeway.report.page.case_text import inputs_tables
 from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
-from flangeway.report.page.tables import SummaryTable
-from flangeway.report.profile.profile_figures import sequence_colours
+from flangeway.report.page.tables import SummaryTable, table_of
 from flangeway.system.output_folder import Writer
 from flangeway.tables import CreepTable, TableRequest
 from flangeway.tables.creep_table import AXES
 from flangeway.tables.table_outputs import FORCES, NAMES, PATCHES, README, TABLE
 from flangeway.types import Floats
+from flangeway.units import Units
 
 PICTURE = "creep-forces.png"
 ALL_NAMES = (*NAMES, PICTURE, REPORT, SUMMARY)
-FRICTION, MOST_PERCENT, MOST_CURVES = 0.3, 1.0, 5
+FRICTION, MAX_PERCENT, MAX_CURVES = 0.3, 1.0, 5
 """Coefficient of friction, creepage at the end and number of lateral positions in the picture."""
 CAPTION = (
     f"Creep forces of the table over friction times normal force, at a coefficient of friction of {FRICTION:g}, on "
     "the most loaded patch of the right wheel at some lateral positions: over the longitudinal creepage without spin, "
     "and over the lateral one with the spin of the contact angle."
 )
-ROOM = Room(left=0.75, right=0.2, bottom=0.6, top=0.35, across=0.85)
+
+JUMP: tuple[Quantity[Mapping[str, Any]], ...] = (
+    Quantity("side", "side", lambda jump: jump["side"]),
+    Quantity("lateral", "lateral position", lambda jump: jump["lateral_mm"], "mm", ".3f"),
+    Quantity("width", "within", lambda jump: jump["width_mm"], "mm", ".3f"),
+)
+"""Numbers of an interval in which patches jump."""
 
 
 def creep_table_record(table: CreepTable, request: TableRequest, command: str, files: Mapping[str, Writer]) -> Record:
@@ -38,7 +45,7 @@ def creep_table_record(table: CreepTable, request: TableRequest, command: str, f
     checks, problem = table.metadata["checks"], request.case.problem()
     converged, failed = checks["within_tolerance"], checks["not_converged"]
     message = f"errors {'within' if converged else 'above'} the tolerance of {checks['tolerance']:.2%}"
-    jumps = [(each["side"], f"{each['lateral_mm']:.3f}", f"{each['width_mm']:.3f}") for each in checks["jumps"]]
+    jumps, units = checks["jumps"], request.case.units
     axes = [
         (name, str(len(axis)), f"{axis[0]:g}", f"{axis[-1]:g}") for name, axis in zip(AXES, table.axes, strict=True)
     ]
@@ -60,13 +67,14 @@ def creep_table_record(table: CreepTable, request: TableRequest, command: str, f
             command,
             files=f"The table is `{TABLE}`, its layout is in `{README}`; `{PATCHES}` and `{FORCES}` have the same.",
         ),
+        units=units,
         versions=table.metadata["versions"],
         warnings=[f"{failed} of {checks['exact_solutions']} exact solutions did not converge"] if failed else [],
         notes=[f"in {len(jumps)} intervals patches jump: there the nearest position counts"] if jumps else [],
-        pictures=[Picture(PICTURE, lambda: forces_figure(table), CAPTION)],
+        pictures=[Picture(PICTURE, lambda: forces_figure(table, units), CAPTION)],
         tables=[
             SummaryTable("Positions", ("", "points", "from", "to"), tuple(axes)),
-            *([SummaryTable("Patches jump", ("side", "at lateral_mm", "within mm"), tuple(jumps))] if jumps else []),
+            *([table_of("Patches jump", jumps, JUMP, units=units)] if jumps else []),
         ],
         inputs=inputs_tables(request.case),
         timings_s={"total": table.metadata["seconds"]},
@@ -99,13 +107,13 @@ def _percent(value: Any) -> str:
     return "–" if value is None else f"{100.0 * value:.2f}"
 
 
-def forces_figure(table: CreepTable) -> Figure:
+def forces_figure(table: CreepTable, units: Units = "metric") -> Figure:
     """Draw longitudinal and lateral force over their creepages at some lateral positions."""
     lateral, yaw, load = (axis.tolist() for axis in table.axes)
-    places = np.unique(np.linspace(0, len(lateral) - 1, MOST_CURVES).round().astype(int))
+    places = np.unique(np.linspace(0, len(lateral) - 1, MAX_CURVES).round().astype(int))
     middle = yaw[len(yaw) // 2], load[len(load) // 2]
-    creepage: Floats = np.linspace(0.0, MOST_PERCENT, 61)
-    figure, ((ahead, across),) = figure_with_room(9.0, 4.0, ROOM, n_columns=2)
+    creepage: Floats = np.linspace(0.0, MAX_PERCENT, 61)
+    figure, ((ahead, across),) = panels(9.0, 4.0, 1, 2, units)
     for place, colour in zip(places, sequence_colours(len(places)), strict=True):
         contacts = table.contacts(lateral[place], *middle)
         normal = contacts["normal_force_N"][0, 1]
@@ -118,11 +126,12 @@ def forces_figure(table: CreepTable) -> Figure:
             creepages[:, 1, most, 2] = component * rolling[1, most, 2]
             forces = table.forces(np.full(len(creepage), lateral[place]), *middle, creepages, friction=FRICTION)
             share = forces[:, 1, most, component] / (FRICTION * normal[most])
-            label = f"{lateral[place]:g} mm, {np.rad2deg(contacts['contact_angle_rad'][0, 1, most]):.1f}°"
+            label = (
+                f"{measured(lateral[place], 'mm', units)}, {np.rad2deg(contacts['contact_angle_rad'][0, 1, most]):.1f}°"
+            )
             axes.plot(creepage, share, color=colour, lw=1.4, label=label)
     for axes, word in ((ahead, "longitudinal"), (across, "lateral")):
-        axes.set(xlabel=f"{word} creepage in %", ylabel=f"{word} force over friction times normal force")
+        name_axes(axes, (f"{word} creepage", "%"), f"{word} force over friction times normal force")
         axes.axhline(0.0, color=GREY, lw=0.6)
-        axes.grid(color="#e4e4e4", linewidth=0.5)
     ahead.legend(title="lateral position, contact angle", fontsize=8, title_fontsize=8)
     return figure

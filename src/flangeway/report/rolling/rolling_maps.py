@@ -12,15 +12,16 @@ from matplotlib.patches import Patch
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces, Rolling
-from flangeway.report.figures.drawing import INK, draw_title, new_figure
-from flangeway.report.figures.plots import COLOURS
+from flangeway.quantities import measured
+from flangeway.report.figures.drawing import COLOURS, INK, Style, colour_bar, name_axes, new_figure, units_of
 from flangeway.report.viewer import ShownField
 from flangeway.types import Floats
+from flangeway.units import Units
 
 STICK, SLIP = "#d3e3f3", "#f2b482"
 ARROWS = 14
 """Arrows along the longer side of a patch, about."""
-PANEL_IN, HIGHEST_IN = 2.6, 3.6
+PANEL_IN, MAX_HEIGHT_IN = 2.6, 3.6
 """Width of a panel, and the most of its height."""
 MARGIN = 0.06
 FIELDS = {
@@ -41,7 +42,7 @@ class ShownRolling:
     """One patch that rolls, drawn with a direction across to the right and z up.
 
     - `name`: of the patch.
-    - `found`: creep forces.
+    - `forces`: creep forces.
     - `contact`: its cells.
     - `speed_m_s`: speed of rolling.
     - `origin`: length along the first body's surface that is drawn at zero.
@@ -49,7 +50,7 @@ class ShownRolling:
     """
 
     name: str
-    found: CreepForces
+    forces: CreepForces
     contact: RollingContact
     speed_m_s: float
     origin: float
@@ -58,8 +59,8 @@ class ShownRolling:
     @property
     def fields(self) -> Rolling | SimplifiedRolling:
         """Tractions, slip and states, which only some theories have."""
-        assert isinstance(self.found, Rolling | SimplifiedRolling)
-        return self.found
+        assert isinstance(self.forces, Rolling | SimplifiedRolling)
+        return self.forces
 
     @property
     def edges(self) -> tuple[Floats, Floats]:
@@ -92,7 +93,7 @@ class ShownRolling:
 
     @property
     def _scale(self) -> float:
-        return self.speed_m_s / abs(self.found.motion.speed) if self.found.motion.rolls else 1.0
+        return self.speed_m_s / abs(self.forces.motion.speed) if self.forces.motion.rolls else 1.0
 
 
 def shown_fields(fields: Mapping[str, Floats]) -> tuple[list[ShownField], dict[str, Floats]]:
@@ -102,31 +103,33 @@ def shown_fields(fields: Mapping[str, Floats]) -> tuple[list[ShownField], dict[s
     return [ShownField(name, *FIELDS[name], "Contact", name, "value") for name in arrays], arrays
 
 
-def rolling_figure(patches: Sequence[ShownRolling]) -> Figure:
+def rolling_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> Figure:
     """Draw a row for each patch: where it sticks and slips with its tractions, slip velocity, frictional power."""
-    boxes, count = [each.box for each in patches], max(len(patches), 1)
+    boxes, count = [shown.box for shown in patches], max(len(patches), 1)
     width, heights = (np.array([np.ptp(box, axis=0)[axis] for box in boxes] or [1.0]) for axis in (0, 1))
-    scale = min(PANEL_IN / float(width.max()), HIGHEST_IN / float(heights.max()))
-    figure = new_figure(3.0 * (scale * float(width.max()) + 1.0), scale * float(heights.sum()) + 0.55 * count + 0.7)
-    panels = figure.subplots(count, 3, squeeze=False, height_ratios=heights.tolist())
-    for row, shown, box in zip(panels, patches, boxes, strict=False):
+    scale = min(PANEL_IN / float(width.max()), MAX_HEIGHT_IN / float(heights.max()))
+    size = 3.0 * (scale * float(width.max()) + 1.0), scale * float(heights.sum()) + 0.55 * count + 0.7
+    figure = new_figure(*size, units)
+    rows = figure.subplots(count, 3, squeeze=False, height_ratios=heights.tolist())
+    for row, shown, box in zip(rows, patches, boxes, strict=False):
         _draw_states(row[0], shown)
-        rolls = shown.found.motion.rolls
-        _draw_values(row[1], shown, shown.slip_m_s, "slip velocity, m/s" if rolls else "slip, mm")
-        _draw_values(row[2], shown, shown.power_W_mm2, f"frictional {'power, W' if rolls else 'work, N mm'}/mm²")
+        rolls = shown.forces.motion.rolls
+        slip, power = (("slip velocity", "m/s"), ("frictional power", "W/mm²"))
+        if not rolls:
+            slip, power = (("slip", "mm"), ("frictional work", "N/mm"))
+        _draw_values(row[1], shown, shown.slip_m_s, *slip)
+        _draw_values(row[2], shown, shown.power_W_mm2, *power)
         ends = box[:, 0].mean() + np.array([-0.5, 0.5]) * float(width.max())
         for axes in row:
             axes.set(xlim=ends, ylim=box[:, 1])
             axes.set_aspect("equal", adjustable="box")
+            name_axes(axes, ("to the right" if row is rows[-1] else "", "mm"))
+            name_axes(axes, y=("z ahead" if axes is row[0] else "", "mm"))
             axes.locator_params(axis="x", nbins=4)
             axes.locator_params(axis="y", nbins=6)
-        row[0].set_ylabel("z ahead in mm")
-    for axes in panels[-1]:
-        axes.set_xlabel("to the right in mm")
-    figure.legend(
-        handles=[Patch(fc=fill, ec=INK, lw=0.5, label=name) for name, fill in (("sticks", STICK), ("slips", SLIP))],
-        loc="outside lower left", ncols=2, frameon=False, fontsize=9,
-    )  # fmt: skip
+    fills = {"sticks": STICK, "slips": SLIP}
+    handles = [Patch(fc=fill, ec=INK, lw=0.5, label=name) for name, fill in fills.items()]
+    figure.legend(handles=handles, loc="outside lower left", ncols=2, frameon=False, fontsize=9)
     return figure
 
 
@@ -146,18 +149,15 @@ def _draw_states(axes: Axes, shown: ShownRolling) -> None:
     x, z = ((ends[1:] + ends[:-1])[which] / 2.0 for ends, which in zip(edges, (rows, strips), strict=True))
     arrows, longest = shown.tractions[rows, strips], float(np.linalg.norm(shown.tractions, axis=2).max())
     if longest > 0.0:
-        axes.quiver(
-            x, z, *arrows.T, angles="xy", scale_units="xy", pivot="mid", scale=longest / (LENGTH * spacing),
-            color=INK, width=0.007,
-        )  # fmt: skip
+        style: Style = {"angles": "xy", "scale_units": "xy", "pivot": "mid", "color": INK, "width": 0.007}
+        axes.quiver(x, z, *arrows.T, scale=longest / (LENGTH * spacing), **style)
     slips = (states == SLIPS).sum() / max((states != NO_CONTACT).sum(), 1)
-    draw_title(axes, f"{shown.name}: {100.0 * slips:.0f} % slips,\ntractions up to {longest:.0f} MPa", 9.0)
+    most = measured(longest, "MPa", units_of(axes), ".0f")
+    axes.set_title(f"{shown.name}: {100.0 * slips:.0f} % slips,\ntractions up to {most}", fontsize=9)
 
 
-def _draw_values(axes: Axes, shown: ShownRolling, values: Floats, label: str) -> None:
+def _draw_values(axes: Axes, shown: ShownRolling, values: Floats, name: str, unit: str) -> None:
     drawn = np.where(shown.fields.states != NO_CONTACT, values, np.nan)
     scale = Normalize(0.0, max(float(np.nanmax(drawn)), np.finfo(float).tiny))
     mesh = axes.pcolormesh(*shown.edges, drawn.T, cmap=COLOURS, norm=scale, rasterized=True)
-    name, _, unit = label.partition(", ")
-    axes.figure.colorbar(mesh, ax=axes, shrink=0.9, aspect=18, pad=0.02, label=unit)
-    draw_title(axes, name, 9.0)
+    colour_bar(mesh, axes, name, unit, aspect=18, pad=0.02)

@@ -31,7 +31,7 @@ from flangeway.contact.rolling.theories import WITH_TRACTIONS
 from flangeway.errors import InputError
 from flangeway.formats import write_vtu
 from flangeway.quantities import columns, present
-from flangeway.report.figures.drawing import GREY, INK, SERIES, Room, figure_with_room
+from flangeway.report.figures.drawing import GREY, INK, SERIES, legend_below, name_axes, panels
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across
@@ -65,7 +65,6 @@ STYLES = {
     "polach": (SERIES[1], "dashdot"), "linear": (GREY, (0, (1, 1.5))),
 }  # fmt: skip
 CREEPAGE_OF = dict(zip(COMPONENTS, CREEPAGES, strict=True))
-ROOM = Room(left=0.75, right=0.2, bottom=1.05, top=0.2, across=0.75)
 WIDE_IN = 7.5
 """Width of a picture with room for all names beside each other."""
 FAR = 1.3
@@ -134,7 +133,7 @@ def _shown(run: RollingPatchRun) -> ShownRolling:
 def _pictures(run: RollingPatchRun) -> dict[str, Callable[[], Figure]]:
     found: dict[str, Callable[[], Figure]] = {}
     if run.state.cells is not None:
-        found[MAPS] = lambda: rolling_figure([_shown(run)])
+        found[MAPS] = lambda: rolling_figure([_shown(run)], run.case.units)
         found[SECTION] = lambda: section_figure(run)
     if run.curve:
         found[CURVE] = lambda: creep_curve_figure(run)
@@ -154,23 +153,23 @@ def section_figure(run: RollingPatchRun) -> Figure:
     """Draw tractions and their limit through the middle of the patch, along and across."""
     assert run.state.cells is not None
     contact, tractions = run.contact, run.state.cells.tractions
-    middles = contact.places
+    across, along = contact.places
     limit = contact.friction.limits[0][:, None] * contact.pressures
-    row, strip = (int(np.abs(each).argmin()) for each in middles)
-    figure, (panels,) = figure_with_room(9.0, 3.7, ROOM, n_columns=2, sharey=True)
-    for axes, places, cells, word in (
-        (panels[0], middles[1], (row, slice(None)), "z ahead"),
-        (panels[1], middles[0], (slice(None), strip), "to the right"),
-    ):
-        axes.fill_between(places, limit[cells], color="#e8edf3", lw=0.0, label="up to the limit")
-        axes.plot(places, np.linalg.norm(tractions[cells], axis=-1), color=INK, lw=1.4, label="magnitude")
-        axes.plot(places, tractions[cells][..., 1], color=SERIES[0], lw=1.2, ls="--", label="ahead")
-        axes.plot(places, tractions[cells][..., 0], color=SERIES[1], lw=1.2, ls="dashdot", label="to the right")
+    row, strip = (int(np.abs(places).argmin()) for places in (across, along))
+    figure, (both,) = panels(9.0, 3.7, 1, 2, run.case.units, sharey=True)
+    lines = (
+        (along, limit[row], tractions[row], "z ahead"),
+        (across, limit[:, strip], tractions[:, strip], "to the right"),
+    )
+    for axes, (places, most, cut, words) in zip(both, lines, strict=True):
+        axes.fill_between(places, most, color="#e8edf3", lw=0.0, label="up to the limit")
+        axes.plot(places, np.linalg.norm(cut, axis=-1), color=INK, lw=1.4, label="magnitude")
+        axes.plot(places, cut[:, 1], color=SERIES[0], lw=1.2, ls="--", label="ahead")
+        axes.plot(places, cut[:, 0], color=SERIES[1], lw=1.2, ls="dashdot", label="to the right")
         axes.axhline(0.0, color=GREY, lw=0.6)
-        axes.set_xlabel(f"{word}, mm")
-        axes.grid(color="#e4e4e4", linewidth=0.5)
-    panels[0].set_ylabel("traction on the upper body, MPa")
-    _legend(figure)
+        name_axes(axes, (words, "mm"))
+    name_axes(both[0], y=("traction on the upper body", "MPa"))
+    legend_below(figure, 7, fontsize=9)
     return figure
 
 
@@ -178,42 +177,35 @@ def creep_curve_figure(run: RollingPatchRun) -> Figure:
     """Draw forces and spin moment over the creepage of the curve by all theories."""
     spin = run.case.curve == "spin"
     creepage = CREEPAGE_OF[run.case.curve]
-    x = f"spin creepage, {creepage.unit}" if spin else f"{creepage.label}, %"
     percent = 1.0 if spin else 100.0
     limit = run.contact.friction.limits[0][0] * run.contact.force / 1e3
     least = {"kN": ROUND_OFF * limit, "Nm": ROUND_OFF * limit * run.semi_axes[0]}
     every = [point for points in run.curve.values() for point in points]
     drawn = [force for force in FORCES if max(abs(force.value(point)) for point in every) > least[force.unit]]
-    figure, (panels,) = figure_with_room(max(3.7 * len(drawn), 6.5), 3.9, ROOM, n_columns=len(drawn))
-    for axes, force in zip(panels, drawn, strict=True):
+    width = max(3.7 * len(drawn), 6.5)
+    figure, (row,) = panels(width, 3.9, 1, len(drawn), run.case.units)
+    for axes, force in zip(row, drawn, strict=True):
         for theory, points in run.curve.items():
-            line: Floats = np.array([(percent * creepage.value(each), force.value(each)) for each in points])
+            line: Floats = np.array([(percent * creepage.value(point), force.value(point)) for point in points])
             colour, style = STYLES[theory]
             axes.plot(*line.T, color=colour, ls=style, lw=1.3, label=points[0].theory)
         here = percent * creepage.value(run.state), force.value(run.state)
         axes.plot(*here, "D", color=SERIES[3], ms=5.5, label="this state", zorder=5)
         low, high = axes.get_ylim()
-        others = [force.value(each) for theory, points in run.curve.items() if theory != "linear" for each in points]
-        if force is SPIN_MOMENT and any(others):
-            most = FAR * float(np.abs(others).max())
-            axes.set_ylim(max(low, -most), min(high, most))
-        if force is not SPIN_MOMENT:
-            axes.set_ylim(max(low, -FAR * limit), min(high, FAR * limit))
-            for sign in (-1.0, 1.0):
-                if low < sign * limit < high:
-                    axes.axhline(sign * limit, color=GREY, lw=0.8, ls=(0, (10, 4)), label="limit of friction")
+        # linear theory goes on beyond the limit of friction, and its moment beyond the others'
+        top = FAR * limit
+        if force is SPIN_MOMENT:
+            lines = [points for theory, points in run.curve.items() if theory != "linear"]
+            others = [force.value(point) for points in lines for point in points]
+            top = FAR * float(np.abs(others).max(initial=0.0)) or max(-low, high)
+        axes.set_ylim(max(low, -top), min(high, top))
+        for sign in (-1.0, 1.0) if force is not SPIN_MOMENT else ():
+            if low < sign * limit < high:
+                axes.axhline(sign * limit, color=GREY, lw=0.8, ls=(0, (10, 4)), label="limit of friction")
         axes.axhline(0.0, color=GREY, lw=0.6)
-        axes.set(xlabel=x, ylabel=force.labels()[0])
-        axes.grid(color="#e4e4e4", linewidth=0.5)
-    _legend(figure)
+        name_axes(axes, (creepage.label, creepage.unit if spin else "%"), (force.label, force.unit))
+    legend_below(figure, 7 if width > WIDE_IN else 4, fontsize=9)
     return figure
-
-
-def _legend(figure: Figure) -> None:
-    entries = [each.get_legend_handles_labels() for each in figure.axes]
-    shown = {label: handle for handles, labels in entries for handle, label in zip(handles, labels, strict=True)}
-    columns = 7 if figure.get_figwidth() > WIDE_IN else 4
-    figure.legend(shown.values(), shown.keys(), loc="lower center", ncols=columns, frameon=False, fontsize=9)
 
 
 def _fields(run: RollingPatchRun) -> dict[str, Floats]:
@@ -269,12 +261,12 @@ def _cells_table(run: RollingPatchRun) -> str:
             (name.removesuffix(unit), unit) for unit in ("_MPa", "_m_s", "_mm") if name.endswith(unit)
         )
         cells |= {f"{quantity}_{word}{unit}": values[loaded][:, axis] for axis, word in ((1, "ahead"), (0, "right"))}
-    return ResultTable(cells).csv(DIGITS)
+    return ResultTable(cells).in_units(run.case.units).csv(DIGITS)
 
 
 def _files(run: RollingPatchRun) -> dict[str, Writer]:
     files: dict[str, Writer] = {CELLS: text_writer(_cells_table(run)), PATCH_FILE: partial(_write_patch, run)}
     if run.curve:
         points = [point for points in run.curve.values() for point in points]
-        files[CURVE_TABLE] = text_writer(columns(BY_THEORY, points).csv(DIGITS))
+        files[CURVE_TABLE] = text_writer(columns(BY_THEORY, points, run.case.units).csv(DIGITS))
     return files

@@ -2,55 +2,55 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from flangeway.exact.shakedown import shakedown_limits
-from flangeway.report.figures.drawing import GREY, HALO, INK, new_figure
+from flangeway.quantities import measured
+from flangeway.report.figures.drawing import GREY, HALO, INK, PURPLE, Style, legend_below, name_axes, panels
 from flangeway.types import Floats
+from flangeway.units import Units
 
 LIMITS = {
     "first_yield": ("first yield", "#2166ac"),
     "shakedown": ("elastic after shakedown, no hardening", "#b35806"),
-    "hardening": ("elastic after shakedown, kinematic hardening", "#8b1a8b"),
+    "hardening": ("elastic after shakedown, kinematic hardening", PURPLE),
 }
-DASHED = (0, (4, 2))
-HIGHEST, WIDEST = 6.0, 0.6
+KINDS: tuple[tuple[Literal["point", "line"], Any, str], ...] = (
+    ("point", "solid", "under a circular patch"),
+    ("line", (0, (4, 2)), "under a line contact"),
+)
+MIN_HEIGHT, MIN_WIDTH = 6.0, 0.6
 """Least extent of the axes."""
 APART, SHIFT = 0.05, 0.03
 """Least distance of labels over the height of the axes, and their distance from the points over the width."""
 
 
-def shakedown_figure(patches: Sequence[tuple[str, float, float]], yield_MPa: float) -> Figure:
+def shakedown_figure(patches: Sequence[tuple[str, float, float]], yield_MPa: float, units: Units = "metric") -> Figure:
     """Draw named patches with their traction coefficients and maximum pressures in MPa among the limits."""
-    strength = yield_MPa / np.sqrt(3.0)
-    used, pressures = np.array([each[1:] for each in patches]).reshape(-1, 2).T
-    heights = pressures / strength
-    highest, widest = max(HIGHEST, *(1.15 * heights)), min(1.0, max(WIDEST, *(1.15 * used)))
-    figure = new_figure(7.6, 5.2)
-    axes = figure.subplots()
+    used, pressures = np.array([numbers for _, *numbers in patches]).reshape(-1, 2).T
+    heights = pressures / (yield_MPa / np.sqrt(3.0))
+    highest, widest = max(MIN_HEIGHT, *(1.15 * heights)), min(1.0, max(MIN_WIDTH, *(1.15 * used)))
+    figure, ((axes,),) = panels(7.6, 5.2, units=units)
     traction = np.linspace(0.0, widest, 301)
-    for limits, style in ((shakedown_limits("point", traction), "solid"), (shakedown_limits("line", traction), DASHED)):
-        for name, (_, colour) in LIMITS.items():
-            axes.plot(traction, getattr(limits, name), color=colour, ls=style, lw=1.4)
+    for kind, style, label in KINDS:
+        for name, (words, colour) in LIMITS.items():
+            limit = getattr(shakedown_limits(kind, traction), name)
+            axes.plot(traction, limit, color=colour, ls=style, lw=1.4, label=words if kind == "point" else None)
+        axes.plot([], [], color=GREY, ls=style, label=label)
     axes.plot(used, heights, "o", color=INK, ms=7.0, zorder=5)
     for (name, _, pressure), x, y, label in zip(patches, used, heights, _apart(heights, APART * highest), strict=True):
-        left = x > 0.7 * widest
-        axes.annotate(
-            f"{name}: {pressure:.0f} MPa", (x, y), (x + (-SHIFT if left else SHIFT) * widest, label), fontsize=9.0,
-            ha="right" if left else "left", va="center", path_effects=[HALO], zorder=6,
-            arrowprops={"arrowstyle": "-", "color": INK, "lw": 0.7, "shrinkB": 3.0},
-        )  # fmt: skip
+        shift, side = (-SHIFT, "right") if x > 0.7 * widest else (SHIFT, "left")
+        line: Style = {"arrowstyle": "-", "color": INK, "lw": 0.7, "shrinkB": 3.0}
+        place: Style = {"xytext": (x + shift * widest, label), "ha": side, "va": "center", "arrowprops": line}
+        text = f"{name}: {measured(pressure, 'MPa', units, '.0f')}"
+        axes.annotate(text, (x, y), fontsize=9.0, path_effects=[HALO], zorder=6, **place)
     axes.set(xlim=(0.0, widest), ylim=(0.0, highest))
-    axes.set_xlabel("traction coefficient: creep force over normal force")
-    axes.set_ylabel(f"maximum pressure over shear strength k = {yield_MPa:g} MPa / √3")
-    axes.grid(color="#e4e4e4", linewidth=0.5)
-    lines = [Line2D([], [], color=colour, label=label) for label, colour in LIMITS.values()]
-    lines += [Line2D([], [], color=GREY, ls="solid", label="under a circular patch")]
-    lines += [Line2D([], [], color=GREY, ls=DASHED, label="under a line contact")]
-    figure.legend(handles=lines, loc="outside lower center", ncols=2, frameon=False, fontsize=9)
+    strength = f"maximum pressure over shear strength k = {measured(yield_MPa, 'MPa', units)} / √3"
+    name_axes(axes, "traction coefficient: creep force over normal force", strength)
+    legend_below(figure, 2, fontsize=9)
     return figure
 
 

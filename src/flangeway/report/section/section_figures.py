@@ -6,45 +6,53 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from flangeway.cases.section.section_run import SectionRun
 from flangeway.mesh import PolyMesh
+from flangeway.mesh.curved import as_polylines
 from flangeway.post import corner_shear_stresses, shear_stresses
 from flangeway.report.figures.drawing import (
     GREY,
     INK,
-    ColourSteps,
+    Style,
+    box,
     cells_path,
-    draw_field,
+    colour_bar,
     draw_lines,
-    draw_outline,
+    equal_axes,
+    fill_triangles,
+    legend_below,
     new_figure,
+    shade_of,
 )
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
+from flangeway.units import Units
 
 WIDTH_IN, MIN_HEIGHT_IN, MAX_HEIGHT_IN = 7.2, 3.4, 9.0
-N_ARROWS = 18
+N_ARROWS, N_LEVELS = 18, 12
 TITLE_LETTERS = 60
-SHORTEST_ARROW = 0.03  # of the longest
+MIN_ARROW = 0.03  # length of the shortest arrow over that of the longest
+SHADES = ("#f2f2f2", "#c9c9c9", "#e0e0e0", "#b4b4b4")
 STRESS_UNITS = {
-    "mm": (1e6, "MPa per kN m"),
-    "cm": (1e3, "MPa per kN m"),
-    "m": (1e-3, "MPa per kN m"),
+    "mm": (1e6, "MPa/kNm"),
+    "cm": (1e3, "MPa/kNm"),
+    "m": (1e-3, "MPa/kNm"),
     "in": (1e3, "psi per kip in"),
     "ft": (1.0, "1/ft³"),
 }
 """Factor and unit of shear stress per torque in pictures, by unit of length."""
 
 
-def mesh_figure(run: SectionRun) -> Figure:
+def mesh_figure(run: SectionRun, units: Units = "metric") -> Figure:
     """Draw the mesh, the centroid, the shear centre and the principal axes."""
     mesh, constants = run.space.mesh, run.constants
-    figure, axes = _new(run)
-    shades = ("#f2f2f2", "#c9c9c9", "#e0e0e0", "#b4b4b4")
+    figure, axes = _new(run, units)
     for number, (name, cells) in enumerate(mesh.cell_sets.items()):
         part = cells_path(mesh, mesh.points, cells)
-        shade = shades[number % len(shades)]
+        shade = SHADES[number % len(SHADES)]
         axes.add_artist(PathPatch(part, facecolor=shade, edgecolor="#8a8a8a", linewidth=0.2, label=name))
     _outline(axes, mesh)
     centroid, shear_centre = np.array(constants.centroid), np.array(constants.shear_centre)
@@ -54,76 +62,60 @@ def mesh_figure(run: SectionRun) -> Figure:
         ends = _across(centroid, np.array([np.cos(angle), np.sin(angle)]), low, high)
         axes.plot(*ends.T, color=INK, lw=0.8, ls=(0, (8, 3, 2, 3)))
         x, y = centroid + 0.93 * (ends[1] - centroid)
-        axes.text(
-            x, y, f"{number}", ha="center", va="center", fontsize=9,
-            bbox={"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": INK, "linewidth": 0.6},
-        )  # fmt: skip
+        circle: Style = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": INK, "linewidth": 0.6}
+        axes.text(x, y, f"{number}", ha="center", va="center", fontsize=9, bbox=circle)
     axes.plot(*centroid, "o", ms=7, mfc="white", mec=INK, mew=1.4, ls="none", label="centroid")
     axes.plot(*shear_centre, "X", ms=9, mfc=INK, mec="white", mew=0.8, ls="none", label="shear centre")
     title = textwrap.shorten(run.drawn.title, TITLE_LETTERS, placeholder=" ...")
     axes.set_title(f"{title}\n{mesh.n_cells} elements, principal axes 1 and 2", fontsize=10)
-    figure.legend(loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    legend_below(figure, 4)
     return figure
 
 
-def warping_figure(run: SectionRun) -> Figure:
+def warping_figure(run: SectionRun, units: Units = "metric") -> Figure:
     """Draw the warping about Trefftz's shear centre, for a rate of twist of one."""
-    title = f"Warping about the shear centre / rate of twist, in {run.drawn.unit}²"
-    return _contours(run, warping_about_shear_centre(run), title)
+    values = warping_about_shear_centre(run)
+    return _contours(run, values, "Warping about the shear centre / rate of twist", units)
 
 
-def prandtl_figure(run: SectionRun) -> Figure:
+def prandtl_figure(run: SectionRun, units: Units = "metric") -> Figure:
     """Draw Prandtl's function for ``G theta' = 1``."""
-    problem = run.constants.prandtl.problem
-    values = run.constants.prandtl.function[: run.space.mesh.n_points] / problem.mean_modulus
-    return _contours(run, values, f"Prandtl's function / Gθ′, in {run.drawn.unit}², with lines of shear flow")
+    prandtl = run.constants.prandtl
+    values = prandtl.function[: run.space.mesh.n_points] / prandtl.problem.mean_modulus
+    return _contours(run, values, "Prandtl's function / Gθ′, with lines of shear flow", units)
 
 
-def shear_figure(run: SectionRun) -> Figure:
-    """Draw the size and direction of the shear stress for a torque of one, averaged at points part by part."""
+def shear_figure(run: SectionRun, units: Units = "metric") -> Figure:
+    """Draw the size and direction of the shear stress for a torque of one, in each element as it is."""
     mesh, solution = run.space.mesh, run.constants.prandtl
     factor, unit = STRESS_UNITS[run.drawn.unit]
     factor /= solution.torsional_rigidity
-    corner_sizes = factor * np.hypot(*corner_shear_stresses(solution).T)
-    figure, axes = _new(run)
-    parts = [_point_means(mesh, cells, corner_sizes) for cells in mesh.cell_sets.values()]
-    shades = ColourSteps(np.concatenate([[0.0], *(values[used] for used, values in parts)]))
-    for cells, (_, values) in zip(mesh.cell_sets.values(), parts, strict=True):
-        draw_field(axes, _part(mesh, cells), values, shades, lines=False)
+    sizes = factor * np.hypot(*corner_shear_stresses(solution).T)
+    figure, axes = _new(run, units)
+    shade = shade_of(sizes, (0.0, float(sizes.max())))
+    fill_triangles(axes, mesh.points[mesh.cell_points], _fans(mesh), sizes, shade)
     _outline(axes, mesh)
-    shown = _spread(mesh)
-    arrows = factor * shear_stresses(solution)
-    sizes = np.hypot(*arrows.T)
-    shown = shown[sizes[shown] > SHORTEST_ARROW * sizes.max()]
-    places, arrows = mesh.cell_centroids[shown], arrows[shown]
+    arrows = shear_stresses(solution)[shown := _spread(mesh)]
+    lengths = np.hypot(*arrows.T)
+    long = lengths > MIN_ARROW * lengths.max()
     span = float(np.ptp(mesh.points, axis=0).max()) / N_ARROWS
-    axes.quiver(
-        *places.T, *arrows.T, color="white", edgecolor=INK, linewidth=0.4, angles="xy", pivot="mid",
-        scale_units="xy", scale=float(np.hypot(*arrows.T).max()) / (1.3 * span), width=0.004, zorder=4,
-    )  # fmt: skip
+    style: Style = {"color": "white", "edgecolor": INK, "linewidth": 0.4, "width": 0.004, "zorder": 4, "pivot": "mid"}
+    scale: Style = {"angles": "xy", "scale_units": "xy", "scale": float(lengths.max()) / (1.3 * span)}
+    axes.quiver(*mesh.cell_centroids[shown[long]].T, *arrows[long].T, **style, **scale)
     _frame(axes, run)
-    axes.set_title(f"Shear stress per torque, in {unit}", fontsize=10)
-    figure.colorbar(shades.mappable(), ax=axes, shrink=0.85, label=unit, ticks=shades.levels.tolist())
+    axes.set_title("Shear stress per torque", fontsize=10)
+    colour_bar(shade, axes, "shear stress per torque", unit, shrink=0.85)
     return figure
 
 
-def _part(mesh: PolyMesh, cells: NDArray[np.int32]) -> PolyMesh:
-    """Return the cells of a part, on all points of the mesh."""
-    sizes = mesh.cell_sizes[cells]
-    offsets = np.append(0, np.cumsum(sizes)).astype(np.int32)
-    places = np.repeat(mesh.cell_offsets[cells] - offsets[:-1], sizes) + np.arange(offsets[-1])
-    return PolyMesh(mesh.points, offsets, mesh.cell_points[places])
-
-
-def _point_means(mesh: PolyMesh, cells: NDArray[np.int32], corner_values: Floats) -> tuple[NDArray[np.bool_], Floats]:
-    """Return which points a part uses (n_points,), and the means of its corners' values there, zero elsewhere."""
-    mine = np.zeros(mesh.n_cells, dtype=np.bool_)
-    mine[cells] = True
-    corners = np.repeat(mine, mesh.cell_sizes)
-    points = mesh.cell_points[corners]
-    counts = np.bincount(points, minlength=mesh.n_points)
-    sums = np.bincount(points, corner_values[corners], minlength=mesh.n_points)
-    return counts > 0, sums / np.maximum(counts, 1)
+def _fans(mesh: PolyMesh) -> Ints:
+    """Cells as fans of triangles about their first corner: numbers of corners of cells, shape (n, 3)."""
+    fans = [
+        mesh.cell_offsets[cells].astype(np.int64)[:, None] + [0, corner, corner + 1]
+        for n_vertices, cells in mesh.batches()
+        for corner in range(1, n_vertices - 1)
+    ]
+    return np.vstack(fans)
 
 
 def warping_about_shear_centre(run: SectionRun) -> Floats:
@@ -136,35 +128,35 @@ def warping_about_shear_centre(run: SectionRun) -> Floats:
     return values
 
 
-def _contours(run: SectionRun, values: Floats, title: str) -> Figure:
+def _contours(run: SectionRun, values: Floats, title: str, units: Units) -> Figure:
+    """Draw values at the points of the mesh (n_points,) with lines of equal value; dashed ones are negative."""
     mesh = run.space.mesh
-    figure, axes = _new(run)
-    shades = ColourSteps(values)
-    draw_field(axes, mesh, values, shades)
+    figure, axes = _new(run, units)
+    shade, triangles = shade_of(values), mesh.cell_points[_fans(mesh)].astype(np.int64)
+    fill_triangles(axes, mesh.points, triangles, values, shade)
+    grid = Triangulation(mesh.points[:, 0], mesh.points[:, 1], triangles)
+    axes.tricontour(
+        grid, values, MaxNLocator(N_LEVELS).tick_values(values.min(), values.max()), colors=INK, linewidths=0.5
+    )
     _outline(axes, mesh)
     _frame(axes, run)
     axes.set_title(title, fontsize=10)
-    unit = f"{run.drawn.unit}²"
-    figure.colorbar(shades.mappable(), ax=axes, shrink=0.85, label=unit, ticks=shades.levels.tolist())
+    colour_bar(shade, axes, title.partition(",")[0], f"{run.drawn.unit}²", shrink=0.85)
     return figure
 
 
-def _new(run: SectionRun) -> tuple[Figure, Axes]:
+def _new(run: SectionRun, units: Units) -> tuple[Figure, Axes]:
     width, height = np.ptp(run.space.mesh.points, axis=0)
-    figure = new_figure(WIDTH_IN, float(np.clip(0.8 * WIDTH_IN * height / width + 0.9, MIN_HEIGHT_IN, MAX_HEIGHT_IN)))
-    figure.set_layout_engine("compressed")
+    height_in = float(np.clip(0.8 * WIDTH_IN * height / width + 0.9, MIN_HEIGHT_IN, MAX_HEIGHT_IN))
+    figure = new_figure(WIDTH_IN, height_in, units, compressed=True)
     return figure, figure.subplots()
 
 
 def _frame(axes: Axes, run: SectionRun, *more: Floats) -> tuple[Floats, Floats]:
     """Show the section, and further points (2,), with one scale and the unit; return the corners of the view."""
     points = np.vstack([run.space.mesh.points, *more])
-    low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.06 * float((high - low).max())
-    low, high = low - margin, high + margin
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    axes.set_aspect("equal", adjustable="box")
-    axes.set(xlabel=f"x in {run.drawn.unit}", ylabel=f"y in {run.drawn.unit}")
+    low, high = box([points], 0.06 * float(np.ptp(points, axis=0).max()))
+    equal_axes(axes, np.array([low, high]), run.drawn.unit)
     return low, high
 
 
@@ -176,14 +168,15 @@ def _across(point: Floats, direction: Floats, low: Floats, high: Floats) -> Floa
 
 
 def _outline(axes: Axes, mesh: PolyMesh) -> None:
-    draw_outline(axes, mesh)
-    inner = mesh.edge_cells.min(axis=1) >= 0
-    if len(mesh.cell_sets) > 1:
-        part = np.zeros(mesh.n_cells, dtype=np.int64)
-        for number, cells in enumerate(mesh.cell_sets.values()):
-            part[cells] = number
-        sides = part[mesh.edge_cells]
-        draw_lines(axes, mesh.points[mesh.edges[inner & (sides[:, 0] != sides[:, 1])]], GREY, 1.2)
+    """Draw the boundary with its curves, and the edges between parts."""
+    rim = as_polylines(mesh)
+    draw_lines(axes, rim.points[rim.boundary_edges], INK, 0.9)
+    part = np.zeros(mesh.n_cells, dtype=np.int64)
+    for number, cells in enumerate(mesh.cell_sets.values()):
+        part[cells] = number
+    sides = part[mesh.edge_cells]
+    between = (mesh.edge_cells.min(axis=1) >= 0) & (sides[:, 0] != sides[:, 1])
+    draw_lines(axes, mesh.points[mesh.edges[between]], GREY, 1.2)
 
 
 def _spread(mesh: PolyMesh) -> NDArray[np.int64]:

@@ -1,7 +1,8 @@
 """Report, files and terminal summary of a section under torsion."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,13 @@ from matplotlib.figure import Figure
 from flangeway.cases.section.section_run import STEEL_KG_M3, SectionRun, TorsionCase
 from flangeway.formats import write_vtu
 from flangeway.post import corner_shear_stresses
+from flangeway.quantities import Quantity, measured, present
 from flangeway.report.page.case_text import case_text, inputs_tables
 from flangeway.report.page.record import Again, Picture, Record
-from flangeway.report.page.tables import SummaryTable
+from flangeway.report.page.tables import SummaryTable, fact, rows_of
 from flangeway.report.scenes import section_arrays, section_scene
 from flangeway.report.section.section_figures import mesh_figure, prandtl_figure, shear_figure, warping_figure
+from flangeway.units import Units
 
 SUMMARY, FIELDS = "section.json", "section.vtu"
 ASSUMPTIONS = (
@@ -45,19 +48,21 @@ def section_record(
     - `command`: computes it again.
     - `summary`, `summary_file`: the numbers for programs, those of the section if left out, and their file.
     """
-    found = run.summary
-    mesh = found["mesh"]
-    kind = "triangles" if mesh["method"] == "fem" else "polygons, virtual elements"
+    found, units, unit = run.summary, case.units, run.drawn.unit
+    kind = "triangles" if case.method == "fem" else "polygons, virtual elements"
+    quantities = section_quantities(run, units)
     return Record(
         name=run.drawn.title,
         title=run.drawn.title,
-        subtitle=f"Constants of a section; {mesh['cells']:,} {kind} of order {mesh['order']}, size "
-        f"{mesh[f'size_{run.drawn.unit}']:.4g} {run.drawn.unit}, {mesh['unknowns']:,} unknowns",
+        subtitle=f"Constants of a section; {run.space.mesh.n_cells:,} {kind} of order {case.order}, size "
+        f"{measured(found['mesh'][f'size_{unit}'], unit, units)}, {run.space.n_dofs:,} unknowns",
         converged=True,
         success="solved",
         message="by both formulations of torsion",
-        facts=_facts(found),
-        results=SummaryTable("Constants of the section", ("", "value"), tuple(section_rows(found))),
+        facts=[fact(replace(of, form=".5g"), run, units) for of in present(quantities, run) if of.key in FACTS],
+        results=SummaryTable(
+            "Constants of the section", ("", "value"), tuple(rows_of(present(quantities, run), run, units))
+        ),
         summary=found if summary is None else summary,
         summary_file=summary_file,
         again=Again(
@@ -67,6 +72,7 @@ def section_record(
             "ParaView.",
         ),
         versions=found["versions"],
+        units=units,
         notes=[
             *found["notices"],
             *weights_sentences(found),
@@ -74,10 +80,7 @@ def section_record(
         ],
         assumptions=ASSUMPTIONS,
         scene=lambda: section_scene(run),
-        pictures=[
-            Picture(name, partial(draw, run), f"{words}: {run.drawn.title}.", f"{words}.")
-            for name, (draw, words) in PICTURES.items()
-        ],
+        pictures=[Picture(name, partial(draw, run, units), f"{words}.") for name, (draw, words) in PICTURES.items()],
         axes=AXES,
         inputs=inputs_tables(case),
         timings_s=found["timings_s"],
@@ -85,83 +88,71 @@ def section_record(
     )
 
 
-def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    unit = summary["unit"]
-    moments = summary[f"second_moments_{unit}4"]
-    found = {**summary, "Ixx": moments["xx"], "Iyy": moments["yy"]}
-    rows = [
-        (f"area_{unit}2", f"{unit}²", "area"),
-        ("Ixx", f"{unit}⁴", "second moment Ixx"),
-        ("Iyy", f"{unit}⁴", "second moment Iyy"),
-        ("mass_per_metre_kg_m", "kg/m", "mass per length"),
-        (f"torsion_constant_{unit}4", f"{unit}⁴", "torsion constant J"),
-        (f"warping_constant_{unit}6", f"{unit}⁶", "warping constant"),
-        (f"max_shear_stress_per_torque_per_{unit}3", f"{unit}⁻³", "maximum shear stress per torque"),
-    ]
-    return [(f"{found[key]:.5g} {power}", name) for key, power, name in rows if found[key] is not None]
+FACTS = ("area", "ixx", "iyy", "mass_per_metre", "torsion_constant", "warping_constant", "max_shear_stress_per_torque")
+"""Keys of the numbers at the top of the page."""
 
 
-def section_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """Name with unit and value of every constant, as shown."""
-    unit, kg_m = summary["unit"], summary["mass_per_metre_kg_m"]
-    mass = [] if kg_m is None else [(f"mass per length, steel of {STEEL_KG_M3:g} kg/m³, kg/m", f"{kg_m:.4g}")]
+def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRun]]:
+    """Return the constants of a section, in its unit of length."""
+    unit, constants, found = run.drawn.unit, run.constants, run.summary
+    size = found[f"boundary_length_{unit}"]
+    bounds = ("lower bound (Prandtl)", "upper bound (warping)")
+    if not constants.bounds_certain:
+        bounds = ("from Prandtl's function", "from the warping function")
 
-    def point(name: str, key: str) -> list[tuple[str, str]]:
-        size = summary[f"boundary_length_{unit}"]
+    def number(key: str, label: str, value: Any, power: str = "", form: str = ".7g") -> Quantity[SectionRun]:
+        return Quantity(key, label, lambda _: value, f"{unit}{power}" if power != "-" else "", form)
+
+    def point(key: str, label: str, at: Sequence[float]) -> list[Quantity[SectionRun]]:
         # round-off would look like a result
-        values = (0.0 if abs(value) < 1e-7 * size else value for value in summary[key])
-        return [(f"{name} {axis}, {unit}", f"{value:.6g}") for axis, value in zip("xy", values, strict=True)]
+        values = [0.0 if abs(value) < 1e-7 * size else value for value in at]
+        return [number(f"{key}_{x}", f"{label} {x}", value, form=".6g") for x, value in zip("xy", values, strict=True)]
 
-    moments = summary[f"second_moments_{unit}4"]
-    noise = 1e-9 * math.sqrt(moments["xx"] * moments["yy"])
-    product = 0.0 if abs(moments["xy"]) < noise else moments["xy"]
-    bounds = [summary[f"torsion_constant_{kind}_{unit}4"] for kind in ("prandtl", "warping")]
-    half_gap = 0.5 * abs(bounds[1] - bounds[0]) / summary[f"torsion_constant_{unit}4"]
-    lower, upper = ("lower bound (Prandtl)", "upper bound (warping)")
-    if not summary["torsion_bounds_certain"]:
-        lower, upper = "from Prandtl's function", "from the warping function"
-    angle = summary["principal_angle_deg"]
-    rows = [
-        (f"area, {unit}²", f"{summary[f'area_{unit}2']:.7g}"),
-        *mass,
-        *point("centroid", f"centroid_{unit}"),
+    steel = f"steel of {measured(STEEL_KG_M3, 'kg/m³', units)}"
+    ixx, iyy, ixy = constants.second_moments
+    moments = {"Ixx": ixx, "Iyy": iyy, "Ixy": 0.0 if abs(ixy) < 1e-9 * math.sqrt(ixx * iyy) else ixy}
+    angle, torsion = found["principal_angle_deg"], constants.torsion_constant
+    low, high = constants.torsion_bounds
+    poisson, maximum = found["poisson"], found[f"max_shear_stress_per_torque_per_{unit}3"]
+    centre = f"shear centre for ν = {poisson:g}" if poisson else "shear centre"
+    return [
+        number("area", "area", constants.area, "²"),
+        Quantity("mass_per_metre", f"mass per length, {steel}", lambda _: found["mass_per_metre_kg_m"], "kg/m"),
+        *point("centroid", "centroid", constants.centroid),
         *(
-            (f"second moment {name} about the centroid, {unit}⁴", f"{value:.7g}")
-            for name, value in (("Ixx", moments["xx"]), ("Iyy", moments["yy"]), ("Ixy", product))
+            number(name.lower(), f"second moment {name} about the centroid", value, "⁴")
+            for name, value in moments.items()
         ),
         *(
-            (f"principal moment I{number}, {unit}⁴", f"{value:.7g}")
-            for number, value in enumerate(summary[f"principal_moments_{unit}4"], 1)
+            number(f"i{place}", f"principal moment I{place}", value, "⁴")
+            for place, value in enumerate(constants.principal_moments, 1)
         ),
-        ("angle of principal axis 1 from x, degrees", f"{0.0 if abs(angle) < 1e-7 else angle:.5g}"),
-        *_bending_rows(summary),
-        (f"torsion constant J, {unit}⁴", f"{summary[f'torsion_constant_{unit}4']:.7g}"),
-        (f"  {lower}, {unit}⁴", f"{bounds[0]:.7g}"),
-        (f"  {upper}, {unit}⁴", f"{bounds[1]:.7g}"),
-        ("  half their difference, relative", f"{half_gap:.1e}"),
+        number(
+            "principal_angle",
+            "angle of principal axis 1 from x, degrees",
+            0.0 if abs(angle) < 1e-7 else angle,
+            "-",
+            ".5g",
+        ),
+        *(
+            number(f"radius_{axis}", f"radius of gyration about {axis[0]}", value, form=".6g")
+            for axis, value in found[f"radii_of_gyration_{unit}"].items()
+        ),
+        *(
+            number(f"modulus_{side}", f"section modulus, {side}", value, "³", ".6g")
+            for side, value in found.get(f"section_moduli_{unit}3", {}).items()
+        ),
+        number("torsion_constant", "torsion constant J", torsion, "⁴"),
+        *(number(name, f"  {name}", value, "⁴") for name, value in zip(bounds, (low, high), strict=True)),
+        number("half_gap", "  half their difference, relative", 0.5 * abs(high - low) / torsion, "-", ".1e"),
+        *point("shear_centre", centre, constants.shear_centre),
+        *(point("shear_centre_trefftz", "shear centre by Trefftz", constants.shear_centre_trefftz) if poisson else []),
+        number("warping_constant", "warping constant", constants.warping_constant, "⁶"),
+        number("max_shear_stress_per_torque", "maximum shear stress per torque", maximum, "⁻³", ".5g"),
     ]
-    poisson = summary["poisson"]
-    rows += point(f"shear centre{f' for ν = {poisson:g}' if poisson else ''}", f"shear_centre_{unit}")
-    if poisson:
-        rows += point("shear centre by Trefftz", f"shear_centre_trefftz_{unit}")
-    rows.append((f"warping constant, {unit}⁶", f"{summary[f'warping_constant_{unit}6']:.7g}"))
-    maximum = summary[f"max_shear_stress_per_torque_per_{unit}3"]
-    if maximum is not None:
-        rows.append((f"maximum shear stress per torque, {unit}⁻³", f"{maximum:.5g}"))
-    return rows
 
 
-def _bending_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    unit = summary["unit"]
-    rows = [
-        (f"radius of gyration about {axis}, {unit}", f"{summary[f'radii_of_gyration_{unit}'][axis * 2]:.6g}")
-        for axis in "xy"
-    ]
-    moduli = summary.get(f"section_moduli_{unit}3", {})
-    return rows + [(f"section modulus, {side}, {unit}³", f"{value:.6g}") for side, value in moduli.items()]
-
-
-def weights_sentences(summary: dict[str, Any]) -> list[str]:
+def weights_sentences(summary: Mapping[str, Any]) -> list[str]:
     """Return what several materials mean for the constants, nothing for one material."""
     if "weights" not in summary:
         return []
@@ -172,7 +163,7 @@ def weights_sentences(summary: dict[str, Any]) -> list[str]:
     ]
 
 
-PICTURES: dict[str, tuple[Callable[[SectionRun], Figure], str]] = {
+PICTURES: dict[str, tuple[Callable[[SectionRun, Units], Figure], str]] = {
     "mesh.png": (mesh_figure, "The mesh, with the centroid, the shear centre and the principal axes"),
     "warping.png": (warping_figure, "Warping about the shear centre over the rate of twist, with contour lines"),
     "shear_stress.png": (shear_figure, "Shear stress for a unit torque, with arrows in its direction"),

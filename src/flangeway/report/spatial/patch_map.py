@@ -14,13 +14,13 @@ from flangeway.contact.patch.contact_ellipse import CellForces, ContactEllipse
 from flangeway.exact import PointContact
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import DepthProfile
-from flangeway.report.figures.drawing import GREY, INK
-from flangeway.report.figures.plots import COLOURS
+from flangeway.quantities import measured
+from flangeway.report.figures.drawing import COLOURS, GREY, HERTZ, INK, LIGHT, NODES, PURPLE, Style, name_axes, units_of
 from flangeway.types import Floats, Ints
 
 CURVES = (
     ("across, x", "#0b5394", "-"), ("normal, y", INK, "-"), ("along, z", "#9a6a00", "-"),
-    ("von Mises", "#8b1a8b", "--"), ("Tresca", "#2e7d32", "-."),
+    ("von Mises", PURPLE, "--"), ("Tresca", "#2e7d32", "-."),
 )  # fmt: skip
 N_PROFILE = 241
 MARGIN = 0.08
@@ -90,13 +90,10 @@ def draw_pressures(axes: Axes, shown: PatchMap, highest: float) -> ScalarMappabl
     for patch, hertz in shown.patches:
         if hertz is not None:
             first = not axes.get_legend_handles_labels()[0]
-            axes.add_patch(
-                Ellipse(
-                    tuple(shown.centre(patch).tolist()), 2.0 * hertz.semi_axes[0], 2.0 * hertz.semi_axes[1],
-                    angle=float(np.rad2deg(shown.tilt(patch))), fill=False, ec=GREY, ls="--", lw=1.2,
-                    label="Hertz" if first else "",
-                )
-            )  # fmt: skip
+            width, height = (2.0 * axis for axis in hertz.semi_axes)
+            style: Style = {"fill": False, "ec": GREY, "ls": "--", "lw": 1.2, "label": "Hertz" if first else ""}
+            middle, angle = tuple(shown.centre(patch).tolist()), float(np.rad2deg(shown.tilt(patch)))
+            axes.add_patch(Ellipse(middle, width, height, angle=angle, **style))
     axes.set_aspect("equal", adjustable="box")
     return ScalarMappable(scale, COLOURS)
 
@@ -114,19 +111,16 @@ def draw_sections(across: Axes, along: Axes, shown: PatchMap, number: int) -> No
         first, last = np.flatnonzero(near[axis])[[0, -1]]
         part = slice(max(first - 2, 0), last + 3)
         middles, values = line[part], on_line[part]
-        axes.plot(middles, values, color=INK, lw=1.0, marker="o", ms=2.5, mfc="white", label="computed")
+        axes.plot(middles, values, color=INK, label="computed", **NODES)
         if hertz is not None:
             fine: Floats = np.linspace(middles.min(), middles.max(), N_PROFILE)
             offset = np.tile(np.array([places[row], cells.z[strip]]) - centre, (N_PROFILE, 1))
             offset[:, axis] = fine - centre[axis]
             long, short = offset @ (cosine, sine), offset @ (-sine, cosine)
             inside = 1.0 - (long / hertz.semi_axes[0]) ** 2 - (short / hertz.semi_axes[1]) ** 2
-            axes.plot(
-                fine, hertz.max_pressure * np.sqrt(np.maximum(inside, 0.0)), color=GREY, lw=1.6, ls="--", zorder=1,
-                label=f"Hertz: maximum {hertz.max_pressure:.4g} MPa",
-            )  # fmt: skip
+            label = f"Hertz: maximum {measured(hertz.max_pressure, 'MPa', units_of(axes))}"
+            axes.plot(fine, hertz.max_pressure * np.sqrt(np.maximum(inside, 0.0)), color=GREY, label=label, **HERTZ)
         axes.set_ylim(bottom=0.0)
-        axes.grid(color="#dddddd", linewidth=0.6)
 
 
 def draw_depths(axes: Axes, profile: DepthProfile) -> None:
@@ -138,7 +132,8 @@ def draw_depths(axes: Axes, profile: DepthProfile) -> None:
         axes.plot(values, profile.depths, color=colour, ls=style, lw=1.3, label=label)
     axes.axvline(0.0, color=GREY, lw=0.8)
     axes.set_ylim(float(profile.depths[-1]), 0.0)
-    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.grid(color=LIGHT, linewidth=0.6)
+    name_axes(axes, ("stress", "MPa"), ("depth", "mm"))
 
 
 def surface_mesh(cells: CellForces) -> tuple[Floats, Floats, PolyMesh]:

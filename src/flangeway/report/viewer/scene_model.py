@@ -1,11 +1,12 @@
 """What the viewer shows: parts with their arrays, fields made of these, and places to fly to."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from flangeway.mesh import PolyMesh
 from flangeway.types import Floats, Ints
+from flangeway.units import Units, us_unit
 
 Formula = Literal[
     "value", "x", "y", "magnitude",
@@ -144,3 +145,36 @@ class Scene:
     steps: Sequence[str] = ()
     steps_note: str = ""
     axes: Sequence[str] = ("x", "y")
+
+    def in_units(self, units: Units) -> "Scene":
+        """Return it in a system of units: lengths, and arrays by the unit of the fields that are made of them."""
+        length = us_unit(self.unit) if units == "us" else None
+        if length is None:
+            return self
+        of_array = {shown.array: us_unit(shown.unit) for shown in self.fields} | {DISPLACEMENT: length}
+
+        def converted(arrays: Mapping[str, Floats]) -> dict[str, Floats]:
+            return {
+                name: values / (float(unit.metric) if (unit := of_array.get(name)) else 1.0)
+                for name, values in arrays.items()
+            }
+
+        inch = float(length.metric)
+        parts = [
+            replace(
+                part,
+                mesh=replace(part.mesh, points=part.mesh.points / inch),
+                point_arrays=converted(part.point_arrays),
+                cell_arrays=converted(part.cell_arrays),
+                approach=None if part.approach is None else part.approach / inch,
+                heights=None if part.heights is None else part.heights / inch,
+            )
+            for part in self.parts
+        ]
+        fields = [
+            replace(shown, unit=unit.name if (unit := us_unit(shown.unit)) else shown.unit) for shown in self.fields
+        ]
+        views = [
+            View(view.name, (view.centre[0] / inch, view.centre[1] / inch), view.width / inch) for view in self.views
+        ]
+        return replace(self, parts=parts, fields=fields, views=views, unit=length.name)

@@ -2,18 +2,19 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
-from flangeway.railway.track.placements import Side
+from flangeway.quantities import Quantity
 from flangeway.railway.wheelset.rail_along_track import REGIONS, RailAlongTrack
-from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, new_figure
-from flangeway.report.page.tables import Column, SummaryTable, table_across
+from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, Style, name_axes, panels
+from flangeway.report.page.tables import SummaryTable, table_across
 from flangeway.results import ResultTable
 from flangeway.types import Floats
+from flangeway.units import us_unit
 
 STYLES = {"left": "-", "right": "--"}  # of symmetric wheelsets both are one line
 
@@ -28,69 +29,65 @@ def _foot(rail: RailAlongTrack) -> Floats:
     return found
 
 
-LINES: tuple[tuple[str, Callable[[RailAlongTrack], Floats]], ...] = (
-    ("top of the rail down, mm", lambda rail: -rail.head[:, 1]),
-    ("gauge face outwards, mm", lambda rail: rail.gauge_outward_mm),
-    ("stress under the foot, MPa", _foot),
+LINES: tuple[tuple[str, str, Callable[[RailAlongTrack], Floats]], ...] = (
+    ("top of the rail down", "mm", lambda rail: -rail.head[:, 1]),
+    ("gauge face outwards", "mm", lambda rail: rail.gauge_outward_mm),
+    ("stress under the foot", "MPa", _foot),
 )
 """What is drawn along the track, one panel each."""
 
 
 def rails_figure(run: WheelsetRun) -> Figure:
     """Draw deflection, gauge face and stress under the foot of both rails along the track, and sleepers with forces."""
-    rails = run.space.rails
-    figure = new_figure(9.0, 7.0)
-    panels = figure.subplots(len(LINES), 1, sharex=True)
-    for axes, (label, values) in zip(panels, LINES, strict=True):
+    rails, units = run.space.rails, run.case.units
+    figure, rows = panels(9.0, 7.0, len(LINES), 1, units, sharex=True)
+    for axes, (words, unit, values) in zip(rows[:, 0], LINES, strict=True):
         for side, rail in rails.items():
-            axes.plot(
-                rail.z_mm / 1e3, values(rail), color=SIDE_COLOURS[side], ls=STYLES[side], lw=1.5, label=f"{side} rail"
-            )
+            style: Style = {"color": SIDE_COLOURS[side], "ls": STYLES[side], "lw": 1.5, "label": f"{side} rail"}
+            axes.plot(rail.z_mm / 1e3, values(rail), **style)
         axes.axhline(0.0, color=GREY, lw=0.8)
-        axes.set_ylabel(label)
-        axes.grid(color="#dddddd", linewidth=0.6)
-    panels[0].invert_yaxis()
-    _draw_sleepers(panels[0], rails)
-    panels[0].legend(loc="lower right", fontsize=8)
-    panels[-1].set_xlabel("z ahead of the axle in m")
-    return figure
-
-
-def _draw_sleepers(axes: Axes, rails: dict[Side, RailAlongTrack]) -> None:
-    """Mark the sleepers, each with the upward forces of both rail seats."""
+        name_axes(axes, y=(words, unit))
+    top = rows[0, 0]
+    top.invert_yaxis()
     first = next(iter(rails.values()))
-    reach = np.abs(first.z_mm).max()
+    kip = us_unit("kN") if units == "us" else None
     for number, z in enumerate(first.sleepers_mm):
-        if abs(z) > reach:
-            continue
-        axes.axvline(z / 1e3, color=GREY, lw=0.6, ls=":")
-        forces = " / ".join(f"{rail.reactions[number, 1] / 1e3:.0f}" for rail in rails.values())
-        axes.annotate(
-            forces, (z / 1e3, 1.02), xycoords=("data", "axes fraction"), ha="center", fontsize=7, color=INK, gid="kN"
-        )
+        if abs(z) <= np.abs(first.z_mm).max():
+            top.axvline(z / 1e3, color=GREY, lw=0.6, ls=":")
+            seats = (rail.reactions[number, 1] / 1e3 for rail in rails.values())
+            forces = " / ".join(f"{kip.of(seat):z.1f}" if kip else f"{seat:z.0f}" for seat in seats)
+            place: Style = {"xycoords": ("data", "axes fraction"), "ha": "center"}
+            top.annotate(forces, (z / 1e3, 1.02), fontsize=7, color=INK, **place)
     if len(first.sleepers_mm):
-        axes.set_title("forces of the sleepers on the left / right rail, kN", fontsize=9, pad=16, loc="left")
+        words = f"forces of the sleepers on the left / right rail, {kip.name if kip else 'kN'}"
+        top.set_title(words, fontsize=9, pad=16, loc="left")
+    top.legend(loc="lower right", fontsize=8)
+    name_axes(rows[-1, 0], ("z ahead of the axle", "m"))
+    return figure
 
 
 def rails_table(run: WheelsetRun) -> SummaryTable:
     """Return maxima of both rails, with the places of the stresses."""
-    rails = run.space.rails
-    quantities: list[Column] = [
-        ("top of the rail down, mm", lambda rail: -rail.head[:, 1].min(), ".3f"),
-        ("gauge-face deflection, mm", lambda rail: rail.gauge_outward_mm.max(), ".3f"),
+    rails, units = run.space.rails, run.case.units
+    quantities: list[Quantity[RailAlongTrack]] = [
+        Quantity("down", "top of the rail down", lambda rail: -rail.head[:, 1].min(), "mm", ".3f"),
+        Quantity("gauge", "gauge-face deflection", lambda rail: rail.gauge_outward_mm.max(), "mm", ".3f"),
     ]
     if len(next(iter(rails.values())).sleepers_mm):
-        quantities.append(("maximum force of a sleeper, kN", lambda rail: rail.reactions[:, 1].max() / 1e3, ".2f"))
+        force: Callable[[RailAlongTrack], float] = lambda rail: rail.reactions[:, 1].max() / 1e3  # noqa: E731
+        quantities.append(Quantity("seat", "maximum force of a sleeper", force, "kN", ".2f"))
     for region in REGIONS:
         for name, kind in (("stress along the track", "along_MPa"), ("von Mises stress", "von_mises_MPa")):
-            peaks = f"{region}: {name}{{, MPa|: x, mm|: y, mm|: z, mm}}"
-            quantities.append((peaks, partial(_peak, region, kind), ".1f|.0f|.0f|.0f"))
-    return table_across("Rails along the track: maximum values", rails, list(rails.values()), quantities)
+            peak, place = (partial(_peak, region, kind, part) for part in (0, 1))
+            quantities.append(Quantity(kind, f"{region}: {name}", peak, "MPa", ".1f"))
+            quantities.append(Quantity(f"{kind}_at", "  at", place, "mm", ".0f", ("x", "y", "z")))
+    caption = "Rails along the track: maximum values"
+    return table_across(caption, rails, list(rails.values()), quantities, units=units)
 
 
-def _peak(region: str, kind: str, rail: RailAlongTrack) -> tuple[float, ...]:
-    value, place = rail.stresses.peak(region, getattr(rail.stresses, kind))
-    return value, *place
+def _peak(region: str, kind: str, part: int, rail: RailAlongTrack) -> Any:
+    """Maximum of a stress in a region, and its place."""
+    return rail.stresses.peak(region, getattr(rail.stresses, kind))[part]
 
 
 def rails_csv(run: WheelsetRun) -> str:
@@ -100,4 +97,5 @@ def rails_csv(run: WheelsetRun) -> str:
     for side, rail in run.space.rails.items():
         table = np.column_stack((rail.z_mm, rail.base, rail.head, rail.gauge_outward_mm, _foot(rail)))
         rows += [(side, *row) for row in table.tolist()]
-    return ResultTable(dict(zip(names.split(","), zip(*rows, strict=True), strict=True))).csv(6)
+    columns = dict(zip(names.split(","), zip(*rows, strict=True), strict=True))
+    return ResultTable(columns).in_units(run.case.units).csv(6)

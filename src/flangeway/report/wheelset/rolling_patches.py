@@ -58,16 +58,17 @@ def rolling_pictures(run: WheelsetRun) -> list[Picture]:
     """Pictures of the patches that roll; none without friction."""
     result, strength = run.space, run.space.yield_MPa
     shown = shown_patches(result)
-    with_fields = [each for each in shown if isinstance(each.found, Rolling | SimplifiedRolling)]
+    with_fields = [each for each in shown if isinstance(each.forces, Rolling | SimplifiedRolling)]
     figures: dict[str, Callable[[], Figure]] = {}
+    units = run.case.units
     if with_fields:
-        figures[MAPS] = lambda: rolling_figure(with_fields)
+        figures[MAPS] = lambda: rolling_figure(with_fields, units)
     if shown:
-        figures[CURVES] = lambda: curves_figure(shown)
+        figures[CURVES] = lambda: curves_figure(shown, units)
     if shown and strength is not None:
         points = [
             (each.name, rolling.used_friction, rolling.patch.ellipse.max_pressure)
             for each, rolling in zip(shown, result.rolling, strict=True)
         ]
-        figures[SHAKEDOWN] = lambda: shakedown_figure(points, strength)
+        figures[SHAKEDOWN] = lambda: shakedown_figure(points, strength, units)
     return [Picture(name, draw, CAPTIONS[name], chapter="Rolling") for name, draw in figures.items()]

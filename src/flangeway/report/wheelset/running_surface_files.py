@@ -133,4 +133,4 @@ def below_table(run: WheelsetRun) -> str:
         where = {"side": patch.side, "region": patch.region, "body": role}
         columns = ResultTable({"depth_mm": line.depths, **line.stresses.by_name})
         rows += [{**where, **dict(zip(columns.columns, row, strict=True))} for row in columns.rows()]
-    return ResultTable.of_rows(rows).csv(DIGITS)
+    return ResultTable.of_rows(rows).in_units(run.case.units).csv(DIGITS)

@@ -1,7 +1,7 @@
 """Report, files and terminal summary of a wheelset, in three dimensions or in the plane."""
 
 from collections.abc import Callable, Sequence
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     LATERAL,
     LOAD,
     LOAD_FACTOR,
+    MAX_VON_MISES,
     MESH,
     MOTION,
     NADAL,
@@ -36,11 +37,11 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     WheelResult,
 )
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
-from flangeway.quantities import Quantity, columns, present
+from flangeway.quantities import Quantity, columns, measured, present
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.whole_sections import whole_sections
-from flangeway.report.figures.fields import PartFields, part_fields, write_part
+from flangeway.report.figures.fields import part_fields, write_part
 from flangeway.report.figures.series import write_collection, write_contacts
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
@@ -68,52 +69,83 @@ from flangeway.report.wheelset.wheelset_patches import (
 )
 from flangeway.system.output_folder import Writer, text_writer
 
-PICTURES: dict[str, tuple[Callable[[WheelsetRun], Figure], str, str]] = {
-    "wheelset.png": (
+Described = tuple[str, Callable[[WheelsetRun], Figure], str]
+"""A picture: name of its file, what draws it, and its caption."""
+PICTURES: tuple[Described, ...] = (
+    (
+        "wheelset.png",
         section_figure,
-        "Both wheels on their rails in section with contact forces and pressures, and a sketch of the whole between.",
         "The wheelset in the section through its axle. Violet: the maximum pressure of each position across the rail, "
         "drawn into the rail along its normal. Arrows: forces on the wheels.",
     ),
-    "patches.png": (
+    (
+        "patches.png",
         patches_figure,
-        "Pressure maps of the patches on both rails from above, outlined.",
         "The patches from above, the running surface rolled out flat: pressure, outline, and, where the curvatures "
         "allow one, Hertz's ellipse for the same force (dashed).",
     ),
-    "pressure.png": (
+    (
+        "pressure.png",
         pressures_figure,
-        "Pressure of each patch across and along the track through its maximum.",
         "Pressure across and along the track through the maximum of each patch; dashed: Hertz's for the same force.",
     ),
-    "stresses.png": (
+    (
+        "stresses.png",
         stresses_figure,
-        "Von Mises stress below each patch across and along the track, and stresses over the depth.",
         "The von Mises stress below each patch, across and along the track through its maximum (+), and stresses on "
         "the normal there: x along the surface across the track, y along the normal, z along the track; of a "
         "half-space under the tractions of all cells. Bodies of one material: the rail's; without friction the wheel "
         "has the same.",
     ),
-}
-"""Pictures of the report by the files' names: what draws them, what they show, and the caption."""
-COLLECTION, PATCHES, BELOW = "wheelset.pvd", "patches.csv", "subsurface.csv"
+)
+RAILS_PICTURE: Described = (
+    "rails.png",
+    rails_figure,
+    "The rails along the track: deflection, motion of the gauge face, and stress along the track in the middle of the "
+    "foot's underside.",
+)
+PLANE_PICTURES: tuple[Described, ...] = (
+    (
+        "wheelset.png",
+        wheelset_figure,
+        "The wheelset on its rails: von Mises stress on the deformed parts. Web and foot of the rails are hatched: "
+        "their stresses are those of a slice that carries the load alone and are not valid for a rail.",
+    ),
+    *(
+        (
+            f"stresses-{side}.png",
+            partial(contact_figure, side=side),
+            f"Contact zones of the {side} side, deformed: von Mises stress, minimum principal stress with the forces "
+            "on the wheel as arrows, and maximum in-plane shear stress. Both sides have the same colours.",
+        )
+        for side in SIDES
+    ),
+    (
+        "pressure.png",
+        pressure_figure,
+        "Contact pressure along the surface: nodal forces over their areas, and Hertz's theory for the same force "
+        "and the profiles' radii at the contact, where the profiles are not conforming.",
+    ),
+)
+"""PICTURES, RAILS_PICTURE, PLANE_PICTURES: pictures of a wheelset in three dimensions, and in the plane."""
+GIVEN = (
+    *("wheel", "rail", "axle_load_kN", "lateral_force_kN"),
+    *("curve_radius_m", "speed_km_h", "superelevation_mm", "friction", "yaw_mrad"),
+)
+"""Inputs that the first page has in any case; a plane wheelset has the first of them."""
+SHOWN = ("yaw", "t_gamma", "power")
+"""Numbers of the rolling at the top of the page."""
+COLLECTION, PATCHES, BELOW, RAILS, CONTACT = "wheelset.pvd", "patches.csv", "subsurface.csv", "rails.csv", "contact.vtu"
 SURFACES = {f"{role}-{side}": (side, role) for side, role in PARTS}
 STRESSES = {f"stresses-{name}": part for name, part in SURFACES.items()}
 SECTIONS = {f"section-{name}": part for name, part in SURFACES.items()}
-RAILS_PICTURE, RAILS = "rails.png", "rails.csv"
-RAILS_CAPTION = (
-    "The rails along the track: deflection, motion of the gauge face, and stress along the track in the middle of the "
-    "foot's underside."
-)
 NAMES = (
-    *PICTURES,
+    *(name for name, *_ in (*PICTURES, RAILS_PICTURE)),
     *(f"{name}.vtu" for name in (*SURFACES, *SECTIONS, *STRESSES)),
-    COLLECTION,
-    PATCHES,
-    BELOW,
-    RAILS_PICTURE,
-    RAILS,
+    *(COLLECTION, PATCHES, BELOW, RAILS),
 )
+PLANE_PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
+PLANE_NAMES = (*(f"{part}.vtu" for part in PLANE_PARTS), CONTACT, COLLECTION, *(name for name, *_ in PLANE_PICTURES))
 FILES = (
     "The same numbers, for programs, are in `summary.json`; a row for each patch, for a spreadsheet, in `patches.csv`; "
     "the stresses below the patches in `subsurface.csv`; the rails along the track in `rails.csv`; pressures "
@@ -121,10 +153,6 @@ FILES = (
     "in the volumes below the patches, in "
     "`wheelset.pvd`, which ParaView opens with both rails and wheels."
 )
-PLANE_PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
-CONTACT = "contact.vtu"
-PLANE_PICTURES = ("wheelset.png", "stresses-left.png", "stresses-right.png", "pressure.png")
-PLANE_NAMES = (*(f"{part}.vtu" for part in PLANE_PARTS), CONTACT, COLLECTION, *PLANE_PICTURES)
 PLANE_FILES = (
     "The same numbers, for programs, are in `summary.json`; the fields are in `wheelset.pvd`, which ParaView opens "
     "with all four parts."
@@ -150,9 +178,7 @@ AXES = TRACK_AXES | {
     "a, b": "longer and shorter semi-axis of the ellipse with the same second moments of pressure as Hertz's",
     "z": "along the track, ahead of the axle: x, y, z are left-handed, so that ParaView shows the VTU files "
     "as seen from ahead; with yaw, patches lie ahead of the axle or behind it",
-    "contact angle": "of the plane normal to the force from the track's plane, positive towards the flange",
     "angle": "from z to the longer semi-axis, positive towards the gauge side",
-    "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards",
     "gauge-face deflection": "of the elastic rail, positive outwards, away from the middle of the track",
     "p0/k": "maximum pressure over the shear strength k = yield strength / sqrt(3). Shakedown state of a circular "
     "patch: elastic; shakedown, elastic after the first passages; hardening, the same with kinematic hardening; "
@@ -170,7 +196,6 @@ def names(case: SpatialWheelsetCase | WheelsetCase) -> tuple[str, ...]:
 
 def wheelset_record(run: WheelsetRun) -> Record:
     """Return what a run of a wheelset found."""
-    fields = cache(lambda: list(part_fields(run.plane)))
     shared = {
         "facts": wheelset_facts(run),
         "results": results_table(run),
@@ -180,23 +205,28 @@ def wheelset_record(run: WheelsetRun) -> Record:
         "tables": _tables(run),
     }
     if run.in_space is None:
+        length = measured(run.problem.thickness_mm, "mm", run.case.units)
         return run_record(
             run,
             PLANE_FILES,
-            subtitle=f"{_what(run)}; plane strain, {run.problem.thickness_mm:g} mm of length; {_method(run)}",
-            scene=lambda: wheelset_scene(fields(), run.plane.patches),
-            pictures=_plane_pictures(run, fields),
+            GIVEN[:4],
+            subtitle=f"{_what(run)}; plane strain, {length} of length; {_method(run)}",
+            scene=lambda: wheelset_scene(list(part_fields(run.plane)), run.plane.patches),
+            pictures=_pictures(run, PLANE_PICTURES),
             axes=TRACK_AXES,
             files=lambda: _plane_files(run),
             **shared,
         )
     rolls = bool(run.space.rolling)
+    # a search that found no equilibrium has no patches
+    described = [*PICTURES[: None if run.space.patches else 1], *([RAILS_PICTURE] if run.space.rails else [])]
     return run_record(
         run,
         FILES,
+        GIVEN,
         subtitle=_what(run),
         scene=lambda: pressure_scene(run),
-        pictures=[*_pictures(run), *rolling_pictures(run)],
+        pictures=[*_pictures(run, described), *rolling_pictures(run)],
         chapters={"Rolling": _rolling_tables(run)} if rolls else {},
         axes=AXES | (ROLLING_AXES if rolls else {}),
         files=lambda: _files(run),
@@ -204,9 +234,13 @@ def wheelset_record(run: WheelsetRun) -> Record:
     )
 
 
+def _pictures(run: WheelsetRun, described: Sequence[Described]) -> list[Picture]:
+    return [Picture(name, partial(draw, run), caption) for name, draw, caption in described]
+
+
 def main_figure(run: WheelsetRun) -> Figure:
     """Draw the wheelset on its rails."""
-    return section_figure(run) if run.in_space is not None else wheelset_figure(run, list(part_fields(run.plane)))
+    return section_figure(run) if run.in_space is not None else wheelset_figure(run)
 
 
 def _what(run: WheelsetRun) -> str:
@@ -215,11 +249,13 @@ def _what(run: WheelsetRun) -> str:
     words = [f"Wheel {wheelset.wheel.title} on rail {track.rail.title}"]
     if not (wheelset.is_symmetric and track.is_symmetric):
         words.append(f"left: wheel {wheelset.wheel_of('left').title} on rail {track.rail_of('left').title}")
-    words.append(f"axle load {run.problem.load.vertical_N / 1e3:.4g} kN")
+    words.append(f"axle load {measured(run.problem.load.vertical_N / 1e3, 'kN', case.units)}")
     if case.speed_km_h is not None:
         radius = case.curve_radius_m
-        way = f"curve of {abs(radius):g} m to the {'left' if radius > 0.0 else 'right'}" if radius else "straight track"
-        words.append(f"{way} at {case.speed_km_h:g} km/h")
+        way = "straight track"
+        if radius:
+            way = f"curve of {measured(abs(radius), 'm', case.units)} to the {'left' if radius > 0.0 else 'right'}"
+        words.append(f"{way} at {measured(case.speed_km_h, 'km/h', case.units)}")
     return "; ".join(words)
 
 
@@ -237,17 +273,20 @@ def _method(run: WheelsetRun) -> str:
 
 def wheelset_facts(run: WheelsetRun) -> list[tuple[str, str]]:
     """Return the most important numbers with units, and what they are."""
-    units, patches = run.case.units, [*zip(run.patches, run.patch_names, strict=True)]
+    units = run.case.units
     wheels = [wheel for wheel in run.wheels if wheel.lateral_over_vertical is not None]
     facts = [fact(RATIO, wheel, units, f"{wheel.side} wheel") for wheel in wheels]
     facts += [(wheel.nadal_words, f"Nadal's criterion, {wheel.side} wheel") for wheel in wheels if wheel.nadal_words]
     facts.append(fact(LATERAL, run.result, units))
-    facts += [fact(PRESSURE, patch, units, name) for patch, name in patches]
-    loaded = [(patch, name) for patch, name in zip(run.spatial_patches, run.patch_names, strict=False)]
-    if loaded:
-        patch, name = max(loaded, key=lambda each: each[0].max_pressure)
+    facts += [fact(PRESSURE, patch, units, name) for patch, name in zip(run.patches, run.patch_names, strict=True)]
+    names = {id(patch): name for patch, name in zip(run.patches, run.patch_names, strict=True)}
+    for patch in sorted(run.spatial_patches, key=lambda patch: -patch.max_pressure)[:1]:
+        name = names[id(patch)]
         if LOAD_FACTOR.value(patch) is not None:
             facts.append((f"{LOAD_FACTOR.texts(patch)[0]}: {SHAKEDOWN.value(patch)}", f"p0/k and shakedown, {name}"))
+        facts.append(fact(MAX_VON_MISES, patch, units, name))
+    if run.in_space is not None and run.space.rolling:
+        facts += [fact(quantity, run.space, units) for quantity in present(ROLLING, run.space) if quantity.key in SHOWN]
     return facts
 
 
@@ -310,15 +349,6 @@ def _rolling_tables(run: WheelsetRun) -> list[SummaryTable]:
     ]
 
 
-def _pictures(run: WheelsetRun) -> list[Picture]:
-    pictures = [Picture(name, partial(draw, run), *words) for name, (draw, *words) in PICTURES.items()]
-    if not run.space.patches:  # a search that found no equilibrium
-        del pictures[1:]
-    if run.space.rails:
-        pictures.append(Picture(RAILS_PICTURE, lambda: rails_figure(run), RAILS_CAPTION))
-    return pictures
-
-
 def _files(run: WheelsetRun) -> dict[str, Writer]:
     """Return functions that write surfaces and tables, by the files' names."""
     writers: dict[str, Writer] = {PATCHES: text_writer(columns(PATCH, run.spatial_patches, run.case.units).csv(DIGITS))}
@@ -349,35 +379,3 @@ def _plane_files(run: WheelsetRun) -> dict[str, Writer]:
     vtu_files = [(0.0, Path(file).stem, file) for file in writers]
     writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
     return writers
-
-
-def _plane_pictures(run: WheelsetRun, fields: Callable[[], list[PartFields]]) -> list[Picture]:
-    """Return all pictures in the order of `PLANE_PICTURES`."""
-    described: list[tuple[Callable[[], Figure], str, str]] = [
-        (
-            lambda: wheelset_figure(run, fields()),
-            "Left and right wheel on their rails, deformed and coloured by von Mises stress, with a sketch of the "
-            "wheelset, its load and its dimensions between them.",
-            "The wheelset on its rails: von Mises stress on the deformed parts. Dark is most loaded; numbers on the "
-            "lines are in the unit of the colours. Web and foot of the rails are hatched: their stresses are those of "
-            "a slice that carries the load alone and are not valid for a rail.",
-        ),
-        *(
-            (
-                partial(lambda side: contact_figure(run, fields(), side), side),
-                f"The contact zones of the {side} side, deformed, with the mesh, coloured by von Mises stress, by the "
-                "minimum principal stress with the contact forces on the wheel as arrows, and by the maximum in-plane "
-                "shear stress.",
-                f"Contact zones of the {side} side, deformed: von Mises stress, minimum principal stress and maximum "
-                "in-plane shear stress of each element. Both sides have the same colours.",
-            )
-            for side in SIDES
-        ),
-        (
-            lambda: pressure_figure(run),
-            "Contact pressure along the surface of both sides: nodes of the mesh and Hertz's ellipse.",
-            "Contact pressure along the surface: nodal forces over their areas, and Hertz's theory for the same force "
-            "and the profiles' radii at the contact, where the profiles are not conforming.",
-        ),
-    ]
-    return [Picture(name, *each) for name, each in zip(PLANE_PICTURES, described, strict=True)]

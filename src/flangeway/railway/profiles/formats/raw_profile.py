@@ -118,15 +118,15 @@ def points_in(
 
 def leading_numbers(line: str) -> list[float]:
     """Return the numbers that a line starts with, apart by blanks, commas or semicolons; words end them."""
-    found = []
+    numbers = []
     place = 0
     line = with_decimal_points(line)
     while match := LEADING_NUMBER.match(line, place):
-        found.append(float(match[1].replace("d", "e").replace("D", "e")))
+        numbers.append(float(match[1].replace("d", "e").replace("D", "e")))
         place = match.end()
         separator = re.compile(r"\s*[,;]?").match(line, place)
         place = separator.end() if separator else place
-    return found
+    return numbers
 
 
 def with_decimal_points(line: str) -> str:

@@ -10,12 +10,11 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.formats import outline_csv, outline_dxf
-from flangeway.formats.drawn_section import DrawnSegment
+from flangeway.formats.drawn_section import UNITS_MM, DrawnSegment
 from flangeway.geometry import Arc, Contour, Outline, Point, Segment
 from flangeway.geometry.contour import JOINT_TOLERANCE
 from flangeway.railway.profiles.formats.raw_profile import RawProfile
 from flangeway.railway.profiles.formats.two_column import read_two_column
-from flangeway.railway.profiles.orientation import UNITS_MM
 
 _N_SAMPLES = 800
 GAP_MM = 0.01  # maximum gap between the lines and arcs of a profile that is closed, with a notice: tables are rounded
@@ -121,7 +120,7 @@ def closed_gaps(drawn: Sequence[DrawnSegment], maximum: float) -> tuple[list[Dra
                 "close the gap or reorder the segments",
             )
     closed = [_moved(segment, start, end, maximum) for segment, (start, end) in zip(drawn, ends, strict=True)]
-    stated = [each for each in gaps if each[0] > _ROUNDING * maximum]
+    stated = [gap_at for gap_at in gaps if gap_at[0] > _ROUNDING * maximum]
     if not stated:
         return closed, ()
     gap, i = max(stated)

@@ -62,7 +62,7 @@ class ProfileSlices:
             raise InputError(f"{len(self.files)} slices without a position", f"{option}: {where}", "add it")
         if self.kind == "wheel" and math.isfinite(position):
             turned = [math.remainder(position, _TURN) + _TURN * turns for turns in (0, -1, 1)]
-            return next((each for each in turned if first <= each <= last), min(max(turned[0], first), last))
+            return next((angle for angle in turned if first <= angle <= last), min(max(turned[0], first), last))
         if len(self.files) > 1 and not first - _APART <= position <= last + _APART:
             raise InputError(f"--position {position:g}", where, "give a position between the slices")
         return position
@@ -82,13 +82,13 @@ class ProfileSlices:
         near = near or [0]
         raws = [self.slice(i, read) for i in near]
         if len(raws) == 1:
-            found = _trimmed(raws[0], self.features[near[0]])
+            trimmed = _trimmed(raws[0], self.features[near[0]])
         else:
-            found = _between(raws, self.features[near], part, f"{self.file}: slices {near[0] + 1} and {near[1] + 1}")
+            trimmed = _between(raws, self.features[near], part, f"{self.file}: slices {near[0] + 1} and {near[1] + 1}")
         amplitude, waves, phase = self.waves.T
         depth = float(amplitude @ np.sin(waves * position + phase))
-        sign = -1.0 if found.upwards else 1.0
-        return replace(found, points=found.points + np.array([0.0, sign * depth])) if depth else found
+        sign = -1.0 if trimmed.upwards else 1.0
+        return replace(trimmed, points=trimmed.points + np.array([0.0, sign * depth])) if depth else trimmed
 
     def slice(self, number: int, read: Callable[[Path], RawProfile]) -> RawProfile:
         """Return a slice as its file has it, of this kind."""
@@ -161,7 +161,7 @@ def read_slices(file: Path, text: str) -> ProfileSlices:
     features = _features(n_slices, n_features, row)
     waves = _waves(perturbation, row, counted)
     if kind == "wheel":
-        positions = [math.degrees(each) for each in positions]
+        positions = [math.degrees(angle) for angle in positions]
         waves[:, 1] *= math.pi / 180.0
     return ProfileSlices(file, kind, np.array(positions), tuple(files), features, waves)
 
@@ -232,8 +232,8 @@ def _between(raws: list[RawProfile], features: FloatArray, part: float, which: s
         ends = features[:, number : number + 2]
         if (ends < 0.0).any():
             continue
-        limits = [np.minimum(each, along[-1]) for each, along in zip(ends, lengths, strict=True)]
-        count = max(int(max(np.ptp(each) for each in limits) / _SPACING_MM), 2)
+        limits = [np.minimum(ends_of_part, along[-1]) for ends_of_part, along in zip(ends, lengths, strict=True)]
+        count = max(int(max(np.ptp(limit) for limit in limits) / _SPACING_MM), 2)
         share = np.linspace(0.0, 1.0, count)
         first, second = (
             _part(raw.points, along, low + share * (high - low))

@@ -193,8 +193,8 @@ def _columns_taken(
             places = words.index(first), words.index(second)
             if all(map(is_coordinate, places)):
                 return places
-    found = [column for column in range(fewest) if is_coordinate(column)] if fewest > 2 else []
-    return (found[0], found[1]) if len(found) > 1 else (0, 1)
+    columns = [column for column in range(fewest) if is_coordinate(column)] if fewest > 2 else []
+    return (columns[0], columns[1]) if len(columns) > 1 else (0, 1)
 
 
 def _unit_of_columns(line: str) -> str | None:
@@ -211,7 +211,7 @@ def _stated(header: Mapping[str, tuple[int, str]]) -> RawProfile:
             return None
         line, value = header[key][0], header[key][1].lower()
         if value not in allowed:
-            known = ", ".join(each for each in allowed if each)
+            known = ", ".join(word for word in allowed if word)
             raise InputError(f"line {line}: {key} = {value!r}", known, "correct this comment")
         return value
 

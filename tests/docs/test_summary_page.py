@@ -1,0 +1,50 @@
+"""The page of the keys of `summary.json`."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+from flangeway.cases import load_case
+
+ROOT = Path(__file__).parents[2]
+OF_EVERY_RUN = {"status", "case", "timings_s", "peak_memory_MB", "versions"}
+
+
+@pytest.fixture(scope="module")
+def script():
+    """The script that writes it."""
+    spec = importlib.util.spec_from_file_location("summary_page", ROOT / ".ci" / "summary_page.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    return script
+
+
+def keys_of(content):
+    """Keys of numbers in mappings and in lists of mappings; those of tables are named in headings."""
+    for key, value in content.items():
+        rows = [value] if isinstance(value, dict) else value if isinstance(value, list) else []
+        inner = [row for row in rows if isinstance(row, dict)]
+        yield from (name for row in inner for name in keys_of(row)) if inner else (() if value == [] else (key,))
+
+
+def test_the_page_is_what_the_quantities_say(script):
+    """The page is the one that its script writes."""
+    assert script.PAGE.read_text(encoding="utf-8") == script.page(), "run python .ci/summary_page.py"
+
+
+@pytest.mark.parametrize(
+    ("name", "inputs"),
+    [
+        ("hertz", {}),
+        ("rolling-patch", {"cells_along": 8, "cells_across": 8, "curve_points": 3}),
+        ("wheelset-tangent", {"size_scale": 8.0}),
+        ("crane-wheel", {}),
+    ],
+)
+def test_every_key_of_a_run_is_on_the_page(script, name, inputs):
+    """Numbers that a run reports are explained; sentences and names have their place in other tables."""
+    run, text = load_case(name, **inputs).run(), script.page()
+    words = {"assumptions", "warnings", "notices", "notes", "name"}
+    numbers = {key: value for key, value in run.summary.items() if key not in OF_EVERY_RUN | words}
+    assert not [key for key in dict.fromkeys(keys_of(numbers)) if f"`{key}`" not in text]
