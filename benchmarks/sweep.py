@@ -4,8 +4,9 @@ Noise of a number is what its value differs from the closest of three prediction
 through two on each side, or by the parabola through three on one side, which is right beside a kink, as where a patch
 appears. Of each side that of the maximum pressure and the area of its most loaded patch is reported.
 
-Of all bundled pairs without friction on a rigid axle, from the middle of the track until the flange climbs: positions
-that do not converge, and the work that holds the wheelset sideways beside the change of elastic and potential energy.
+Of all bundled pairs without friction on a rigid axle, from the middle of the track until the flange climbs or takes
+60 kN: positions that do not converge, and the work that holds the wheelset sideways beside the change of elastic and
+potential energy.
 """
 
 import tempfile
@@ -39,7 +40,8 @@ SWEEPS = {
 }
 WORN_MM = (-0.6, 0.6)
 ASKED_NOISE, ASKED_ENERGY = 3e-3, 1e-3
-FARTHEST_MM, ENERGY_STEP_MM = 12.0, 0.25
+MAX_FORCE_N, FARTHEST_MM, ENERGY_STEP_MM = 60e3, 12.0, 0.25
+"""Lateral force and position up to which the balance of energy is followed, and steps for it."""
 
 
 def wheelset_of(values: dict[str, Any]) -> SpatialWheelset:
@@ -129,6 +131,8 @@ def energy_sweep(values: dict[str, Any], step: float = ENERGY_STEP_MM) -> Energy
         # what holds the wheelset is opposite to what is left of the lateral force
         work.append(work[-1] - step / 2.0 * sum(float(result.equilibrium.residual[0]) for result in results[:2]))
         ends.append(energy_of(results[-1]))
+        if abs(float(results[-1].equilibrium.residual[0])) > MAX_FORCE_N:
+            break
     change = np.array(ends) - ends[0]
     return EnergySweep(lateral, failures, float(np.abs(np.array(work) - change).max() / np.abs(change).max()))
 

@@ -5,6 +5,7 @@ from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, co
 from flangeway.cases.case import Case, Run, RunnableCase
 from flangeway.cases.case_file import CASES, find_case, load_case
 from flangeway.cases.case_template import schema, write_template
+from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import (
     Convergence,
@@ -24,6 +25,7 @@ __all__ = [
     "Convergence",
     "CookCode",
     "Run",
+    "RunResult",
     "RunnableCase",
     "SpatialWheelsetCase",
     "WheelsetCase",

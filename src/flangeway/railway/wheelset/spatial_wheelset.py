@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
@@ -43,8 +44,8 @@ MAX_BENT_MM = 0.4
 """Displacement of a cell by creep forces in one step, at most."""
 NEARBY = 5.0
 """Way over the step limits within which the coarse cells still fit."""
-AT_THE_ENDS = "patches at the ends of their cells"
-"""Message of a search that goes on with other cells."""
+GRID_RESIDUAL = 1e-3
+"""Residual at which the cells are chosen."""
 COARSER = 1.3
 """Size of cells over the one that is wanted, at most."""
 SIZES = 8
@@ -61,7 +62,7 @@ BROAD_MARGIN = 0.6
 """The same for a patch that has come to the end of its window."""
 LENGTHENED = 6.0
 """Longer side over shorter side of a cell, at most."""
-MOST_GRIDS = 6
+MAX_GRIDS = 6
 """Fine grids that are made, also to add patches outside of them."""
 SEARCHED_MM = 90.0
 """Distance along the track from the wheel's middle up to which it may touch without yaw."""
@@ -73,6 +74,9 @@ MOST_ON_A_SIDE, MORE_ON_A_SIDE = 5000, 2.0
 """Cells in the windows of a side, at most, and the factor on them where more cells across a patch are wanted."""
 MAIN = 0.05
 """Share of a side's force above which a patch has its cells counted."""
+
+Placed: TypeAlias = tuple[Mapping[Side, GriddedSide], SpatialState]
+"""Cells, and a contact to start from on them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,20 +120,17 @@ class SpatialWheelset:
         start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM))
         kept = self.problem.prescribed.components
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
-        found, motion = self._coarse_equilibrium(position, None, progress), self.model.rolling
-        whole = {side: state.grid for side, state in found.state.sides.items()}
+        found, motion = self._on_coarse_cells(position, None, progress), self.model.rolling
         if motion is None:
-            return self._fine(whole, found, progress) if found.status.converged else found
+            return self._on_fine_cells(found, found.state, progress, None, FINE_RESIDUAL, self.model.patch_cells)
         creep = WheelsetCreep(motion, rate_of(motion, found.state.sides), motion.theory, MAX_BENT_MM)
-        found = self._coarse_equilibrium(found.position, found.state, progress, creep)
-        whole = {side: state.grid for side, state in found.state.sides.items()}
+        found = coarse = self._on_coarse_cells(found.position, found.state, progress, creep)
         cells, last = self.model.patch_cells, FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
         for across, tolerance in ((round(FEWER_ACROSS * cells), NESTED_RESIDUAL), (cells, last)):
-            if found.status.converged:
-                found = self._fine(whole, found, progress, creep, tolerance, across)
+            found = self._on_fine_cells(found, coarse.state, progress, creep, tolerance, across)
         return found
 
-    def _coarse_equilibrium(
+    def _on_coarse_cells(
         self,
         position: WheelsetPosition,
         near: SpatialState | None,
@@ -137,42 +138,97 @@ class SpatialWheelset:
         creep: WheelsetCreep | None = None,
     ) -> Equilibrium[SpatialState]:
         """Equilibrium on coarse cells, which are made anew where the wheelset leaves the position that they are for."""
-        tolerance = COARSE_RESIDUAL if creep is None else ROLLING_RESIDUAL
-        grids = {side: self._coarse(side, position, near) for side in SIDES}
+        place = position
+        grids = {side: self._coarse(side, place, near) for side in SIDES}
         if near is not None and covered(grids, near):
             grids = {side: state.grid for side, state in near.sides.items()}
-        return self._refined(grids, position, near, progress, tolerance, creep=creep, whole=True)
 
-    def _fine(
+        def others(found: Equilibrium[SpatialState], newton: WheelsetNewton) -> Placed | None:
+            nonlocal place
+            way = np.abs(np.subtract(newton.position.components, place.components))
+            if not found.status.converged and (way / MAX_STEP).max() <= NEARBY:
+                return None
+            place = newton.position
+            grids = {side: self._coarse(side, place, found.state) for side in SIDES}
+            return None if covered(grids, found.state) else (grids, found.state)
+
+        newton = WheelsetNewton(self.problem, grids, place, self.model.yaw_rad, self._tilts_by_forces, near, creep)
+        return self._search(newton, COARSE_RESIDUAL if creep is None else ROLLING_RESIDUAL, progress, others)
+
+    def _on_fine_cells(
         self,
-        whole: Mapping[Side, GriddedSide],
         found: Equilibrium[SpatialState],
+        coarse: SpatialState,
         progress: Callable[[str], None],
-        creep: WheelsetCreep | None = None,
-        tolerance: float = FINE_RESIDUAL,
-        across: int | None = None,
+        creep: WheelsetCreep | None,
+        tolerance: float,
+        across: int,
     ) -> Equilibrium[SpatialState]:
         """Equilibrium on cells that are fine enough for the patches, and that hold all of them.
 
-        - `whole`: coarse cells of the whole running surfaces.
+        The cells are chosen at a larger residual than the last one.
+
+        - `coarse`: contact on coarse cells of the whole running surfaces.
         - `creep`, `tolerance`: creep forces, and the equilibrium residual with them.
-        - `across`: cells across a patch; left out: those of the model.
+        - `across`: cells across a patch.
         """
-        across = across or self.model.patch_cells
-        for turn in range(MOST_GRIDS):
-            state = found.state
-            grids = {side: finer(each, across, state.insides(side)) for side, each in state.sides.items()}
-            if turn and all(grids[side] is each.grid for side, each in state.sides.items()):
-                beyond = self._beyond(whole, found)
-                if beyond is None:
-                    break
-                found = replace(found, state=beyond)
-                continue
-            ends = turn == MOST_GRIDS - 1
-            found = self._refined(grids, found.position, state, progress, tolerance, creep=creep, ends=ends)
-            if not found.status.converged and found.status.message != AT_THE_ENDS:
+        if not found.status.converged:
+            return found
+        whole = {side: state.grid for side, state in coarse.sides.items()}
+        n_grids, last = 1, False
+
+        def finer_ones(state: SpatialState) -> dict[Side, GriddedSide]:
+            return {
+                side: finer(each, across, state.insides(side), coarse.sides[side]) for side, each in state.sides.items()
+            }
+
+        def others(found: Equilibrium[SpatialState], newton: WheelsetNewton) -> Placed | None:
+            nonlocal n_grids
+            if n_grids == MAX_GRIDS or not (found.status.converged or newton.reaches_an_end):
+                return None
+            state: SpatialState | None = found.state
+            grids = finer_ones(found.state)
+            if all(grids[side] is each.grid for side, each in found.state.sides.items()):
+                state = self._beyond(whole, found) if last else None
+                grids = finer_ones(state) if state else grids
+            n_grids += state is not None
+            return None if state is None else (grids, state)
+
+        yaw, state = self.model.yaw_rad, found.state
+        newton = WheelsetNewton(
+            self.problem, finer_ones(state), found.position, yaw, self._tilts_by_forces, state, creep
+        )
+        found = self._search(newton, max(GRID_RESIDUAL, tolerance), progress, others)
+        last = True
+        return self._search(newton, tolerance, progress, others) if found.status.converged else found
+
+    def _search(
+        self,
+        newton: WheelsetNewton,
+        tolerance: float,
+        progress: Callable[[str], None],
+        others: Callable[[Equilibrium[SpatialState], WheelsetNewton], Placed | None],
+    ) -> Equilibrium[SpatialState]:
+        """Equilibrium by `WheelsetNewton`.
+
+        - `tolerance`: equilibrium residual; forces and tilts are found to the same share of theirs.
+        - `others`: other cells on which it goes on, and a contact to start from there; None: those that it has.
+        """
+        for iteration in range(MAX_ITERATIONS):
+            newton.linearise()
+            error = newton.relative.equilibrium_residual
+            progress(f"equilibrium residual {error:.1e} after {len(newton.history) - 1} steps")
+            settled = newton.step(tolerance)
+            message = f"contact forces and load are in equilibrium to {error:.1e}"
+            found = newton.found(Status(settled, message, iteration))
+            placed = others(found, newton)
+            if placed is not None:
+                newton.place(*placed)
+            elif settled:
+                return found
+            if (np.abs(np.subtract(newton.position.components, self.start.motion.components)) > MAX_WAY).any():
                 break
-        return found
+        return replace(found, status=self._none(found, None if newton.creep is None else newton.creep.motion))
 
     def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:
         """No equilibrium: what is not balanced where the search ended, and what would hold it."""
@@ -242,49 +298,6 @@ class SpatialWheelset:
                 forces[number] = unit
                 found[number, :, axis] = self.model.axle.tilts(places, forces)
         return found
-
-    def _refined(
-        self,
-        grids: Mapping[Side, GriddedSide],
-        position: WheelsetPosition,
-        near: SpatialState | None,
-        progress: Callable[[str], None],
-        tolerance: float,
-        *,
-        creep: WheelsetCreep | None = None,
-        whole: bool = False,
-        ends: bool = True,
-    ) -> Equilibrium[SpatialState]:
-        """Equilibrium on given cells from a position with its contact, if that is known, by `WheelsetNewton`.
-
-        - `tolerance`: equilibrium residual; forces and tilts are found to the same share of theirs.
-        - `creep`: creep forces, if it rolls with friction.
-        - `whole`: whether the cells are those of the whole running surfaces, which follow the wheelset.
-        - `ends`: whether patches may come to the ends of their cells; else the search ends there.
-        """
-        newton = WheelsetNewton(self.problem, grids, position, self.model.yaw_rad, self._tilts_by_forces, near, creep)
-        for iteration in range(MAX_ITERATIONS):
-            newton.linearise()
-            error = newton.relative.equilibrium_residual
-            progress(f"equilibrium residual {error:.1e} after {iteration} steps")
-            if not ends and iteration > 1 and error > tolerance and newton.reaches_an_end:
-                return newton.found(Status(False, AT_THE_ENDS, iteration))
-            settled = newton.step(tolerance)
-            found = newton.found(
-                Status(settled, f"contact forces and load are in equilibrium to {error:.1e}", iteration)
-            )
-            here = newton.position.components
-            if whole and (settled or (np.abs(np.subtract(here, position.components)) / MAX_STEP).max() > NEARBY):
-                position = newton.position
-                grids = {side: self._coarse(side, position, found.state) for side in SIDES}
-                if not covered(grids, found.state):
-                    newton.place(grids, found.state)
-                    continue
-            if settled:
-                return found
-            if (np.abs(np.subtract(here, self.start.motion.components)) > MAX_WAY).any():
-                break
-        return replace(found, status=self._none(found, None if creep is None else creep.motion))
 
     def _coarse(self, side: Side, position: WheelsetPosition, near: SpatialState | None) -> GriddedSide:
         """Cells of a whole running surface at a position; `near`: contact there, if it is known."""
@@ -388,7 +401,12 @@ def _peaks(stations: Floats, values: Floats, size: float) -> Floats:
     return np.column_stack((middle, size * np.sqrt(values[at] / np.maximum(falls, FLAT * values[at]))))
 
 
-def finer(state: SideState, n_across: int = PATCH_CELLS, insides: Sequence[Bools] | None = None) -> GriddedSide:
+def finer(
+    state: SideState,
+    n_across: int = PATCH_CELLS,
+    insides: Sequence[Bools] | None = None,
+    coarse: SideState | None = None,
+) -> GriddedSide:
     """Grid with enough cells across each patch and room around it; the same grid if it is one already.
 
     Cells end at multiples of their size along the rail's surface and along z, and sizes are powers of one number: so
@@ -397,12 +415,19 @@ def finer(state: SideState, n_across: int = PATCH_CELLS, insides: Sequence[Bools
 
     - `n_across`: cells across a patch, and along it.
     - `insides`: cells of the patches, (n, n_z) each; left out: those that are apart.
+    - `coarse`: contact on coarse cells; what touches there has cells too, whether it is loaded here or not.
     """
     old, grid = state.grid, state.grid.grid
     loaded = state.forces > 0.0
     if not loaded.any():
         return old
-    windows = sorted(_windows(state, insides), key=lambda window: window.ends)
+    windows = _windows(state, insides)
+    for window in () if coarse is None else _windows(coarse, None):
+        if all(window.ends[1] < other.ends[0] or window.ends[0] > other.ends[1] for other in windows):
+            windows.append(replace(window, share=0.0, rows=np.zeros(0, dtype=np.int64), peaks=np.zeros((0, 2))))
+    windows.sort(key=lambda window: window.ends)
+    middles = np.array([np.mean(window.ends) for window in windows])
+    covered = ((grid.cells[:, :1] <= middles) & (grid.cells[:, 1:] >= middles)).any(axis=0).all()
     main = [window for window in windows if window.share > MAIN]
     longest = max(window.along for window in main)
     strip = max(min(window.along for window in main) / n_across, longest / (n_across * LONGEST))
@@ -413,14 +438,14 @@ def finer(state: SideState, n_across: int = PATCH_CELLS, insides: Sequence[Bools
         for window, size in zip(windows, sizes, strict=True)
         if window.share > MAIN
     )
-    if enough and not at_edge:
+    if enough and covered and not at_edge:
         return old
     margin = BROAD_MARGIN if at_edge else MARGIN
     spans: list[list[float]] = []
     reached = -np.inf
     for window, size in zip(windows, sizes, strict=True):
         (first, last), before = window.ends, spans[-1] if spans else None
-        more = max(margin * (last - first), 0.6 * float(grid.widths[window.rows].max()))
+        more = max(margin * (last - first), 0.6 * float(grid.widths[window.rows].max(initial=0.0)))
         low, high = first - more, last + more
         if before is not None and first < reached:
             before[1:] = max(before[1], high), min(before[2], size)

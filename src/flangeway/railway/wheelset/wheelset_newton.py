@@ -87,7 +87,7 @@ def pose_of(
     return WheelPose(sign * x, y, sign * position.roll_rad, sign * yaw_rad, sign * tilt_rad, seat)
 
 
-COARSE_FORCES = 1e-4
+COARSE_FORCES = 1e-2
 FINE_RESIDUAL = 1e-8
 FINE_TILT_RAD = 1e-9
 FINE_FORCES = 1e-7
@@ -308,7 +308,7 @@ class WheelsetNewton:
         return step / max(float((np.abs(step) / limits).max()), 1.0)
 
     def step(self, tolerance: float) -> bool:
-        """Move by Newton's step within its limits, if it was not in equilibrium yet; whether it was."""
+        """Move by Newton's step within its limits; whether it was in equilibrium."""
         share = tolerance / FINE_RESIDUAL
         error = self.relative.equilibrium_residual
         step = self._step()
@@ -320,15 +320,13 @@ class WheelsetNewton:
         if self.creep is None:
             most = min(most, COARSE_FORCES)
         moving = self.bends or (most < COARSE_FORCES and any(each.changed for each in self.sides.values()))
-        settled = change <= most and not moving
-        if error <= tolerance and float(np.abs(self.tilts - self.bent).max()) <= share * FINE_TILT_RAD and settled:
-            return True
+        tilted = float(np.abs(self.tilts - self.bent).max()) > share * FINE_TILT_RAD
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))
         self.tilts = self.tilts + step[3:5]
         if self.creep is not None:
             self.creep.rate_rad_s += float(step[RATE])
             self.yaw += float(step[YAW])
-        return False
+        return error <= tolerance and change <= most and not (tilted or moving)
 
     def found(self, status: Status) -> Equilibrium[SpatialState]:
         """What there is now."""

@@ -160,7 +160,7 @@ def _draw_load(axes: Axes, problem: WheelsetProblem, axle: float) -> None:
         axes,
         (x - 90, axle),
         (x - 90, y),
-        f"{measured(wheelset.centre_of_gravity_height_mm, 'mm', units)} above the axle",
+        f"{measured(wheelset.centre_of_gravity_height_mm, 'mm', units, '.5g')} above the axle",
     )
 
 
