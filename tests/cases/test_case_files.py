@@ -167,11 +167,11 @@ def test_every_unit_is_in_its_name():
         *("rail_inclination", "tolerance", "growth", "slack", "penalty_factor", "size_scale", "size", "hold"),
         *("poisson", "lower_poisson", "upper_poisson", "wheel_poisson", "rail_poisson", "sleeper_position"),
         *("friction", "kinetic_friction", "flange_friction", "upper_friction", "curve_end"),
-        *("longitudinal_creepage", "lateral_creepage"),
+        *("longitudinal_creepage", "lateral_creepage", "slope_factor", "slope_remaining", "slope_rate"),
     }
     units = (
         *("_mm", "_MPa", "_N", "_kN", "_rad", "_mrad", "_deg", "_in", "_m", "_t", "_km_h", "_MPa_mm", "_N_mm3", "_K"),
-        *("_per_s", "_kNm", "_kNm_per_mrad", "_kg_m3", "_per_K", "_m_s2", "_N_mm"),
+        *("_per_s", "_kNm", "_kNm_per_mrad", "_kg_m3", "_per_K", "_m_s2", "_N_mm", "_C"),
     )
     for case in CASES.values():
         for _, rows in case.tables_of_inputs():

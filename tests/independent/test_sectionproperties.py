@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flangeway.cases.section.section_run import SectionOptions, find_section, run_section
+from flangeway.cases.section.section_run import TorsionCase, find_section, run_section
 from flangeway.formats import DrawnSection
 from flangeway.geometry import Region, Section, polygon, rectangle, square
 
@@ -44,7 +44,7 @@ def test_walled_sections_agree_with_the_peer(region, max_area):
     theirs = peer(region, max_area)
     size = region.size
     for method in ("fem", "vem"):
-        options = SectionOptions(method=method, size=0.6 * np.sqrt(max_area) * 1.5)
+        options = TorsionCase(method=method, size=0.6 * np.sqrt(max_area) * 1.5)
         ours = run_section(DrawnSection("", Section({"section": region}), "mm"), options).constants
         assert ours.torsion_constant == pytest.approx(theirs.get_ej(), rel=1e-3)
         np.testing.assert_allclose(ours.shear_centre, theirs.get_sc(), atol=1e-3 * size)
@@ -59,7 +59,7 @@ def test_rail_agrees_with_the_peer(poisson):
     """136RE: torsion and warping constants agree to 0.1 %, centroid and shear centre, also for nu = 0.3, to 0.01 mm."""
     rail = find_section("136RE")
     theirs = peer(rail.section.parts["section"], 16.0, poisson=poisson)
-    ours = run_section(rail, SectionOptions(poisson=poisson)).constants
+    ours = run_section(rail, TorsionCase(poisson=poisson)).constants
     assert ours.torsion_constant == pytest.approx(theirs.get_ej(), rel=1e-3)
     np.testing.assert_allclose(ours.shear_centre, theirs.get_sc(), atol=1e-2)
     np.testing.assert_allclose(ours.centroid, theirs.get_c(), atol=1e-2)

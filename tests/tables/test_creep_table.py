@@ -223,4 +223,5 @@ def test_the_cubic_of_an_axis_has_a_continuous_derivative(seed):
     np.testing.assert_allclose(value(numbers, axis, smooth), numbers, atol=1e-9)
     for place in axis[smooth]:
         low, high = ((value(numbers, place + s, smooth) - value(numbers, place, smooth)) / s for s in (-step, step))
-        np.testing.assert_allclose(low, high, atol=1e-5)
+        # the step times a second derivative of some hundreds; a kink would be of the size of the numbers
+        np.testing.assert_allclose(low, high, atol=1e-4)

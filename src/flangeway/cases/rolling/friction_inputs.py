@@ -13,7 +13,7 @@ from flangeway.errors import InputError
 MAX_FRICTION = 1.0
 """Upper bound of coefficients of friction: the driest steel on steel has 0.8, and shakedown limits end at 1."""
 WARM_KEYS = ("friction_falls_from_C", "friction_falls_to_C")
-THERMAL_KEYS = ("temperature_C", "conductivity_W_per_m_K", "density_kg_per_m3", "heat_capacity_J_per_kg_K")
+THERMAL_KEYS = ("temperature_C", "conductivity_W_per_m_K", "density_kg_m3", "heat_capacity_J_per_kg_K")
 
 
 FRICTION_KEYS = (
@@ -37,7 +37,7 @@ class FrictionInputs(Case):
     """temperature of both bodies away from the contact, degrees Celsius"""
     conductivity_W_per_m_K: float = Field(50.0, gt=0.0)
     """thermal conductivity of both bodies"""
-    density_kg_per_m3: float = Field(7850.0, gt=0.0)
+    density_kg_m3: float = Field(7850.0, gt=0.0)
     """their density"""
     heat_capacity_J_per_kg_K: float = Field(450.0, gt=0.0)
     """their specific heat capacity"""
@@ -61,7 +61,7 @@ class FrictionInputs(Case):
         if self.slope_remaining == 1.0:
             self.refuse_without_effect(["slope_rate"], "slope_remaining", "a part below 1")
         body = Heat(
-            self.temperature_C, self.conductivity_W_per_m_K, self.density_kg_per_m3, self.heat_capacity_J_per_kg_K
+            self.temperature_C, self.conductivity_W_per_m_K, self.density_kg_m3, self.heat_capacity_J_per_kg_K
         )
         falls = None if starts is None or ends is None else (starts, ends)
         slope = SlopeReduction(self.slope_factor, self.slope_remaining, self.slope_rate)
