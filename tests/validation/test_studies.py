@@ -10,6 +10,7 @@ from studies.registry import STUDIES
 
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+SMALL = re.compile(r"< (1e-10|0\.001 %)")  # round-off, whose size is another one on each processor, zero among it
 SECONDS = ("torsion", "conicity")  # the others take up to a minute each
 
 
@@ -26,7 +27,7 @@ def last_digit(number):
     "name", [pytest.param(name, marks=[] if name in SECONDS else pytest.mark.ci) for name in STUDIES]
 )
 def test_a_study_passes_with_the_numbers_of_the_page(name):
-    """All numbers with a limit are within; text alike, numbers to their last digit."""
+    """All numbers with a limit are within; text alike, numbers to their last digit, round-off as zero."""
     computed = STUDIES[name].compute(quick=True)
     assert computed.passed, computed.failures + tuple(computed.outside)
     title = computed.study.template[0]
@@ -37,7 +38,7 @@ def test_a_study_passes_with_the_numbers_of_the_page(name):
     with (DOCS / "validation.csv").open(encoding="utf-8", newline="") as stream:
         known = [row[1:] for row in csv.reader(stream) if row[0] == title]
     pairs += [(" | ".join(a), " | ".join(b)) for a, b in zip(known, computed.numbers().rows, strict=True)]
-    for line, new in pairs:
+    for line, new in ((SMALL.sub("0", line), SMALL.sub("0", new)) for line, new in pairs):
         assert NUMBER.split(line) == NUMBER.split(new)
         for number, value in zip(NUMBER.findall(line), NUMBER.findall(new), strict=True):
             assert abs(float(value) - float(number)) <= last_digit(number), f"{line}\n{new}"
