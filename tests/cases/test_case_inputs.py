@@ -73,7 +73,7 @@ def test_every_input_reaches_the_problem():
         ({"primary": "axle"}, "primary = 'axle'", "auto or rail or wheel", "default auto"),
         ({"size_scale": 0}, "size_scale = 0", "from 0.05 up to 20", "default 1"),
         ({"size_scale": float("nan")}, "size_scale = nan", "from 0.05", "default 1"),
-        ({"axle_load_kN": -300}, "axle_load_kN = -300", "above 0", "pressing on the rails"),
+        ({"axle_load_kN": -300}, "axle_load_kN = -300", "above 0", "weight on both rails"),
         ({"poisson": 0.5}, "poisson = 0.5", "above -1 below 0.5", "0.3"),
         ({"gauge_mm": "wide"}, "gauge_mm = 'wide'", "a number above 0", "1600"),
         ({"gage_mm": 1600}, "'gage_mm'", "gauge_mm", "did you mean gauge_mm?"),

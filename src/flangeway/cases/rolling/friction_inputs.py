@@ -60,9 +60,7 @@ class FrictionInputs(Case):
             self.refuse_without_effect(WARM_KEYS, "rolling_theory", "exact, fastsim or fastrip")
         if self.slope_remaining == 1.0:
             self.refuse_without_effect(["slope_rate"], "slope_remaining", "a part below 1")
-        body = Heat(
-            self.temperature_C, self.conductivity_W_per_m_K, self.density_kg_m3, self.heat_capacity_J_per_kg_K
-        )
+        body = Heat(self.temperature_C, self.conductivity_W_per_m_K, self.density_kg_m3, self.heat_capacity_J_per_kg_K)
         falls = None if starts is None or ends is None else (starts, ends)
         slope = SlopeReduction(self.slope_factor, self.slope_remaining, self.slope_rate)
         heating = Heating(body, body, falls)

@@ -68,13 +68,13 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     wheel: str = "S1002"
     """wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file"""
     gauge_mm: float = Field(1435.0, gt=0.0)
-    """distance between the rails' heads"""
+    """track gauge, between the rails' heads"""
     wheel_radius_mm: float = Field(460.0, ge=150.0)
-    """distance from the axle to the position wheel_radius_at"""
+    """rolling radius at the position wheel_radius_at"""
     wheel_radius_at: Literal["flange-tip", "tape-line"] = "tape-line"
     """where wheel_radius_mm is measured"""
     axle_load_kN: float = Field(200.0, gt=0.0, le=1e5)
-    """weight on the wheelset, pressing on the rails"""
+    """axle load, weight on both rails"""
     superelevation_base_mm: float | None = Field(None, gt=0.0)
     """width over which superelevation is measured (default: the gauge and 65 mm)"""
     yaw_mrad: float = Field(0.0, ge=-200.0, le=200.0)

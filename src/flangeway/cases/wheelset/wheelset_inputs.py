@@ -91,7 +91,7 @@ class WheelsetInputs(Case):
     wheel_body: str | None = None
     """bundled wheel with the rim for a file's running surface, or plain (default: as for rail_body)"""
     gauge_mm: float = Field(Track.gauge_mm, gt=0.0)
-    """distance between the rails' heads"""
+    """track gauge, between the rails' heads"""
     gauge_depth_mm: float | None = Field(None, gt=0.0)
     """depth below the tops above which the gauge is measured (default: at the closest points)"""
     rail_inclination: float = Field(Track.rail_inclination, ge=-0.2, le=0.2)
@@ -103,7 +103,7 @@ class WheelsetInputs(Case):
         + ", ".join(f"{gauge.back_to_back_mm:g} for {gauge.gauge_mm:g}" for gauge in USUAL_GAUGES),
     )
     wheel_radius_mm: float = Field(Wheelset.radius_mm, ge=150.0)
-    """distance from the axle to the position wheel_radius_at"""
+    """rolling radius at the position wheel_radius_at"""
     wheel_radius_at: Literal["flange-tip", "tape-line"] = "flange-tip"
     """where wheel_radius_mm is measured"""
     left_wheel_radius_mm: float | None = Field(None, ge=150.0)
@@ -111,7 +111,7 @@ class WheelsetInputs(Case):
     centre_of_gravity_height_mm: float = Wheelset.centre_of_gravity_height_mm
     """height of the car's centre of gravity above the axle"""
     axle_load_kN: float = Field(300.0, gt=0.0, le=1e5)
-    """weight on the wheelset, pressing on the rails"""
+    """axle load, weight on both rails"""
     car_mass_t: float | None = Field(None, gt=0.0)
     """mass of the car, shared by n_axles, instead of axle_load_kN"""
     n_axles: int = Field(N_AXLES, ge=1)
@@ -123,7 +123,7 @@ class WheelsetInputs(Case):
     curve_radius_m: float | None = None
     """radius of the curve, positive to the left, negative to the right; needs speed_km_h"""
     superelevation_mm: float | Literal["from-speed"] = 0.0
-    """height of the outer rail of the curve over the inner one, negative: adverse cant; without curve_radius_m of
+    """superelevation, outer rail of the curve over the inner one, negative: adverse cant; without curve_radius_m of
     the right rail over the left one; from-speed: equilibrium superelevation of speed and radius"""
     cant_deficiency_mm: float = Field(0.0, ge=0.0)
     """equilibrium superelevation less the superelevation from-speed"""

@@ -155,7 +155,7 @@ def _draw_load(axes: Axes, problem: WheelsetProblem, axle: float) -> None:
             va="top",
         )
     axes.text(x + 45, y + 250, measured(load.in_track[1] / 1e3, "kN", units), fontsize=8, va="center")
-    axes.text(x + 45, y, "centre of gravity of the car", fontsize=7, va="center")
+    axes.text(x + 45, y, "centre of gravity\nof the car", fontsize=7, va="center")
     _dimension(
         axes,
         (x - 90, axle),
