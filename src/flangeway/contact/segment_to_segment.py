@@ -23,7 +23,7 @@ from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
 from flangeway.types import Bools, Floats, Ints
 
-LEAST_COVERED = 1e-6
+MIN_COVERED = 1e-6
 """Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""
 
 FLAT = np.deg2rad(20.0)
@@ -161,7 +161,7 @@ class SegmentToSegment(Pairing):
         covered = np.zeros(len(hats.nodes))
         np.add.at(covered, of_piece, found.lengths)
         thickness = secondary.part.body.depth
-        keys = np.flatnonzero(covered * thickness > LEAST_COVERED * hats.areas)
+        keys = np.flatnonzero(covered * thickness > MIN_COVERED * hats.areas)
         if len(keys) == 0:  # at most slivers, which carry nothing
             pieces = pieces.take(np.empty(0, dtype=np.int64))
             found = _integrals(pieces, edges, primary_edges, secondary)
@@ -193,7 +193,7 @@ class SegmentToSegment(Pairing):
         if self.weighting == "dual":
             covered = np.zeros(len(edges))
             np.add.at(covered, pieces.edges, found.lengths.sum(axis=1))
-            flat = covered > (1.0 - LEAST_COVERED) * secondary.edge_lengths
+            flat = covered > (1.0 - MIN_COVERED) * secondary.edge_lengths
             along, opposite = (
                 (each[:, -1] - each[:, 0]) for each in (edges[pieces.edges], primary_edges[pieces.partners])
             )

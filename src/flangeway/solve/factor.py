@@ -264,17 +264,12 @@ def _same_pattern(a: sp.csr_array, b: sp.csr_array) -> bool:
 
 def _with_diagonal(matrix: sp.csr_array) -> SymmetricMatrix:
     """Lower triangle of a symmetric matrix in which every diagonal entry is stored, zeros too."""
-    if not matrix.has_sorted_indices or np.count_nonzero(matrix.diagonal()) < matrix.shape[0]:
-        every = np.arange(matrix.shape[0])
-        entries = sp.coo_array(matrix)
+    if np.count_nonzero(matrix.diagonal()) < matrix.shape[0]:
+        every, entries = np.arange(matrix.shape[0]), sp.coo_array(matrix)
         rows, columns = np.concatenate((entries.row, every)), np.concatenate((entries.col, every))
         values = np.concatenate((entries.data, np.zeros(len(every))))
         matrix = sp.csr_array(sp.coo_array((values, (rows, columns)), shape=matrix.shape))
-        matrix.sort_indices()
-    rows = np.repeat(np.arange(matrix.shape[0], dtype=np.int32), np.diff(matrix.indptr))
-    kept = matrix.indices >= rows  # row i to the right of its diagonal is column i below it
-    indptr = np.concatenate(([0], np.cumsum(np.bincount(rows[kept], minlength=matrix.shape[0])))).astype(np.int64)
-    return SymmetricMatrix(matrix.shape[0], indptr, matrix.indices[kept].astype(np.int32), matrix.data[kept])
+    return SymmetricMatrix.from_full(matrix)
 
 
 def _unit_scale(matrix: sp.csr_array) -> Floats:

@@ -103,14 +103,16 @@ class SymmetricMatrix:
     @classmethod
     def from_full(cls, matrix: sp.sparray) -> "SymmetricMatrix":
         """Take the lower triangle of a symmetric SciPy array."""
-        lower = sp.csc_array(sp.tril(matrix))
-        lower.sort_indices()
-        return cls(
-            lower.shape[0],
-            lower.indptr.astype(np.int64),
-            lower.indices.astype(np.int32),
-            np.asarray(lower.data, dtype=np.float64),
-        )
+        columns = sp.csc_array(matrix)
+        if not columns.has_canonical_format:  # the caller's matrix stays as it is
+            columns = columns.copy()
+            columns.sum_duplicates()  # which sorts the rows too
+        n = columns.shape[0]
+        column = np.repeat(np.arange(n, dtype=np.int32), np.diff(columns.indptr))
+        kept = columns.indices >= column
+        indptr = np.concatenate(([0], np.cumsum(np.bincount(column[kept], minlength=n)))).astype(np.int64)
+        values = np.asarray(columns.data[kept], dtype=np.float64)
+        return cls(n, indptr, columns.indices[kept].astype(np.int32), values)
 
 
 def _relative(energy: float, terms: float) -> float:

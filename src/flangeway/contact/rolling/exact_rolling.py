@@ -396,7 +396,8 @@ class _Step:
         by_friction[:, ::2] /= self.slope(motion)
         displacements = by_friction + contact.pressing
         sticks = self.outside(np.repeat(state.sticks * 1.0, 2, axis=1))[:, 0] != 0.0
-        power, rolling = -np.sum(forces * slips, axis=1), 0.0
+        heat, rolling = -np.sum(forces * slips, axis=1), 0.0
+        power = heat
         if self.steady:
             velocity, step = motion.speed, 2.0 * contact.grid.strip
             gradients = (displacements[..., BEYOND + 1 : -1] - displacements[..., 1 : -BEYOND - 1]) / step
@@ -419,7 +420,7 @@ class _Step:
             slip_velocities=slips.swapaxes(1, 2),
             states=np.where(loaded, np.where(sticks, STICKS, SLIPS), NO_CONTACT),
             power_density=power / contact.areas,
-            flash_temperatures=self._warmed(motion, -np.sum(forces * slips, axis=1) / contact.areas),
+            flash_temperatures=self._warmed(motion, heat / contact.areas),
             rolling_power=rolling,
             raised=raised[:, BEYOND:-BEYOND],
             displacements=(displacements, *(past if motion.rolls else ())),

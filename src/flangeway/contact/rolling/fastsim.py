@@ -224,8 +224,7 @@ def fastsim_rows(
     share = np.maximum(1.0 - (x / a) ** 2 - (y / b) ** 2, 0.0)
     pressures = force / (np.pi * a * b) * (2.0 * share if parabolic else 1.5 * np.sqrt(share))
     flexibilities = np.array([_flexibilities(each) for each in ellipses]).T[..., None]
-    rows = np.broadcast_to(True, y.shape[1:])
-    tractions, _, _ = _traced((x, y), creepages, flexibilities, pressures, _coefficients(contact.friction, rows), speed)
+    tractions, _, _ = _traced((x, y), creepages, flexibilities, pressures, contact.friction, speed)
     # F_cm = sum over steps of tractions (n_steps + 1, 2, m, n) and areas
     forces = direction * tractions[1:-1] * ((x[:-2] - x[2:]) * contact.grid.widths / 2.0)[:, None]
     ahead = np.einsum("kmn,kmn->mn", z0 + direction * x[1:-1], forces[:, 1])
@@ -308,16 +307,10 @@ def _simplified(
         (ellipse.xi, ellipse.eta, ellipse.phi),
         np.array(flexibilities or _flexibilities(ellipse))[:, None],
         strips.pressures(ellipse, parabolic=parabolic),
-        _coefficients(contact.friction, strips.inside),
+        contact.friction.of_rows(strips.inside),
         motion.speed,
     )
     return tractions.transpose(1, 2, 0), slips.transpose(1, 2, 0), (slips != 0.0).any(axis=1).T, coefficients.T
-
-
-def _coefficients(friction: Friction, rows: Bools) -> Friction:
-    """Friction of some rows."""
-    static, kinetic = (np.broadcast_to(each, rows.shape)[rows] for each in friction.limits)
-    return replace(friction, static=static, kinetic=kinetic)
 
 
 def _traced(

@@ -9,7 +9,7 @@ from scipy.special import lambertw
 from flangeway.checks import as_numbers, check_finite
 from flangeway.contact.rolling.flash_temperature import Heating
 from flangeway.errors import InputError
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
 
 UNUSUAL = 1.0
 """Coefficient above which a notice is given."""
@@ -116,7 +116,7 @@ class Friction:
         static, kinetic = (np.atleast_1d(as_numbers("coefficients of friction", each)) for each in given)
         return static, kinetic
 
-    def of_rows(self, rows: slice) -> "Friction":
+    def of_rows(self, rows: slice | Bools) -> "Friction":
         """The same on some of the rows of cells."""
         static, kinetic = self.limits
         if max(len(static), len(kinetic)) == 1:

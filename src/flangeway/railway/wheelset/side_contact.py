@@ -132,8 +132,7 @@ class SideSurfaces:
     @property
     def modulus(self) -> float:
         """Contact modulus."""
-        materials = self.rail_elastic.material, self.wheel_elastic.material
-        return contact_modulus(*(material.young / (1.0 - material.poisson**2) for material in materials))
+        return contact_modulus(self.rail_elastic.material.plane_modulus, self.wheel_elastic.material.plane_modulus)
 
     def rail_points(self, stations: Floats) -> tuple[Floats, Floats]:
         """Points and outward normals of the rail at stations of its elastic surface, each (n, 2)."""

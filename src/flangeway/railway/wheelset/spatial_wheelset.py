@@ -427,7 +427,7 @@ def finer(
             windows.append(replace(window, share=0.0, rows=np.zeros(0, dtype=np.int64), peaks=np.zeros((0, 2))))
     windows.sort(key=lambda window: window.ends)
     middles = np.array([np.mean(window.ends) for window in windows])
-    covered = ((grid.cells[:, :1] <= middles) & (grid.cells[:, 1:] >= middles)).any(axis=0).all()
+    all_within = ((grid.cells[:, :1] <= middles) & (grid.cells[:, 1:] >= middles)).any(axis=0).all()
     main = [window for window in windows if window.share > MAIN]
     longest = max(window.along for window in main)
     strip = max(min(window.along for window in main) / n_across, longest / (n_across * LONGEST))
@@ -438,7 +438,7 @@ def finer(
         for window, size in zip(windows, sizes, strict=True)
         if window.share > MAIN
     )
-    if enough and covered and not at_edge:
+    if enough and all_within and not at_edge:
         return old
     margin = BROAD_MARGIN if at_edge else MARGIN
     spans: list[list[float]] = []
