@@ -584,6 +584,7 @@ class _Run:
         last = self.history[-1]
         if loose := self._loose():
             return loose
+        unbalanced = self._unbalanced()
         advice = "take smaller steps, a softer penalty or a finer mesh"
         if not last.changed:
             reason = f"the displacements still change by {last.change:.1e} of the maximum one"
@@ -596,7 +597,17 @@ class _Run:
                 "; with node-to-segment contact, nodes opposite each other change between two edges: take elements of "
                 "another size on one side, as half of it, or segment-to-segment"
             )
-        return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}; {advice}"
+        return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}{unbalanced}; {advice}"
+
+    def _unbalanced(self) -> str:
+        """Words for the maximum force that is left on a handle."""
+        left = self._left()
+        if not (np.abs(left) > NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)).any():
+            return ""
+        most = np.zeros_like(left)
+        most[np.abs(left).argmax()] = 1.0
+        words = "; ".join(self.parts.describe(self.motions, most[:, None]))
+        return f"; a force of {np.abs(left).max():.3g} is not balanced, under which {words}"
 
     def _approach(self) -> str:
         """Move handles that nothing touches along their loads until a surface is within reach; words if none comes.
