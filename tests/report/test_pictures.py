@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from matplotlib.text import Text
 
+from flangeway.railway.profiles.bundled import bundled_section
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.drawing import new_figure, png, power_of_ten, shade_of
 from flangeway.report.figures.fields import drawn_parts
 from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
 from flangeway.report.wheelset.wheelset_figure import deformation_factor, wheelset_figure
+from flangeway.report.wheelset.wheelset_patches import _view
 
 
 def figures(run):
@@ -143,3 +145,10 @@ def test_a_picture_of_fewer_dots_is_smaller():
     figure.subplots()
     sizes = [[int.from_bytes(data[at : at + 4], "big") for at in (16, 20)] for data in (png(figure), png(figure, 80))]
     assert sizes == [[640, 480], [320, 240]]
+
+
+def test_a_section_is_shown_about_the_head_wherever_the_rail_went():
+    """A rail that a search without equilibrium left 40 mm lower is in the middle of the picture like one in its place."""
+    rail = bundled_section("60E1").outline.sampled(max_deviation=0.1)
+    shift = np.array([3.0, -40.0])
+    assert _view(rail + shift, "right") == pytest.approx(_view(rail, "right") + shift)
