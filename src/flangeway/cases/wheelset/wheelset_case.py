@@ -1,10 +1,9 @@
 """The cases of an elastic wheelset on two rails: standing on tangent track, and in a curve."""
 
 import time
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from dataclasses import replace
+from typing import Literal
 
-import numpy as np
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
