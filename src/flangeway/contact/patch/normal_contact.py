@@ -49,19 +49,21 @@ class Convolution:
         return found
 
     def __call__(self, forces: Floats) -> Floats:
-        """Displacements (n, n_strips) by forces (n, n_strips)."""
-        loaded = np.flatnonzero(forces.any(axis=1))
+        """Displacements (..., n, n_strips) by forces (..., n, n_strips)."""
+        n, n_strips = self.shape
+        at_once = forces.reshape(-1, n, n_strips)
+        loaded = np.flatnonzero(at_once.any(axis=(0, 2)))
         if len(loaded) == 0:
-            return np.zeros(self.shape)
+            return np.zeros(forces.shape)
         rows = slice(int(loaded[0]), int(loaded[-1]) + 1)
-        padded = scipy.fft.rfft(forces[rows].T, 2 * self.shape[1], axis=0)
+        # u_wik = sum over j of A_wij f_wjk for each wavenumber w, all k at once
+        padded = scipy.fft.rfft(at_once[:, rows].transpose(2, 1, 0), 2 * n_strips, axis=0)
         if np.isrealobj(self._spectrum):
-            parts = padded.view(np.float64).reshape(*padded.shape, 2)
-            product = np.matmul(self._spectrum[:, :, rows], parts).view(np.complex128)[..., 0]
+            product = np.matmul(self._spectrum[:, :, rows], padded.view(np.float64)).view(np.complex128)
         else:
-            product = np.matmul(self._spectrum[:, :, rows], padded[..., None])[..., 0]
-        result: Floats = scipy.fft.irfft(product, 2 * self.shape[1], axis=0)[: self.shape[1]].T
-        return result
+            product = np.matmul(self._spectrum[:, :, rows], padded)
+        moved = scipy.fft.irfft(product, 2 * n_strips, axis=0)[:n_strips]
+        return np.asarray(moved.transpose(2, 1, 0).reshape(forces.shape))
 
 
 @dataclass(frozen=True, eq=False)

@@ -147,11 +147,11 @@ def derivatives(found: Rolling) -> Floats:
     places = found.contact.places
     slips = np.array([Creepages(*unit).rigid(*places) for unit in np.eye(3).tolist()])
     # (along, across, moment) by forces (t, z): (0, 1), (1, 0), (-z, s), which are the rigid slips of unit creepages
-    return np.array([np.tensordot(slips, adjoint(found, values)[0], axes=3) for values in slips])
+    return np.tensordot(adjoint(found, slips)[0], slips, axes=([1, 2, 3], [1, 2, 3]))
 
 
 def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Floats, Floats]:
-    """Derivatives of the sum of tangential forces times values, by rigid slip and normal forces of the cells.
+    """Derivatives of sums of tangential forces times values, by rigid slip and normal forces of the cells.
 
     The law of friction is linearised at the result: cells that stick go on to stick, others to slip.
 
@@ -160,30 +160,30 @@ def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Fl
     found
         Steady rolling by `roll`.
     values
-        On the cells, (n_cells, 2, n_strips).
+        Of k sums on the cells, (k, n_cells, 2, n_strips).
     tolerance
         Residual of the linear equations over their right-hand side.
 
     Returns
     -------
     tuple[Floats, Floats]
-        By the rigid slip over the distance rolled (`Creepages.rigid`), (n_cells, 2, n_strips), and by the normal
-        forces, (n_cells, n_strips).
+        By the rigid slip over the distance rolled (`Creepages.rigid`), (k, n_cells, 2, n_strips), and by the normal
+        forces, (k, n_cells, n_strips).
 
     """
     assert found.problem is not None
     assert found.state is not None
     step = _Step(found.contact, found.motion, None, found.contact)
     rows, strips = step.inside
-    by_slip, by_limits = found.problem.adjoint(found.state, step.turned(values)[rows, :, strips], tolerance)
+    by_slip, by_limits = found.problem.adjoint(found.state, step.turned(values)[:, rows, :, strips], tolerance)
     by_slip *= step.slope(found.motion)
     pressing = step.cells(found.contact.normal_forces)
     by_normal = by_limits * found.state.limits / np.where(pressing > 0.0, pressing, 1.0)
-    by_normal = step.outside(np.stack((by_normal, by_normal), axis=1))[:, 0]
+    by_normal = step.outside(np.stack((by_normal, by_normal), axis=2))[:, :, 0]
     if found.contact.coupled:  # normal forces move the surfaces along t and z: by reciprocity these the normals
-        forces = np.zeros((len(by_normal), 2, by_normal.shape[1] + 2 * BEYOND))
+        forces = np.zeros((*values.shape[:3], values.shape[3] + 2 * BEYOND))
         for k, weight in enumerate(step.weights):
-            forces[rows, :, strips.start + BEYOND + k : strips.stop + BEYOND + k] += weight * by_slip
+            forces[:, rows, :, strips.start + BEYOND + k : strips.stop + BEYOND + k] += weight * by_slip
         by_normal = by_normal + found.contact.raised_by(step.turned(forces))
     return step.distance * step.outside(by_slip), by_normal
 
@@ -222,12 +222,12 @@ class _Step:
         return self.differences if onwards else FIRST
 
     def turned(self, values: Floats) -> Floats:
-        """Components (t, ..., z) in the direction of rolling, on the cells (n_cells, m, n_strips); its own inverse."""
+        """Components (t, ..., z) in the direction of rolling, (..., n_cells, m, n_strips); its own inverse."""
         if self.motion.speed >= 0.0:
             return values
-        found = values[:, :, ::-1].copy()
-        found[:, -1] *= -1.0
-        return found
+        mirrored = values[..., ::-1].copy()
+        mirrored[..., -1, :] *= -1.0
+        return mirrored
 
     @cached_property
     def inside(self) -> tuple[slice, slice]:
@@ -247,10 +247,10 @@ class _Step:
         return self.distance * self.turned(whole)[rows, :, strips]
 
     def outside(self, values: Floats) -> Floats:
-        """Values of the box (n_rows, 2, n_strips) on all cells, components along t and z."""
-        whole = np.zeros((len(self.contact.pressures), 2, self.contact.grid.n_strips))
+        """Values of the box (..., n_rows, 2, n_strips) on all cells, components along t and z."""
+        whole = np.zeros((*values.shape[:-3], len(self.contact.pressures), 2, self.contact.grid.n_strips))
         rows, strips = self.inside
-        whole[rows, :, strips] = values
+        whole[..., rows, :, strips] = values
         return self.turned(whole)
 
     def resultants(self, forces: Floats) -> Floats:
@@ -343,8 +343,8 @@ class _Step:
 
     def _newton(self, problem: FrictionProblem, state: FrictionState, unknown: list[int], missing: Floats) -> Floats:
         """Change of the creepages that gives the missing forces as far as they are linear."""
-        columns = [problem.derivative(state, self.rigid(*np.eye(3)[number])) for number in unknown]
-        matrix = np.stack([self.resultants(self.outside(each))[unknown] for each in columns], axis=1)
+        columns = problem.derivative(state, np.array([self.rigid(*np.eye(3)[number]) for number in unknown]))
+        matrix = np.stack([self.resultants(forces)[unknown] for forces in self.outside(columns)], axis=1)
         if len(unknown) == 1 and abs(matrix[0, 0]) <= FLAT * float(problem.operator.scale.sum()) * self.distance:
             return np.array([np.inf])
         return np.asarray(np.linalg.lstsq(matrix, missing)[0], dtype=np.float64)

@@ -275,10 +275,12 @@ class RollingContact:
         return self._displacements(forces)
 
     def raised_by(self, tangential: Floats) -> Floats:
-        """Displacements along n on the cells by forces (t, z) on `BEYOND` more strips at each end."""
-        forces = np.zeros((len(tangential), 3, tangential.shape[2]))
-        forces[:, ::2] = tangential
-        return np.asarray(self._beyond(forces.reshape(3 * len(forces), -1)).reshape(forces.shape)[:, 1, BEYOND:-BEYOND])
+        """Displacements (..., n_cells, n_strips) along n by forces (t, z) on `BEYOND` more strips at each end."""
+        shape = (*tangential.shape[:-2], 3, tangential.shape[-1])
+        forces = np.zeros(shape)
+        forces[..., ::2, :] = tangential
+        moved = self._beyond(forces.reshape(*shape[:-3], -1, shape[-1])).reshape(shape)
+        return np.asarray(moved[..., 1, BEYOND:-BEYOND])
 
     def _displacements(self, forces: Floats) -> Floats:
         padded = np.pad(forces, ((0, 0), (0, 0), (BEYOND, BEYOND)))

@@ -255,14 +255,9 @@ class WheelsetCreep:
         left, values, right = np.linalg.svd(wanted / np.where(scales > 0.0, scales, 1.0), full_matrices=False)
         kept = values > DISTINCT_RESULTANTS * values[0]
         right = values[kept, None] * right[kept] * scales
-        by_slip, by_normal = [], []
-        for t, z, turning in left.T[kept].reshape(-1, 3, len(forces)):
-            functional = np.stack(
-                (t[:, None] + turning[:, None] * contact.grid.along, z[:, None] + 0.0 * contact.grid.along), axis=1
-            )
-            one, other = adjoint(found, functional, SLOPE_ERROR)
-            by_slip.append(one)
-            by_normal.append(other)
+        t, z, turning = left.T[kept].reshape(-1, 3, len(forces), 1).swapaxes(0, 1)
+        along = contact.grid.along
+        by_slip, by_normal = adjoint(found, np.stack((t + turning * along, z + 0.0 * along), axis=2), SLOPE_ERROR)
         slips = np.array([each.rigid(*contact.places) for each in motions])
         changes = right.T @ np.tensordot(by_slip, slips[1:] - slips[0], axes=([1, 2, 3], [1, 2, 3]))
         moved = np.array([resultant_of(*place, forces, ahead, none) for place in places])
