@@ -20,8 +20,8 @@ MOST_CELLS = 6000
 """Cells in contact up to which their matrix is factorised."""
 SAME = 1e-6
 """Force over the mean force of the cells in contact that is round-off."""
-FIRST = 1e-2
-"""Tolerance of the forces on undeformed bodies, from which the steps start."""
+FIRST = 1e-4
+"""Tolerance of the forces on bodies that bend no further, from which the steps start."""
 MOST_STEPS = 30
 MAX_MOVED_MM = 0.5
 """Displacement of a cell across the normal by which the geometry changes in one step, at most."""
@@ -45,20 +45,28 @@ class CreepSlopes(NamedTuple):
 class SideNewton:
     """One side while its forces are sought."""
 
-    def __init__(self, grid: GriddedSide, pose: WheelPose, forces: Floats | None) -> None:
+    def __init__(
+        self,
+        grid: GriddedSide,
+        pose: WheelPose,
+        forces: Floats | None,
+        creep: Floats | None = None,
+        raised: Floats | float = 0.0,
+    ) -> None:
         self.grid, self.pose = grid, pose
-        if forces is None or not forces.any():
-            values = grid.deformed(pose, None)[3]
-            forces = solve_normal(grid.influence, values, approach=0.0, tolerance=FIRST).forces
+        self.creep = creep
+        """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
+        self.raised: Floats = np.zeros((len(grid.grid.cells), len(grid.grid.planes))) + raised
+        """What they open the gaps besides, (n, n_z)."""
+        start = forces if forces is not None and forces.any() else None
+        values = grid.deformed(pose, start, None, None if creep is None else creep[:, 0])[3] + self.raised
+        # cells that touch on these bodies: the steps would find them one after the other
+        forces = solve_normal(grid.influence, values, approach=0.0, start=start, tolerance=FIRST).forces
         self.forces = self.raw = forces
         self.touching: Bools = forces > 0.0
         self._factor: tuple[Floats, bool] | None = None
         self._last: Floats | None = None
         self.changed = True
-        self.creep: Floats | None = None
-        """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
-        self.raised: Floats = np.zeros(self.forces.shape)
-        """What they open the gaps besides, (n, n_z)."""
         self.slopes: CreepSlopes | None = None
         self.shape: Floats = np.zeros(0)
         """Values of the normal forces for `CreepSlopes.shape` at which the creep forces were found, (k,)."""
@@ -282,8 +290,7 @@ def solve_side(
     - `tolerance`: change of the forces in a step, over their sum, at which they are found.
     - `creep`: creep forces on rows of cells, (n, 2), that stay.
     """
-    newton = SideNewton(grid, pose, start)
-    newton.creep = creep
+    newton = SideNewton(grid, pose, start, creep)
     change, steps = np.inf, 0
     while steps < MOST_STEPS:
         steps += 1

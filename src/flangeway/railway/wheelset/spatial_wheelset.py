@@ -271,13 +271,11 @@ class SpatialWheelset:
                 continue
             coarse, inner = grids[side].grid, fine.grid.grid
             start, creep = transferred(fine, grids[side]), transferred_creep(fine, grids[side])
-            newton = SideNewton(grids[side], fine.pose, start)
-            newton.creep = creep
-            newton.linearise(fine.pose)
+            loaded = SideNewton(grids[side], fine.pose, start, creep).forces > 0.0
             across = (coarse.cells[:, :1] < inner.cells[:, 1]) & (coarse.cells[:, 1:] > inner.cells[:, 0])
             along = (coarse.z > inner.z[0] - coarse.strip) & (coarse.z < inner.z[-1] + coarse.strip)
             outside = ~np.outer(across.any(axis=1), along)
-            if (newton.total[outside] < 0.0).any():
+            if loaded[outside].any():
                 sides[side] = solve_side(grids[side], fine.pose, start, creep=creep)
                 touches |= bool((sides[side].forces[outside] > 0.0).any())
         return SpatialState(sides) if touches else None

@@ -145,12 +145,17 @@ class WheelsetNewton:
         self._slopes.clear()
         for number, (side, grid) in enumerate(grids.items()):
             pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
-            before = None if near is None else near.sides[side]
-            self.sides[side] = SideNewton(grid, pose, None if before is None else transferred(before, grid))
-            if before is not None:
-                self.sides[side].creep = transferred_creep(before, grid)
-            if before is not None and near is not None and near.rolled is not None:
-                self.sides[side].raised = nearest(near.rolled.creep[side].raised, before.grid.grid, grid.grid)
+            if near is None:
+                self.sides[side] = SideNewton(grid, pose, None)
+                continue
+            before, raised = near.sides[side], None if near.rolled is None else near.rolled.creep[side].raised
+            self.sides[side] = SideNewton(
+                grid,
+                pose,
+                transferred(before, grid),
+                transferred_creep(before, grid),
+                0.0 if raised is None else nearest(raised, before.grid.grid, grid.grid),
+            )
         if self.creep is not None and near is not None and near.rolled is not None:
             self.creep.before = near.rolled.creep
 
