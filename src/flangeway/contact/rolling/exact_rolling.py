@@ -184,7 +184,7 @@ def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Fl
         forces = np.zeros((*values.shape[:3], values.shape[3] + 2 * BEYOND))
         for k, weight in enumerate(step.weights):
             forces[:, rows, :, strips.start + BEYOND + k : strips.stop + BEYOND + k] += weight * by_slip
-        by_normal = by_normal + found.contact.raised_by(step.turned(forces))
+        by_normal = by_normal + found.contact.raised(step.turned(forces))[..., BEYOND:-BEYOND]
     return step.distance * step.outside(by_slip), by_normal
 
 
@@ -267,7 +267,7 @@ class _Step:
 
         def ahead(displacements: Floats, k: int) -> Floats:
             start = strips.start + BEYOND + k
-            return self.turned(displacements[:, ::2])[rows, :, start : start + n]
+            return self.turned(displacements)[rows, :, start : start + n]
 
         pressing = self.contact.pressing if self.contact.coupled else None
         total = np.zeros((rows.stop - rows.start, 2, n))
@@ -380,33 +380,22 @@ class _Step:
             return reduction.initial
         return EllipticContact.of(self.contact, motion).slope_factor
 
-    def _warmed(self, motion: Creepages, heat: Floats) -> Floats | None:
-        """Temperature rises by power over area, of steady rolling."""
-        heating = self.contact.friction.heating
-        return heating.rises(heat, self.contact.grid.strip, motion.speed) if heating and self.steady else None
-
     def result(self, motion: Creepages, problem: FrictionProblem, state: FrictionState, status: Status) -> Rolling:
         """The record of a state."""
-        contact = self.contact
+        contact, heating = self.contact, self.contact.friction.heating
         forces, slips = self.outside(state.forces), self.velocity(motion) * self.outside(state.slips)
         loaded = contact.pressures > 0.0
         slips *= loaded[:, None]
-        by_friction = contact.displacements(forces)
-        raised = by_friction[:, 1] * contact.coupled
-        by_friction[:, ::2] /= self.slope(motion)
-        displacements = by_friction + contact.pressing
+        raised = contact.raised(np.pad(forces, ((0, 0), (0, 0), (BEYOND, BEYOND))))
         sticks = self.outside(np.repeat(state.sticks * 1.0, 2, axis=1))[:, 0] != 0.0
-        heat, rolling = -np.sum(forces * slips, axis=1), 0.0
-        power = heat
+        warmth, rolling = None, 0.0
         if self.steady:
-            velocity, step = motion.speed, 2.0 * contact.grid.strip
-            gradients = (displacements[..., BEYOND + 1 : -1] - displacements[..., 1 : -BEYOND - 1]) / step
-            central = abs(velocity) * motion.rigid(*contact.places) - velocity * gradients[:, ::2]
-            power = -np.sum(forces * central, axis=1)
-            raising = (raised[:, BEYOND + 1 : -1] - raised[:, 1 : -BEYOND - 1]) / step
-            rolling = -velocity * float(np.sum(contact.normal_forces * raising))
+            if heating is not None:
+                heat = -np.sum(forces * slips, axis=1) / contact.areas
+                warmth = heating.rises(heat, contact.grid.strip, motion.speed)
+            raising = (raised[:, BEYOND + 1 : 1 - BEYOND] - raised[:, BEYOND - 1 : -1 - BEYOND]) / 2.0
+            rolling = -motion.speed * float(np.sum(contact.normal_forces * raising)) / contact.grid.strip
         along, across, moment = self.resultants(forces).tolist()
-        past = (displacements,) if self.steady else () if self.before is None else self.before.displacements[:1]
         return Rolling(
             motion=motion,
             along=along,
@@ -419,11 +408,12 @@ class _Step:
             tractions=forces.swapaxes(1, 2) / contact.areas[:, :, None],
             slip_velocities=slips.swapaxes(1, 2),
             states=np.where(loaded, np.where(sticks, STICKS, SLIPS), NO_CONTACT),
-            power_density=power / contact.areas,
-            flash_temperatures=self._warmed(motion, heat / contact.areas),
+            flash_temperatures=warmth,
             rolling_power=rolling,
             raised=raised[:, BEYOND:-BEYOND],
-            displacements=(displacements, *(past if motion.rolls else ())),
+            slope=self.slope(motion),
+            past=() if self.before is None or not motion.rolls else self.before.displacements[:1],
+            steady=self.steady,
             problem=problem,
             state=state,
         )

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve_banded
 
 from flangeway.contact.patch.normal_contact import Convolution
 from flangeway.contact.rolling.falling_limits import FallingLimits, LimitSlopes
@@ -57,45 +56,39 @@ class SlipOperator:
 
     def __init__(self, coefficients: Floats, weights: tuple[float, ...], n_strips: int) -> None:
         self.coefficients, self.weights = coefficients, weights
-        last, first = n_strips + len(weights) - 1, len(weights) - 1
-        both = np.concatenate((coefficients[last - 1 : 0 : -1].swapaxes(1, 2), coefficients[:last]))
-        width = 2 * n_strips - 1
-        slips = np.sum([w * both[first + k : first + k + width] for k, w in enumerate(weights)], axis=0)
-        self._slips = Convolution(slips[n_strips - 1 :], slips[n_strips - 1 :: -1])
         self.shape = (coefficients.shape[1] // 2, 2, n_strips)
-        own = np.diagonal(slips[n_strips - 1]).reshape(-1, 2).mean(axis=1)
-        self.scale: Floats = 1.0 / own[:, None, None]
+        self._moved = tangential_convolution(coefficients[: n_strips + len(weights) - 1])
+        self._difference = sum(w * np.eye(n_strips, n_strips + len(weights) - 1, k) for k, w in enumerate(weights))
+        own = sum(w * np.diagonal(coefficients[k]) for k, w in enumerate(weights))
+        self.scale: Floats = 1.0 / np.reshape(own, (-1, 2)).mean(axis=1)[:, None, None]
         """Force over slip of each cell by itself."""
-
-    @cached_property
-    def _inverse(self) -> Convolution:
-        return Convolution(self.coefficients[: self.shape[2]]).inverted()
 
     def __call__(self, forces: Floats) -> Floats:
         """Slip (..., n_cells, 2, n_strips) by forces."""
-        return self._slips(self._flat(forces)).reshape(forces.shape)
+        # S = D C f, with D from the strips and those ahead of them
+        return self._apply(self._moved, forces, np.eye(*self._difference.shape), self._difference)
 
-    def preconditioned(self, slips: Floats) -> Floats:
-        """Forces that nearly give slips: the inverse without ends, then the inverse of the difference along z."""
-        forces = self._inverse(self._flat(slips))
-        if len(self.weights) > 1:
-            # scipy.signal has it as a filter too, but takes more than a second to import
-            bands = np.repeat(np.array(self.weights)[::-1, None], self.shape[2], axis=1)
-            by_strip = forces.reshape(-1, self.shape[2]).T
-            forces = solve_banded((0, len(bands) - 1), bands, by_strip, check_finite=False).T
-        return forces.reshape(slips.shape)
+    def transposed(self, values: Floats) -> Floats:
+        """The transposed operator, on values (..., n_cells, 2, n_strips)."""
+        return self._apply(self._moved, values, self._difference, np.eye(*self._difference.shape))
 
-    def _flat(self, values: Floats) -> Floats:
-        """Values (..., n_cells, 2, n_strips) as those of a `Convolution`."""
-        return values.reshape(*values.shape[:-3], -1, self.shape[2])
+    def preconditioned(self, slips: Floats, *, transposed: bool = False) -> Floats:
+        """Forces that nearly give slips, or the same of the transpose: C^-1 without ends, and D^-1 on the strips."""
+        inside, ahead = np.eye(*self._difference.shape), self._summation
+        return self._apply(self._inverse, slips, inside, (ahead.T if transposed else ahead) @ inside)
 
     @cached_property
-    def reversed(self) -> "SlipOperator":
-        """The transposed operator on strips in reversed order, which is that of rolling the other way.
+    def _inverse(self) -> Convolution:
+        return self._moved.inverted()
 
-        Of ``B_ij = b(i - j)`` the transpose is ``b(j - i)^T``.
-        """
-        return SlipOperator(self.coefficients.swapaxes(1, 2), self.weights, self.shape[2])
+    @cached_property
+    def _summation(self) -> Floats:
+        return np.linalg.inv(self._difference[:, : self.shape[2]])
+
+    def _apply(self, convolution: Convolution, values: Floats, onto: Floats, back: Floats) -> Floats:
+        """A convolution on strips to which the values are spread by a matrix, and from which they are taken back."""
+        flat = values.reshape(*values.shape[:-3], -1, self.shape[2])
+        return np.asarray(convolution(flat @ onto) @ back.T).reshape(values.shape)
 
     @cached_property
     def coarser(self) -> "SlipOperator":
@@ -287,7 +280,7 @@ class FrictionProblem:
         # of df = -J^-1 (D r dg - n dm) and J = 1 - D + D r B with D the matrix of the cells, the transpose;
         # limits that fall, dm = M_f df + M_S dS, add -n M_f - n M_S B to J and -n M_S dg to its right-hand side
         sticks, scale, ratio, n = state.sticks, self.scale, self._ratio(state), state.direction
-        (weight, along), other = self._sticking(state), self.operator.reversed
+        weight, along = self._sticking(state)
 
         def fallen(vector: Floats) -> tuple[Floats | float, Floats | float]:
             radial = np.where(sticks, 0.0, n * vector).sum(axis=-2)
@@ -296,12 +289,12 @@ class FrictionProblem:
         def law(vector: Floats) -> Floats:
             inside = np.where(sticks, vector, ratio * _across(n, vector))
             by_force, by_slip = fallen(vector)
-            moved = other((scale * inside - by_slip)[..., ::-1])[..., ::-1]
+            moved = self.operator.transposed(scale * inside - by_slip)
             return vector - inside - by_force + np.where(self.loaded, moved, 0.0)
 
         def near(vector: Floats) -> Floats:
             across = weight * _across(along, vector)
-            inside = other.preconditioned(across[..., ::-1])[..., ::-1] / scale
+            inside = self.operator.preconditioned(across, transposed=True) / scale
             return vector + weight * _across(along, inside - across)
 
         solution = _solved(law, near, np.where(self.loaded, values, 0.0), tolerance)
@@ -351,6 +344,12 @@ class FrictionProblem:
         share = state.forces / np.maximum(limits, np.finfo(float).tiny)[:, None]
         fine = np.repeat(np.repeat(share, 2, axis=0), 2, axis=-1)[:n_cells, :, :n_strips]
         return np.asarray(fine * self.limits[:, None])
+
+
+def tangential_convolution(coefficients: Floats) -> Convolution:
+    """Displacements along t and z by forces along t and z, at distances (n_strips, 2 n_cells, 2 n_cells)."""
+    along = np.arange(coefficients.shape[1]) % 2 == 1
+    return Convolution(coefficients, odd=(along, along))
 
 
 def _across(directions: Floats, values: Floats) -> Floats:
