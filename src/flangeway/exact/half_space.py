@@ -56,6 +56,25 @@ def half_space_influence(
         `flangeway.solve.ComplianceTable.influence`.
 
     """
+    blocks = half_space_blocks(young, poisson, bounds, strip, n_strips, axes, averaged=averaged)
+    n_cells, m = len(bounds) - 1, len(axes)
+    result = np.empty((n_strips, n_cells, m, n_cells, m))
+    for (i, of), (j, by) in product(enumerate(axes), repeat=2):
+        result[:, :, i, :, j] = blocks[of, by]
+    return result.reshape(n_strips, n_cells * m, n_cells * m)
+
+
+def half_space_blocks(
+    young: float,
+    poisson: float,
+    bounds: Floats,
+    strip: float,
+    n_strips: int,
+    axes: Sequence[int] = (0, 1, 2),
+    *,
+    averaged: bool = True,
+) -> dict[tuple[int, int], Floats]:
+    """As `half_space_influence`, by axes of displacement and force, each (n_strips, n_cells, n_cells)."""
     bounds = np.asarray(bounds, dtype=np.float64)
     if bounds.ndim != 1 or not (np.diff(bounds) > 0.0).all() or not (strip > 0.0 and n_strips >= 1):
         raise InputError(
@@ -75,7 +94,6 @@ def half_space_influence(
     r = np.hypot(x, z)
     over = np.diff(bounds) * strip * (np.diff(bounds)[:, None] * strip if averaged else 1.0)
     square, mixed, odd = _AVERAGED if averaged else _AT_POINTS
-    n_cells, m = len(bounds) - 1, len(axes)
 
     def integrated(primitive: Primitive, *, swapped: bool) -> Floats:
         corners = np.diff(primitive(z, x, r) if swapped else primitive(x, z, r), n=times, axis=0)
@@ -100,10 +118,7 @@ def half_space_influence(
             full[place[::-1]] = -full[place]
     if {0, 2} <= set(axes):
         full[0, 2] = full[2, 0] = poisson * integrated(mixed, swapped=False)
-    result = np.empty((n_strips, n_cells, m, n_cells, m))
-    for i, j in product(range(m), repeat=2):
-        result[:, :, i, :, j] = full[axes[i], axes[j]] / (2.0 * np.pi * shear)
-    return result.reshape(n_strips, n_cells * m, n_cells * m)
+    return {place: full[place] / (2.0 * np.pi * shear) for place in product(axes, repeat=2)}
 
 
 def _times_log(factor: Floats, value: Floats) -> Floats:
