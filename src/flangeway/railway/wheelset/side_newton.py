@@ -41,6 +41,11 @@ class CreepSlopes(NamedTuple):
     shape: Floats
     weights: Floats
 
+    def on_cells(self, old: SideGrid, new: SideGrid) -> "CreepSlopes":
+        """The same for the cells of another grid, as far as they are smooth."""
+        rows = scipy.linalg.block_diag(np.eye(N_RESULTANTS), _fractions(old.cells, new.cells))
+        return CreepSlopes(rows @ self.motion, rows @ self.shape, interpolated(self.weights, old, new))
+
 
 class SideNewton:
     """One side while its forces are sought."""
@@ -243,12 +248,13 @@ class SideNewton:
         )
 
 
-def nearest(values: Floats, old: SideGrid, new: SideGrid) -> Floats:
-    """Values (n, n_z) on the cells of another grid: each has that of the cell in which its middle lies, or 0."""
-    row = np.clip(np.searchsorted(old.cells[:, 0], new.stations) - 1, 0, len(old.cells) - 1)
-    column = np.clip(np.round(new.z / old.strip).astype(int) - old.planes[0], 0, len(old.planes) - 1)
-    inside = (new.stations <= old.cells[row, 1])[:, None] & (np.abs(new.z - old.z[column]) <= old.strip)
-    return np.where(inside, values[row[:, None], column], 0.0)
+def interpolated(values: Floats, old: SideGrid, new: SideGrid) -> Floats:
+    """Values (..., n, n_z) on the cells of another grid, linear between cells and constant beyond the outermost."""
+
+    def weights(at: Floats, known: Floats) -> Floats:
+        return np.array([np.interp(at, known, unit) for unit in np.eye(len(known))])
+
+    return np.asarray(weights(new.stations, old.stations).T @ values @ weights(new.z, old.z))
 
 
 def transferred(state: SideState, grid: GriddedSide) -> Floats:

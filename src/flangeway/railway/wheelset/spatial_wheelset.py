@@ -120,23 +120,26 @@ class SpatialWheelset:
         start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM))
         kept = self.problem.prescribed.components
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
-        found, motion = self._on_coarse_cells(position, None, progress), self.model.rolling
-        if motion is None:
-            return self._on_fine_cells(found, found.state, progress, None, FINE_RESIDUAL, self.model.patch_cells)
-        creep = WheelsetCreep(motion, rate_of(motion, found.state.sides), motion.theory, MAX_BENT_MM)
-        found = coarse = self._on_coarse_cells(found.position, found.state, progress, creep)
-        cells, last = self.model.patch_cells, FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
-        for across, tolerance in ((round(FEWER_ACROSS * cells), NESTED_RESIDUAL), (cells, last)):
-            found = self._on_fine_cells(found, coarse.state, progress, creep, tolerance, across)
+        newton, coarse = self._on_coarse_cells(position, None, None, progress)
+        motion, cells = self.model.rolling, self.model.patch_cells
+        stages = [(cells, FINE_RESIDUAL)]
+        if motion is not None:
+            creep = WheelsetCreep(motion, rate_of(motion, coarse.state.sides), motion.theory, MAX_BENT_MM)
+            newton, coarse = self._on_coarse_cells(coarse.position, coarse.state, creep, progress)
+            last = FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
+            stages = [(round(FEWER_ACROSS * cells), NESTED_RESIDUAL), (cells, last)]
+        found = coarse
+        for across, tolerance in stages:
+            found = self._on_fine_cells(newton, found, coarse.state, progress, tolerance, across)
         return found
 
     def _on_coarse_cells(
         self,
         position: WheelsetPosition,
         near: SpatialState | None,
+        creep: WheelsetCreep | None,
         progress: Callable[[str], None],
-        creep: WheelsetCreep | None = None,
-    ) -> Equilibrium[SpatialState]:
+    ) -> tuple[WheelsetNewton, Equilibrium[SpatialState]]:
         """Equilibrium on coarse cells, which are made anew where the wheelset leaves the position that they are for."""
         place = position
         grids = {side: self._coarse(side, place, near) for side in SIDES}
@@ -153,29 +156,31 @@ class SpatialWheelset:
             return None if covered(grids, found.state) else (grids, found.state)
 
         newton = WheelsetNewton(self.problem, grids, place, self.model.yaw_rad, self._tilts_by_forces, near, creep)
-        return self._search(newton, COARSE_RESIDUAL if creep is None else ROLLING_RESIDUAL, progress, others)
+        tolerance = COARSE_RESIDUAL if creep is None else ROLLING_RESIDUAL
+        return newton, self._search(newton, tolerance, progress, others)
 
     def _on_fine_cells(
         self,
+        newton: WheelsetNewton,
         found: Equilibrium[SpatialState],
         coarse: SpatialState,
         progress: Callable[[str], None],
-        creep: WheelsetCreep | None,
         tolerance: float,
         across: int,
     ) -> Equilibrium[SpatialState]:
         """Equilibrium on cells that are fine enough for the patches, and that hold all of them.
 
-        The cells are chosen at a larger residual than the last one.
+        The cells of the last equilibrium are chosen at a larger residual than its own.
 
+        - `newton`, `found`: the search on other cells, and how it ended.
         - `coarse`: contact on coarse cells of the whole running surfaces.
-        - `creep`, `tolerance`: creep forces, and the equilibrium residual with them.
+        - `tolerance`: equilibrium residual.
         - `across`: cells across a patch.
         """
         if not found.status.converged:
             return found
         whole = {side: state.grid for side, state in coarse.sides.items()}
-        n_grids, last = 1, False
+        n_grids, last, nested = 1, False, tolerance > GRID_RESIDUAL
 
         def finer_ones(state: SpatialState) -> dict[Side, GriddedSide]:
             return {
@@ -184,7 +189,7 @@ class SpatialWheelset:
 
         def others(found: Equilibrium[SpatialState], newton: WheelsetNewton) -> Placed | None:
             nonlocal n_grids
-            if n_grids == MAX_GRIDS or not (found.status.converged or newton.reaches_an_end):
+            if n_grids == MAX_GRIDS or not ((found.status.converged and not nested) or newton.reaches_an_end):
                 return None
             state: SpatialState | None = found.state
             grids = finer_ones(found.state)
@@ -194,13 +199,10 @@ class SpatialWheelset:
             n_grids += state is not None
             return None if state is None else (grids, state)
 
-        yaw, state = self.model.yaw_rad, found.state
-        newton = WheelsetNewton(
-            self.problem, finer_ones(state), found.position, yaw, self._tilts_by_forces, state, creep
-        )
+        newton.place(finer_ones(found.state), found.state)
         found = self._search(newton, max(GRID_RESIDUAL, tolerance), progress, others)
         last = True
-        return self._search(newton, tolerance, progress, others) if found.status.converged else found
+        return found if nested or not found.status.converged else self._search(newton, tolerance, progress, others)
 
     def _search(
         self,
@@ -217,7 +219,7 @@ class SpatialWheelset:
         for iteration in range(MAX_ITERATIONS):
             newton.linearise()
             error = newton.relative.equilibrium_residual
-            progress(f"equilibrium residual {error:.1e} after {len(newton.history) - 1} steps")
+            progress(f"equilibrium residual {error:.1e} after {iteration} steps")
             settled = newton.step(tolerance)
             message = f"contact forces and load are in equilibrium to {error:.1e}"
             found = newton.found(Status(settled, message, iteration))
