@@ -118,7 +118,7 @@ def half_space_blocks(
             full[place[::-1]] = -full[place]
     if {0, 2} <= set(axes):
         full[0, 2] = full[2, 0] = poisson * integrated(mixed, swapped=False)
-    return {place: full[place] / (2.0 * np.pi * shear) for place in product(axes, repeat=2)}
+    return {(of, by): full[of, by] / (2.0 * np.pi * shear) for of in axes for by in axes}
 
 
 def _times_log(factor: Floats, value: Floats) -> Floats:

@@ -58,24 +58,26 @@ class SlipOperator:
         self.coefficients, self.weights = coefficients, weights
         self.shape = (coefficients.shape[1] // 2, 2, n_strips)
         self._moved = tangential_convolution(coefficients[: n_strips + len(weights) - 1])
-        self._difference = sum(w * np.eye(n_strips, n_strips + len(weights) - 1, k) for k, w in enumerate(weights))
-        own = sum(w * np.diagonal(coefficients[k]) for k, w in enumerate(weights))
-        self.scale: Floats = 1.0 / np.reshape(own, (-1, 2)).mean(axis=1)[:, None, None]
+        shape = n_strips, n_strips + len(weights) - 1
+        self._inside = np.eye(*shape)
+        self._difference = np.sum([w * np.eye(*shape, k) for k, w in enumerate(weights)], axis=0)
+        own = np.sum([w * np.diagonal(coefficients[k]) for k, w in enumerate(weights)], axis=0)
+        self.scale: Floats = 1.0 / own.reshape(-1, 2).mean(axis=1)[:, None, None]
         """Force over slip of each cell by itself."""
 
     def __call__(self, forces: Floats) -> Floats:
         """Slip (..., n_cells, 2, n_strips) by forces."""
-        # S = D C f, with D from the strips and those ahead of them
-        return self._apply(self._moved, forces, np.eye(*self._difference.shape), self._difference)
+        # S = D C f, with displacements on the strips and on those ahead of them
+        return self._apply(self._moved, forces, self._inside, self._difference)
 
     def transposed(self, values: Floats) -> Floats:
-        """The transposed operator, on values (..., n_cells, 2, n_strips)."""
-        return self._apply(self._moved, values, self._difference, np.eye(*self._difference.shape))
+        """The transposed operator on values (..., n_cells, 2, n_strips)."""
+        return self._apply(self._moved, values, self._difference, self._inside)
 
     def preconditioned(self, slips: Floats, *, transposed: bool = False) -> Floats:
-        """Forces that nearly give slips, or the same of the transpose: C^-1 without ends, and D^-1 on the strips."""
-        inside, ahead = np.eye(*self._difference.shape), self._summation
-        return self._apply(self._inverse, slips, inside, (ahead.T if transposed else ahead) @ inside)
+        """Forces that nearly give slips, or the same of the transpose: C^-1 without ends, then D^-1 on the strips."""
+        back = self._summation.T if transposed else self._summation
+        return self._apply(self._inverse, slips, self._inside, back @ self._inside)
 
     @cached_property
     def _inverse(self) -> Convolution:
@@ -86,7 +88,7 @@ class SlipOperator:
         return np.linalg.inv(self._difference[:, : self.shape[2]])
 
     def _apply(self, convolution: Convolution, values: Floats, onto: Floats, back: Floats) -> Floats:
-        """A convolution on strips to which the values are spread by a matrix, and from which they are taken back."""
+        """A convolution on strips to which values are spread by a matrix, and from which they are taken by another."""
         flat = values.reshape(*values.shape[:-3], -1, self.shape[2])
         return np.asarray(convolution(flat @ onto) @ back.T).reshape(values.shape)
 

@@ -14,7 +14,6 @@ from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import (
     MAX_STEP,
     Equilibrium,
-    RelativeResiduals,
     is_stable,
     loads_of,
     with_loads,
