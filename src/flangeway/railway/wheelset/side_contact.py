@@ -222,6 +222,11 @@ class SideGrid:
         return self.planes.astype(np.float64) * self.strip
 
     @property
+    def middles(self) -> tuple[Floats, Floats]:
+        """`stations` and `z`."""
+        return self.stations, self.z
+
+    @property
     def strip_ends(self) -> Floats:
         """Ends of the strips, shape (n_z, 2)."""
         return self.z[:, None] + self.strip / 2.0 * np.array([-1.0, 1.0])

@@ -44,7 +44,7 @@ class CreepSlopes(NamedTuple):
     def on_cells(self, old: SideGrid, new: SideGrid) -> "CreepSlopes":
         """The same for the cells of another grid, as far as they are smooth."""
         rows = scipy.linalg.block_diag(np.eye(N_RESULTANTS), _fractions(old.cells, new.cells))
-        return CreepSlopes(rows @ self.motion, rows @ self.shape, interpolated(self.weights, old, new))
+        return CreepSlopes(rows @ self.motion, rows @ self.shape, interpolated(self.weights, old.middles, new.middles))
 
 
 class SideNewton:
@@ -248,13 +248,13 @@ class SideNewton:
         )
 
 
-def interpolated(values: Floats, old: SideGrid, new: SideGrid) -> Floats:
-    """Values (..., n, n_z) on the cells of another grid, linear between cells and constant beyond the outermost."""
+def interpolated(values: Floats, old: tuple[Floats, Floats], new: tuple[Floats, Floats]) -> Floats:
+    """Values (..., n, n_z) at other stations (m,) and z (m_z,): linear, and constant beyond the outermost ones."""
 
     def weights(at: Floats, known: Floats) -> Floats:
         return np.array([np.interp(at, known, unit) for unit in np.eye(len(known))])
 
-    return np.asarray(weights(new.stations, old.stations).T @ values @ weights(new.z, old.z))
+    return np.asarray(weights(new[0], old[0]).T @ values @ weights(new[1], old[1]))
 
 
 def transferred(state: SideState, grid: GriddedSide) -> Floats:

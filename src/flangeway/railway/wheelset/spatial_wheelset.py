@@ -17,7 +17,7 @@ from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
 from flangeway.railway.wheelset.running_surfaces import PATCH_CELLS, SpatialModel
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces, wheel_gap
-from flangeway.railway.wheelset.side_newton import SideNewton, solve_side, transferred, transferred_creep
+from flangeway.railway.wheelset.side_newton import solve_side, transferred, transferred_creep
 from flangeway.railway.wheelset.wheelset_newton import FINE_RESIDUAL, SpatialState, WheelsetNewton, pose_of
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats, Ints
@@ -31,8 +31,8 @@ EVERY = 3
 NEAR_MM = 12.0
 """Gap of the rigid wheel beyond which its surface is too far from the rail's to come into contact."""
 COARSE_RESIDUAL = 1e-3
-PRESSED_MM = 0.3
-"""Depth below the rigid position at which the search begins."""
+PRESSED_MM = 0.1
+"""Depth below the rigid position, beyond what the rails sink, at which the search begins."""
 MAX_ITERATIONS = 80
 """Newton steps until the equilibrium on coarse cells, or on one set of fine ones."""
 ROLLING_RESIDUAL, FAST_RESIDUAL = 0.02, 1e-7
@@ -117,7 +117,7 @@ class SpatialWheelset:
 
         With friction from the equilibrium without, and on few cells between both.
         """
-        start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM))
+        start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM - self._sinking))
         kept = self.problem.prescribed.components
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
         newton, coarse = self._on_coarse_cells(position, None, None, progress)
@@ -273,14 +273,20 @@ class SpatialWheelset:
                 continue
             coarse, inner = grids[side].grid, fine.grid.grid
             start, creep = transferred(fine, grids[side]), transferred_creep(fine, grids[side])
-            loaded = SideNewton(grids[side], fine.pose, start, creep).forces > 0.0
+            values = grids[side].deformed(fine.pose, start, None, None if creep is None else creep[:, 0])[3]
             across = (coarse.cells[:, :1] < inner.cells[:, 1]) & (coarse.cells[:, 1:] > inner.cells[:, 0])
             along = (coarse.z > inner.z[0] - coarse.strip) & (coarse.z < inner.z[-1] + coarse.strip)
             outside = ~np.outer(across.any(axis=1), along)
-            if loaded[outside].any():
+            if ((values + grids[side].influence(start))[outside] < 0.0).any():
                 sides[side] = solve_side(grids[side], fine.pose, start, creep=creep)
                 touches |= bool((sides[side].forces[outside] > 0.0).any())
         return SpatialState(sides) if touches else None
+
+    @cached_property
+    def _sinking(self) -> float:
+        """Displacement of the rails under the vertical load, at the middle of their heads, mm."""
+        compliance = [float(np.diagonal(side.rail_elastic.by_axes[1, 1, 0]).min()) for side in self.surfaces.values()]
+        return min(compliance) * self.problem.load.in_track[1] / 2.0
 
     @cached_property
     def _tilts_by_forces(self) -> Floats:
@@ -305,10 +311,12 @@ class SpatialWheelset:
         if near is not None and near.rolled is not None:
             yaw = near.rolled.yaw_rad
         surfaces, pose = self.surfaces[side], pose_of(self.problem, position, side, yaw)
-        if near is not None:  # the rail's head has moved away
+        # the rail's head has moved away
+        motion = np.array([0.0, -self._sinking])
+        if near is not None:
             state = near.sides[side]
-            motion, _ = state.grid.rail_motion(state.forces, None if state.creep is None else state.creep[:, 0])
-            pose = replace(pose, x=pose.x - motion[0], y=pose.y - motion[1])
+            motion = state.grid.rail_motion(state.forces, None if state.creep is None else state.creep[:, 0])[0]
+        pose = replace(pose, x=pose.x - motion[0], y=pose.y - motion[1])
         low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
         ends = cell * np.arange(int(np.ceil(low / cell)), int(np.floor(high / cell)) + 1)
         cells = np.stack((ends[:-1], ends[1:]), axis=1)

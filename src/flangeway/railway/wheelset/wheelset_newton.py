@@ -123,9 +123,15 @@ class WheelsetNewton:
         creep: WheelsetCreep | None,
     ) -> None:
         self.problem, self.by_forces = problem, by_forces
-        self.position, self.tilts, self.yaw, self.guided_yaw = position, np.zeros(2), yaw_rad, yaw_rad
+        self.position, self.yaw, self.guided_yaw = position, yaw_rad, yaw_rad
         self.creep = creep
-        if near is not None:
+        if near is None:  # those by the vertical load on the tape circles
+            load, arms = (
+                float(loads_of(problem).onto) / 2.0,
+                [problem.wheelset.placement(side).translation[0] for side in SIDES],
+            )
+            self.tilts = np.sum([by_forces[i] @ (0.0, load, load * arm) for i, arm in enumerate(arms)], axis=0)
+        else:
             poses = [(SIDE_SIGN[side], near.sides[side].pose) for side in SIDES]
             self.yaw = poses[0][0] * poses[0][1].yaw_rad
             self.tilts = np.array([sign * pose.tilt_rad for sign, pose in poses])
@@ -161,7 +167,7 @@ class WheelsetNewton:
                 pose,
                 transferred(before, grid),
                 transferred_creep(before, grid),
-                0.0 if raised is None else interpolated(raised, before.grid.grid, grid.grid),
+                0.0 if raised is None else interpolated(raised, before.grid.grid.middles, grid.grid.middles),
             )
         if self.creep is not None and near is not None and near.rolled is not None:
             self.creep.before = near.rolled.creep

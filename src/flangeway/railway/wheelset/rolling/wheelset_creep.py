@@ -29,7 +29,7 @@ from flangeway.railway.wheelset.rolling.patch_rolling import (
 )
 from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.side_contact import SideGrid, SideState, WheelPose, tangents_of
-from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton
+from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton, interpolated
 from flangeway.types import Bools, Floats
 
 CLOSED: tuple[Theory, ...] = ("polach", "linear")
@@ -164,18 +164,14 @@ class WheelsetCreep:
         return found
 
     def _start(self, side: Side, contact: RollingContact) -> Start | None:
-        """Tractions of the side before on the cells of a patch: each has those at its middle."""
+        """Tractions of the side before on the cells of a patch."""
         patches = self.before[side].patches if side in self.before else ()
-        tractions, bounds = np.zeros((*contact.pressures.shape, 2)), contact.grid.bounds
+        tractions = np.zeros((*contact.pressures.shape, 2))
         for patch in patches:
-            old, found = patch.contact.grid, patch.forces
-            if not isinstance(found, Rolling | SimplifiedRolling):
+            if not isinstance(patch.forces, Rolling | SimplifiedRolling):
                 return None
-            row = np.searchsorted(old.bounds, (bounds[1:] + bounds[:-1]) / 2.0) - 1
-            column = np.round((contact.grid.along - old.along[0]) / old.strip).astype(int)
-            rows = np.flatnonzero((row >= 0) & (row < len(old.widths)))
-            columns = np.flatnonzero((column >= 0) & (column < old.n_strips))
-            tractions[np.ix_(rows, columns)] += found.tractions[np.ix_(row[rows], column[columns])]
+            by_axis = np.moveaxis(patch.forces.tractions, 2, 0)
+            tractions += np.moveaxis(interpolated(by_axis, patch.contact.grid.middles, contact.grid.middles), 0, 2)
         return Start(tractions, contact) if patches else None
 
     def _contact(
@@ -185,9 +181,13 @@ class WheelsetCreep:
         if self.theory != "exact":
             return contact_in(state, normal, inside, friction, bodies=False)
         whole = self._contacts.get(key[:2])
-        if whole is None:
+        box = box_of(inside)[0]
+        rows = box if whole is None else rows_of(state, whole)
+        if whole is None or box.start < rows.start or box.stop > rows.stop:
             whole = self._contacts[key[:2]] = contact_in(state, normal, inside, friction, whole=True)
-        rows = rows_of(state, whole)
+            self._contacts.pop(key, None)
+            self._last.pop(key, None)
+            rows = rows_of(state, whole)
         pressures = np.where(inside, normal, 0.0)[rows, strips_of(state, whole)] / whole.areas
         found = self._contacts[key] = whole.under(pressures, self._contacts.get(key), friction.of_rows(rows))
         return found
