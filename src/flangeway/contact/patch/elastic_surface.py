@@ -181,19 +181,23 @@ def half_spaces_on(
         By axes of displacement and force, distance, displacement and force: shape (m, m, n_strips, n, n) for m axes.
 
     """
-    used = (0, 1, 2) if 2 in axes else (0, 1)
-    flat = {each: _among(each, cells, strip, n_strips, used) for each in dict.fromkeys(materials)}
+    # for the second body, the other side of the surface, n and the angles change their signs: of equal bodies
+    # displacements along n by forces along the surface are the opposite of each other
+    signs = {
+        (of, by): 1.0 if (of == 1) == (by == 1) else -1.0
+        for of, by in product((0, 1, 2) if 2 in axes else (0, 1), repeat=2)
+    }
+    if len(materials) == 2 and materials[0] == materials[1]:
+        signs = {pair: sign for pair, sign in signs.items() if sign > 0.0}
+    flat = {each: _among(each, cells, strip, n_strips, list(signs)) for each in dict.fromkeys(materials)}
     half = half_angles(frames)
-    # T E T for the first body; for the second one, the other side of the surface, n and the angles change their signs
+    # T E T for the first body
     turn = {(0, 0): half.real, (1, 1): half.real, (0, 1): half.imag, (1, 0): -half.imag, (2, 2): np.ones(half.shape)}
-    mirrored = np.array([1.0, -1.0, 1.0])
     total = np.zeros((len(axes), len(axes), n_strips, *half.shape))
-    for row, column in product(used, repeat=2):
-        sign = mirrored[row] * mirrored[column]
-        if len(materials) == 2 and materials[0] == materials[1] and sign < 0.0:
-            continue
-        signs = (1.0, sign)[: len(materials)]
-        both = sum(s * flat[each][row, column] for s, each in zip(signs, materials, strict=True))
+    for (row, column), sign in signs.items():
+        both = flat[materials[0]][row, column]
+        for other in materials[1:]:
+            both = both + sign * flat[other][row, column]
         for (i, of), (j, by) in product(enumerate(axes), repeat=2):
             if (of, row) in turn and (column, by) in turn:
                 total[i, j] += turn[of, row] * turn[column, by] * both
@@ -201,12 +205,12 @@ def half_spaces_on(
 
 
 def _among(
-    material: Elastic, cells: Floats, strip: float, n_strips: int, axes: Sequence[int]
-) -> dict[tuple[int, int], Floats]:
-    """Influence among some cells of a plane by axes of displacement and force, (n_strips, n, n) each."""
+    material: Elastic, cells: Floats, strip: float, n_strips: int, pairs: Sequence[tuple[int, ...]]
+) -> dict[tuple[int, ...], Floats]:
+    """Influence among some cells of a plane by pairs of axes of displacement and force, (n_strips, n, n) each."""
     limits = cells.ravel()
     limits = limits[np.append(np.diff(limits) > SAME * strip, True)]  # cells that touch share an end
-    blocks = half_space_blocks(material.young, material.poisson, limits, strip, n_strips, axes)
+    blocks = half_space_blocks(material.young, material.poisson, limits, strip, n_strips, pairs)
     if len(limits) == len(cells) + 1:
         return blocks
     numbers = np.searchsorted(limits, cells[:, 0] - SAME * strip)

@@ -43,6 +43,14 @@ class WheelGap(NamedTuple):
     by_motion: Floats
     arms: Floats
 
+    def moved(self, old: "WheelPose", new: "WheelPose") -> Floats:
+        """Gaps as the wheel moves a little in its plane from one pose to another, (n, n_z)."""
+        turn = new.whole_roll - old.whole_roll
+        x, y = new.middle - old.middle
+        arms = self.arms - np.append(old.shift, 0.0)
+        way = self.by_motion[..., 0] * (x - turn * arms[..., 1]) + self.by_motion[..., 1] * (y + turn * arms[..., 0])
+        return np.where(self.gaps < FAR_MM, self.gaps + way, FAR_MM)
+
 
 def wheel_gap(
     wheel: RigidCurve,

@@ -64,13 +64,12 @@ class SideNewton:
         self.raised: Floats = np.zeros((len(grid.grid.cells), len(grid.grid.planes))) + raised
         """What they open the gaps besides, (n, n_z)."""
         start = forces if forces is not None and forces.any() else None
-        values = grid.deformed(pose, start, None, None if creep is None else creep[:, 0])[3] + self.raised
+        _, _, self.gap, values = grid.deformed(pose, start, None, None if creep is None else creep[:, 0])
         # cells that touch on these bodies: the steps would find them one after the other
-        forces = solve_normal(grid.influence, values, approach=0.0, start=start, tolerance=FIRST).forces
+        forces = solve_normal(grid.influence, values + self.raised, approach=0.0, start=start, tolerance=FIRST).forces
         self.forces = self.raw = forces
         self.touching: Bools = forces > 0.0
         self._factor: tuple[Floats, bool] | None = None
-        self._last: Floats | None = None
         self.changed = True
         self.slopes: CreepSlopes | None = None
         self.shape: Floats = np.zeros(0)
@@ -80,11 +79,11 @@ class SideNewton:
     def linearise(self, pose: WheelPose) -> None:
         """Take gaps and their derivatives at a pose, in the geometry deformed by the forces so far."""
         grid = self.grid
+        guess = self.gap.moved(self.pose, pose)
         self.pose = pose
         self.points, self.normals, self.gap, self.values = grid.deformed(
-            pose, self.forces, self._last, None if self.creep is None else self.creep[:, 0]
+            pose, self.forces, guess, None if self.creep is None else self.creep[:, 0]
         )
-        self._last = self.gap.gaps
         self.values = self.values + self.raised
         self.total = self.values + grid.influence(self.forces)
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
