@@ -72,8 +72,10 @@ def test_the_position_of_the_default_mesh_is_the_recorded_one(name: str) -> None
 @pytest.mark.parametrize("primary", ["rail", "wheel"])
 @pytest.mark.parametrize("case", [WheelsetTangentCase, WheelsetCurveCase])
 @pytest.mark.parametrize("method", ["fem", pytest.param("vem", marks=pytest.mark.ci)])
-def test_quadratic_edges_do_not_lock_into_each_other(method: str, case: type[WheelsetTangentCase], primary: str) -> None:
-    """Node-to-segment at order 2 with default sizes: one load step of ten iterations at most, near the fine position."""
+def test_quadratic_edges_do_not_lock_into_each_other(
+    method: str, case: type[WheelsetTangentCase], primary: str
+) -> None:
+    """Node-to-segment at order 2 with default sizes: one load step, ten iterations at most, near the fine position."""
     inputs = {"method": method, "order": 2, "pairing": "node-to-segment", "primary": primary}
     result = solve_wheelset(case.from_values(inputs).problem())
     assert result.status.converged, result.status.message

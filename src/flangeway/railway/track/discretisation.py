@@ -21,8 +21,8 @@ UNLIKE = 2.8
 """Ratio of the size on the primary side to that on the other one for node-to-segment contact of order 2 and more, if no
 size is given. Edges of one length lock into each other: shifting one surface along the other by a part of an edge
 changes the energy, with larger forces than those by which a rail resists the shift. There are many equilibria then, a
-part of an edge from each other, and Newton's method goes from one to the next. With many nodes on an edge, and no common
-multiple of lengths, these forces cancel."""
+part of an edge from each other, and Newton's method goes from one to the next. With several nodes on each edge, and
+lengths of no common multiple, these forces cancel."""
 
 NODAL = ("node-to-segment", "penalty")  # pairing and enforcement that can have a penalty per node
 

@@ -478,8 +478,8 @@ class GriddedSide:
         """Turn of the normals by normal forces of rows (n,), and the share of these along the undeformed tangents, (n,).
 
         Forces act along the turned normals, on the bodies as on the wheelset: else the work that they do when the rail
-        turns would be lost, and forces would not be the derivative of the energy. With normal forces p of rows, turns
-        T by them and T' by forces along the tangents, ``s_i = p_i (T p + T' s)_i``. ``across``: see `deformed`.
+        turns would be lost, and forces would not be the derivative of the energy. With normal forces p of rows, turns T
+        by them and T' by forces along the tangents, ``s_i = p_i (T p + T' s)_i``. ``across``: see `deformed`.
         """
         turn, turn_across = self._bending[1], self._bending_across[1]
         by_row = turn @ row if across is None else turn @ row + turn_across @ across
