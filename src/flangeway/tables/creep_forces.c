@@ -27,7 +27,7 @@ static const double LEAST_SPEED = 0.05; /* m/s; creepages below are slip velocit
 
 typedef struct {
     int n[3], m[3], patches; /* points of the axes of positions and of creepages; patches of a side */
-    double *axes[3], *creep[3], *smooth[3], *joined, *of_patch, *forces, *all;
+    double *axes[3], *creep[3], *smooth[3], *joined, *of_patch, *linear, *rest, *all;
 } Table;
 
 typedef void (*Logger)(void *environment, const char *name, int status, const char *category, const char *message);
@@ -57,7 +57,7 @@ static int read_table(Table *t, const char *path) {
         sum += 3 * t->n[k] + t->m[k];
     }
     t->patches = (int)head[3];
-    size_t rows = positions * 2 * t->patches, total = sum + cells + rows * (N_OF_PATCH + creepages);
+    size_t rows = positions * 2 * t->patches, total = sum + cells + rows * (N_OF_PATCH + 9 * t->m[0] + creepages);
     double *at = t->all = malloc(total * sizeof(double));
     int whole = at && fread(at, sizeof(double), total, file) == total;
     fclose(file);
@@ -67,7 +67,8 @@ static int read_table(Table *t, const char *path) {
     for (int k = 0; k < 3; at += 2 * t->n[k++]) t->smooth[k] = at; /* of both sides */
     t->joined = at; at += cells;
     t->of_patch = at; at += rows * N_OF_PATCH;
-    t->forces = at;
+    t->linear = at; at += rows * 9 * t->m[0];
+    t->rest = at;
     return 1;
 }
 
@@ -141,13 +142,16 @@ static void within_cone(double *f) {
     f[1] *= factor;
 }
 
-typedef struct { int node[3][4]; double weight[3][4], factor; } Creep;
+typedef struct { int node[3][4]; double weight[3][4], unit[3], factor; } Creep;
 
 /* Points around reduced creepages and their weights; opposite creepages have opposite forces. */
 static Creep around_creep(const Table *t, double slip, double spin, double creep) {
     Creep c;
     c.factor = slip;
     if (creep < 0.0) { spin = -spin; creep += 3.14159265358979323846; c.factor = -slip; }
+    c.unit[0] = cos(spin) * cos(creep);
+    c.unit[1] = cos(spin) * sin(creep);
+    c.unit[2] = sin(spin);
     double point[3] = {slip, spin, creep}, above;
     for (int k = 0; k < 3; k++) {
         int at = below(t->creep[k], t->m[k], point[k], &above);
@@ -156,18 +160,23 @@ static Creep around_creep(const Table *t, double slip, double spin, double creep
     return c;
 }
 
-/* Forces over the limit of friction of one patch at a node. */
+/* Forces over the limit of friction of one patch at a node: what is linear, and the rest (`ForceAxes.at`). */
 static void at_node(const Table *t, size_t row, const Creep *c, double *f) {
     f[0] = f[1] = f[2] = 0.0;
-    for (int a = 0; a < 4; a++)
+    for (int a = 0; a < 4; a++) {
+        size_t slip = row * t->m[0] + c->node[0][a];
+        const double *linear = t->linear + 9 * slip;
+        for (int k = 0; k < 3; k++)
+            for (int d = 0; d < 3; d++) f[k] += c->weight[0][a] * linear[3 * k + d] * c->unit[d];
         for (int b = 0; b < 4; b++) {
             double weight = c->weight[0][a] * c->weight[1][b];
-            size_t line = ((row * t->m[0] + c->node[0][a]) * t->m[1] + c->node[1][b]) * t->m[2];
+            size_t line = (slip * t->m[1] + c->node[1][b]) * t->m[2];
             for (int d = 0; d < 4; d++) {
-                const double *value = t->forces + 3 * (line + c->node[2][d]);
+                const double *value = t->rest + 3 * (line + c->node[2][d]);
                 for (int k = 0; k < 3; k++) f[k] += weight * c->weight[2][d] * value[k];
             }
         }
+    }
     for (int k = 0; k < 3; k++) f[k] *= c->factor;
     within_cone(f);
 }

@@ -99,39 +99,72 @@ def interior(axis: Floats) -> NDArray[np.bool_]:
     return np.asarray((place > 0) & (place < len(axis) - 1))
 
 
-def extended(forces: NDArray[Any], axes: tuple[Floats, ...]) -> tuple[NDArray[Any], tuple[Floats, ...]]:
-    """Forces with one more angle at each end, and their axes; the opposite creepage has the opposite force.
+@dataclass(frozen=True, eq=False)
+class ForceAxes:
+    """Forces over the limit of friction and over slip as ``M(slip) d + R(slip, spin angle, creep angle)``.
 
-    At the spin angle + 180 degrees, and at minus the spin angle and the creep angle + 180 degrees, all forces have the
-    other sign.
+    d is the direction of the reduced creepage, a unit vector. With M alone forces are linear where creepages are small,
+    and next to pure spin in the other two creepages: so the remainder R and its derivatives vanish at no slip and in
+    pure spin, and the derivative of the forces is the same from all sides, whatever the angles do there.
+
+    - `axes`: slip, angles of spin and of creepage, both with one more angle at each end.
+    - `linear`: M, (..., slips, 3 forces, 3 creepages).
+    - `rest`: R, (..., slips, spin angles, creep angles, 3).
     """
-    slip, spin, creep = axes
-    over = np.concatenate((-forces[..., -2:-1, :, :], forces, -forces[..., 1:2, :, :]), axis=-3)
-    turned = over[..., ::-1, :, :]
-    around = np.concatenate((-turned[..., -2:-1, :], over, -turned[..., 1:2, :]), axis=-2)
-    more = [np.concatenate((2.0 * each[:1] - each[1:2], each, 2.0 * each[-1:] - each[-2:-1])) for each in (spin, creep)]
-    return around, (slip, *more)
+
+    axes: tuple[Floats, ...]
+    linear: Floats
+    rest: Floats
+
+    @classmethod
+    def of(cls, forces: NDArray[Any], axes: tuple[Floats, ...]) -> "ForceAxes":
+        """Take forces over the limit and over slip, (..., slips, spin angles, creep angles, 3), and their axes."""
+        slip, spin, creep = axes
+        values = np.asarray(forces, dtype=np.float64)
+        # around pure spin, first half and second half: the opposite creepage has the opposite force
+        ring = np.concatenate((values[..., -2, :-1, :], -values[..., 1, :-1, :]), axis=-2)
+        around = np.concatenate((creep[:-1], creep[:-1] + np.pi))
+        slopes = [2.0 / len(around) / np.cos(spin[-2]) * np.einsum("...cf,c->...f", ring, wave(around))
+                  for wave in (np.cos, np.sin)]  # fmt: skip
+        linear = np.stack((*slopes, values[..., -1, 0, :]), axis=-1)
+        rest = values - np.einsum("...fd,bcd->...bcf", linear, direction(*np.meshgrid(spin, creep, indexing="ij")))
+        rest[..., 0, :, :, :] = rest[..., [0, -1], :, :] = 0.0
+        # mirrored at pure spin: no slope there
+        over = np.concatenate((rest[..., 1:2, :, :], rest, rest[..., -2:-1, :, :]), axis=-3)
+        turned = over[..., ::-1, :, :]
+        whole = np.concatenate((-turned[..., -2:-1, :], over, -turned[..., 1:2, :]), axis=-2)
+        more = [np.concatenate((2 * each[:1] - each[1:2], each, 2 * each[-1:] - each[-2:-1])) for each in (spin, creep)]
+        return cls((slip, *more), linear, whole.astype(np.float32))
+
+    def rows(self) -> "ForceAxes":
+        """Take all positions, sides and patches as rows: (positions, 2 sides, patches, ...)."""
+        linear, rest = (array.reshape(-1, *array.shape[3:]) for array in (self.linear, self.rest))
+        return ForceAxes(self.axes, linear, rest)
+
+    def at(self, rows: tuple[NDArray[np.intp], ...], point: tuple[Floats, ...]) -> Floats:
+        """Forces over their limits of friction at reduced creepages, (n, 3), by cubics between the points.
+
+        - `rows`: places in the first dimensions, each (n,).
+        - `point`: slip, angle of spin, angle of creepage from -pi to pi, each (n,).
+        """
+        slip, spin, creep = point
+        other = creep < 0.0
+        spin, creep = np.where(other, -spin, spin), np.where(other, creep + np.pi, creep)
+        stencils = [stencil(axis, x, interior(axis)) for axis, x in zip(self.axes, (slip, spin, creep), strict=True)]
+        unit, total = direction(spin, creep), np.zeros((len(slip), 3))
+        for a in range(4):
+            nodes, weights = (array[:, a] for array in stencils[0])
+            total += weights[:, None] * np.einsum("nfd,nd->nf", self.linear[(*rows, nodes)], unit)
+        for corner in np.ndindex(4, 4, 4):
+            places = tuple(nodes[:, k] for (nodes, _), k in zip(stencils, corner, strict=True))
+            weight = np.prod([weights[:, k] for (_, weights), k in zip(stencils, corner, strict=True)], axis=0)
+            total += weight[:, None] * self.rest[(*rows, *places)]
+        return within_cone(total * np.where(other, -slip, slip)[:, None])
 
 
-def interpolated(
-    forces: NDArray[Any], rows: tuple[NDArray[np.intp], ...], axes: tuple[Floats, ...], point: tuple[Floats, ...]
-) -> Floats:
-    """Forces over their limits of friction at reduced creepages, (n, 3), by cubics between the points of the table.
-
-    - `forces`, `axes`: those of `extended`, over the limit and over slip, (..., slip, spin angle, creep angle, 3).
-    - `rows`: places in the first dimensions, each (n,).
-    - `point`: slip, angle of spin, angle of creepage from -pi to pi, each (n,).
-    """
-    slip, spin, creep = point
-    other = creep < 0.0
-    spin, creep = np.where(other, -spin, spin), np.where(other, creep + np.pi, creep)
-    found = [stencil(axis, value, interior(axis)) for axis, value in zip(axes, (slip, spin, creep), strict=True)]
-    total = np.zeros((len(slip), 3))
-    for a, b, c in np.ndindex(4, 4, 4):
-        places = tuple(nodes[:, k] for (nodes, _), k in zip(found, (a, b, c), strict=True))
-        weight = found[0][1][:, a] * found[1][1][:, b] * found[2][1][:, c]
-        total += weight[:, None] * forces[(*rows, *places)]
-    return within_cone(total * np.where(other, -slip, slip)[:, None])
+def direction(spin: Floats, creep: Floats) -> Floats:
+    """Unit vector (..., 3) of a reduced creepage by its angles: longitudinal, lateral, spin."""
+    return np.stack((np.cos(spin) * np.cos(creep), np.cos(spin) * np.sin(creep), np.sin(spin)), axis=-1)
 
 
 def within_cone(forces: Floats) -> Floats:
@@ -264,10 +297,9 @@ class CreepTable:
         return tuple(found)
 
     @cached_property
-    def extended(self) -> tuple[NDArray[Any], tuple[Floats, ...]]:
-        """Forces with one more angle at each end, see `extended`, rows of positions first."""
-        forces, axes = extended(self.values["forces"], self.creep_axes)
-        return forces.reshape(-1, *forces.shape[3:]), axes
+    def force_axes(self) -> ForceAxes:
+        """Forces of all positions, sides and patches."""
+        return ForceAxes.of(self.values["forces"], self.creep_axes).rows()
 
     def contacts(
         self,
@@ -347,11 +379,10 @@ class CreepTable:
         further = given - np.concatenate((free, np.zeros((*normal.shape, 1))), axis=-1)
         point = reduced(further, stiffness, radius, limit)
         total = np.zeros(given.shape)
-        table, axes = self.extended
         weight = weights[..., None] * (normal > 0.0)[:, :, None]
         at, side, corner, patch = np.nonzero(weight)
         rows = nodes[at, corner], side, patch
-        found = interpolated(table, rows, axes, tuple(each[at, side, patch] for each in point))
+        found = self.force_axes.at(rows, tuple(each[at, side, patch] for each in point))
         np.add.at(total, (at, side, patch), weight[at, side, corner, patch, None] * found)
         total[..., 2] *= radius
         return within_cone(total) * limit[..., None]
