@@ -239,16 +239,18 @@ class CreepTable:
         *,
         clamp: bool = False,
     ) -> tuple[NDArray[np.intp], Floats]:
-        """Numbers of the table's positions around each, and their weights for both sides: (n, 64) and (n, 2, 64).
+        """Numbers of the table's positions around each, and their weights for both sides: (n, 64) and (n, 2, k, 64).
 
-        Where a side's patches are not the same all around, the nearest position has all weight.
+        Where a side's patches go over into each other all around, the first of the k sets of patches is that of weights
+        that add up to 1. Elsewhere each of the eight nearest positions has a set of its own with a part of the load,
+        over the lateral position without a slope at its ends, linear over yaw and load. k is 8, 1 if nothing jumps.
 
         - `clamp`: values out of range become those at its end; otherwise they are an `InputError`.
         """
         given = np.broadcast_arrays(
             *(np.atleast_1d(np.asarray(each, float)) for each in (lateral_mm, yaw_mrad, load_kN))
         )
-        found = []
+        given_axes = []
         for name, axis, values in zip(AXES, self.axes, given, strict=True):
             inside = np.clip(values, axis[0], axis[-1])
             slack = 1e-9 * max(float(np.abs(axis).max()), 1.0)
@@ -259,22 +261,27 @@ class CreepTable:
                     f"values from {axis[0]:g} to {axis[-1]:g}, the range of the table",
                     "make a larger table, or clamp=True",
                 )
-            found.append((axis, inside))
-        around = [stencil(axis, inside, smooth) for (axis, inside), smooth in zip(found, self.smooth, strict=True)]
+            given_axes.append((axis, inside))
+        around = [stencil(axis, inside, smooth) for (axis, inside), smooth in zip(given_axes, self.smooth, strict=True)]
         shape = tuple(len(axis) for axis in self.axes)
         cell = tuple(np.minimum(nodes[:, 1], max(n - 2, 0)) for (nodes, _), n in zip(around, shape, strict=True))
-        nearest = [
-            np.abs(axis[nodes] - inside[:, None]).argmin(axis=1)
-            for (axis, inside), (nodes, _) in zip(found, around, strict=True)
+        fractions = [
+            np.clip((inside - axis[nodes[:, 1]]) / np.maximum(axis[nodes[:, 2]] - axis[nodes[:, 1]], TINY), 0.0, 1.0)
+            for (axis, inside), (nodes, _) in zip(given_axes, around, strict=True)
         ]
-        numbers, weights, near = [], [], []
-        for places in np.ndindex(4, 4, 4):
-            each = [(nodes[:, k], weight[..., k]) for (nodes, weight), k in zip(around, places, strict=True)]
-            numbers.append(np.ravel_multi_index([nodes for nodes, _ in each], shape))
-            weights.append(np.prod([weight for _, weight in each], axis=0))
-            near.append(np.all([closest == k for closest, k in zip(nearest, places, strict=True)], axis=0))
-        joined = self.values["joined"][cell][:, :, None]
-        return np.stack(numbers, -1), np.where(joined, np.stack(weights, -1), np.stack(near, -1)[:, None])
+        fractions[0] = fractions[0] ** 2 * (3.0 - 2.0 * fractions[0])
+        numbers = np.empty((len(given[0]), 64), dtype=np.intp)
+        weights = np.zeros((*numbers.shape[:1], 2, 1 if self.values["joined"].all() else 8, 64))
+        joined = self.values["joined"][cell]
+        for number, places in enumerate(np.ndindex(4, 4, 4)):
+            columns = [(nodes[:, k], weight[..., k]) for (nodes, weight), k in zip(around, places, strict=True)]
+            numbers[:, number] = np.ravel_multi_index([nodes for nodes, _ in columns], shape)
+            weights[:, :, 0, number] = np.where(joined, np.prod([weight for _, weight in columns], axis=0), 0.0)
+            if weights.shape[2] > 1 and all(k in (1, 2) for k in places):
+                corner = np.ravel_multi_index([k - 1 for k in places], (2, 2, 2))
+                part = np.prod([t if k == 2 else 1.0 - t for t, k in zip(fractions, places, strict=True)], axis=0)
+                weights[:, :, corner, number] += np.where(joined, 0.0, part[:, None])
+        return numbers, weights
 
     @cached_property
     def smooth(self) -> tuple[NDArray[np.bool_], ...]:
@@ -309,16 +316,25 @@ class CreepTable:
         *,
         clamp: bool = False,
     ) -> dict[str, Floats]:
-        """Numbers of the patches of both wheels at n positions, each (n, 2 sides, patches, ...); absent ones are 0."""
+        """Numbers of the patches of both wheels at n positions, each (n, 2 sides, patches, ...); absent ones are 0.
+
+        In a table in which patches jump there are eight times as many places: between positions with different patches
+        the patches of all these are there, each with a part of its force.
+        """
         nodes, weights = self.position(lateral_mm, yaw_mrad, load_kN, clamp=clamp)
         return self._contacts(nodes, weights)
 
     def _contacts(self, nodes: NDArray[np.intp], weights: Floats) -> dict[str, Floats]:
+        parts = weights.sum(axis=-1)
+        shares = weights / np.where(parts > 0.0, parts, 1.0)[..., None]
         found = {}
         for name, more in OF_PATCH.items():
             values = self.values[name]
             around = values.reshape(-1, *values.shape[3:])[nodes]
-            found[name] = np.einsum("nsc,ncsp...->nsp..." if more else "nsc,ncsp->nsp", weights, around)
+            each = np.einsum("nskc,ncsp...->nskp..." if more else "nskc,ncsp->nskp", shares, around)
+            if name in ("normal_force_N", "stiffness_N"):  # parts of patches: the same pressure, on less of the area
+                each *= parts.reshape(*parts.shape, *[1] * (each.ndim - 3))
+            found[name] = each.reshape(*each.shape[:2], -1, *each.shape[4:])
         return found
 
     def forces(
@@ -379,11 +395,13 @@ class CreepTable:
         further = given - np.concatenate((free, np.zeros((*normal.shape, 1))), axis=-1)
         point = reduced(further, stiffness, radius, limit)
         total = np.zeros(given.shape)
-        weight = weights[..., None] * (normal > 0.0)[:, :, None]
-        at, side, corner, patch = np.nonzero(weight)
-        rows = nodes[at, corner], side, patch
-        found = self.force_axes.at(rows, tuple(each[at, side, patch] for each in point))
-        np.add.at(total, (at, side, patch), weight[at, side, corner, patch, None] * found)
+        shares = weights / np.maximum(weights.sum(axis=-1, keepdims=True), TINY)
+        n_patches = normal.shape[2] // weights.shape[2]
+        present = normal.reshape(*normal.shape[:2], -1, n_patches) > 0.0
+        at, side, group, corner, patch = np.nonzero((shares[..., None] != 0.0) & present[:, :, :, None])
+        place = at, side, group * n_patches + patch
+        found = self.force_axes.at((nodes[at, corner], side, patch), tuple(each[place] for each in point))
+        np.add.at(total, place, shares[at, side, group, corner, None] * found)
         total[..., 2] *= radius
         return within_cone(total) * limit[..., None]
 
