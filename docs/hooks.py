@@ -60,7 +60,7 @@ def example_notebook(path: Path) -> dict[str, Any]:
     code_cells = ["%matplotlib inline", drawing.strip(), own.strip(), "main()"]
     cells: list[dict[str, Any]] = [{"cell_type": "markdown", "id": "title", "metadata": {}, "source": f"# {title}"}]
     for number, source in enumerate(code_cells):
-        more = {"execution_count": None, "outputs": []}
+        more: dict[str, Any] = {"execution_count": None, "outputs": []}
         cells.append({"cell_type": "code", "id": f"code-{number}", "metadata": {}, "source": source, **more})
     kernel = {"name": "python3", "display_name": "Python 3"}
     return {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
