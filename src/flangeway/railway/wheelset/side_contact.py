@@ -475,7 +475,7 @@ class GriddedSide:
         return points, normals, gap, values
 
     def turned(self, row: Floats, across: Floats | None = None) -> tuple[Floats, Floats]:
-        """Turn of the normals by normal forces of rows, and the share of these along the undeformed tangents, (n,) each.
+        """Turn of the normals by normal forces of rows, and the share of these along the tangents, (n,) each.
 
         Forces act along the turned normals, on the bodies as on the wheelset: else the work that they do when the rail
         turns would be lost, and forces would not be the derivative of the energy. With normal forces p of rows, turns T
@@ -483,7 +483,7 @@ class GriddedSide:
         """
         turn, turn_across = self._bending[1], self._bending_across[1]
         by_row = turn @ row if across is None else turn @ row + turn_across @ across
-        shares: Floats = np.linalg.solve(np.eye(len(row)) - row[:, None] * turn_across, row * by_row)
+        shares = np.asarray(np.linalg.solve(np.eye(len(row)) - row[:, None] * turn_across, row * by_row), np.float64)
         return by_row + turn_across @ shares, shares
 
     @property
