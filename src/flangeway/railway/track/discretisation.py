@@ -44,8 +44,8 @@ class Discretisation:
     - `wheel_method`, `rail_method`, `wheel_order`, `rail_order`, `wheel_contact_size_mm`, `rail_contact_size_mm`: what
       differs for one body; None: as for both.
     - `pairing`: ``"segment-to-segment"`` or, as in Moherdaui (2021), ``"node-to-segment"``, whose nodal pressures
-      oscillate. At order 2 elements of the primary side, where ``"auto"`` is the rail, are `PRIMARY_SIZE_RATIO` times as large as
-      those of the other one if no size of one of them is given.
+      oscillate. At order 2 elements of the primary side, where ``"auto"`` is the rail, are `PRIMARY_SIZE_RATIO` times
+      as large as those of the other one if no size of one of them is given.
     - `enforcement`: ``"penalty"``, ``"augmented-lagrange"`` or ``"multiplier"``.
     - `penetration_mm`: maximum penetration that augmented Lagrange tolerates.
     - `stabilisation`: of polygons; None: their usual one.
