@@ -103,8 +103,11 @@ ERROR_OF_LAW, LOOSE, ERROR_OF_CELLS = 0.1, 1e-2, 1e-3
 cells give an equilibrium."""
 MAX_COARSER = 2.5
 """Strips over those of other cells up to which derivatives of creep forces serve there too."""
-MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
-"""Step limits of the rate of rotation over itself, and of the yaw."""
+MAX_CREEPAGE, MAX_YAW_RAD = 6e-3, 3e-3
+"""Step limits of the rate of rotation over itself, and of the yaw, over the coefficient of friction: the creepages at
+which surfaces slip everywhere are in proportion to it, and beyond them forces have no slope that leads back."""
+PROPORTIONAL = (0.1, 0.35)
+"""Coefficients between which they are so: with less friction forces are too small to matter to the rest."""
 RATE, YAW = 5, 6
 """Numbers of the unknowns that friction adds behind position and tilts: the rate of rotation, and the yaw."""
 
@@ -279,7 +282,10 @@ class WheelsetNewton:
     def _limits(self) -> Floats:
         """Step limits."""
         limits = [*MAX_STEP, MAX_STEP[2], MAX_STEP[2]]
-        return np.array(limits if self.creep is None else [*limits, MAX_CREEPAGE * self.creep.rate_rad_s, MAX_YAW_RAD])
+        if self.creep is not None:
+            friction = float(np.clip(np.max(self.creep.motion.friction.static), *PROPORTIONAL))
+            limits += [MAX_CREEPAGE * friction * self.creep.rate_rad_s, MAX_YAW_RAD * friction]
+        return np.array(limits)
 
     def _step(self) -> Floats:
         """Newton's step, limited so that the wheelset goes where it is pushed.
