@@ -212,7 +212,7 @@ class FrictionProblem:
         return state, status
 
     def _fallen(self, falling: FallingLimits, start: Floats | None, tolerance: float) -> tuple[FrictionState, Status]:
-        """Forces under limits that fall: Newton's method from neighbouring ones, or from those under limits that are held.
+        """Forces under limits that fall: Newton's method from neighbouring ones, or from those under held limits.
 
         Where it does not converge, as where a patch slips away at once, limits are lowered to those of the slip, and
         never raised: this ends.
