@@ -3,7 +3,7 @@
 import hashlib
 import json
 import sqlite3
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -14,7 +14,7 @@ import numpy as np
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import Collective, SurfaceKey
-from flangeway.railway.damage.profile_limits import check_limits, reached, worn_measures
+from flangeway.railway.damage.profile_limits import LIMITS, check_limits, reached, worn_measures
 from flangeway.railway.damage.surface_wear import PatchDamage, patch_damage, row_wear
 from flangeway.railway.damage.wear_laws import WearLaw
 from flangeway.railway.damage.worn_surface import FILTER_MM, SPACING_MM, WornSurface
@@ -135,6 +135,22 @@ class EvolutionStep:
             numbers |= worn_measures(surface) | {"max_damage": float(self.damage[role, side].max())}
             found |= {f"{side}_{role}_{name}": value for name, value in numbers.items()}
         return found
+
+
+def limit_positions(steps: Sequence[EvolutionStep], limits: Mapping[str, float]) -> dict[str, float]:
+    """Positions at which the limits of the last step were reached; measures are linear over a step.
+
+    By the names in `EvolutionStep.reached`.
+    """
+    last, found = steps[-1], dict[str, float]()
+    for key, surface in last.surfaces.items():
+        for name in reached(surface, limits):
+            whole, position = f"{key[0]}: {name}", last.position
+            if len(steps) > 1:
+                before, after = (worn_measures(step.surfaces[key])[LIMITS[name][0]] for step in steps[-2:])
+                position -= (last.position - steps[-2].position) * (after - limits[name]) / (after - before)
+            found[whole] = min(position, found.get(whole, position))
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -354,7 +370,6 @@ def _solved(wheelset: SpatialWheelset, bodies: list[tuple[tuple[Any, ...], dict[
     """Solve a state; running surfaces of equal bodies are made once."""
     problem, model = wheelset.problem, wheelset.model
     key = (problem.track, problem.wheelset, problem.material, problem.discretisation, model.support, model.disc)
-    _ = wheelset.start  # what rigid wheels cannot do is refused first
     surfaces = next((made for other, made in bodies if other == key), None)
     if surfaces is None:
         surfaces = running_surfaces(problem, model, cache=Cache.of_user())
