@@ -8,7 +8,7 @@ import pytest
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState
-from flangeway.railway.damage.evolution import Evolution, EvolutionSettings, limit_positions
+from flangeway.railway.damage.evolution import Evolution, EvolutionSettings, EvolutionStep, limit_positions
 from flangeway.railway.damage.profile_limits import reached, worn_measures
 from flangeway.railway.damage.surface_wear import patch_damage, patch_loads, row_wear
 from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw
@@ -107,6 +107,30 @@ def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
     again = Evolution(evolution.collective, {"wheel": ENERGY}, settings(6000.0, 0.02, filter_mm=1.0))
     with pytest.raises(InputError, match=r"parts\.sqlite"):
         again.run(tmp_path / "parts.sqlite")
+
+
+class Fading(Evolution):
+    """Wear without contact, whose rate falls with the depth: ``c exp(-depth / d)``; depth ``d ln(1 + c s / d)``."""
+
+    def _evaluated(self, position, surfaces, damage, progress):
+        progress("")
+        rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 90.0)
+                 for key, surface in surfaces.items()}  # fmt: skip
+        return EvolutionStep(position, surfaces, rates, damage, damage, (), 0.0)
+
+
+def test_error_of_the_steps_is_controlled_and_of_second_order() -> None:
+    """A quarter of the error that is allowed halves the steps and divides that of the depth by four."""
+    exact, errors, counts = 0.1 * np.log(1.0 + 2e-5 * 2e4 / 0.1), [], []
+    for allowed in (4e-3, 1e-3):
+        collective = Collective([state()])
+        steps = Fading(collective, {"wheel": ENERGY}, settings(2e4, 0.1, max_error_mm=allowed)).run()
+        errors.append(abs(steps[-1].surfaces["wheel", "right"].depth[300] - exact))  # at 75 mm
+        counts.append(len(steps))
+        assert all(step.error_mm <= allowed for step in steps)
+    assert errors[0] < 4e-3
+    assert 3.0 < errors[0] / errors[1] < 6.0
+    assert 1.6 < counts[1] / counts[0] < 2.4
 
 
 def test_a_symmetric_case_stays_symmetric() -> None:

@@ -133,9 +133,11 @@ def _assumptions(inputs: DamageInputs) -> list[str]:
         f"Creep forces by the theory {', '.join(sorted(theories))}; T-gamma and wear depend on it.",
         "Each wheel wears alike around its circumference, each rail alike under all axles.",
         f"Increments of the depth are filtered by a Gaussian of {settings.filter_mm:g} mm; a step is "
-        f"{settings.max_depth_mm:g} mm deep at most.",
+        f"{settings.max_depth_mm:g} mm deep at most, with an estimated error of {settings.max_error_mm:g} mm at most.",
         "T-gamma damage is that of the Whole Life Rail Model; steel does not yield in the contact.",
     ]
+    if "fastsim" in theories:
+        found.append("FASTSIM takes a patch for one ellipse: wear jumps where a wide patch splits in two.")
     if not evolution.collective.separate:
         found.append("Wheels of both sides wear alike, and so do both rails: the mean of both sides.")
     return found
