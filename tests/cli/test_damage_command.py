@@ -90,6 +90,7 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
     areas = [compared[name]["right_wheel_area_mm2"] for name in compared]
     assert areas[0] > 1.1 * areas[1]
     page = (tmp_path / "both" / "report.html").read_text()
+    assert "inputs.curve_radius_m = 500, wear.wheel.constant = 0.2" in page
     assert all(f"{area:.5g}" in page for area in areas)
     with (tmp_path / "both" / "steps.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["strategy"] == "sharp"]
@@ -99,9 +100,9 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
-        ([("end = 100", "end = 100\n[strategies.a.inputs]\nspeed = 3")], ("line 25", "speed_km_h")),
-        ([("end = 100", "end = 100\n[strategies.a.wear.wheel]\nk = 3")], ("line 24", "k")),
-        ([("end = 100", "end = 100\n[strategies.'a/b'.inputs]")], ("line 24", "a/b")),
+        ([("end = 100", "end = 100\n[strategies.a.inputs]\nspeed = 3")], ("line 24", "speed_km_h")),
+        ([("end = 100", "end = 100\n[strategies.a.wear.wheel]\nk = 3")], ("line 25", "'k'")),
+        ([("end = 100", "end = 100\n[strategies.'a/b'.inputs]")], ("a/b",)),
         ([('unit = "mm3/kJ"', "")], ("unit", "line 17")),
         ([('"mm3/kJ"', '"mm3"')], ("unit", "mm3/kJ")),
         ([("share = 1", "share = 0.9")], ("0.9", "sum of 1")),

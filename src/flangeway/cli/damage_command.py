@@ -50,5 +50,5 @@ def damage(file: InputsFile, out: Out = None, fresh: Fresh = False, *, show: Sho
         show.record(record, into, partial(list, [store]), last=len(strategies) == 1)
         runs[name] = steps, record
     if len(runs) > 1:
-        show.record(strategies_record(file.stem, runs, command_typed(), units), folder)
+        show.record(strategies_record(strategies, runs, command_typed(), units), folder)
     return all(record.converged for _, record in runs.values())

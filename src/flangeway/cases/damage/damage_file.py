@@ -1,7 +1,7 @@
 """A file of what a collective does to profiles: ``flangeway damage FILE``."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, Literal
 
@@ -78,12 +78,14 @@ class DamageInputs:
     - `evolution`: ready to run.
     - `collective`: name of the bundled collective, which is assumed; empty: states of the file.
     - `inputs`: shared by all states.
+    - `changes`: what a strategy changes, key by key.
     """
 
     name: str
     evolution: Evolution
     collective: str
     inputs: Mapping[str, Any]
+    changes: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -120,11 +122,11 @@ class DamageFile(TomlFile):
             data = _merged(self.data, {key: value for key, value in changes.items() if key not in inputs})
             data.pop("strategies")
             file = replace(self, data=data, strategy=other, changed_inputs=inputs.get("inputs", {}))
-            found[other] = replace(file.damage(), name=other)
+            found[other] = replace(file.damage(), name=other, changes=[*_lines(changes)])
         return found
 
     def place(self, key: Key) -> str:
-        """File and line of a key; in a strategy that of its change, or of the strategy."""
+        """File and line of a key; in a strategy those of its change."""
         return super().place(("strategies", self.strategy, *key) if self.strategy else key)
 
     def damage(self) -> DamageInputs:
@@ -161,7 +163,7 @@ class DamageFile(TomlFile):
         return DamageInputs(self.file.stem, evolution, name, inputs)
 
     def _state(self, name: str, share: float, values: Mapping[str, Any], number: int | None = None) -> RunningState:
-        place = self.place(("inputs",) if number is None else ("states", number))
+        place = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
         changed = mapped(self.changed_inputs, self._resolved)
         with located(f"{place}{name}: "):
             case = SpatialWheelsetCase.from_values({**values, **changed})
@@ -195,3 +197,12 @@ def _merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, 
         inside = isinstance(value, Mapping) and "law" not in value
         merged[key] = _merged(tables.get(key, {}), value) if inside else value
     return merged
+
+
+def _lines(tables: Mapping[str, Any], before: str = "") -> Iterator[str]:
+    """Yield the values in tables as lines of TOML, with the names of the tables."""
+    for key, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from _lines(value, f"{before}{key}.")
+        else:
+            yield f"{before}{key} = {value}"

@@ -297,9 +297,12 @@ class WornSurface:
         """How much lower the worn tread of a wheel is at the tape line: what its radius there has lost; 0 on rails."""
         if isinstance(self.new, RailProfile):
             return 0.0
-        points = self.worn_points[:-1][np.diff(self.worn_points[:, 0]) > 0.0]
-        low = int(np.argmin(points[:, 1]))  # the tread follows the flange's tip
-        return float(np.interp(0.0, *points[low:].T))
+        heights = []
+        for points in (self.worn_points, self._new_at(self.bounds)[0]):
+            rising = points[:-1][np.diff(points[:, 0]) > 0.0]
+            low = int(np.argmin(rising[:, 1]))  # the tread follows the flange's tip
+            heights.append(float(np.interp(0.0, *rising[low:].T)))
+        return heights[0] - heights[1]
 
     def csv(self) -> str:
         """The worn surface as lines and arcs, without rounding, as ``flangeway profile`` reads it.

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
 
+from flangeway.cases.damage.damage_file import DamageInputs
 from flangeway.railway.damage.evolution import EvolutionStep
 from flangeway.report.damage.damage_record import STEPS_CSV, row_quantities
 from flangeway.report.figures.drawing import legend_below, name_axes, new_figure
@@ -19,14 +20,18 @@ CAPTION = "Depth of wear at the end of each strategy, and worn area over the dis
 
 
 def strategies_record(
-    name: str, runs: Mapping[str, tuple[Sequence[EvolutionStep], Record]], command: str, units: Units
+    strategies: Mapping[str, DamageInputs],
+    runs: Mapping[str, tuple[Sequence[EvolutionStep], Record]],
+    command: str,
+    units: Units,
 ) -> Record:
     """Return the comparison of strategies.
 
-    - `name`: of the file.
-    - `runs`: steps and record of each strategy by its name, the first that of the file as it is.
+    - `strategies`: inputs of each by its name, the first those of the file as it is.
+    - `runs`: steps and record of each.
     - `command`: runs it again.
     """
+    name = next(iter(strategies))
     records = {strategy: record for strategy, (_, record) in runs.items()}
     unit = next(iter(records.values())).summary["unit"]
     rows = [record.summary["steps"][-1] for record in records.values()]
@@ -39,6 +44,7 @@ def strategies_record(
         converged=all(record.converged for record in records.values()),
         message=f"{len(runs)} strategies, {name} the file as it is",
         success="done",
+        given={each: ", ".join(inputs.changes) or "the file as it is" for each, inputs in strategies.items()},
         facts=[(record.facts[0][0], f"{strategy}, {record.facts[0][1]}") for strategy, record in records.items()],
         results=table_across("Strategies at their ends", records, rows, row_quantities(keys, unit), units=units),
         summary={
@@ -77,19 +83,19 @@ def _assumptions(records: Mapping[str, Record]) -> list[str]:
 def _figure(steps: Mapping[str, Sequence[EvolutionStep]], unit: str, units: Units) -> Figure:
     """Draw the last depth of each surface, and its worn area over the distance, a line for each strategy."""
     keys = dict.fromkeys(key for run in steps.values() for key in run[-1].surfaces)
-    figure = new_figure(max(5.0 * len(keys), 7.0), 7.0, units)
-    axes = figure.subplots(2, len(keys), squeeze=False)
-    for (above, below), (role, side) in zip(axes.T, keys, strict=True):
+    figure = new_figure(11.0, 1.0 + 3.5 * len(keys), units)
+    axes = figure.subplots(len(keys), 2, squeeze=False)
+    for (profile, distance), (role, side) in zip(axes, keys, strict=True):
         for strategy, run in steps.items():
             if (role, side) not in run[-1].surfaces:
                 continue
             worn = run[-1].surfaces[role, side]
-            above.plot(worn.worn_points[:-1, 0], worn.depth, label=strategy, lw=1.2)
+            profile.plot(worn.worn_points[:-1, 0], worn.depth, label=strategy, lw=1.2)
             areas = [step.surfaces[role, side].worn_area_mm2 for step in run]
-            below.plot([step.position for step in run], areas, ".-", label=strategy)
-        above.invert_yaxis()
-        above.set_title(role)
-        name_axes(above, ("lateral position", "mm"), ("depth", "mm"))
-        name_axes(below, ("distance", unit), ("worn area", "mm²"))
+            distance.plot([step.position for step in run], areas, ".-", label=strategy)
+        profile.invert_yaxis()
+        profile.set_title(role)
+        name_axes(profile, ("lateral position", "mm"), ("depth", "mm"))
+        name_axes(distance, ("distance", unit), ("worn area", "mm²"))
     legend_below(figure, len(steps))
     return figure
