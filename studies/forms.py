@@ -29,7 +29,7 @@ from flangeway.geometry import polygon, rectangle, square
 from flangeway.materials import Elastic, J2Plasticity, NeoHooke
 from flangeway.mesh import PolyMesh, agglomerated, doerfler_marking, dual, rectangle_grid, refined, triangulate
 from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Traction, fixed
-from flangeway.solve import solve_nonlinear
+from flangeway.solve import StepSettings, solve_nonlinear
 from flangeway.space import Space
 from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
@@ -126,14 +126,15 @@ def corners(run: Run) -> Iterator[Row]:
             rate = -float(np.polyfit(np.log(sizes[-LAST:]), np.log(errors[-LAST:]), 1)[0])
             yield at_least("corners", f"{name}, V{order}", "order of the error by unknowns", rate, order / 2.0)
         mesh, diameters = make(), []
-        for _ in range(LEVELS):
+        levels = 3 if run.quick else LEVELS
+        for _ in range(levels):
             diameters.append(float(mesh.cell_diameters.max()))
             mesh = refined(mesh)
         diameters.append(float(mesh.cell_diameters.max()))
         ratio = float(np.divide(diameters[1:], diameters[:-1]).max())
         roundness = float((mesh.cell_areas / mesh.cell_diameters**2).min())
         limit = Limit(f"<= {MAX_RATIO}", ratio <= MAX_RATIO)
-        yield Row("refinement", name, "largest ratio of diameters of five levels", "1", ratio, 0.5, limit)
+        yield Row("refinement", name, f"largest ratio of diameters of {levels} levels", "1", ratio, 0.5, limit)
         limit = Limit(f">= {MIN_ROUNDNESS}", roundness >= MIN_ROUNDNESS)
         yield Row("refinement", name, "least area over squared diameter", "1", roundness, 0.0, limit)
 
@@ -375,23 +376,24 @@ def cylinder(run: Run) -> Iterator[Row]:
 
 
 def membrane(p: Floats) -> Floats:
-    """Cook's membrane from the unit square."""
-    s, t = p.T
+    """Cook's membrane from the unit square, with smaller cells at its upper clamped corner."""
+    s, t = p[:, 0] ** 1.5, 1.0 - (1.0 - p[:, 1]) ** 1.5
     return np.stack((48.0 * s, 44.0 * s + t * (44.0 - 28.0 * s)), axis=1)
 
 
 def cook(run: Run) -> Iterator[Row]:
     """Rise of the corner of Cook's membrane, nearly incompressible and at finite strain."""
     rubber = NeoHooke(Elastic(240.565, 0.4999))
-    for kind in KINDS:
+    for kind in KINDS[:2] if run.quick else KINDS:
         run.progress(f"Cook's membrane, {kind}")
-        space = Space(mapped(kind, 8, 8, membrane), element_of(kind, 3 if kind == "triangles" else 2))
+        n = 12 if kind == "triangles" else 6
+        space = Space(mapped(kind, n, n, membrane), element_of(kind, 3))
         loads, supports = [Traction("right", (0.0, 6.25))], [fixed("left")]
         problem = Elasticity(space, rubber.elastic, loads=loads, supports=supports)
-        solution = solve_nonlinear(problem, rubber)[-1]
+        solution = solve_nonlinear(problem, rubber, steps=StepSettings(first=1.0 / 16.0))[-1]
         run.check(f"Cook's membrane, {kind}", solution.status)
         rise = float(solution.displacements[problem.node_at((48.0, 60.0)), 1])
-        yield Row("Cook's membrane", kind, "rise of the corner", "mm", rise, 6.9, 0.02)
+        yield Row("Cook's membrane", kind, "rise of the corner", "mm", rise, 6.9, 0.01)
 
 
 def rows(run: Run) -> Iterator[Row]:

@@ -32,7 +32,8 @@ WHOLE = "All meshes of all parts are computed."
 QUICK = (
     "With `--quick` the finest meshes of Hertz's problem and of bars under short waves, the search for the wheel's\n"
     "flange root, further crowns, meshes and moduli of wheel and rail, and four in five positions and the elements of\n"
-    "order 1 of the wheelset in three dimensions, and corners with elements of other orders than 2 are left out;\n"
+    "order 1 of the wheelset in three dimensions, corners with elements of other orders than 2 and two of their five\n"
+    "refinements, and Cook's membrane on cells that are not convex are left out;\n"
     "without it they are computed as well."
 )
 

@@ -1,51 +1,54 @@
-"""The comparison of a mesh with the mesh halved."""
-
-from dataclasses import replace
+"""The comparison of a case with the same case on half of its sizes."""
 
 import pytest
 
-from flangeway.cases import Convergence, WheelsetTangentCase, run_halved
+from flangeway.cases import find_case, run_halved
 from flangeway.errors import InputError
 
 
-@pytest.fixture(scope="module")
-def halved():
-    return run_halved(WheelsetTangentCase.from_values({"size_scale": 4.0}))
+@pytest.mark.parametrize(
+    ("name", "given", "halved", "key", "change"),
+    [
+        ("wheelset-tangent", {"size_scale": 4.0}, {"size_scale": 2.0}, "left_max_pressure_MPa", 0.02),
+        (
+            "wheelset",
+            {"size_scale": 4.0, "patch_cells": 12},
+            {"size_scale": 2.0, "patch_cells": 24},
+            "left_max_pressure_MPa",
+            0.02,
+        ),
+        (
+            "rolling-patch",
+            {"cells_along": 10, "cells_across": 10},
+            {"cells_along": 20, "cells_across": 20},
+            "longitudinal_force_kN",
+            0.03,
+        ),
+        ("hertz", {"size_mm": 0.4}, {"size_mm": 0.2, "body_size_mm": 2.5}, "results_force_N", 0.02),
+    ],
+)
+def test_halving_the_sizes_changes_little(name, given, halved, key, change):
+    """Forces, pressures and approaches change by some percent, and the sizes are half of the given ones."""
+    convergence = run_halved(find_case(name).from_values(given))
+    assert convergence.converged
+    assert {name: sizes[1] for name, sizes in convergence.sizes.items()} == halved
+    assert {name: sizes[0] for name, sizes in convergence.sizes.items()}.items() >= given.items()
+    one, other = (run.summary for run in convergence.runs)
+    assert one["case"].items() >= given.items()
+    assert other["case"].items() >= halved.items()
+    first, second = convergence.numbers[key]
+    assert 0.0 < abs(second / first - 1.0) < change
 
 
-def test_halving_a_coarse_mesh_changes_little(halved):
-    """Approach changes by less than 2 % and positions by less than 0.2 mm when the mesh is halved."""
-    scales = [run.case.size_scale for run in halved.runs]
-    assert scales == [4.0, 2.0]
-    assert halved.within
-    assert 0.0 < halved.changes()["approach_change"] < 0.02
-    assert 0.0 < halved.changes()["position_change_mm"] < 0.2
-    cells = [sum(body.mesh.n_cells for body in run.result.model.bodies) for run in halved.runs]
-    assert cells[1] > 2 * cells[0]
-
-
-@pytest.mark.parametrize("spoil", ["approach", "position", "status", "contacts"])
-def test_too_large_a_change_is_not_within(halved, spoil):
-    """An approach off by 3 %, a place off by 0.3 mm, a run that did not converge or has no contact fails the check."""
-    coarse, fine = halved.runs
-    result = fine.result
-    if spoil == "approach":
-        position = result.equilibrium.position
-        lower = replace(position, vertical_mm=position.vertical_mm - 0.03 * result.approach_mm)
-        result = replace(result, equilibrium=replace(result.equilibrium, position=lower))
-    elif spoil == "position":
-        left, right = result.patches
-        result = replace(result, patches=(left, replace(right, wheel_point_mm=right.wheel_point_mm + 0.3)))
-    elif spoil == "status":
-        result = replace(result, status=replace(result.status, converged=False))
-    else:
-        result = replace(result, patches=())
-    spoiled = Convergence((coarse, replace(fine, result=result)))
-    assert not spoiled.within
-    assert spoiled.to_json()["within"] is False
-
-
-def test_a_scale_that_cannot_be_halved_is_refused():
-    """A size scale whose half is out of range is refused before anything is computed."""
-    with pytest.raises(InputError, match=r"size_scale = 0\.03"):
-        run_halved(WheelsetTangentCase.from_values({"size_scale": 0.06}))
+@pytest.mark.parametrize(
+    ("name", "given", "message"),
+    [
+        ("wheelset-tangent", {"size_scale": 0.06}, r"size_scale = 0\.03"),
+        ("wheelset", {"patch_cells": 40}, "patch_cells = 80"),
+        ("cook", {}, "cook"),
+    ],
+)
+def test_sizes_that_cannot_be_halved_are_refused(name, given, message):
+    """A size whose half is out of range, or a case without a size, is refused before anything is computed."""
+    with pytest.raises(InputError, match=message):
+        run_halved(find_case(name).from_values(given))

@@ -85,12 +85,11 @@ def test_converge_compares_two_meshes(call, tmp_path):
     file.write_text('case = "wheelset-tangent"\nsize_scale = 4.0\n', encoding="utf-8")
     status, out, err = call("converge", file)
     assert status == 0, err
-    assert "within the limits" in out
     found = json.loads((tmp_path / "out" / "mine-converge" / "converge.json").read_text(encoding="utf-8"))
-    assert found["within"] is True
-    assert [run["size_scale"] for run in found["runs"]] == [4.0, 2.0]
-    assert found["changes"]["approach_change"] < found["limits"]["approach_change"] == 0.02
-    assert found["changes"]["position_change_mm"] < found["limits"]["position_change_mm"] == 0.2
+    assert found["sizes"] == {"size_scale": {"value": 4.0, "with_half_the_sizes": 2.0}}
+    for key, number in found["numbers"].items():
+        assert number["change"] == number["with_half_the_sizes"] - number["value"]
+        assert key in out
 
 
 def test_interrupting_leaves_nothing(tmp_path, interruptible):

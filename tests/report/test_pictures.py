@@ -11,6 +11,7 @@ from flangeway.report.figures.drawing import new_figure, png, power_of_ten, shad
 from flangeway.report.figures.fields import drawn_parts
 from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
 from flangeway.report.wheelset.wheelset_figure import deformation_factor, wheelset_figure
+from flangeway.report.wheelset.wheelset_patches import _view
 
 
 def figures(run):
@@ -143,3 +144,10 @@ def test_a_picture_of_fewer_dots_is_smaller():
     figure.subplots()
     sizes = [[int.from_bytes(data[at : at + 4], "big") for at in (16, 20)] for data in (png(figure), png(figure, 80))]
     assert sizes == [[640, 480], [320, 240]]
+
+
+def test_a_section_is_shown_about_the_head_wherever_the_rail_went():
+    """A rail that a search without equilibrium left 40 mm lower is in the middle like one in its place."""
+    rail = np.array([[-36.0, -40.0], [-36.0, 0.0], [36.0, 0.0], [36.0, -40.0]])
+    shift = np.array([3.0, -40.0])
+    assert _view(rail + shift, "right") == pytest.approx(_view(rail, "right") + shift)

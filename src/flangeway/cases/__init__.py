@@ -5,15 +5,10 @@ from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, co
 from flangeway.cases.case import Case, Run, RunnableCase
 from flangeway.cases.case_file import CASES, find_case, load_case
 from flangeway.cases.case_template import schema, write_template
+from flangeway.cases.halved_case import Convergence, run_halved
 from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_case import (
-    Convergence,
-    WheelsetCase,
-    WheelsetCurveCase,
-    WheelsetTangentCase,
-    run_halved,
-)
+from flangeway.cases.wheelset.wheelset_case import WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 
 __all__ = [

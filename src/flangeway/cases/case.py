@@ -25,6 +25,13 @@ from flangeway.units import Units, UsUnit, in_us_units, same_quantity, us_key
 
 Progress = Callable[[str], None]
 
+HALVING = {
+    **dict.fromkeys(
+        ("size_scale", "size", "size_mm", "body_size_mm", "upper_size_mm", "lower_size_mm", "cell_mm"), 0.5
+    ),
+    **dict.fromkeys(("patch_cells", "cells_along", "cells_across"), 2),
+}
+"""Inputs that say how fine a mesh or grid is, and the factors on them that halve its sizes."""
 OF_REPORT = ("units", "report_title", "project", "author", "date")
 """Inputs that change nothing of what is computed."""
 
@@ -241,6 +248,20 @@ class RunnableCase(Case):
     def run_on(self, bodies: Any, progress: Progress = lambda _: None) -> Run:
         """Compute the case on bodies that are `prepared` for one that differs in `position_keys` only."""
         raise NotImplementedError
+
+    def halved_sizes(self) -> dict[str, float]:
+        """Return the inputs `HALVING` with values for half of the sizes; an `InputError` if none has a value."""
+        given = {key: getattr(self, key) for key in HALVING if key in type(self).model_fields}
+        if "size_scale" in given:  # the other sizes are multiplied by it
+            given = {key: value for key, value in given.items() if not key.endswith("size_mm")}
+        finer = {key: type(value)(value * HALVING[key]) for key, value in given.items() if value is not None}
+        if not finer:
+            raise InputError(
+                f"the case {self.name} without {' and '.join(given) or 'one size of all its elements'}",
+                f"a case with a value of one of: {', '.join(HALVING)}",
+                "give the size" if given else "run it twice, with its sizes and with smaller ones",
+            )
+        return finer
 
     def columns(self) -> tuple[str, ...]:
         """Return the columns of a row of a campaign if they are known before it is computed."""

@@ -170,4 +170,7 @@ def _usage_message(error: Any) -> str:
     if isinstance(error, typer.BadParameter) and getattr(wrong, "help", None):  # a value, not a name
         option = wrong.opts[0] if wrong.opts[0][0] == "-" else ""
         known = f"{option} {wrong.metavar or ''}: {wrong.help.rstrip('.')}".strip()
-    return str(InputError(given, known, f"`{context.command_path} --help` explains them"))
+    advice = f"`{context.command_path} --help` explains them"
+    if "=" in given and "--set" in options:
+        advice = f"give inputs as --set KEY=VALUE, one --set for each; {advice}"
+    return str(InputError(given, known, advice))

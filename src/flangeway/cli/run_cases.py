@@ -28,7 +28,6 @@ from flangeway.cli.common import (
 from flangeway.errors import InputError
 
 if TYPE_CHECKING:
-    from flangeway.cases import WheelsetCase
     from flangeway.cases.case import RunnableCase
 
 CaseOrFile = Annotated[
@@ -146,16 +145,16 @@ def run(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
 
 @_command_on_a_case
 def converge(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
-    """Run a case with its mesh and with the mesh halved, and compare (out/CASE-converge)."""
+    """Run a case with its sizes of elements and cells and with half of them, and compare (out/CASE-converge)."""
     from flangeway.cases import run_halved  # noqa: PLC0415
-    from flangeway.report.wheelset.halved_page import NAMES, convergence_record  # noqa: PLC0415
+    from flangeway.report.page.halved_page import NAMES, convergence_record  # noqa: PLC0415
     from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
-    wheelset, stem = _wheelset(case), Path(name).stem
+    stem = Path(name).stem
     folder = out or Path("out", f"{stem}-converge")
     refuse_unwritable(folder, NAMES)
     with show.progress() as progress:
-        found = run_halved(wheelset, progress)
+        found = run_halved(case, progress)
     return show.record(convergence_record(stem, found, command_typed()), folder)
 
 
@@ -249,15 +248,3 @@ def _case(name: str, settings: list[str] | None, **options: str | None) -> "Runn
     with progress_shown():  # of long meshes of shapes
         check_case(case, name if is_case_file(name) else None)
     return case
-
-
-def _wheelset(case: "RunnableCase") -> "WheelsetCase":
-    """Return the case if it is one of a wheelset."""
-    from flangeway.cases import CASES, WheelsetCase  # noqa: PLC0415
-
-    if isinstance(case, WheelsetCase):
-        return case
-    names = [name for name, kind in CASES.items() if issubclass(kind, WheelsetCase)]
-    raise InputError(
-        f"the case {case.name!r}, which is not a wheelset", f"one of: {', '.join(names)}", "choose one of these"
-    )

@@ -1,8 +1,9 @@
 """Kirchhoff's plate by the virtual element of class C1 (Brezzi and Marini, 2013, CMAME 253), orders 2 and 3.
 
 Along edges the deflection is cubic and its normal derivative of degree k - 1. Unknowns: at each point of the mesh the
-deflection and its gradient times the size of the cells there, and of order 3 the normal derivative in the middle of
-each edge times its length. They are those of one scalar field, so that `solve`, `Factor` and `modes` take them.
+deflection and two slopes times the size of the cells there, and of order 3 the normal derivative in the middle of
+each edge times its length. Slopes at the boundary are along and across it, at corners along both edges, so that a
+simple support of one of them holds one. All are those of one scalar field: `solve`, `Factor` and `modes` take them.
 """
 
 from collections.abc import Iterator
@@ -24,8 +25,8 @@ from flangeway.space import CellBatch, Space
 from flangeway.space.functions import at_points, cell_quadrature
 from flangeway.types import Floats
 
-SMOOTH = np.cos(np.radians(20.0))
-"""Cosine of the turn of the boundary above which a point is no corner; at corners a support holds both slopes."""
+CORNER = np.sin(np.radians(20.0))
+"""Sine of the angle between the boundary's edges at a point above which it is a corner, with a slope along each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,31 +92,31 @@ class Plate:
 
     @cached_property
     def _axes(self) -> tuple[Floats, NDArray[np.bool_]]:
-        """Directions of the two slopes at each point, along the boundary and across it, and where it has a corner."""
+        """Directions of the two slopes at each point, (n_points, 2 slopes, 2), and where the boundary has a corner."""
         edges = self.mesh.boundary_edges
         along = self.mesh.points[edges[:, 1]] - self.mesh.points[edges[:, 0]]
         along /= np.linalg.norm(along, axis=1, keepdims=True)
-        mean = np.zeros((self.mesh.n_points, 2))
-        np.add.at(mean, edges, along[:, None] / 2.0)
-        on_boundary = np.zeros(self.mesh.n_points, dtype=np.bool_)
-        on_boundary[edges] = True
-        # |mean of both directions| = cos(turn / 2)
-        corner = on_boundary & ((mean**2).sum(axis=1) < (1.0 + SMOOTH) / 2.0)
-        tangent = np.where((on_boundary & ~corner)[:, None], mean, [1.0, 0.0])
+        before, after = np.tile([1.0, 0.0], (2, self.mesh.n_points, 1))
+        before[edges[:, 1]], after[edges[:, 0]] = along, along
+        corner = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) > CORNER
+        back = (before * after).sum(axis=1) < 0.0  # around the end of a slit
+        tangent = before + np.where(back[:, None], -after, after)
         tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-        return np.stack((tangent, tangent[:, ::-1] * [-1.0, 1.0]), axis=1), corner
+        across = tangent[:, ::-1] * [-1.0, 1.0]
+        return np.where(corner[:, None, None], np.stack((before, after), 1), np.stack((tangent, across), 1)), corner
 
     def boundary_dofs(self, support: str = "clamped", on: str | None = None) -> NDArray[np.int64]:
         """Unknowns that a support holds: ``"clamped"`` or ``"simple"``, along an edge set or the whole boundary."""
         if support not in ("clamped", "simple"):
             raise InputError(f"a plate whose boundary is {support!r}", "'clamped' or 'simple'", "choose one of them")
         pairs = self.mesh.boundary_edges if on is None else self.mesh.edge_set(on)
-        points = np.unique(pairs)
-        held = [3 * points, 3 * points + 1]
-        across = points if support == "clamped" else points[self._axes[1][points]]
-        held.append(3 * across + 2)
-        if self.order == 3 and support == "clamped":
-            held.append(3 * self.mesh.n_points + self.mesh.edge_numbers(pairs))
+        first, last = pairs.T
+        # the deflection, and the slopes along the edges: at a corner an edge's own
+        held = [3 * first, 3 * last, 3 * last + 1, 3 * first + 1 + self._axes[1][first]]
+        if support == "clamped":
+            held += [3 * end + slope for end in (first, last) for slope in (1, 2)]
+            if self.order == 3:
+                held.append(3 * self.mesh.n_points + self.mesh.edge_numbers(pairs))
         return np.unique(np.concatenate(held)).astype(np.int64)
 
     def cells(self) -> Iterator[PlateCells]:
@@ -132,14 +133,16 @@ class Plate:
         slopes = np.array([6 * s**2 - 6 * s, 1 - 4 * s + 3 * s**2, 6 * s - 6 * s**2, 3 * s**2 - 2 * s])
         middle = 4.0 * s * (1.0 - s) if self.order == 3 else 0.0 * s
         linear = np.array([1.0 - s - middle / 2.0, s - middle / 2.0])
+        # gradient = sum over c of dual_c unknown_c / size, where axis_b . dual_c = d_bc
+        dual = np.linalg.inv(self._axes[0][corners]).swapaxes(-1, -2) / self._sizes[corners][..., None, None]
         value = np.zeros((len(s), n, 3 * n + (n if self.order == 3 else 0), corners.shape[1]))
         along, across = np.zeros_like(value), np.zeros_like(value)
         for v in range(n):
             for end, point in enumerate((v, (v + 1) % n)):
                 value[:, v, 3 * point] += hermite[2 * end][:, None]
                 along[:, v, 3 * point] += slopes[2 * end][:, None] / lengths[v]
-                for c in range(2):  # gradient = sum over c of axis_c unknown_c / size
-                    axis = (self._axes[0][corners[point], c] / self._sizes[corners[point], None]).T
+                for c in range(2):
+                    axis = dual[point, :, c].T
                     by_tangent, by_normal = (axis * tangents[v]).sum(axis=0), (axis * normals[v]).sum(axis=0)
                     value[:, v, 3 * point + 1 + c] += hermite[2 * end + 1][:, None] * lengths[v] * by_tangent
                     along[:, v, 3 * point + 1 + c] += slopes[2 * end + 1][:, None] * by_tangent

@@ -11,7 +11,7 @@ from flangeway.contact.rolling.exact_rolling import derivatives, roll
 from flangeway.contact.rolling.fastsim import fastsim_forces
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.tables.creep_table import SATURATED, extended, interpolated
+from flangeway.tables.creep_table import SATURATED, ForceAxes, direction
 from flangeway.types import Floats
 
 PADDING = 3
@@ -90,8 +90,7 @@ class SampledPatch:
 
     def direction(self, spin: float, creep: float) -> Floats:
         """Creepages of unit size."""
-        unit = np.array([np.cos(spin) * np.cos(creep), np.cos(spin) * np.sin(creep), np.sin(spin)])
-        return unit / self._scale
+        return direction(np.array(spin), np.array(creep)) / self._scale
 
     def motion(self, slip: float, spin: float, creep: float) -> Creepages:
         """Creepages of reduced ones, slip below 1."""
@@ -222,6 +221,5 @@ def check(
 ) -> CreepErrors:
     """Compare with exact solutions at reduced creepages (n, 3)."""
     exact = np.array([patch.over_limit(patch.coupled(*point)) for point in points.tolist()]).reshape(-1, 3)
-    forces, more = extended(found.forces, axes)
-    error = interpolated(forces, (), more, tuple(points.T)) - exact
+    error = ForceAxes.of(found.forces, axes).at((), tuple(points.T)) - exact
     return CreepErrors(points, np.hypot(error[:, 0], error[:, 1]), np.abs(error[:, 2]))

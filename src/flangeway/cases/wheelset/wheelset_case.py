@@ -1,25 +1,16 @@
 """The cases of an elastic wheelset on two rails: standing on tangent track, and in a curve."""
 
 import time
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from dataclasses import replace
+from typing import Literal
 
-import numpy as np
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes
-from flangeway.cases.wheelset.wheelset_quantities import (
-    HALF_WIDTH,
-    ON_RAIL,
-    ON_WHEEL,
-    PRESSURE,
-    AnyPatch,
-)
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.materials import Elastic
-from flangeway.quantities import Quantity, numbers
 from flangeway.railway.track.discretisation import Choice, Discretisation, EnforcementName, Method, PairingName
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
@@ -208,89 +199,3 @@ class WheelsetCurveCase(WheelsetCase):
     superelevation_mm: float | Literal["from-speed"] = 30.0
     """height of the right rail over the left one (default: that of the outer rail); from-speed: equilibrium
     superelevation of speed and radius"""
-
-
-MAX_APPROACH_CHANGE = 0.02
-MAX_POSITION_CHANGE_MM = 0.2
-
-
-@dataclass(frozen=True)
-class Convergence:
-    """Results on a mesh and on one with half of its sizes.
-
-    Parameters
-    ----------
-    runs
-        Both runs, coarse mesh first.
-
-    """
-
-    runs: tuple[WheelsetRun, WheelsetRun]
-
-    @property
-    def converged(self) -> bool:
-        """Whether both runs converged to contact on both sides."""
-        return all(run.status.converged and len(run.patches) > 0 for run in self.runs)
-
-    @property
-    def within(self) -> bool:
-        """Whether both runs converged, and approach and positions changed less than the limits."""
-        if not self.converged:
-            return False
-        changes = self.changes()
-        return (
-            abs(changes["approach_change"]) < MAX_APPROACH_CHANGE
-            and changes["position_change_mm"] < MAX_POSITION_CHANGE_MM
-        )
-
-    def pairs(self) -> list[tuple[AnyPatch, AnyPatch]]:
-        """Contacts of both runs, side by side: that with the maximum force of each side."""
-        both = zip(*(run.wheels for run in self.runs), strict=True)
-        most = [(one.most_loaded, other.most_loaded) for one, other in both]
-        return [(one, other) for one, other in most if one is not None and other is not None]
-
-    def changes(self) -> dict[str, float]:
-        """Relative changes of approach, pressure and half width; the maximum change of a position in mm."""
-        pairs, (coarse, fine) = self.pairs(), self.runs
-        points = (ON_RAIL, ON_WHEEL)
-
-        def relative(quantity: Quantity[Any]) -> float:
-            return max((abs(quantity.value(b) / quantity.value(a) - 1.0) for a, b in pairs), default=float("nan"))
-
-        return {
-            "approach_change": abs(fine.result.approach_mm / coarse.result.approach_mm - 1.0),
-            "position_change_mm": max(
-                (float(np.abs(np.subtract(numbers(points, a), numbers(points, b))).max()) for a, b in pairs),
-                default=float("nan"),
-            ),
-            "max_pressure_change": relative(PRESSURE),
-            "half_width_change": relative(HALF_WIDTH),
-        }
-
-    def to_json(self) -> dict[str, Any]:
-        """What ``converge.json`` holds."""
-        keys = ("status", "position", "residual", "patches", "bodies", "timings_s")
-        summaries = [run.summary for run in self.runs]
-        runs = [{"size_scale": s["case"]["size_scale"]} | {key: s[key] for key in keys} for s in summaries]
-        return {
-            "within": self.within,
-            "changes": self.changes() if self.converged else None,
-            "limits": {"approach_change": MAX_APPROACH_CHANGE, "position_change_mm": MAX_POSITION_CHANGE_MM},
-            "runs": runs,
-            "case": summaries[0]["case"],
-            "versions": summaries[0]["versions"],
-        }
-
-
-def run_halved(case: WheelsetCase, progress: Progress = lambda _: None) -> Convergence:
-    """Run a case with its own sizes and with half of them.
-
-    It is an `InputError` if the inputs make no problem that can be solved, or half of `size_scale` is not allowed.
-    """
-    halved = case.from_values({**case.model_dump(), "size_scale": case.size_scale / 2.0})
-    case.problem()
-
-    def run(of: WheelsetCase) -> WheelsetRun:
-        return of.run(lambda sentence: progress(f"size scale {of.size_scale:g}: {sentence}"))
-
-    return Convergence((run(case), run(halved)))

@@ -405,9 +405,9 @@ class GriddedSide:
         the displacement outwards of the gauge face 14 mm below the top, or of its lowest point, along x.
         """
         elastic, loads, turn = self._elastic[0], self._loads[0], self._turns[0]
-        load = loads @ forces.sum(axis=1)
-        if across is not None:
-            load = load + self._unit_forces((0,), slice(None))[0] @ across
+        row = forces.sum(axis=1)
+        shares = self.turned(row, across)[1]
+        load = loads @ row + self._unit_forces((0,), slice(None))[0] @ (shares if across is None else shares + across)
         moved = -(elastic.remainder[0].reshape(len(loads), -1) @ load).reshape(-1, 3)[:, :2]
         moved, points = moved @ turn.T, self.surfaces.rail_frame.points(elastic.points)
         top = points[np.argmax(points[:, 1])]
@@ -457,23 +457,57 @@ class GriddedSide:
         - `guess`: gaps from close by.
         - `across`: lateral creep forces on the wheel's rows of cells, (n,); what they move stays in the geometry.
         """
-        (points, normals), (bending, turn) = self._at, self._bending
+        points, normals = self._at
         moved = np.zeros_like(points)
         if forces is not None:
             row = forces.sum(axis=1)
-            moved = bending @ row
-            turned = turn @ row
-            if across is not None:
-                points = points + self._bending_across[0] @ across
-                turned = turned + self._bending_across[1] @ across
+            turned, shares = self.turned(row, across)
+            moved = self._bending[0] @ row
+            points = points + self.bending_across @ (shares if across is None else shares + across)
             normals = normals + turned[:, None] * tangents_of(normals)
             normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         points = points + moved
         gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.z, guess)
         gap.arms[..., :2] += pose.shift  # from the middle of the axle, not from the profile's origin
         values = self._means(gap.gaps)
-        values = np.where(gap.gaps < FAR_MM, values + (moved * normals).sum(axis=1)[:, None], FAR_MM)
+        # `influence` moves the cells along the undeformed normals
+        values = np.where(gap.gaps < FAR_MM, values + (moved * self._at[1]).sum(axis=1)[:, None], FAR_MM)
         return points, normals, gap, values
+
+    def turned(self, row: Floats, across: Floats | None = None) -> tuple[Floats, Floats]:
+        """Turn of the normals by normal forces of rows, and the share of these along the tangents, (n,) each.
+
+        Forces act along the turned normals, on the bodies as on the wheelset: else the work that they do when the rail
+        turns would be lost, and forces would not be the derivative of the energy. With normal forces p of rows, turns T
+        by them and T' by forces along the tangents, ``s_i = p_i (T p + T' s)_i``. ``across``: see `deformed`.
+        """
+        turn, turn_across = self._bending[1], self._bending_across[1]
+        by_row = turn @ row if across is None else turn @ row + turn_across @ across
+        shares = np.asarray(np.linalg.solve(np.eye(len(row)) - row[:, None] * turn_across, row * by_row), np.float64)
+        return by_row + turn_across @ shares, shares
+
+    @property
+    def turn_by_rows(self) -> Floats:
+        """Turn of the normals by unit normal forces of rows, (n, n)."""
+        return self._bending[1]
+
+    @property
+    def undeformed_normals(self) -> Floats:
+        """Outward normals of the undeformed rail's cells, (n, 2)."""
+        return self._at[1]
+
+    def elastic_energy(self, forces: Floats) -> float:
+        """Elastic energy of both bodies under normal forces (n, n_z) without friction, N mm.
+
+        ``1/2 f A f`` of the forces along the undeformed normals N, and what their shares s along the tangents T add:
+        ``-(p N + s T / 2) . B' s`` with the displacements B' of the rail less those of the wheel.
+        """
+        row = forces.sum(axis=1)
+        _, shares = self.turned(row)
+        normals = self._at[1]
+        along = row[:, None] * normals + 0.5 * shares[:, None] * tangents_of(normals)
+        by_shares = float((along * (self.bending_across @ shares)).sum())
+        return 0.5 * float((forces * self.influence(forces)).sum()) - by_shares
 
 
 def _modes(bending: Floats) -> tuple[Floats, Floats]:

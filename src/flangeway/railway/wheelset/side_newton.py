@@ -155,19 +155,22 @@ class SideNewton:
             yawing = all_by[:, 2] * arms[:, 0] - all_by[:, 0] * arms[:, 2]
             slopes = np.column_stack((slopes, np.zeros(len(rows)), yawing))
         # D = left right: by_motion . n = 1, so that n - by_motion lies across
-        grid = self.grid
-        modes, loads = grid.bending_modes
-        left = np.einsum("mx,mxk->mk", self.normals[rows] - by, modes[rows])
-        right = loads[:, rows]
+        grid, row = self.grid, self.forces.sum(axis=1)
+        (modes, loads), (across, loads_across) = grid.bending_modes, grid.bending_modes_across
+        left = np.einsum("mx,mxk->mk", grid.undeformed_normals[rows] - by, modes[rows])
+        # shares s = p T p of the forces along the tangents: ds_i = (T p)_i dp_i + p_i (T dp)_i
+        turned, _ = grid.turned(row, None if self.creep is None else self.creep[:, 0])
+        shares = loads_across * turned + (loads_across * row) @ grid.turn_by_rows
+        left = np.hstack((left, -np.einsum("mx,mxk->mk", by, across[rows])))
+        right = np.vstack((loads, shares))[:, rows]
         # h is that of the forces so far: their part in D is taken off
         values = self.values[rows, strips] - left @ (right @ self.forces[rows, strips])
         if self.slopes is not None:
-            modes, loads = grid.bending_modes_across
-            across = -np.einsum("mx,mxk->mk", by, modes[rows]) @ loads
-            of_shape = across @ self.slopes.shape[N_RESULTANTS:]
+            by_rows = -np.einsum("mx,mxk->mk", by, across[rows]) @ loads_across
+            of_shape = by_rows @ self.slopes.shape[N_RESULTANTS:]
             values = values - of_shape @ self.shape
             if rolls:
-                slopes = slopes + across @ self.slopes.motion[N_RESULTANTS:]
+                slopes = slopes + by_rows @ self.slopes.motion[N_RESULTANTS:]
             left, right = np.hstack((left, of_shape)), np.vstack((right, self.slopes.weights[:, rows, strips]))
         found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
         n = 1 + slopes.shape[1]

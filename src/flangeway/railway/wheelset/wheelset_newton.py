@@ -101,8 +101,11 @@ LEAST_STIFFNESS = 1e-6
 """Of a wheel that does not touch, weight per mm, so that it goes where it is pushed."""
 ERROR_OF_LAW, LOOSE = 0.1, 1e-2
 """Error of the law of friction over the residual of the position before, and its largest one."""
-MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
-"""Step limits of the rate of rotation over itself, and of the yaw."""
+MAX_CREEPAGE, MAX_YAW_RAD = 6e-3, 3e-3
+"""Step limits of the rate of rotation over itself, and of the yaw, over the coefficient of friction: the creepages at
+which surfaces slip everywhere are in proportion to it, and beyond them forces have no slope that leads back."""
+FULL_FRICTION = 0.35
+"""Coefficient from which on the limits stay."""
 RATE, YAW = 5, 6
 """Numbers of the unknowns that friction adds behind position and tilts: the rate of rotation, and the yaw."""
 
@@ -263,7 +266,10 @@ class WheelsetNewton:
     def _limits(self) -> Floats:
         """Step limits."""
         limits = [*MAX_STEP, MAX_STEP[2], MAX_STEP[2]]
-        return np.array(limits if self.creep is None else [*limits, MAX_CREEPAGE * self.creep.rate_rad_s, MAX_YAW_RAD])
+        if self.creep is not None:
+            friction = min(float(np.max(self.creep.motion.friction.static)), FULL_FRICTION)
+            limits += [MAX_CREEPAGE * friction * self.creep.rate_rad_s, MAX_YAW_RAD * friction]
+        return np.array(limits)
 
     def _step(self) -> Floats:
         """Newton's step, limited so that the wheelset goes where it is pushed.

@@ -84,8 +84,9 @@ def _outlines(result: SpatialResult, side: Side) -> tuple[Floats, Floats]:
 
 def _view(rail: Floats, side: Side) -> Floats:
     """Corners (2, 2) of what is shown of a side: about the head of its rail."""
-    top = rail[rail[:, 1] > -15.0, 0]
-    middle = np.array([(top.min() + top.max()) / 2.0 - GAUGE_SIDE_MM * SIDE_SIGN[side], -5.0])
+    highest = rail[:, 1].max()
+    top = rail[rail[:, 1] > highest - 15.0, 0]
+    middle = np.array([(top.min() + top.max()) / 2.0 - GAUGE_SIDE_MM * SIDE_SIGN[side], highest - 5.0])
     return np.stack((middle - HALF_VIEW_MM, middle + HALF_VIEW_MM))
 
 
