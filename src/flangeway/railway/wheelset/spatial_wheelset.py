@@ -477,6 +477,8 @@ def finer(
         ends = ends[(ends >= limits[0]) & (ends <= limits[1])]
         if ends[0] < end:  # beside another patch's cells: one of another width fills what is between
             ends = np.append(end, ends[ends > end + 0.5 * size])
+        if len(ends) < 2:  # the other patch's cells hold all of it
+            continue
         end = ends[-1]
         cells = np.stack((ends[:-1], ends[1:]), axis=1)
         wanted = np.min([window.sizes(cells, many * size, n_across) for window in windows], axis=0)
