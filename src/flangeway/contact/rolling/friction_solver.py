@@ -31,12 +31,6 @@ DECREASE, LEAST_STEP = 0.1, 1.0 / 32.0
 """Part of a step by which the residual must fall, and the smallest part that is tried."""
 ROUND_OFF = 1e-12
 """Residual over the limits that is none."""
-LEAST_PART = 0.02
-"""Smallest part of the rigid slip by which it grows where Newton's method does not converge at once."""
-HELD = 1e-4
-"""Error of the law of friction under limits that are held, from which Newton's method starts."""
-COARSE = 20
-"""Cells of a side from which a grid of twice as large cells is solved first."""
 
 
 class SlipOperator:
@@ -55,7 +49,6 @@ class SlipOperator:
     """
 
     def __init__(self, coefficients: Floats, weights: tuple[float, ...], n_strips: int) -> None:
-        self.coefficients, self.weights = coefficients, weights
         self.shape = (coefficients.shape[1] // 2, 2, n_strips)
         self._moved = tangential_convolution(coefficients[: n_strips + len(weights) - 1])
         shape = n_strips, n_strips + len(weights) - 1
@@ -91,22 +84,6 @@ class SlipOperator:
         """A convolution on strips to which values are spread by a matrix, and from which they are taken by another."""
         flat = values.reshape(*values.shape[:-3], -1, self.shape[2])
         return np.asarray(convolution(flat @ onto) @ back.T).reshape(values.shape)
-
-    @cached_property
-    def coarser(self) -> "SlipOperator":
-        """The operator on cells of twice the size: mean displacements by evenly spread forces."""
-        n_cells, _, n_strips = self.shape
-        rows = np.arange(2 * n_cells)
-        share = np.zeros((2 * n_cells, 2 * ((n_cells + 1) // 2)))
-        share[rows, 2 * (rows // 4) + rows % 2] = 1.0
-        share /= share.sum(axis=0)
-        n_coarse = (n_strips + 1) // 2 + len(self.weights) - 1
-        missing = max(2 * n_coarse - len(self.coefficients), 0)
-        fine = np.pad(self.coefficients, ((0, missing), (0, 0), (0, 0)), mode="edge")
-        fine = share.T @ fine @ share
-        before = np.concatenate((fine[1:2].swapaxes(1, 2), fine[1:-1:2]))[:n_coarse]
-        pairs = fine[: 2 * n_coarse : 2] / 2.0 + (before + fine[1 : 2 * n_coarse : 2]) / 4.0
-        return SlipOperator(pairs, self.weights, (n_strips + 1) // 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +167,7 @@ class FrictionProblem:
         Parameters
         ----------
         start
-            Forces to start from; without them those of a coarser grid.
+            Forces to start from; without them none.
         tolerance
             Norm of the residual over that without forces at which the iteration ends: in slip that is of the limits,
             at small creepages of what single cells would carry.
@@ -198,18 +175,7 @@ class FrictionProblem:
         """
         if self.falling is not None:
             return self._fallen(self.falling, start, tolerance)
-        state, status = self._newton(self._nested(tolerance) if start is None else start, tolerance)
-        # otherwise the slip grows from none, in parts as small as needed
-        done, part, forces = 0.0, 0.5, np.zeros(self.rigid.shape)
-        while not status.converged and part >= LEAST_PART:
-            trial, found = replace(self, rigid=min(done + part, 1.0) * self.rigid)._newton(forces, tolerance)
-            if not found.converged:
-                part /= 4.0
-                continue
-            done, part, forces = done + part, 2.0 * part, trial.forces
-            if done >= 1.0:
-                return trial, found
-        return state, status
+        return self._newton(np.zeros(self.rigid.shape) if start is None else start, tolerance)
 
     def _fallen(self, falling: FallingLimits, start: Floats | None, tolerance: float) -> tuple[FrictionState, Status]:
         """Forces under limits that fall: Newton's method from neighbouring ones, or from those under held limits.
@@ -330,26 +296,6 @@ class FrictionProblem:
         """Forces cut at the limits."""
         length, limits = np.linalg.norm(forces, axis=1, keepdims=True), self.limits[:, None]
         return np.asarray(forces * np.where(length > limits, limits / np.where(length > 0.0, length, 1.0), 1.0))
-
-    def _nested(self, tolerance: float) -> Floats:
-        """Forces from a grid of cells of twice the size, or none where the grid is coarse."""
-        n_cells, _, n_strips = self.rigid.shape
-        if min(n_cells, n_strips) < 2 * COARSE:
-            return np.zeros(self.rigid.shape)
-        rows = np.arange(0, n_cells, 2), np.arange(0, n_strips, 2)
-        number = np.minimum(rows[0] + 2, n_cells) - rows[0], np.minimum(rows[1] + 2, n_strips) - rows[1]
-
-        def summed(values: Floats) -> Floats:
-            return np.asarray(np.add.reduceat(np.add.reduceat(values, rows[0], axis=0), rows[1], axis=-1))
-
-        rigid = summed(self.rigid) / (number[0][:, None, None] * number[1])
-        limits = summed(self.limits)
-        n_weights = len(self.operator.weights)
-        coarse = FrictionProblem(self.operator.coarser, rigid * (2.0 if n_weights > 1 else 1.0), limits)
-        state, _ = coarse.solve(None, tolerance)
-        share = state.forces / np.maximum(limits, np.finfo(float).tiny)[:, None]
-        fine = np.repeat(np.repeat(share, 2, axis=0), 2, axis=-1)[:n_cells, :, :n_strips]
-        return np.asarray(fine * self.limits[:, None])
 
 
 def tangential_convolution(coefficients: Floats) -> Convolution:
