@@ -31,6 +31,8 @@ DECREASE, LEAST_STEP = 0.1, 1.0 / 32.0
 """Part of a step by which the residual must fall, and the smallest part that is tried."""
 ROUND_OFF = 1e-12
 """Residual over the limits that is none."""
+HELD = 1e-4
+"""Error of the law of friction under limits that are held, from which Newton's method starts."""
 
 
 class SlipOperator:
