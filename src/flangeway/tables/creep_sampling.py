@@ -210,7 +210,7 @@ class CreepErrors:
     moment: Floats
 
     @property
-    def largest(self) -> float:
+    def expected_maximum(self) -> float:
         """Error of the force to be expected at most anywhere: few points find their mean size, but not the largest."""
         return PEAK * float(np.sqrt((self.force**2).mean())) if len(self.force) else 0.0
 
