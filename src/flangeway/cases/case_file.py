@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from flangeway.cases.bodies.chains import BearingRingCase, RollerBetweenPlatesCase, ShrinkFitCase, StackCase
 from flangeway.cases.bodies.cook import CookCase
 from flangeway.cases.bodies.presets import ContactPatchCase, HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
@@ -28,7 +27,6 @@ CASES: dict[str, type[RunnableCase]] = {
     for case in (
         *(SpatialWheelsetCase, WheelsetTangentCase, WheelsetCurveCase),
         *(HertzCase, ContactPatchCase, CookCase, TorsionCase, TwoBodiesCase),
-        *(StackCase, RollerBetweenPlatesCase, BearingRingCase, ShrinkFitCase),
         *(CraneWheelCase, RollerCase, CrossedCylindersCase, SpatialCase, RollingPatchCase),
     )
 }
