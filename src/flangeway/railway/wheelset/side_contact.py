@@ -6,6 +6,7 @@ All is in the right-hand form of a side: x to the field side, y up, z ahead, ori
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -41,6 +42,14 @@ class WheelGap(NamedTuple):
     along: Floats
     by_motion: Floats
     arms: Floats
+
+    def moved(self, old: "WheelPose", new: "WheelPose") -> Floats:
+        """Gaps as the wheel moves a little in its plane from one pose to another, (n, n_z)."""
+        turn = new.whole_roll - old.whole_roll
+        x, y = new.middle - old.middle
+        arms = self.arms - np.append(old.shift, 0.0)
+        way = self.by_motion[..., 0] * (x - turn * arms[..., 1]) + self.by_motion[..., 1] * (y + turn * arms[..., 0])
+        return np.where(self.gaps < FAR_MM, self.gaps + way, FAR_MM)
 
 
 def wheel_gap(
@@ -102,6 +111,8 @@ def wheel_gap(
     return WheelGap(*(values.reshape(*shape, *values.shape[1:]) for values in each))
 
 
+SECTION_AXES = ((0, 1), (0, 1), (2,))
+"""Axes of a section in which those of the frames of cells lie: tangent, normal and z."""
 GAUGE_DEPTH_MM = 14.0
 """Depth below the rail's top at which the gauge is measured (EN 13848-1)."""
 RANK = 1e-4
@@ -219,6 +230,11 @@ class SideGrid:
         return self.planes.astype(np.float64) * self.strip
 
     @property
+    def middles(self) -> tuple[Floats, Floats]:
+        """`stations` and `z`."""
+        return self.stations, self.z
+
+    @property
     def strip_ends(self) -> Floats:
         """Ends of the strips, shape (n_z, 2)."""
         return self.z[:, None] + self.strip / 2.0 * np.array([-1.0, 1.0])
@@ -326,12 +342,15 @@ class GriddedSide:
     def _unit_forces(self, axes: Sequence[int], rows: slice) -> tuple[Floats, Floats]:
         """Unit forces along axes of the frames of some cells, as `_loads`: (3 N, n m) for m axes."""
         loads = []
-        for weights, turn in zip(self._weights, self._turns, strict=True):
-            directions = self.frames[rows][:, axes]
-            directions = np.concatenate((directions[..., :2] @ turn, directions[..., 2:]), axis=2)
+        for weights, directions in zip(self._weights, self._directions(axes, rows), strict=True):
             full = np.einsum("ia,imx->axim", weights[rows], directions)
             loads.append(full.reshape(3 * weights.shape[1], -1))
         return loads[0], loads[1]
+
+    def _directions(self, axes: Sequence[int], rows: slice) -> list[Floats]:
+        """Axes of the frames of some cells in the axes of the sections of rail and wheel, (n, m, 3) each."""
+        directions = self.frames[rows][:, axes]
+        return [np.concatenate((directions[..., :2] @ turn, directions[..., 2:]), axis=2) for turn in self._turns]
 
     @cached_property
     def influence(self) -> Convolution:
@@ -355,17 +374,26 @@ class GriddedSide:
         grid = self.grid
         materials = self.surfaces.rail_elastic.material, self.surfaces.wheel_elastic.material
         total = half_spaces_on(materials, grid.cells[rows], self.frames[rows], grid.strip, n_distances, axes)
-        size = total.shape[1] * len(axes)
-        total = total.reshape(n_distances, size, size)
-        for elastic, unit_forces in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
+        pairs = list(product(enumerate(axes), repeat=2))
+        for elastic, weights, directions in zip(
+            self._elastic, self._weights, self._directions(axes, rows), strict=True
+        ):
             used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, len(grid.planes)))) + 3
-            table = elastic.table(along=2 in axes)[:used]
-            # without forces along z two thirds of the rows
-            loads = unit_forces.reshape(-1, 3, size)[:, : 3 if 2 in axes else 2].reshape(table.shape[1], size)
-            found = np.matmul(loads.T, np.matmul(table, loads))
-            weights = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, : len(table)]
-            total += (weights @ found.reshape(len(table), -1)).reshape(total.shape)
-        return total
+            across = weights[rows]
+            along = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, :used]
+            # T_xyzij = sum over stations of A_ik T_xyzkl A_jl
+            on_cells = {
+                place: across @ elastic.by_axes[place][:used] @ across.T
+                for place in product(*[sorted({x for axis in axes for x in SECTION_AXES[axis]})] * 2)
+            }
+            for (i, of), (j, by) in pairs:
+                turned = sum(
+                    directions[:, i, x, None] * directions[:, j, y] * on_cells[x, y]
+                    for x, y in product(SECTION_AXES[of], SECTION_AXES[by])
+                )
+                total[i, j] += np.tensordot(along, turned, axes=1)
+        size = total.shape[3] * len(axes)
+        return total.transpose(2, 3, 0, 4, 1).reshape(n_distances, size, size)
 
     @cached_property
     def _bending(self) -> tuple[Floats, Floats]:
