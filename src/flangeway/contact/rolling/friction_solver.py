@@ -212,13 +212,17 @@ class FrictionProblem:
         return state, status
 
     def _fallen(self, falling: FallingLimits, start: Floats | None, tolerance: float) -> tuple[FrictionState, Status]:
-        """Forces under limits that fall: Newton's method from those under limits that are held.
+        """Forces under limits that fall: Newton's method from neighbouring ones, or from those under held limits.
 
         Where it does not converge, as where a patch slips away at once, limits are lowered to those of the slip, and
         never raised: this ends.
         """
         limits, forces, jumps = self.limits, start, falling.friction.jumps
         enough = max(tolerance, HELD)
+        if start is not None and not jumps:
+            state, status = self._newton(start, tolerance)
+            if status.converged:
+                return state, status
         while True:
             held = replace(self, falling=None, limits=limits).solve(forces, tolerance if jumps else enough)
             found = held if jumps else self._newton(held[0].forces, tolerance)

@@ -142,9 +142,14 @@ class SpatialWheelset:
     ) -> tuple[WheelsetNewton, Equilibrium[SpatialState]]:
         """Equilibrium on coarse cells, which are made anew where the wheelset leaves the position that they are for."""
         place = position
-        grids = {side: self._coarse(side, place, near) for side in SIDES}
-        if near is not None and covered(grids, near):
-            grids = {side: state.grid for side, state in near.sides.items()}
+
+        def grids_at(near: SpatialState | None) -> dict[Side, GriddedSide]:
+            """Cells at the place; those of a contact where they reach as far."""
+            grids = {side: self._coarse(side, place, near) for side in SIDES}
+            for side, state in {} if near is None else near.sides.items():
+                if state.grid.grid.covers(grids[side].grid):
+                    grids[side] = state.grid
+            return grids
 
         def others(found: Equilibrium[SpatialState], newton: WheelsetNewton) -> Placed | None:
             nonlocal place
@@ -152,11 +157,12 @@ class SpatialWheelset:
             if not found.status.converged and (way / MAX_STEP).max() <= NEARBY:
                 return None
             place = newton.position
-            grids = {side: self._coarse(side, place, found.state) for side in SIDES}
-            return None if covered(grids, found.state) else (grids, found.state)
+            grids, state = grids_at(found.state), found.state
+            return None if all(grids[side] is state.sides[side].grid for side in SIDES) else (grids, state)
 
+        grids = grids_at(near)
         newton = WheelsetNewton(self.problem, grids, place, self.model.yaw_rad, self._tilts_by_forces, near, creep)
-        tolerance = COARSE_RESIDUAL if creep is None else ROLLING_RESIDUAL
+        tolerance = COARSE_RESIDUAL if self.model.rolling is None else ROLLING_RESIDUAL
         return newton, self._search(newton, tolerance, progress, others)
 
     def _on_fine_cells(
@@ -336,11 +342,6 @@ class SpatialWheelset:
             planes = int(lead / strip) + np.arange(-5, 6)
         grid = SideGrid(cells, strip, np.arange(planes[0] - EVERY + 1, planes[-1] + EVERY))
         return GriddedSide(surfaces, grid, pose)
-
-
-def covered(grids: Mapping[Side, GriddedSide], state: SpatialState) -> bool:
-    """Whether the cells of a state reach as far as those of grids."""
-    return all(state.sides[side].grid.grid.covers(each.grid) for side, each in grids.items())
 
 
 def _way(lateral: float) -> str:
