@@ -21,8 +21,10 @@ SLIPS: Floats = np.array([0.0, 0.12, 0.24, 0.34, 0.42, 0.5, 0.6, 0.7, 0.82, 1.0]
 """Reduced sizes of creepages: 0 is linear theory, at 1 everything slides."""
 ANGLES = 24
 """Intervals of 180 degrees of both angles in a table."""
-DIRECTIONS = (4, 6, 12, 24)
-"""Intervals between exact solutions, from coarse to fine: 104, 248, 1,064 and 4,424 of these for each patch."""
+DIRECTIONS = (4, 6, 8, 12, 24)
+"""Intervals between exact solutions, from coarse to fine: 104, 248, 456, 1,064 and 4,424 of these for each patch."""
+PEAK = 6.0
+"""Maximum error over the root mean square, 4 to 9 at 300 points of patches with 4 to 12 intervals; mostly below 7."""
 CREEPS: Floats = np.linspace(0.0, np.pi, ANGLES + 1)
 AXES = (SLIPS, CREEPS - np.pi / 2.0, CREEPS)
 """Axes of a table: slip, angle of spin, angle of creepage."""
@@ -206,6 +208,11 @@ class CreepErrors:
     points: Floats
     force: Floats
     moment: Floats
+
+    @property
+    def expected_maximum(self) -> float:
+        """Error of the force to be expected at most anywhere: few points find their mean size, but not the largest."""
+        return PEAK * float(np.sqrt((self.force**2).mean())) if len(self.force) else 0.0
 
 
 def random_points(number: int, random: np.random.Generator) -> Floats:
