@@ -124,7 +124,7 @@ def examples(words: list[str]) -> None:
             (IMAGES / "examples").mkdir(exist_ok=True)
             full = io.BytesIO(png(importlib.import_module(name).main()))
             (IMAGES / "examples" / f"{name}.png").write_bytes(small(full, THUMBNAIL))
-        cells.append(f"![{title}](images/examples/{name}.png)<br>{title}: `{name}.py`")
+        cells.append(f"![{title}](images/examples/{name}.png)<br>{title}: [`{name}`](examples/{name}.ipynb)")
     cells += [""] * (-len(cells) % COLUMNS)
     rows = [cells[i : i + COLUMNS] for i in range(0, len(cells), COLUMNS)]
     table = [

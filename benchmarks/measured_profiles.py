@@ -116,7 +116,7 @@ def _line(rows: list[MeasuredRow], folder: Path) -> str:
         if row.end != "converged":
             words = row.words.replace(f"{folder}/", "").splitlines()
             place = "free" if row.lateral_mm is None else f"{row.lateral_mm:g}"
-            reason = "; ".join(words[1:2] if "lateral disp" in words[0] else words[:1])
+            reason = (words[1] if "lateral disp" in words[0] else words[0]).strip()
             other.setdefault(f"{row.end}: {reason}", []).append(place)
     good = ", ".join("free" if row.lateral_mm is None else f"{row.lateral_mm:g}" for row in rows if _good(row))
     reasons = "; ".join(f"{', '.join(places)}: {words}" for words, places in other.items())

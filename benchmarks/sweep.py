@@ -105,21 +105,21 @@ class EnergySweep:
 
 
 def energy_of(result: SpatialResult) -> float:
-    """Elastic energy of wheels and rails and potential energy of the load, N mm: ``1/2 f A f`` and ``W y``."""
+    """Elastic energy of wheels and rails and potential energy of the load, N mm."""
     equilibrium: Equilibrium[SpatialState] = result.equilibrium
-    elastic = sum(0.5 * float((s.forces * s.grid.influence(s.forces)).sum()) for s in equilibrium.state.sides.values())
+    elastic = sum(each.grid.elastic_energy(each.forces) for each in equilibrium.state.sides.values())
     loads, (x, y, roll) = loads_of(result.problem), equilibrium.position.components
     height = loads.height
     return elastic + float(loads.onto * (y + height * np.cos(roll)) - loads.along * (x - height * np.sin(roll)))
 
 
-def energy_sweep(values: dict[str, Any], step: float = ENERGY_STEP_MM) -> EnergySweep:
+def energy_sweep(
+    wheelset: SpatialWheelset, step: float = ENERGY_STEP_MM, lateral: float = 0.0, farthest: float = FARTHEST_MM
+) -> EnergySweep:
     """Move a wheelset on a rigid axle sideways; positions at the Gauss points of steps, for the work."""
-    wheelset = wheelset_of({**values, "axle": "rigid"})
-    ends, work, failures = [energy_of(moved_to(wheelset, 0.0))], [0.0], []
-    lateral = 0.0
+    ends, work, failures = [energy_of(moved_to(wheelset, lateral))], [0.0], []
     nodes = step / 2.0 * (1.0 + np.array([-1.0, 1.0]) / np.sqrt(3.0))
-    while lateral < FARTHEST_MM:
+    while lateral < farthest:
         try:
             results = [moved_to(wheelset, lateral + float(ahead)) for ahead in (*nodes, step)]
         except InputError as error:  # the flange climbs
@@ -143,7 +143,7 @@ def measurements() -> Iterator[Measurement]:
     pairs = [(wheel, rail) for wheel in (*WHEELS, *REFERENCE_WHEELS) for rail in RAILS]
     for wheel, rail in pairs:
         start = time.process_time()
-        found = energy_sweep({"wheel": wheel, "rail": rail})
+        found = energy_sweep(wheelset_of({"wheel": wheel, "rail": rail, "axle": "rigid"}))
         yield Measurement(
             f"{wheel} on {rail} moved sideways to {found.last_mm:g} mm", NO_PEER, time.process_time() - start, None,
             found.error, None, "error of the balance of work and energy",

@@ -1,4 +1,7 @@
-"""Makes of the site what Markdown cannot: formulas as MathML, which browsers show without a script, and notebooks."""
+"""Makes of the site what Markdown cannot: formulas as MathML, which browsers show without a script, and notebooks.
+
+Examples of the gallery become notebooks to download, beside their thumbnails.
+"""
 
 import base64
 import html
@@ -6,7 +9,7 @@ import json
 import os
 import re
 from collections.abc import Iterator
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from latex2mathml.converter import convert
@@ -14,6 +17,9 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
+EXAMPLES = Path(__file__).parents[1] / "examples" / "gallery"
+DRAWING = EXAMPLES / "gallery_drawing.py"
+"""What the examples import; their notebooks have it as a cell."""
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 
 
@@ -39,7 +45,25 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
                     files.append(File.generated(config, uri, content=picture))
         content.append(f"[Download this notebook]({name.name}); it runs in Jupyter, in an environment with flangeway.")
         files.append(File.generated(config, str(name.with_suffix(".md")), content="\n\n".join(content) + "\n"))
+    for path in sorted(EXAMPLES.glob("*.py")):
+        if path != DRAWING:
+            notebook = json.dumps(example_notebook(path), ensure_ascii=False, indent=1)
+            files.append(File.generated(config, f"examples/{path.stem}.ipynb", content=notebook + "\n"))
     return files
+
+
+def example_notebook(path: Path) -> dict[str, Any]:
+    """Notebook of an example of the gallery: its title, what draws, its code, and the call that shows the picture."""
+    title, _, code = path.read_text(encoding="utf-8").removeprefix('"""').partition('."""\n')
+    drawing = DRAWING.read_text(encoding="utf-8").partition('"""\n')[2]
+    own = "".join(line for line in code.splitlines(keepends=True) if not line.startswith("from gallery_drawing"))
+    code_cells = ["%matplotlib inline", drawing.strip(), own.strip(), "main()"]
+    cells: list[dict[str, Any]] = [{"cell_type": "markdown", "id": "title", "metadata": {}, "source": f"# {title}"}]
+    for number, source in enumerate(code_cells):
+        more: dict[str, Any] = {"execution_count": None, "outputs": []}
+        cells.append({"cell_type": "code", "id": f"code-{number}", "metadata": {}, "source": source, **more})
+    kernel = {"name": "python3", "display_name": "Python 3"}
+    return {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
 
 
 def _outputs(cell: dict[str, Any], picture: str) -> Iterator[tuple[str, bytes]]:

@@ -4,6 +4,7 @@ import importlib.util
 import re
 from pathlib import Path
 
+import nbformat
 import pytest
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -24,20 +25,30 @@ def test_example_runs_and_its_checks_hold(path, capsys):
 GALLERY = sorted(path for path in (EXAMPLES / "gallery").glob("*.py") if path.stem != "gallery_drawing")
 
 
-@pytest.mark.ci
-@pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
-def test_an_example_of_the_gallery_holds_and_is_on_its_page(path, capsys, monkeypatch):
-    """Its checks hold, it prints a number and returns a picture; the page shows it, in at most 25 kB."""
-    monkeypatch.syspath_prepend(str(path.parent))
-    spec = importlib.util.spec_from_file_location(path.stem, path)
+@pytest.fixture(scope="module")
+def example_notebook():
+    """Return what makes the notebooks of the site."""
+    spec = importlib.util.spec_from_file_location("hooks", EXAMPLES.parent / "docs" / "hooks.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    figure = module.main()
-    assert figure.axes
+    return module.example_notebook
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
+def test_an_example_of_the_gallery_holds_as_its_notebook_and_is_on_the_page(path, capsys, example_notebook):
+    """The notebook's cells run one after the other, print a number and return a picture; the page has both."""
+    notebook = example_notebook(path)
+    nbformat.validate(notebook)
+    title, *cells = (cell["source"] for cell in notebook["cells"])
+    names = {"__name__": "__main__"}
+    for source in cells[1:-1]:  # the first is a command of Jupyter, the last the call
+        exec(compile(source, path.name, "exec"), names)
+    assert eval(cells[-1], names).axes
     assert re.search(r"\d", capsys.readouterr().out)
     assert 15 <= len(path.read_text().splitlines()) <= 50
     docs = EXAMPLES.parent / "docs"
     assert (docs / "images" / "examples" / f"{path.stem}.png").stat().st_size <= 25_000
     page = (docs / "gallery.md").read_text(encoding="utf-8")
     assert f"images/examples/{path.stem}.png" in page
-    assert module.__doc__.splitlines()[0].rstrip(".") in page
+    assert f"{title.removeprefix('# ')}: [`{path.stem}`](examples/{path.stem}.ipynb)" in page

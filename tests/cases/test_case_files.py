@@ -28,10 +28,6 @@ COARSE = {
     "crossed-cylinders": {"order": 1},
     "spatial": {"tolerance": 0.1, "bodies.bar.order": 1, "bodies.wheel.order": 1},
     "rolling-patch": {"cells_along": 8, "cells_across": 8, "curve_points": 3},
-    "stack": {"size_mm": 10.0},
-    "roller-between-plates": {"size_mm": 0.3, "body_size_mm": 8.0},
-    "bearing-ring": {"size_mm": 0.25, "body_size_mm": 8.0},
-    "shrink-fit": {"size_mm": 3.0},
     "two-bodies": {"bodies.cylinder.size_mm": 20.0, "bodies.2.size_mm": 20.0},
 }
 

@@ -72,9 +72,37 @@ def test_files_hold_what_was_computed(written, tmp_path, call) -> None:
     assert (out / "damage.sqlite").stat().st_mtime_ns == stamp
 
 
+def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> None:
+    """A strategy has the numbers of a file of its own with the same changes, and the page has all of them."""
+    changes = {
+        "inputs": ("curve_radius_m = 600", "curve_radius_m = 500"),
+        "wear.wheel": ("constant = 0.5", "constant = 0.2"),
+    }
+    tables = "".join(f"[strategies.sharp.{table}]\n{new}\n" for table, (_, new) in changes.items())
+    results = {}
+    for name, parts in {"both": [("end = 100", f"end = 100\n{tables}")], "single": changes.values()}.items():
+        out = tmp_path / name
+        assert call("damage", str(written(*parts)), "--out", str(out), "--no-pictures", "-q")[0] == 0
+        results[name] = json.loads((out / "summary.json").read_text())
+    compared, single = results["both"]["strategies"], results["single"]["steps"]
+    assert list(compared) == ["line", "sharp"]
+    assert compared["sharp"].items() >= single[-1].items()
+    areas = [compared[name]["right_wheel_area_mm2"] for name in compared]
+    assert areas[0] > 1.1 * areas[1]
+    page = (tmp_path / "both" / "report.html").read_text()
+    assert "inputs.curve_radius_m = 500, wear.wheel.constant = 0.2" in page
+    assert all(f"{area:.5g}" in page for area in areas)
+    with (tmp_path / "both" / "steps.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["strategy"] == "sharp"]
+    assert [float(row["position"]) for row in rows] == [step["position"] for step in single]
+
+
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
+        ([("end = 100", "end = 100\n[strategies.a.inputs]\nspeed = 3")], ("line 24", "speed_km_h")),
+        ([("end = 100", "end = 100\n[strategies.a.wear.wheel]\nk = 3")], ("line 25", "'k'")),
+        ([("end = 100", "end = 100\n[strategies.'a/b'.inputs]")], ("a/b",)),
         ([('unit = "mm3/kJ"', "")], ("unit", "line 17")),
         ([('"mm3/kJ"', '"mm3"')], ("unit", "mm3/kJ")),
         ([("share = 1", "share = 0.9")], ("0.9", "sum of 1")),
@@ -101,7 +129,7 @@ def test_wrong_files_are_refused(written, parts, words) -> None:
     """The error names the file and the key, what is allowed and what to do."""
     file = written(*parts)
     with pytest.raises(InputError) as error:
-        DamageFile.read(file).damage()
+        DamageFile.read(file).strategies()
     for word in ("line.toml", *words):
         assert word in str(error.value)
 

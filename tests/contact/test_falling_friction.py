@@ -126,7 +126,7 @@ def test_a_reduced_slope_is_that_of_reduced_creepages(theory) -> None:
     )
     if isinstance(one, Rolling):
         assert one.frictional_power == pytest.approx(sum(one.products(motion)), rel=1e-6)
-        assert one.displacements[0][:, ::2].max() == pytest.approx(other.displacements[0][:, ::2].max() / 0.4, rel=2e-3)
+        assert one.displacements[0].max() == pytest.approx(other.displacements[0].max() / 0.4, rel=2e-3)
 
 
 @pytest.mark.parametrize(

@@ -30,11 +30,3 @@ def test_every_name_on_the_page_is_in_the_program(page):
                     rf'(class|def) {part}\b|^\s*{part}\b\s*[:=]|"{part}"[:,]|flangeway\.{part}\b', SOURCE, re.MULTILINE
                 )
                 assert defined, f"{name} on {page}"
-
-
-@pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda path: path.name)
-def test_links_between_pages_lead_somewhere(page):
-    """Every relative link of a page of the documentation leads to a file, or a notebook that a page is built from."""
-    for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
-        found = page.parent / target
-        assert found.exists() or found.with_suffix(".ipynb").exists(), f"{target} in {page.name}"

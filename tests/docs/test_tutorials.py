@@ -62,9 +62,12 @@ def test_creep_forces_are_as_the_page_says(follow):
 def test_the_life_of_a_profile_is_as_the_page_says(follow, tmp_path):
     """The file of the page is that of the examples; the command and the script print what the page shows, to 2 %."""
     page, file = "tutorials/profile-life.md", DOCS.parent / "examples" / "wheel-life.toml"
-    assert f"```toml\n{file.read_text(encoding='utf-8')}```" in (DOCS / page).read_text(encoding="utf-8")
+    text = (DOCS / page).read_text(encoding="utf-8")
+    assert f"```toml\n{file.read_text(encoding='utf-8')}```" in text
+    strategies = text.split("ends with\n\n```toml\n")[1].split("```")[0]
+    assert file.with_name("wheel-strategies.toml").read_text(encoding="utf-8").endswith(strategies)
     shutil.copytree(file.parent, tmp_path / "examples")
-    assert follow(page, tolerance=0.02) == {"python": 1, "sh": 1, "text": 2, "toml": 1}
+    assert follow(page, tolerance=0.02) == {"python": 1, "sh": 2, "text": 3, "toml": 2}
 
 
 def test_numbers_in_the_text_are_the_curves():

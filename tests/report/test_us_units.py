@@ -4,6 +4,7 @@ import csv
 import re
 from dataclasses import replace
 from decimal import Decimal
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from flangeway.units import us_key, us_unit
 INPUTS = {
     "wheelset": {"friction": 0.3, "rolling_theory": "fastsim", "curve_radius_m": 600.0, "speed_km_h": 50.0},
     "wheelset-tangent": {"size_scale": 8.0},
-    "stack": {},
+    str(Path(__file__).parents[2] / "examples" / "stack.toml"): {},
     "crane-wheel": {},
     "rolling-patch": {"cells_along": 10, "cells_across": 10, "curve_points": 3},
     "torsion": {"size": 40.0, "order": 1},

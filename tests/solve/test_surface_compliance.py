@@ -112,8 +112,8 @@ def test_far_forces_act_as_on_a_half_space() -> None:
 def test_a_uniform_pressure_on_a_square_gives_loves_mean_displacement() -> None:
     """The mean displacement of a square under a uniform pressure is 2.9732 (1 - nu^2) p a / (pi E), to 0.1 %."""
     n = 8
-    influence = Convolution(table().influence(SIZE, 32, axes=(1,)))
-    forces = np.zeros(influence.shape)
+    coefficients = table().influence(SIZE, 32, axes=(1,))
+    influence, forces = Convolution(coefficients), np.zeros((coefficients.shape[1], 32))
     place = np.ix_(np.arange(11, 11 + n), np.arange(12, 12 + n))
     forces[place] = SIZE**2
     mean = influence(forces)[place].mean()

@@ -9,7 +9,7 @@ from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.tables.creep_sampling import AXES, SampledPatch, check, random_points, sample
-from flangeway.tables.creep_table import ROUNDED, SATURATED, extended, interpolated, reduced
+from flangeway.tables.creep_table import ROUNDED, SATURATED, ForceAxes, reduced
 from tests.contact.test_rolling import ellipse
 
 DIRECTIONS = 6
@@ -28,8 +28,7 @@ def sampled(patch):
 
 def at(sampled, *point):
     """Forces over the limit of friction at one reduced creepage."""
-    forces, axes = extended(sampled.forces, AXES)
-    return interpolated(forces, (), axes, tuple(np.atleast_1d(np.asarray(point, float)[:, None])))[0]
+    return ForceAxes.of(sampled.forces, AXES).at((), tuple(np.atleast_1d(np.asarray(point, float)[:, None])))[0]
 
 
 def test_the_table_has_the_exact_forces_at_its_nodes(patch, sampled):
@@ -46,12 +45,34 @@ def test_the_table_has_the_exact_forces_at_its_nodes(patch, sampled):
 
 
 def test_small_creepages_have_the_derivatives_of_a_patch_that_sticks(patch, sampled):
-    """Slopes at the origin are exact along the table's directions; elsewhere within 2 % of the largest."""
-    for spin, creep, close in ((0.0, 0.0, 1e-5), (0.0, np.pi / 2, 1e-5), (-np.pi / 2, 0.0, 1e-5), (0.3, 1.0, 0.02)):
+    """Slopes at the origin are exact in any direction."""
+    for spin, creep in ((0.0, 0.0), (0.0, np.pi / 2), (-np.pi / 2, 0.0), (0.3, 1.0)):
         slip = 1e-7
         size = SATURATED * slip / (1.0 - slip)
         expected = patch.slopes @ (size * patch.direction(spin, creep)) / patch.limit / [1.0, 1.0, patch.radius]
-        np.testing.assert_allclose(at(sampled, slip, spin, creep) / slip, expected / slip, atol=close * SATURATED)
+        np.testing.assert_allclose(at(sampled, slip, spin, creep) / slip, expected / slip, atol=1e-5 * SATURATED)
+
+
+def cartesian(sampled, creepage):
+    """Forces over the limit of friction at a reduced creepage (3,) that is not over the limit's."""
+    size = np.linalg.norm(creepage)
+    angles = np.arctan2(creepage[2], np.hypot(*creepage[:2])), np.arctan2(creepage[1], creepage[0])
+    return at(sampled, size / (size + SATURATED), *angles)
+
+
+@pytest.mark.parametrize("spin", [0.0, 0.3, -1.5, 20.0])
+def test_the_derivative_is_the_same_from_all_sides(sampled, spin):
+    """Without creepage and in pure spin: forward differences along three axes give those of any direction."""
+    step, centre = 1e-6 * max(1.0, abs(spin)), np.array([0.0, 0.0, spin])
+    base = cartesian(sampled, centre)
+
+    def change(along):
+        return (cartesian(sampled, centre + step * along) - base) / step
+
+    axes = np.array([change(along) for along in np.eye(3)])
+    scale = np.abs(axes).max()
+    for along in np.random.default_rng(2).normal(size=(20, 3)):
+        np.testing.assert_allclose(change(along), along @ axes, atol=3e-5 * scale * np.linalg.norm(along))
 
 
 def test_huge_creepages_slide_everywhere(patch, sampled):

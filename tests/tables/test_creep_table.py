@@ -57,23 +57,41 @@ def table():
     return made_up(normal)
 
 
-def test_positions_are_interpolated_where_patches_go_over_and_nearest_where_they_jump(table):
-    """Linear over load; on the right side the two patches count from the middle of the interval on."""
-    found = table.contacts([-1.0, -0.3, 0.9, 1.1, 2.0], 0.0, [100.0, 125.0, 100.0, 100.0, 200.0])["normal_force_N"]
-    np.testing.assert_allclose(found[:, 0, 0], (5e4, 6.25e4, 5e4, 5e4, 1e5))
-    np.testing.assert_allclose(found[2:, 1], ((5e4, 0.0), (3e4, 2e4), (6e4, 4e4)))
+def test_positions_are_interpolated_where_patches_go_over_and_both_are_there_where_they_jump(table):
+    """Linear over load; on the right side the one patch of the position before hands its load over to the two."""
+    found = table.contacts([-1.0, -0.3, 0.5, 2.0], 0.0, [100.0, 125.0, 100.0, 200.0])["normal_force_N"]
+    assert found.shape == (4, 2, 16)
+    np.testing.assert_allclose(found[:, 0, 0], (5e4, 6.25e4, 5e4, 1e5))
+    part = 0.25**2 * (3.0 - 2.0 * 0.25)  # a quarter of the way from 0 to 2 mm
+    np.testing.assert_allclose(np.sort(found[2, 1])[-3:], np.sort([(1.0 - part) * 5e4, part * 3e4, part * 2e4]))
+    np.testing.assert_allclose(np.sort(found[3, 1])[-2:], (4e4, 6e4))
+
+
+@pytest.mark.parametrize(("load", "step"), [(100.0, 2e-3), (120.0, 0.02)])
+def test_forces_are_continuous_where_patches_jump(table, load, step):
+    """Across an interval of jumping patches, its ends included; between loads up to what interpolation leaves."""
+    lateral = np.linspace(-1.0, 2.0, 3001)
+    contacts = table.contacts(lateral, 0.0, load)
+    creepages = np.broadcast_to([1e-3, -5e-4, 1e-4], (*contacts["normal_force_N"].shape, 3))
+    push, moment = table.wrench(contacts, table.forces(lateral, 0.0, load, creepages))
+    for values in (push, moment):
+        changes = np.abs(np.diff(values, axis=0)).max(axis=0)
+        assert (changes <= step * np.abs(values).max(axis=0) + 1e-9).all()
+    slopes = np.diff(push[1001:, 1], axis=0)  # inside of the interval
+    assert np.abs(np.diff(slopes, axis=0)).max() < 5e-3 * np.abs(slopes).max()
 
 
 def test_forces_are_those_of_the_reduced_creepages(table):
     """Against -u / sqrt(...) of the made-up law, at many positions at once and one by one."""
     random = np.random.default_rng(5)
-    creepages = random.normal(size=(40, 2, 2, 3)) * [1e-3, 1e-3, 2e-4]
+    creepages = random.normal(size=(40, 2, 16, 3)) * [1e-3, 1e-3, 2e-4]
     lateral, load = random.uniform(-1.0, 2.0, 40), random.uniform(100.0, 200.0, 40)
     found = table.forces(lateral, 0.0, load, creepages, friction=0.25)
     normal = table.contacts(lateral, 0.0, load)["normal_force_N"]
     limit = np.maximum(0.25 * normal, 1e-300)[..., None]
     scaled = creepages * [1e7, 1e7, 4e7]
-    size = np.linalg.norm(scaled, axis=-1, keepdims=True)
+    scaled = scaled * table.contacts(lateral, 0.0, load)["stiffness_N"][..., :1] / 1e7
+    size = np.maximum(np.linalg.norm(scaled, axis=-1, keepdims=True), 1e-300)
     slip = size / (size + 2.0 * limit)
     expected = -scaled / size * slip * (2.0 - slip) * limit * [1.0, 1.0, 4.0] * (normal > 0.0)[..., None]
     assert np.abs(found - expected).max() < 0.03 * 0.25 * 1e5 * 4.0
@@ -190,7 +208,7 @@ def test_forces_are_those_of_creepages_beyond_free_rolling(table):
 def test_the_wrench_is_that_of_the_forces_at_their_points(table):
     """Normal forces carry the load and push apart; drive on both wheels turns the axle, on one it yaws."""
     contacts = table.contacts(-1.0, 0.0, 100.0)
-    forces = np.zeros((1, 2, 2, 3))
+    forces = np.zeros((*contacts["normal_force_N"].shape, 3))
     push, moment = table.wrench(contacts, forces)
     np.testing.assert_allclose(push[0, :, 1], 5e4 * np.cos(0.05))
     np.testing.assert_allclose(push[0, :, 0], 5e4 * np.sin(0.05) * np.array([1.0, -1.0]))

@@ -10,7 +10,7 @@ from flangeway.tables import CreepTable, table_build
 
 COMMAND = (
     *("creep-table", "wheelset", "--set", "size_scale=8", "--set", "order=1", "--set", "rail_support=fixed"),
-    *("--lateral=0:0.5:0.5", "--load", "100", "--tolerance", "1", "--workers", "1"),
+    *("--lateral=0:0.5:0.5", "--yaw", "0", "--load", "100", "--tolerance", "1", "--workers", "1"),
 )
 
 

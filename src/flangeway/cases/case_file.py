@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from flangeway.cases.bodies.chains import BearingRingCase, RollerBetweenPlatesCase, ShrinkFitCase, StackCase
 from flangeway.cases.bodies.cook import CookCase
 from flangeway.cases.bodies.presets import ContactPatchCase, HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
@@ -28,7 +27,6 @@ CASES: dict[str, type[RunnableCase]] = {
     for case in (
         *(SpatialWheelsetCase, WheelsetTangentCase, WheelsetCurveCase),
         *(HertzCase, ContactPatchCase, CookCase, TorsionCase, TwoBodiesCase),
-        *(StackCase, RollerBetweenPlatesCase, BearingRingCase, ShrinkFitCase),
         *(CraneWheelCase, RollerCase, CrossedCylindersCase, SpatialCase, RollingPatchCase),
     )
 }
@@ -37,7 +35,7 @@ CASES: dict[str, type[RunnableCase]] = {
 FORMAT = 1  # number of the format that this version writes; files of lower numbers are read, higher ones refused
 ENDING = ".toml"
 
-FILE_KEYS = ("rail", "wheel", "left_rail", "left_wheel", "section", "file", "pressure_file")
+FILE_KEYS = ("rail", "wheel", "left_rail", "left_wheel", "section", "file", "pressure_file", "friction_file")
 """Inputs that may name a file; paths in a case file are relative to its folder."""
 PROFILE_ENDINGS = (".ban", ".whl", ".prr", ".prw", ".csv", ".dxf", ".mpt")
 MESH_ENDINGS = (".msh", ".inp", ".vtu", ".vtk", ".xdmf", ".med", ".bdf", ".nas")

@@ -1,6 +1,7 @@
 """``flangeway damage``."""
 
 import time
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -27,23 +28,27 @@ def damage(file: InputsFile, out: Out = None, fresh: Fresh = False, *, show: Sho
     """Let the profiles of wheels and rails wear over a collective of states: depths, limits, fatigue (out/FILE)."""
     from flangeway.cases.damage.damage_file import DamageFile  # noqa: PLC0415
     from flangeway.report.damage.damage_record import damage_record  # noqa: PLC0415
+    from flangeway.report.damage.strategies_record import strategies_record  # noqa: PLC0415
     from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
-    inputs = DamageFile.read(file).damage()
-    folder = out or Path("out", file.stem)
-    refuse_unwritable(folder, (STEPS_FILE,))
-    store = folder / STEPS_FILE
-    if fresh:
-        store.unlink(missing_ok=True)
-    begun = time.perf_counter()
-    try:
-        with show.progress() as progress:
-            steps = inputs.evolution.run(store, progress)
-    except KeyboardInterrupt:
-        complain(f"interrupted; what is done is kept in {store}, and the same command goes on from there")
-        raise typer.Exit(INTERRUPTED) from None
-    return show.record(
-        damage_record(inputs, steps, command_typed(), time.perf_counter() - begun, show.units or "metric"),
-        folder,
-        lambda: [store],
-    )
+    strategies = DamageFile.read(file).strategies()
+    folder, units, runs = out or Path("out", file.stem), show.units or "metric", {}
+    for name, inputs in strategies.items():
+        into = folder / name if len(strategies) > 1 else folder
+        refuse_unwritable(into, (STEPS_FILE,))
+        store = into / STEPS_FILE
+        if fresh:
+            store.unlink(missing_ok=True)
+        begun = time.perf_counter()
+        try:
+            with show.progress() as progress:
+                steps = inputs.evolution.run(store, progress)
+        except KeyboardInterrupt:
+            complain(f"interrupted; what is done is kept in {store}, and the same command goes on from there")
+            raise typer.Exit(INTERRUPTED) from None
+        record = damage_record(inputs, steps, command_typed(), time.perf_counter() - begun, units)
+        show.record(record, into, partial(list, [store]), last=len(strategies) == 1)
+        runs[name] = steps, record
+    if len(runs) > 1:
+        show.record(strategies_record(strategies, runs, command_typed(), units), folder)
+    return all(record.converged for _, record in runs.values())

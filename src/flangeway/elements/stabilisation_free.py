@@ -16,6 +16,8 @@ from flangeway.types import Floats, Ints
 
 HIGHEST_ORDER = 3
 HIGHEST_DEGREE = 14
+MAX_GRADIENT_ERROR = 1e-10
+"""Error of a constant gradient; displacements of cells with thin parts lose up to six digits more (measured)."""
 WITHOUT_ENERGY = 1e-11
 """Eigenvalue of a cell's energy in its own frame relative to the maximum, below which it is round-off."""
 
@@ -126,7 +128,8 @@ class StabilisationFree(Element):
         return Virtual(self.order).interior_dofs(vertices, function, degree)
 
     def stabilise(self, reconstruction: Reconstruction, consistency: Floats) -> None:
-        """Nothing; an `InputError` if more than rigid motions are without energy."""
+        """Nothing; an `InputError` if more than rigid motions are without energy, or round-off takes the gradients."""
+        _refuse_lost_digits(self.order, reconstruction)
         m = len(consistency)
         rigid = m * (m + 1) // 2
         free = _free_motions(reconstruction.for_energy, m) if m <= 2 else np.ones(1)  # three: waves along a prism
@@ -141,6 +144,22 @@ class StabilisationFree(Element):
             )
 
 
+def _refuse_lost_digits(order: int, reconstruction: Reconstruction) -> None:
+    """Refuse cells of which the projection of a constant gradient is off by more than `MAX_GRADIENT_ERROR`."""
+    energetic = reconstruction.for_energy
+    gradient = np.einsum("aine,nje->aije", _in_frame(energetic), energetic.monomial_dofs[:, 1:3])
+    gradient[0] -= np.eye(2)[:, :, None]
+    squares = np.einsum("aije,abe,bije->e", gradient, energetic.mass, gradient, optimize=True) / energetic.areas
+    if (squares > MAX_GRADIENT_ERROR**2).any():
+        x, y = reconstruction.frame.origin[:, int(np.nanargmax(squares))]
+        raise InputError(
+            f"StabilisationFree({order}) in the cell at ({x:g}, {y:g}): gradients of degree {energetic.order - 1} are "
+            f"off by {np.sqrt(np.nanmax(squares)):.0e}",
+            f"up to {MAX_GRADIENT_ERROR:g}, with which displacements keep about four digits",
+            f"take Virtual({order}), or cells that are less thin and have fewer sides",
+        )
+
+
 def _free_motions(energetic: Reconstruction, m: int) -> Ints:
     """Number of motions without energy besides the rigid ones, (n_cells,), of a field or of displacements.
 
@@ -148,12 +167,7 @@ def _free_motions(energetic: Reconstruction, m: int) -> Ints:
     turns displacements u into ``A^T u`` and strains e into ``A^T e A``, so that neither a stretch of the cell nor the
     material changes which motions are without energy.
     """
-    n = energetic.n_local
-    # grad_x = map^T grad_xi
-    (a, b), (c, d) = energetic.frame.map
-    inverse = np.array([[d, -c], [-b, a]]) / (a * d - b * c)
-    with np.errstate(invalid="ignore"):  # in a cell so thin that round-off makes its mass matrix negative
-        local = np.einsum("ije,ajne->aine", inverse, energetic.gradient)
+    n, local = energetic.n_local, _in_frame(energetic)
     products = np.einsum("aime,abe,bjne->ijmne", local, energetic.mass / energetic.areas, local, optimize=True)
     both = products[0, 0] + products[1, 1]
     blocks = both[None, None]
@@ -163,6 +177,15 @@ def _free_motions(energetic: Reconstruction, m: int) -> Ints:
     lost = ~np.isfinite(matrices).all(axis=(1, 2), keepdims=True)
     values = np.linalg.eigvalsh(np.where(lost, 0.0, matrices))  # no energy is known of these cells
     return np.asarray((values[:, m * (m + 1) // 2 :] <= WITHOUT_ENERGY * values[:, -1:]).sum(axis=1))
+
+
+def _in_frame(energetic: Reconstruction) -> Floats:
+    """Coefficients of the gradient by local coordinates, shape as `Reconstruction.gradient`."""
+    # grad_x = map^T grad_xi
+    (a, b), (c, d) = energetic.frame.map
+    inverse = np.array([[d, -c], [-b, a]]) / (a * d - b * c)
+    with np.errstate(invalid="ignore"):  # in a cell so thin that round-off makes its mass matrix negative
+        return np.einsum("ije,ajne->aine", inverse, energetic.gradient)
 
 
 def _moments(cells: Polygons, plain: Reconstruction, degree: int) -> Floats:

@@ -56,6 +56,26 @@ def half_space_influence(
         `flangeway.solve.ComplianceTable.influence`.
 
     """
+    pairs = list(product(axes, repeat=2))
+    blocks = half_space_blocks(young, poisson, bounds, strip, n_strips, pairs, averaged=averaged)
+    n_cells, m = len(bounds) - 1, len(axes)
+    result = np.empty((n_strips, n_cells, m, n_cells, m))
+    for (i, of), (j, by) in product(enumerate(axes), repeat=2):
+        result[:, :, i, :, j] = blocks[of, by]
+    return result.reshape(n_strips, n_cells * m, n_cells * m)
+
+
+def half_space_blocks(
+    young: float,
+    poisson: float,
+    bounds: Floats,
+    strip: float,
+    n_strips: int,
+    pairs: Sequence[tuple[int, ...]],
+    *,
+    averaged: bool = True,
+) -> dict[tuple[int, ...], Floats]:
+    """As `half_space_influence`, by some pairs of axes of displacement and force, (n_strips, n_cells, n_cells) each."""
     bounds = np.asarray(bounds, dtype=np.float64)
     if bounds.ndim != 1 or not (np.diff(bounds) > 0.0).all() or not (strip > 0.0 and n_strips >= 1):
         raise InputError(
@@ -75,7 +95,6 @@ def half_space_influence(
     r = np.hypot(x, z)
     over = np.diff(bounds) * strip * (np.diff(bounds)[:, None] * strip if averaged else 1.0)
     square, mixed, odd = _AVERAGED if averaged else _AT_POINTS
-    n_cells, m = len(bounds) - 1, len(axes)
 
     def integrated(primitive: Primitive, *, swapped: bool) -> Floats:
         corners = np.diff(primitive(z, x, r) if swapped else primitive(x, z, r), n=times, axis=0)
@@ -88,22 +107,19 @@ def half_space_influence(
     xx_zz = integrated(square, swapped=True), integrated(square, swapped=False)  # of x^2 / r^3 and z^2 / r^3
     inverse = (1.0 - poisson) * (xx_zz[0] + xx_zz[1])
     shear = young / (2.0 + 2.0 * poisson)
-    full = {
+    full: dict[tuple[int, ...], Floats] = {
         (0, 0): inverse + poisson * xx_zz[0],
         (1, 1): inverse,
         (2, 2): inverse + poisson * xx_zz[1],
     }
     half = 0.5 - poisson
     for place, kernel, swapped in (((0, 1), odd, False), ((2, 1), odd, True)):
-        if set(place) <= set(axes):
+        if {place, place[::-1]} & set(pairs):
             full[place] = half * integrated(kernel, swapped=swapped)
             full[place[::-1]] = -full[place]
-    if {0, 2} <= set(axes):
+    if {(0, 2), (2, 0)} & set(pairs):
         full[0, 2] = full[2, 0] = poisson * integrated(mixed, swapped=False)
-    result = np.empty((n_strips, n_cells, m, n_cells, m))
-    for i, j in product(range(m), repeat=2):
-        result[:, :, i, :, j] = full[axes[i], axes[j]] / (2.0 * np.pi * shear)
-    return result.reshape(n_strips, n_cells * m, n_cells * m)
+    return {pair: full[pair] / (2.0 * np.pi * shear) for pair in pairs}
 
 
 def _times_log(factor: Floats, value: Floats) -> Floats:

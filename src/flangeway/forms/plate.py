@@ -20,6 +20,7 @@ from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.projection import principal_frame
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError
+from flangeway.forms.weak import scattered
 from flangeway.mesh import PolyMesh
 from flangeway.space import CellBatch, Space
 from flangeway.space.functions import at_points, cell_quadrature
@@ -242,10 +243,7 @@ class Plate:
         return self._assembled(matrices)
 
     def _assembled(self, matrices: list[tuple[NDArray[np.int64], Floats]]) -> sp.csr_array:
-        rows = np.concatenate([np.broadcast_to(m[:, None], local.shape).ravel() for m, local in matrices])
-        columns = np.concatenate([np.broadcast_to(m, local.shape).ravel() for m, local in matrices])
-        values = np.concatenate([local.ravel() for _, local in matrices])
-        return sp.csr_array(sp.coo_array((values, (rows, columns)), shape=(self.n_dofs, self.n_dofs)))
+        return scattered(((m, m, local) for m, local in matrices), (self.n_dofs, self.n_dofs))
 
     def load(self, pressure: Function | ArrayLike) -> Floats:
         """Forces of a pressure, a number or a function of points (n, 2) with values (n,); shape (n_dofs,)."""

@@ -25,6 +25,7 @@ from flangeway.elements.projection import Polygons, principal_frame
 from flangeway.elements.quadrature import edge_shapes, gauss
 from flangeway.errors import InputError
 from flangeway.forms.assembled import load
+from flangeway.forms.weak import scattered
 from flangeway.mesh import PolyMesh
 from flangeway.solve.factor import Factor
 from flangeway.space import CellBatch, Space
@@ -313,7 +314,7 @@ def stokes_matrix(space: Space, viscosity: float = 1.0, bulk_modulus: float = np
 
 
 def _assembled(parts: list[_Part], viscosity: float, bulk_modulus: float) -> sp.csr_array:
-    entries, rows, columns = [], [], []
+    matrices = []
     for _, cells, numbers, pressures in parts:
         n_low, n = len(pressures), len(numbers)
         powers = exponents(HIGHEST_ORDER)[:n_low]
@@ -328,12 +329,9 @@ def _assembled(parts: list[_Part], viscosity: float, bulk_modulus: float) -> sp.
         whole[:n, n:] = -cells.divergence.swapaxes(0, 1)
         whole[n:, n:] = -mass / bulk_modulus
         both = np.concatenate((numbers, pressures))
-        entries.append(whole.ravel())
-        rows.append(np.broadcast_to(both[:, None], whole.shape).ravel())
-        columns.append(np.broadcast_to(both, whole.shape).ravel())
+        matrices.append((both, both, whole))
     size = 1 + max(int(pressures.max()) for *_, pressures in parts)
-    coordinates = (np.concatenate(rows), np.concatenate(columns))
-    return sp.csr_array(sp.coo_array((np.concatenate(entries), coordinates), shape=(size, size)))
+    return scattered(matrices, (size, size))
 
 
 def _function(given: Function | ArrayLike) -> Function:

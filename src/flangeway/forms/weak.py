@@ -5,7 +5,7 @@ A form ``form(u, v, w)`` gets three records of arrays at points: of the unknown 
 or (n, m), ``u.gradient`` (n, 2) or (n, m, 2), derivatives last. It returns the integrand, (n,).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
@@ -310,7 +310,7 @@ def assembled_form(
     region: FormRegion, tensor: Callable[[SimpleNamespace], Values], m: int, m_test: int, stabilise: bool
 ) -> sp.csr_array:
     """Assemble what multiplies the numbers of v (rows) and u at each point, (3 m', 3 m, n)."""
-    entries, rows, columns = [], [], []
+    parts = []
     for w, weights, ((shapes, dofs), (test_shapes, test_dofs)), batch, by_edges in region.parts():
         jets = region.n_jets
         at_points = tensor(w)
@@ -330,13 +330,22 @@ def assembled_form(
         numbers = m * dofs[:, None] + np.arange(m)[:, None]
         test_numbers = m_test * test_dofs[:, None] + np.arange(m_test)[:, None]
         flat = local.reshape(m_test * n_test, m * n, -1)
-        rows.append(np.broadcast_to(test_numbers.reshape(-1, 1, flat.shape[2]), flat.shape).ravel())
-        columns.append(np.broadcast_to(numbers.reshape(1, -1, flat.shape[2]), flat.shape).ravel())
-        entries.append(flat.ravel())
+        parts.append((test_numbers.reshape(len(flat), -1), numbers.reshape(m * n, -1), flat))
     trial, test = region.spaces
-    shape = (m_test * test.n_dofs, m * trial.n_dofs)
-    coordinates = (np.concatenate(rows), np.concatenate(columns))
-    return sp.coo_array((np.concatenate(entries), coordinates), shape=shape).tocsr()
+    return scattered(parts, (m_test * test.n_dofs, m * trial.n_dofs))
+
+
+def scattered(
+    parts: Iterable[tuple[NDArray[np.integer], NDArray[np.integer], Values]], shape: tuple[int, int]
+) -> sp.csr_array:
+    """Add up matrices of batches of cells: numbers of rows (n, n_cells) and columns (m, n_cells), (n, m, n_cells)."""
+    rows, columns, entries = [], [], []
+    for row, column, local in parts:
+        rows.append(np.broadcast_to(row[:, None], local.shape).ravel())
+        columns.append(np.broadcast_to(column, local.shape).ravel())
+        entries.append(local.ravel())
+    coordinates = np.concatenate(rows), np.concatenate(columns)
+    return sp.csr_array(sp.coo_array((np.concatenate(entries), coordinates), shape=shape))
 
 
 def _add_stabilisation(local: Values, weighted: Values, shapes: Floats, batch: CellBatch) -> None:

@@ -28,7 +28,7 @@ function makeForm(form) {
     if (!shown.length) continue;
     const group = document.createElement("details"), grid = document.createElement("div");
     group.innerHTML = "<summary></summary>";
-    group.firstChild.textContent = caption;
+    group.firstChild.textContent = caption || "Report";
     group.open = caption === "Load and curve";
     grid.className = "grid";
     for (const [key, initial, allowed, meaning] of shown) {
@@ -167,8 +167,8 @@ let timer = 0;
 function moved() {
   $("lateral").value = state.lateral;
   $("yaw").value = state.yaw;
-  $("lateral-text").textContent = `${state.lateral.toFixed(2)} mm`;
-  $("yaw-text").textContent = `${state.yaw.toFixed(1)} mrad`;
+  $("lateral-text").textContent = `${fixed(state.lateral, 2)} mm`;
+  $("yaw-text").textContent = `${fixed(state.yaw, 1)} mrad`;
   requestAnimationFrame(drawRigid);
   stale();
   clearTimeout(timer);
@@ -190,7 +190,7 @@ async function loadPosition() {
     if (number !== state.number) return;
     state.elastic = elastic;
     if (state.free) { state.lateral = elastic.lateral_mm; $("lateral").value = state.lateral;
-      $("lateral-text").textContent = `${state.lateral.toFixed(2)} mm`; }
+      $("lateral-text").textContent = `${fixed(state.lateral, 2)} mm`; }
     showElastic();
     await showCommand();
   } catch (error) {
@@ -301,14 +301,19 @@ function drawRigid() {
     context.fillText(`${side} wheel on ${side} rail`, k ? width / 2 + 10 : 10, 18);
     context.restore();
   });
-  const numbers = [["rolling radius difference", now.difference.toFixed(3), "mm"],
+  const numbers = [["rolling radius difference", fixed(now.difference, 3), "mm"],
     ["contact angle, left", now.left.angle.toFixed(2), "°"], ["contact angle, right", now.right.angle.toFixed(2), "°"],
     ["rolling radius, left", now.left.radius.toFixed(3), "mm"],
     ["rolling radius, right", now.right.radius.toFixed(3), "mm"],
-    ["roll", (1e3 * now.roll).toFixed(3), "mrad"], ["equivalent conicity at 3 mm", conicity(state.rigid), ""]];
+    ["roll", fixed(1e3 * now.roll, 3), "mrad"], ["equivalent conicity at 3 mm", conicity(state.rigid), ""]];
   $("rigid").replaceChildren(...numbers.map(([name, value, unit]) => fact(name, `${value} ${unit}`)));
   drawCurves();
   state.frames.push(performance.now() - begun);
+}
+
+// without the sign of a zero that round-off gives
+function fixed(value, digits) {
+  return (Number(value.toFixed(digits)) + 0).toFixed(digits);
 }
 
 function conicity(table) {
@@ -343,7 +348,7 @@ function drawPatches() {
       }));
     }
     context.fillStyle = colour("--soft");
-    context.fillText(`${side} rail, ${(b - a).toFixed(1)} × ${(d - c).toFixed(1)} mm shown`, (side === "left" ? 0 : width / 2) + 8, 14);
+    context.fillText(`${side} rail, ${(b - a).toFixed(1)} × ${(d - c).toFixed(1)} mm`, (side === "left" ? 0 : width / 2) + 8, 14);
   });
   context.fillStyle = colour("--soft");
   context.fillText(`pressure from above, ahead is up; maximum ${highest.toFixed(0)} MPa`

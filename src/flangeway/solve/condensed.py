@@ -90,7 +90,7 @@ class CondensedBody:
         residual = -product.times(moved)
         residual[self._numbers[self._loose]] += forces
         change = relative_maximum(self._factor.solve(residual), moved)
-        digits = digits_left(change, product.relative_energy(moved))
+        digits = digits_left(self._factor, product, moved, change)
         if digits < MIN_DIGITS:
             raise InputError(
                 Status(False, f"the flexibility of body {self.body.name!r}", 0).with_digits(digits).message,

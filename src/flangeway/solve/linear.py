@@ -37,7 +37,10 @@ INVERSE_ITERATIONS = 3
 """Iterations until the softest motion has 1e-6 of other ones, if these are a hundred times as stiff."""
 
 ZERO_ENERGY = 1e-14
-"""`Product.relative_energy` that is round-off: it is about the third power of height over length where a body bends."""
+"""Energy over that of the terms' magnitudes that is round-off.
+
+It is about the third power of height over length where a body bends.
+"""
 
 JUST_BELOW = 1e-7
 """Energy over the maximum entry, within which it counts as zero in an error about a stiffness."""
@@ -64,8 +67,8 @@ class Product(Protocol):
     def times(self, vector: Floats) -> Floats:
         """Product with a vector (n,)."""
 
-    def relative_energy(self, vector: Floats) -> float:
-        """See `SymmetricMatrix.relative_energy`."""
+    def magnitudes(self, vector: Floats) -> Floats:
+        """See `SymmetricMatrix.magnitudes`."""
 
 
 def solve_linear(
@@ -102,7 +105,7 @@ def solve_linear(
         change = max(change, relative_maximum(factor.solve(residual), values))
     scale = np.abs(rhs).max(initial=0.0) + np.abs(matrix.values).max() * np.abs(values).max(initial=0.0)
     ratio = float(np.abs(residual).max() / scale) if scale > 0.0 else 0.0
-    digits = digits_left(change, product.relative_energy(values))
+    digits = digits_left(factor, product, values, change)
     status = Status(ratio <= SMALL_RESIDUAL, f"the residual is {ratio:.1e} of the maximum force", 1)
     return values * unit, status.with_digits(digits)
 
@@ -113,9 +116,19 @@ def relative_maximum(correction: Floats, values: Floats) -> float:
     return change / maximum if maximum > 0.0 else float(change > 0.0)
 
 
-def digits_left(change: float, relative_energy: float) -> float:
-    """Decimal digits of displacements with a relative correction, and with their `Product.relative_energy`."""
-    error = max(change, EPS / relative_energy if relative_energy > EPS else 1.0, EPS)
+def digits_left(factor: Cholesky, product: Product, values: Floats, change: float) -> float:
+    """Decimal digits of displacements with a last relative change.
+
+    Entries of the stiffness are off by round-off, forces by that of the terms ``|K| |u|`` that are balanced. With one
+    sign everywhere it changes the energy, and the displacement of the load, by its fraction of the energy. With signs
+    drawn at random it moves what is softest, also where the load does not: a sample of the componentwise bound
+    ``|K^-1| |K| |u| eps`` (Higham, 2002, Accuracy and Stability, eq. 7.8).
+    """
+    terms = EPS * product.magnitudes(values)
+    energy, change_of_energy = float(values @ product.times(values)), float(np.abs(values) @ terms)
+    spread = factor.solve(terms * np.random.default_rng(0).choice([-1.0, 1.0], len(values)))
+    systematic = change_of_energy / energy if energy > change_of_energy else float(change_of_energy > 0.0)
+    error = max(change, systematic, relative_maximum(spread, values), EPS)
     return max(0.0, -float(np.log10(error)))
 
 
@@ -131,7 +144,7 @@ def _preconditioner(matrix: SymmetricMatrix, groups: NDArray[np.int32], product:
         motion = np.random.default_rng(0).standard_normal(matrix.n)
         for _ in range(INVERSE_ITERATIONS):
             motion = factor.solve(motion / np.abs(motion).max())
-        if product.relative_energy(motion) <= ZERO_ENERGY:
+        if motion @ product.times(motion) <= ZERO_ENERGY * (np.abs(motion) @ product.magnitudes(motion)):
             raise
         return factor
 

@@ -63,14 +63,9 @@ class SymmetricMatrix:
         product: Floats = lower @ vector + lower.T @ vector - lower.diagonal() * vector
         return product
 
-    def relative_energy(self, vector: Floats) -> float:
-        """``u^T K u`` relative to ``|u|^T |K| |u|``; 1 of zero displacements.
-
-        Relative errors e of the entries change the energy, and with it the displacement of the load, by a fraction of
-        at most e over this.
-        """
-        magnitudes = replace(self, values=np.abs(self.values))
-        return _relative(float(vector @ self.times(vector)), float(np.abs(vector) @ magnitudes.times(np.abs(vector))))
+    def magnitudes(self, vector: Floats) -> Floats:
+        """``|K| |u|``: of the terms that the product adds up, which round-off of the entries is relative to."""
+        return replace(self, values=np.abs(self.values)).times(np.abs(vector))
 
     def plus(self, added: sp.csc_array) -> "SymmetricMatrix":
         """Sum with another symmetric matrix, both triangles of which are given."""
@@ -113,10 +108,6 @@ class SymmetricMatrix:
         indptr = np.concatenate(([0], np.cumsum(np.bincount(column[kept], minlength=n)))).astype(np.int64)
         values = np.asarray(columns.data[kept], dtype=np.float64)
         return cls(n, indptr, columns.indices[kept].astype(np.int32), values)
-
-
-def _relative(energy: float, terms: float) -> float:
-    return energy / terms if terms > 0.0 else 1.0
 
 
 class DifferenceProduct:
@@ -173,13 +164,13 @@ class DifferenceProduct:
         result -= np.bincount(self._columns, self._values * across, len(vector))
         return result
 
-    def relative_energy(self, vector: Floats) -> float:
-        """See `SymmetricMatrix.relative_energy`: here of ``|u|^T g`` with ``g_i = sum_j |K_ij| |u_j - u_i|``."""
+    def magnitudes(self, vector: Floats) -> Floats:
+        """See `SymmetricMatrix.magnitudes`: here ``g_i = sum_j |K_ij| |u_j - u_i|``."""
         nodal = self._transform @ vector
         along, across = (np.abs(self._values * each) for each in self._differences(nodal))
         terms = np.bincount(self._rows, along, len(nodal)) + np.bincount(self._columns, across, len(nodal))
-        terms += abs(self._added) @ np.abs(nodal)
-        return _relative(float(nodal @ self.at_nodes(nodal)), float(np.abs(nodal) @ terms))
+        result: Floats = abs(self._transform).T @ (terms + abs(self._added) @ np.abs(nodal))
+        return result
 
     def _differences(self, vector: Floats) -> tuple[Floats, Floats]:
         """Each entry's column node's displacement minus its row node's, in its column's component and in its row's."""

@@ -5,11 +5,15 @@ import errno
 import re
 import stat
 import tomllib
+from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from flangeway.errors import InputError
+from flangeway.types import Floats
 
 MAX_BYTES = 50_000_000
 COMMA_NUMBER = re.compile(r"[+-]?\d*,\d*(?:[eE][+-]?\d+)?")
@@ -102,6 +106,30 @@ def csv_table(file: Path, what: str) -> list[tuple[int, dict[str, str]]]:
                 "complete the line, or remove it",
             )
     return [(number, dict(zip(names, cells, strict=True))) for number, cells in rows]
+
+
+def number_table(file: Path, columns: Sequence[str], what: str) -> Floats:
+    """Return the numbers of some columns of a CSV file, shape (n_lines, n_columns), one line or more.
+
+    An `InputError` as of `csv_table`, if a column is missing, or if a cell has no finite number.
+    """
+    rows = csv_table(file, what)
+    missing = [name for name in columns if rows and name not in rows[0][1]]
+    if missing or not rows:
+        fault = f"no column {' and '.join(missing)}" if missing else "no numbers"
+        raise InputError(f"{file}, line 1: {fault}", what, "name the columns")
+    values: Floats = np.empty((len(rows), len(columns)))
+    for line, (number, cells) in zip(values, rows, strict=True):
+        texts = [cells[name] for name in columns]
+        try:
+            line[:] = [float(text) for text in texts]
+        except ValueError as reason:
+            raise InputError(
+                f"{file}, line {number}: {','.join(texts)!r}", "a number in each column", "correct it"
+            ) from reason
+    if not np.isfinite(values).all():
+        raise InputError(f"{file}: numbers that are not finite", what, "correct them")
+    return values
 
 
 def packaged_rows(package: str, name: str) -> list[dict[str, str]]:

@@ -27,7 +27,7 @@ static const double LEAST_SPEED = 0.05; /* m/s; creepages below are slip velocit
 
 typedef struct {
     int n[3], m[3], patches; /* points of the axes of positions and of creepages; patches of a side */
-    double *axes[3], *creep[3], *smooth[3], *joined, *of_patch, *forces, *all;
+    double *axes[3], *creep[3], *smooth[3], *joined, *of_patch, *linear, *rest, *all;
 } Table;
 
 typedef void (*Logger)(void *environment, const char *name, int status, const char *category, const char *message);
@@ -57,7 +57,7 @@ static int read_table(Table *t, const char *path) {
         sum += 3 * t->n[k] + t->m[k];
     }
     t->patches = (int)head[3];
-    size_t rows = positions * 2 * t->patches, total = sum + cells + rows * (N_OF_PATCH + creepages);
+    size_t rows = positions * 2 * t->patches, total = sum + cells + rows * (N_OF_PATCH + 9 * t->m[0] + creepages);
     double *at = t->all = malloc(total * sizeof(double));
     int whole = at && fread(at, sizeof(double), total, file) == total;
     fclose(file);
@@ -67,7 +67,8 @@ static int read_table(Table *t, const char *path) {
     for (int k = 0; k < 3; at += 2 * t->n[k++]) t->smooth[k] = at; /* of both sides */
     t->joined = at; at += cells;
     t->of_patch = at; at += rows * N_OF_PATCH;
-    t->forces = at;
+    t->linear = at; at += rows * 9 * t->m[0];
+    t->rest = at;
     return 1;
 }
 
@@ -110,8 +111,10 @@ static int stencil(const double *axis, int n, double value, int low, int high, i
 
 enum { N_AROUND = 64 };
 
-/* Nodes around a position, and their weights for both sides: where patches jump the nearest node has all weight. */
-static void around(const Table *t, const double *position, int *nodes, double (*weights)[N_AROUND]) {
+/* Nodes around a position, their weights for both sides, and whether a side's patches go over into each other there.
+ * If not, the eight nearest nodes keep patches of their own, and the weights are parts of the load: over the lateral
+ * position without slopes at the ends, linear over yaw and load. */
+static void around(const Table *t, const double *position, int *nodes, double (*weights)[N_AROUND], int *joined) {
     int at[3], node[3][4];
     double above[3], each[2][3][4];
     for (int k = 0; k < 3; k++) {
@@ -123,13 +126,17 @@ static void around(const Table *t, const double *position, int *nodes, double (*
                     t->smooth[k][2 * next + side] != 0.0, node[k], each[side][k]);
     }
     int c1 = t->n[1] > 1 ? t->n[1] - 1 : 1, c2 = t->n[2] > 1 ? t->n[2] - 1 : 1;
-    const double *joined = t->joined + 2 * ((at[0] * c1 + at[1]) * c2 + at[2]);
+    for (int side = 0; side < 2; side++) joined[side] = t->joined[2 * ((at[0] * c1 + at[1]) * c2 + at[2]) + side] != 0.0;
     for (int corner = 0; corner < N_AROUND; corner++) {
-        int place[3] = {corner >> 4 & 3, corner >> 2 & 3, corner & 3}, nearest = 1;
-        for (int k = 0; k < 3; k++) nearest &= place[k] == (above[k] > 0.5 ? 2 : 1);
+        int place[3] = {corner >> 4 & 3, corner >> 2 & 3, corner & 3};
+        double part = 1.0;
+        for (int k = 0; k < 3; k++) {
+            double step = k ? above[k] : above[k] * above[k] * (3.0 - 2.0 * above[k]);
+            part *= place[k] == 1 ? 1.0 - step : place[k] == 2 ? step : 0.0;
+        }
         nodes[corner] = (node[0][place[0]] * t->n[1] + node[1][place[1]]) * t->n[2] + node[2][place[2]];
         for (int side = 0; side < 2; side++)
-            weights[side][corner] = joined[side] == 0.0 ? nearest
+            weights[side][corner] = !joined[side] ? part
                 : each[side][0][place[0]] * each[side][1][place[1]] * each[side][2][place[2]];
     }
 }
@@ -141,13 +148,16 @@ static void within_cone(double *f) {
     f[1] *= factor;
 }
 
-typedef struct { int node[3][4]; double weight[3][4], factor; } Creep;
+typedef struct { int node[3][4]; double weight[3][4], unit[3], factor; } Creep;
 
 /* Points around reduced creepages and their weights; opposite creepages have opposite forces. */
 static Creep around_creep(const Table *t, double slip, double spin, double creep) {
     Creep c;
     c.factor = slip;
     if (creep < 0.0) { spin = -spin; creep += 3.14159265358979323846; c.factor = -slip; }
+    c.unit[0] = cos(spin) * cos(creep);
+    c.unit[1] = cos(spin) * sin(creep);
+    c.unit[2] = sin(spin);
     double point[3] = {slip, spin, creep}, above;
     for (int k = 0; k < 3; k++) {
         int at = below(t->creep[k], t->m[k], point[k], &above);
@@ -156,18 +166,23 @@ static Creep around_creep(const Table *t, double slip, double spin, double creep
     return c;
 }
 
-/* Forces over the limit of friction of one patch at a node. */
+/* Forces over the limit of friction of one patch at a node: what is linear, and the rest (`ForceAxes.at`). */
 static void at_node(const Table *t, size_t row, const Creep *c, double *f) {
     f[0] = f[1] = f[2] = 0.0;
-    for (int a = 0; a < 4; a++)
+    for (int a = 0; a < 4; a++) {
+        size_t slip = row * t->m[0] + c->node[0][a];
+        const double *linear = t->linear + 9 * slip;
+        for (int k = 0; k < 3; k++)
+            for (int d = 0; d < 3; d++) f[k] += c->weight[0][a] * linear[3 * k + d] * c->unit[d];
         for (int b = 0; b < 4; b++) {
             double weight = c->weight[0][a] * c->weight[1][b];
-            size_t line = ((row * t->m[0] + c->node[0][a]) * t->m[1] + c->node[1][b]) * t->m[2];
+            size_t line = (slip * t->m[1] + c->node[1][b]) * t->m[2];
             for (int d = 0; d < 4; d++) {
-                const double *value = t->forces + 3 * (line + c->node[2][d]);
+                const double *value = t->rest + 3 * (line + c->node[2][d]);
                 for (int k = 0; k < 3; k++) f[k] += weight * c->weight[2][d] * value[k];
             }
         }
+    }
     for (int k = 0; k < 3; k++) f[k] *= c->factor;
     within_cone(f);
 }
@@ -175,21 +190,29 @@ static void at_node(const Table *t, size_t row, const Creep *c, double *f) {
 /* Outputs of both sides for a wheelset that rolls ahead, in the axes of the table. */
 static void evaluate(const Table *t, const double *position, double speed, double rotation, double lateral_velocity,
                      double yaw_rate, double friction, double (*push)[3], double (*moment)[3], double (*sums)[3]) {
-    int nodes[N_AROUND];
+    int nodes[N_AROUND], joined[2];
     double weights[2][N_AROUND], yaw = 1e-3 * position[1];
-    around(t, position, nodes, weights);
+    around(t, position, nodes, weights, joined);
     for (int side = 0; side < 2; side++) {
         double sign = side ? 1.0 : -1.0;
         memset(push[side], 0, 3 * sizeof(double));
         memset(moment[side], 0, 3 * sizeof(double));
         memset(sums[side], 0, 3 * sizeof(double));
-        for (int number = 0; number < t->patches; number++) {
-            double p[N_OF_PATCH] = {0};
-            for (int corner = 0; corner < N_AROUND; corner++) {
-                if (weights[side][corner] == 0.0) continue;
+        /* one set of patches of all nodes, or one for each */
+        for (int set = 0; set < (joined[side] ? t->patches : t->patches * N_AROUND); set++) {
+            int number = set % t->patches, own = set / t->patches;
+            int first = joined[side] ? 0 : own, end = joined[side] ? N_AROUND : own + 1;
+            double p[N_OF_PATCH] = {0}, part = joined[side] ? 1.0 : weights[side][own];
+            if (part == 0.0) continue;
+            for (int corner = first; corner < end; corner++) {
+                double weight = weights[side][corner] / part;
+                if (weight == 0.0) continue;
                 size_t row = ((size_t)nodes[corner] * 2 + side) * t->patches + number;
-                for (int k = 0; k < N_OF_PATCH; k++) p[k] += weights[side][corner] * t->of_patch[row * N_OF_PATCH + k];
+                for (int k = 0; k < N_OF_PATCH; k++) p[k] += weight * t->of_patch[row * N_OF_PATCH + k];
             }
+            p[NORMAL] *= part;
+            p[STIFF_AHEAD] *= part;
+            p[STIFF_ACROSS] *= part;
             if (!(p[NORMAL] > 0.0)) continue;
             /* creepages in the right-hand form of the side, as CreepTable.creepages */
             double place[3] = {sign * p[X], p[Y], p[Z]}, axis[3], arm[3], size = 0.0, along_axis = 0.0, slip[3];
@@ -212,8 +235,8 @@ static void evaluate(const Table *t, const double *position, double speed, doubl
             double u3 = p[STIFF_ACROSS] * p[GYRATION] * spin, plane = hypot(u1, u2), whole = hypot(plane, u3);
             double v = whole / fmax(whole + SATURATED * limit, 1e-300), f[3], total[3] = {0};
             Creep creep = around_creep(t, v, atan2(u3, plane), atan2(u2, u1));
-            for (int corner = 0; corner < N_AROUND; corner++) {
-                double weight = weights[side][corner];
+            for (int corner = first; corner < end; corner++) {
+                double weight = weights[side][corner] / part;
                 if (weight == 0.0) continue;
                 size_t row = ((size_t)nodes[corner] * 2 + side) * t->patches + number;
                 at_node(t, row, &creep, f);
@@ -297,7 +320,7 @@ static int update(Model *m) {
 static void start(Model *m) {
     const Table *t = &m->table;
     double *v = m->value, middle[3] = {0.0, 0.0, t->axes[2][t->n[2] / 2]}, weights[2][N_AROUND], radius = 0.0, normal = 0.0;
-    int nodes[N_AROUND];
+    int nodes[N_AROUND], joined[2];
     for (int k = 0; k < 2; k++) middle[k] = fmin(fmax(0.0, t->axes[k][0]), t->axes[k][t->n[k] - 1]);
     memset(v, 0, sizeof m->value);
     v[LATERAL] = 1e-3 * middle[0];
@@ -305,7 +328,7 @@ static void start(Model *m) {
     v[LOAD] = 1e3 * middle[2];
     v[SPEED] = 20.0;
     v[FRICTION] = 0.3;
-    around(t, middle, nodes, weights);
+    around(t, middle, nodes, weights, joined);
     for (int side = 0; side < 2; side++)
         for (int corner = 0; corner < N_AROUND; corner++)
             for (int number = 0; number < t->patches; number++) {

@@ -11,7 +11,7 @@ from flangeway.contact.rolling.exact_rolling import derivatives, roll
 from flangeway.contact.rolling.fastsim import fastsim_forces
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.tables.creep_table import SATURATED, extended, interpolated
+from flangeway.tables.creep_table import SATURATED, ForceAxes, direction
 from flangeway.types import Floats
 
 PADDING = 3
@@ -21,8 +21,10 @@ SLIPS: Floats = np.array([0.0, 0.12, 0.24, 0.34, 0.42, 0.5, 0.6, 0.7, 0.82, 1.0]
 """Reduced sizes of creepages: 0 is linear theory, at 1 everything slides."""
 ANGLES = 24
 """Intervals of 180 degrees of both angles in a table."""
-DIRECTIONS = (4, 6, 12, 24)
-"""Intervals between exact solutions, from coarse to fine: 104, 248, 1,064 and 4,424 of these for each patch."""
+DIRECTIONS = (4, 6, 8, 12, 24)
+"""Intervals between exact solutions, from coarse to fine: 104, 248, 456, 1,064 and 4,424 of these for each patch."""
+PEAK = 6.0
+"""Maximum error over the root mean square, 4 to 9 at 300 points of patches with 4 to 12 intervals; mostly below 7."""
 CREEPS: Floats = np.linspace(0.0, np.pi, ANGLES + 1)
 AXES = (SLIPS, CREEPS - np.pi / 2.0, CREEPS)
 """Axes of a table: slip, angle of spin, angle of creepage."""
@@ -90,8 +92,7 @@ class SampledPatch:
 
     def direction(self, spin: float, creep: float) -> Floats:
         """Creepages of unit size."""
-        unit = np.array([np.cos(spin) * np.cos(creep), np.cos(spin) * np.sin(creep), np.sin(spin)])
-        return unit / self._scale
+        return direction(np.array(spin), np.array(creep)) / self._scale
 
     def motion(self, slip: float, spin: float, creep: float) -> Creepages:
         """Creepages of reduced ones, slip below 1."""
@@ -208,6 +209,11 @@ class CreepErrors:
     force: Floats
     moment: Floats
 
+    @property
+    def expected_maximum(self) -> float:
+        """Error of the force to be expected at most anywhere: few points find their mean size, but not the largest."""
+        return PEAK * float(np.sqrt((self.force**2).mean())) if len(self.force) else 0.0
+
 
 def random_points(number: int, random: np.random.Generator) -> Floats:
     """Reduced creepages, even over slip and over all directions: (n, 3)."""
@@ -222,6 +228,5 @@ def check(
 ) -> CreepErrors:
     """Compare with exact solutions at reduced creepages (n, 3)."""
     exact = np.array([patch.over_limit(patch.coupled(*point)) for point in points.tolist()]).reshape(-1, 3)
-    forces, more = extended(found.forces, axes)
-    error = interpolated(forces, (), more, tuple(points.T)) - exact
+    error = ForceAxes.of(found.forces, axes).at((), tuple(points.T)) - exact
     return CreepErrors(points, np.hypot(error[:, 0], error[:, 1]), np.abs(error[:, 2]))

@@ -99,39 +99,72 @@ def interior(axis: Floats) -> NDArray[np.bool_]:
     return np.asarray((place > 0) & (place < len(axis) - 1))
 
 
-def extended(forces: NDArray[Any], axes: tuple[Floats, ...]) -> tuple[NDArray[Any], tuple[Floats, ...]]:
-    """Forces with one more angle at each end, and their axes; the opposite creepage has the opposite force.
+@dataclass(frozen=True, eq=False)
+class ForceAxes:
+    """Forces over the limit of friction and over slip as ``M(slip) d + R(slip, spin angle, creep angle)``.
 
-    At the spin angle + 180 degrees, and at minus the spin angle and the creep angle + 180 degrees, all forces have the
-    other sign.
+    d is the direction of the reduced creepage, a unit vector. With M alone forces are linear where creepages are small,
+    and next to pure spin in the other two creepages: so the remainder R and its derivatives vanish at no slip and in
+    pure spin, and the derivative of the forces is the same from all sides, whatever the angles do there.
+
+    - `axes`: slip, angles of spin and of creepage, both with one more angle at each end.
+    - `linear`: M, (..., slips, 3 forces, 3 creepages).
+    - `rest`: R, (..., slips, spin angles, creep angles, 3).
     """
-    slip, spin, creep = axes
-    over = np.concatenate((-forces[..., -2:-1, :, :], forces, -forces[..., 1:2, :, :]), axis=-3)
-    turned = over[..., ::-1, :, :]
-    around = np.concatenate((-turned[..., -2:-1, :], over, -turned[..., 1:2, :]), axis=-2)
-    more = [np.concatenate((2.0 * each[:1] - each[1:2], each, 2.0 * each[-1:] - each[-2:-1])) for each in (spin, creep)]
-    return around, (slip, *more)
+
+    axes: tuple[Floats, ...]
+    linear: Floats
+    rest: Floats
+
+    @classmethod
+    def of(cls, forces: NDArray[Any], axes: tuple[Floats, ...]) -> "ForceAxes":
+        """Take forces over the limit and over slip, (..., slips, spin angles, creep angles, 3), and their axes."""
+        slip, spin, creep = axes
+        values = np.asarray(forces, dtype=np.float64)
+        # around pure spin, first half and second half: the opposite creepage has the opposite force
+        ring = np.concatenate((values[..., -2, :-1, :], -values[..., 1, :-1, :]), axis=-2)
+        around = np.concatenate((creep[:-1], creep[:-1] + np.pi))
+        slopes = [2.0 / len(around) / np.cos(spin[-2]) * np.einsum("...cf,c->...f", ring, wave(around))
+                  for wave in (np.cos, np.sin)]  # fmt: skip
+        linear = np.stack((*slopes, values[..., -1, 0, :]), axis=-1)
+        rest = values - np.einsum("...fd,bcd->...bcf", linear, direction(*np.meshgrid(spin, creep, indexing="ij")))
+        rest[..., 0, :, :, :] = rest[..., [0, -1], :, :] = 0.0
+        # mirrored at pure spin: no slope there
+        over = np.concatenate((rest[..., 1:2, :, :], rest, rest[..., -2:-1, :, :]), axis=-3)
+        turned = over[..., ::-1, :, :]
+        whole = np.concatenate((-turned[..., -2:-1, :], over, -turned[..., 1:2, :]), axis=-2)
+        more = [np.concatenate((2 * each[:1] - each[1:2], each, 2 * each[-1:] - each[-2:-1])) for each in (spin, creep)]
+        return cls((slip, *more), linear, whole.astype(np.float32))
+
+    def rows(self) -> "ForceAxes":
+        """Take all positions, sides and patches as rows: (positions, 2 sides, patches, ...)."""
+        linear, rest = (array.reshape(-1, *array.shape[3:]) for array in (self.linear, self.rest))
+        return ForceAxes(self.axes, linear, rest)
+
+    def at(self, rows: tuple[NDArray[np.intp], ...], point: tuple[Floats, ...]) -> Floats:
+        """Forces over their limits of friction at reduced creepages, (n, 3), by cubics between the points.
+
+        - `rows`: places in the first dimensions, each (n,).
+        - `point`: slip, angle of spin, angle of creepage from -pi to pi, each (n,).
+        """
+        slip, spin, creep = point
+        other = creep < 0.0
+        spin, creep = np.where(other, -spin, spin), np.where(other, creep + np.pi, creep)
+        stencils = [stencil(axis, x, interior(axis)) for axis, x in zip(self.axes, (slip, spin, creep), strict=True)]
+        unit, total = direction(spin, creep), np.zeros((len(slip), 3))
+        for a in range(4):
+            nodes, weights = (array[:, a] for array in stencils[0])
+            total += weights[:, None] * np.einsum("nfd,nd->nf", self.linear[(*rows, nodes)], unit)
+        for corner in np.ndindex(4, 4, 4):
+            places = tuple(nodes[:, k] for (nodes, _), k in zip(stencils, corner, strict=True))
+            weight = np.prod([weights[:, k] for (_, weights), k in zip(stencils, corner, strict=True)], axis=0)
+            total += weight[:, None] * self.rest[(*rows, *places)]
+        return within_cone(total * np.where(other, -slip, slip)[:, None])
 
 
-def interpolated(
-    forces: NDArray[Any], rows: tuple[NDArray[np.intp], ...], axes: tuple[Floats, ...], point: tuple[Floats, ...]
-) -> Floats:
-    """Forces over their limits of friction at reduced creepages, (n, 3), by cubics between the points of the table.
-
-    - `forces`, `axes`: those of `extended`, over the limit and over slip, (..., slip, spin angle, creep angle, 3).
-    - `rows`: places in the first dimensions, each (n,).
-    - `point`: slip, angle of spin, angle of creepage from -pi to pi, each (n,).
-    """
-    slip, spin, creep = point
-    other = creep < 0.0
-    spin, creep = np.where(other, -spin, spin), np.where(other, creep + np.pi, creep)
-    found = [stencil(axis, value, interior(axis)) for axis, value in zip(axes, (slip, spin, creep), strict=True)]
-    total = np.zeros((len(slip), 3))
-    for a, b, c in np.ndindex(4, 4, 4):
-        places = tuple(nodes[:, k] for (nodes, _), k in zip(found, (a, b, c), strict=True))
-        weight = found[0][1][:, a] * found[1][1][:, b] * found[2][1][:, c]
-        total += weight[:, None] * forces[(*rows, *places)]
-    return within_cone(total * np.where(other, -slip, slip)[:, None])
+def direction(spin: Floats, creep: Floats) -> Floats:
+    """Unit vector (..., 3) of a reduced creepage by its angles: longitudinal, lateral, spin."""
+    return np.stack((np.cos(spin) * np.cos(creep), np.cos(spin) * np.sin(creep), np.sin(spin)), axis=-1)
 
 
 def within_cone(forces: Floats) -> Floats:
@@ -206,16 +239,18 @@ class CreepTable:
         *,
         clamp: bool = False,
     ) -> tuple[NDArray[np.intp], Floats]:
-        """Numbers of the table's positions around each, and their weights for both sides: (n, 64) and (n, 2, 64).
+        """Numbers of the table's positions around each, and their weights for both sides: (n, 64) and (n, 2, k, 64).
 
-        Where a side's patches are not the same all around, the nearest position has all weight.
+        Where a side's patches go over into each other all around, the first of the k sets of patches is that of weights
+        that add up to 1. Elsewhere each of the eight nearest positions has a set of its own with a part of the load,
+        over the lateral position without a slope at its ends, linear over yaw and load. k is 8, 1 if nothing jumps.
 
         - `clamp`: values out of range become those at its end; otherwise they are an `InputError`.
         """
         given = np.broadcast_arrays(
             *(np.atleast_1d(np.asarray(each, float)) for each in (lateral_mm, yaw_mrad, load_kN))
         )
-        found = []
+        given_axes = []
         for name, axis, values in zip(AXES, self.axes, given, strict=True):
             inside = np.clip(values, axis[0], axis[-1])
             slack = 1e-9 * max(float(np.abs(axis).max()), 1.0)
@@ -226,22 +261,27 @@ class CreepTable:
                     f"values from {axis[0]:g} to {axis[-1]:g}, the range of the table",
                     "make a larger table, or clamp=True",
                 )
-            found.append((axis, inside))
-        around = [stencil(axis, inside, smooth) for (axis, inside), smooth in zip(found, self.smooth, strict=True)]
+            given_axes.append((axis, inside))
+        around = [stencil(axis, inside, smooth) for (axis, inside), smooth in zip(given_axes, self.smooth, strict=True)]
         shape = tuple(len(axis) for axis in self.axes)
         cell = tuple(np.minimum(nodes[:, 1], max(n - 2, 0)) for (nodes, _), n in zip(around, shape, strict=True))
-        nearest = [
-            np.abs(axis[nodes] - inside[:, None]).argmin(axis=1)
-            for (axis, inside), (nodes, _) in zip(found, around, strict=True)
+        fractions = [
+            np.clip((inside - axis[nodes[:, 1]]) / np.maximum(axis[nodes[:, 2]] - axis[nodes[:, 1]], TINY), 0.0, 1.0)
+            for (axis, inside), (nodes, _) in zip(given_axes, around, strict=True)
         ]
-        numbers, weights, near = [], [], []
-        for places in np.ndindex(4, 4, 4):
-            each = [(nodes[:, k], weight[..., k]) for (nodes, weight), k in zip(around, places, strict=True)]
-            numbers.append(np.ravel_multi_index([nodes for nodes, _ in each], shape))
-            weights.append(np.prod([weight for _, weight in each], axis=0))
-            near.append(np.all([closest == k for closest, k in zip(nearest, places, strict=True)], axis=0))
-        joined = self.values["joined"][cell][:, :, None]
-        return np.stack(numbers, -1), np.where(joined, np.stack(weights, -1), np.stack(near, -1)[:, None])
+        fractions[0] = fractions[0] ** 2 * (3.0 - 2.0 * fractions[0])
+        numbers = np.empty((len(given[0]), 64), dtype=np.intp)
+        weights = np.zeros((*numbers.shape[:1], 2, 1 if self.values["joined"].all() else 8, 64))
+        joined = self.values["joined"][cell]
+        for number, places in enumerate(np.ndindex(4, 4, 4)):
+            columns = [(nodes[:, k], weight[..., k]) for (nodes, weight), k in zip(around, places, strict=True)]
+            numbers[:, number] = np.ravel_multi_index([nodes for nodes, _ in columns], shape)
+            weights[:, :, 0, number] = np.where(joined, np.prod([weight for _, weight in columns], axis=0), 0.0)
+            if weights.shape[2] > 1 and all(k in (1, 2) for k in places):
+                corner = np.ravel_multi_index([k - 1 for k in places], (2, 2, 2))
+                part = np.prod([t if k == 2 else 1.0 - t for t, k in zip(fractions, places, strict=True)], axis=0)
+                weights[:, :, corner, number] += np.where(joined, 0.0, part[:, None])
+        return numbers, weights
 
     @cached_property
     def smooth(self) -> tuple[NDArray[np.bool_], ...]:
@@ -264,10 +304,9 @@ class CreepTable:
         return tuple(found)
 
     @cached_property
-    def extended(self) -> tuple[NDArray[Any], tuple[Floats, ...]]:
-        """Forces with one more angle at each end, see `extended`, rows of positions first."""
-        forces, axes = extended(self.values["forces"], self.creep_axes)
-        return forces.reshape(-1, *forces.shape[3:]), axes
+    def force_axes(self) -> ForceAxes:
+        """Forces of all positions, sides and patches."""
+        return ForceAxes.of(self.values["forces"], self.creep_axes).rows()
 
     def contacts(
         self,
@@ -277,16 +316,25 @@ class CreepTable:
         *,
         clamp: bool = False,
     ) -> dict[str, Floats]:
-        """Numbers of the patches of both wheels at n positions, each (n, 2 sides, patches, ...); absent ones are 0."""
+        """Numbers of the patches of both wheels at n positions, each (n, 2 sides, patches, ...); absent ones are 0.
+
+        In a table in which patches jump there are eight times as many places: between positions with different patches
+        the patches of all these are there, each with a part of its force.
+        """
         nodes, weights = self.position(lateral_mm, yaw_mrad, load_kN, clamp=clamp)
         return self._contacts(nodes, weights)
 
     def _contacts(self, nodes: NDArray[np.intp], weights: Floats) -> dict[str, Floats]:
+        parts = weights.sum(axis=-1)
+        shares = weights / np.where(parts > 0.0, parts, 1.0)[..., None]
         found = {}
         for name, more in OF_PATCH.items():
             values = self.values[name]
             around = values.reshape(-1, *values.shape[3:])[nodes]
-            found[name] = np.einsum("nsc,ncsp...->nsp..." if more else "nsc,ncsp->nsp", weights, around)
+            each = np.einsum("nskc,ncsp...->nskp..." if more else "nskc,ncsp->nskp", shares, around)
+            if name in ("normal_force_N", "stiffness_N"):  # parts of patches: the same pressure, on less of the area
+                each *= parts.reshape(*parts.shape, *[1] * (each.ndim - 3))
+            found[name] = each.reshape(*each.shape[:2], -1, *each.shape[4:])
         return found
 
     def forces(
@@ -347,12 +395,13 @@ class CreepTable:
         further = given - np.concatenate((free, np.zeros((*normal.shape, 1))), axis=-1)
         point = reduced(further, stiffness, radius, limit)
         total = np.zeros(given.shape)
-        table, axes = self.extended
-        weight = weights[..., None] * (normal > 0.0)[:, :, None]
-        at, side, corner, patch = np.nonzero(weight)
-        rows = nodes[at, corner], side, patch
-        found = interpolated(table, rows, axes, tuple(each[at, side, patch] for each in point))
-        np.add.at(total, (at, side, patch), weight[at, side, corner, patch, None] * found)
+        shares = weights / np.maximum(weights.sum(axis=-1, keepdims=True), TINY)
+        n_patches = normal.shape[2] // weights.shape[2]
+        present = normal.reshape(*normal.shape[:2], -1, n_patches) > 0.0
+        at, side, group, corner, patch = np.nonzero((shares[..., None] != 0.0) & present[:, :, :, None])
+        place = at, side, group * n_patches + patch
+        found = self.force_axes.at((nodes[at, corner], side, patch), tuple(each[place] for each in point))
+        np.add.at(total, place, shares[at, side, group, corner, None] * found)
         total[..., 2] *= radius
         return within_cone(total) * limit[..., None]
 

@@ -95,10 +95,10 @@ def table_numbers(table: CreepTable) -> Floats:
     """Return the numbers of the table in the order in which the C source reads them."""
     normal = table.values["normal_force_N"]
     patches = [table.values[name].reshape(*normal.shape, -1) for name in _OF_PATCH]
-    forces, creep_axes = table.extended
-    head = [*(len(axis) for axis in table.axes), normal.shape[-1], *(len(axis) for axis in creep_axes)]
-    axes = [*table.axes, *creep_axes, *table.smooth]
-    arrays = [head, *axes, table.values["joined"], np.concatenate(patches, axis=-1), forces]
+    forces = table.force_axes
+    head = [*(len(axis) for axis in table.axes), normal.shape[-1], *(len(axis) for axis in forces.axes)]
+    axes = [*table.axes, *forces.axes, *table.smooth]
+    arrays = [head, *axes, table.values["joined"], np.concatenate(patches, axis=-1), forces.linear, forces.rest]
     parts = [np.asarray(array, dtype=np.float64).ravel() for array in arrays]
     return np.concatenate(parts)
 

@@ -23,7 +23,7 @@ from flangeway.tables.table_positions import FRICTION, Arrays, PositionTask, com
 
 JUMP_MM = 0.1
 """Distance of lateral positions to which a jump of the patches is located."""
-N_POINTS, N_BETWEEN = 12, 3
+N_POINTS, N_BETWEEN = 24, 3
 """Random creepages at which each patch of the table is checked, and those of patches between its positions."""
 MAX_POSITIONS = 2000
 MAX_PASSES = 4

@@ -124,8 +124,9 @@ Over the limit of friction, beside exact solutions at points between those of th
 
 The tolerance was {checks["tolerance"]:.2%}. Of {checks["exact_solutions"]} exact solutions {checks["not_converged"]}
 did not converge. Positions are solved anew in the middle of every interval of lateral positions. Between patches that
-jump, or where one becomes two, the table does not interpolate: the nearest position counts (`joined` is false). Such
-intervals:
+jump, or where one becomes two (`joined` is false), the patches of all positions around are there, each with a part of
+its load and its forces: the product of 1 - w or w for the position before or after, with w = 3 t^2 - 2 t^3 over the
+lateral interval, t over those of yaw and load. Such intervals:
 
 {jumps or "- none"}
 
@@ -159,13 +160,18 @@ With friction mu, normal force N, longitudinal and lateral creepage xi, eta and 
     spin angle = atan2(u3, sqrt(u1^2 + u2^2)),  creep angle = atan2(u2, u1)
     longitudinal force = mu N V forces[0],  lateral force = mu N V forces[1],  spin moment = mu N r V forces[2]
 
-Between its points `forces` is a cubic with the slopes of parabolas through three points (Catmull and Rom), along each
-of the three axes; so are all arrays along lateral position, yaw and load where `joined`. Forces and their derivatives
-are continuous, but at patches that jump and at creepages of 0. Near the limit of friction the size s of both forces
-over it is rounded: s - (s - 1 + w)^2 / (4 w) within w = {creep_table.ROUNDED:g} of 1, and 1 beyond. Linear
-interpolation is less exact, and its derivative jumps. The creep angle goes from 0 to 180 degrees: for a negative one,
-take minus spin angle, creep angle plus 180 degrees, and the opposite forces. V = 0 is linear theory, V = 1 sliding
-everywhere; so there is no largest creepage. mu is free, since forces over mu N depend on creepages over mu.
+Between its points `forces` is M(V) d + R(V, spin angle, creep angle), with the direction d = (u1, u2, u3) / R. M has
+the force of pure spin (spin angle 90 degrees) in its third column; the first two are its changes by the other
+creepages, from the first and second Fourier coefficient around the nearest ring: sum over the creep angles a of
+forces cos a and of forces sin a, times 2 / (n cos(spin angle)). M(V), and what is left to the points as R (mirrored
+at the spin angles of +-90 degrees), are cubics with the slopes of parabolas through three points (Catmull and Rom),
+along each of the three axes; so are all arrays along lateral position, yaw and load where `joined`. Forces are
+continuous, and so are their derivatives, at creepages of 0 and in pure spin too, but at the ends of intervals in
+which patches jump. Near the limit of friction the size s of both forces over it is rounded: s - (s - 1 + w)^2 / (4 w)
+within w = {creep_table.ROUNDED:g} of 1, and 1 beyond. Linear interpolation is less exact, and its derivative jumps.
+The creep angle goes from 0 to 180 degrees: for a negative one, take minus spin angle, creep angle plus 180 degrees,
+and the opposite forces. V = 0 is linear theory, V = 1 sliding everywhere; so there is no largest creepage. mu is
+free, since forces over mu N depend on creepages over mu.
 
 Without spin a patch has no creep force at xi0, eta0: the top of a rail that bends under a wheel is shorter, surfaces
 of both bodies are stretched by the pressures. xi0 = 0.0004 is as if the wheel's radius were smaller by that share.

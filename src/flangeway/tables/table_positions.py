@@ -126,7 +126,7 @@ def _sampled(patch: SampledPatch, task: PositionTask, random: np.random.Generato
     for directions in creep_sampling.DIRECTIONS:
         found = sample(patch, directions, creep_sampling.AXES)
         errors = check(patch, found, points, creep_sampling.AXES)
-        if errors.force.max(initial=0.0) <= task.tolerance:
+        if errors.expected_maximum <= task.tolerance:
             break
     return {
         "forces": found.forces.astype(np.float32), "directions": directions, "n_exact": found.n_exact,

@@ -8,7 +8,7 @@ import pytest
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState
-from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
+from flangeway.railway.damage.evolution import Evolution, EvolutionSettings, EvolutionStep, limit_positions
 from flangeway.railway.damage.profile_limits import reached, worn_measures
 from flangeway.railway.damage.surface_wear import patch_damage, patch_loads, row_wear
 from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw
@@ -109,6 +109,30 @@ def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
         again.run(tmp_path / "parts.sqlite")
 
 
+class Fading(Evolution):
+    """Wear without contact, whose rate falls with the depth: ``c exp(-depth / d)``; depth ``d ln(1 + c s / d)``."""
+
+    def _evaluated(self, position, surfaces, damage, progress):
+        progress("")
+        rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 90.0)
+                 for key, surface in surfaces.items()}  # fmt: skip
+        return EvolutionStep(position, surfaces, rates, damage, damage, (), 0.0)
+
+
+def test_error_of_the_steps_is_controlled_and_of_second_order() -> None:
+    """A quarter of the error that is allowed halves the steps and divides that of the depth by four."""
+    exact, errors, counts = 0.1 * np.log(1.0 + 2e-5 * 2e4 / 0.1), [], []
+    for allowed in (4e-3, 1e-3):
+        collective = Collective([state()])
+        steps = Fading(collective, {"wheel": ENERGY}, settings(2e4, 0.1, max_error_mm=allowed)).run()
+        errors.append(abs(steps[-1].surfaces["wheel", "right"].depth[300] - exact))  # at 75 mm
+        counts.append(len(steps))
+        assert all(step.error_mm <= allowed for step in steps)
+    assert errors[0] < 4e-3
+    assert 3.0 < errors[0] / errors[1] < 6.0
+    assert 1.6 < counts[1] / counts[0] < 2.4
+
+
 def test_a_symmetric_case_stays_symmetric() -> None:
     """On straight track both wheels, each by itself, wear alike to 1e-9 mm, and the area is that of the energy."""
     collective = Collective([state()], separate=True)
@@ -141,11 +165,14 @@ def test_compliance_of_new_bodies_serves_up_to_a_millimetre() -> None:
 
 
 def test_limits_end_the_evolution() -> None:
-    """The evolution ends at the first step in which a limit is reached, and names it."""
+    """The evolution ends at the first step in which a limit is reached, and names it and where, linear in the step."""
     limits = {"max_tread_wear_mm": 1e-3, "min_flange_thickness_mm": 20.0}
     steps = Evolution(Collective([state()]), {"wheel": ENERGY}, settings(1e6, limits=limits)).run()
     assert steps[-1].reached == ("wheel: max_tread_wear_mm",)
     assert not any(step.reached for step in steps[:-1])
+    losses = [step.surfaces["wheel", "right"].radius_loss_mm for step in steps[-2:]]
+    position = np.interp(1e-3, losses, [step.position for step in steps[-2:]])
+    assert limit_positions(steps, limits) == {steps[-1].reached[0]: pytest.approx(position, rel=1e-9)}
 
 
 def test_measures_of_worn_profiles_have_closed_forms() -> None:
@@ -157,8 +184,12 @@ def test_measures_of_worn_profiles_have_closed_forms() -> None:
     assert found["tread_wear_mm"] == pytest.approx(1.0, abs=0.01)
     assert found["flange_height_mm"] - new["flange_height_mm"] == pytest.approx(1.0, abs=0.01)
     assert 0.3 < found["hollow_mm"] < 1.0
+    assert found["restoring_cut_mm"] == pytest.approx(1.0, abs=0.01)
     assert new["hollow_mm"] == pytest.approx(0.0, abs=1e-6)
     assert reached(worn, {"max_hollow_mm": 0.2, "max_side_wear_mm": 0.1}) == ("max_hollow_mm",)
+    flange = (x > -44.0) & (x < -36.0)  # of 70 degrees
+    cut = worn_measures(WornSurface(fresh.new, np.where(flange, 0.1, 0.0)))["restoring_cut_mm"]
+    assert cut == pytest.approx(0.1 / np.cos(np.radians(70.0)), rel=1e-3)
     head = WornSurface(rail("60E1"))
     middle = head.surface.length / 2.0
     worn = WornSurface(

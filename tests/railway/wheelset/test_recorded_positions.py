@@ -67,3 +67,18 @@ def test_the_position_of_the_default_mesh_is_the_recorded_one(name: str) -> None
     result = solved(name, 1.0)
     assert result.status.converged, result.status.message
     assert result.equilibrium.position.components == pytest.approx(FINE[name], rel=1e-9, abs=1e-10)
+
+
+@pytest.mark.parametrize("primary", ["rail", "wheel"])
+@pytest.mark.parametrize("case", [WheelsetTangentCase, WheelsetCurveCase])
+@pytest.mark.parametrize("method", ["fem", pytest.param("vem", marks=pytest.mark.ci)])
+def test_quadratic_edges_do_not_lock_into_each_other(
+    method: str, case: type[WheelsetTangentCase], primary: str
+) -> None:
+    """Node-to-segment at order 2 with default sizes: one load step, ten iterations at most, near the fine position."""
+    inputs = {"method": method, "order": 2, "pairing": "node-to-segment", "primary": primary}
+    result = solve_wheelset(case.from_values(inputs).problem())
+    assert result.status.converged, result.status.message
+    assert result.equilibrium.status.iterations <= 10
+    lateral = FINE["tangent, fem" if case is WheelsetTangentCase else "curve, vem"][0]
+    assert result.equilibrium.position.lateral_mm == pytest.approx(lateral, rel=1e-3, abs=1e-9)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from flangeway.cases.case_identity import bodies_key
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
@@ -217,6 +218,39 @@ def test_friction_of_the_gauge_face_and_what_is_refused(wheelset):
         with pytest.raises(InputError):
             coarse_case(**inputs).check()
     assert one.spatial_model().rolling.torque_Nm == 0.0
+
+
+def test_friction_along_the_track(tmp_path):
+    """Linear between the distances of a file, constant beyond; other inputs of friction go with it."""
+    file = tmp_path / "friction.csv"
+    file.write_text("distance_m,friction,weather\n0,0.4,dry\n100,0.4,dry\n120,0.1,wet\n")
+    rolls = {key: value for key, value in ROLLS.items() if key != "friction"}
+    for distance, expected in ((-5.0, 0.4), (50.0, 0.4), (110.0, 0.25), (500.0, 0.1)):
+        case = coarse_case(**rolls, friction_file=str(file), distance_m=distance, flange_friction=0.05)
+        rolling = case.spatial_model().rolling
+        assert float(rolling.friction.static) == pytest.approx(expected)
+        assert rolling.flange_friction == 0.05
+        assert bodies_key(case) == bodies_key(coarse_case())
+
+
+@pytest.mark.parametrize(
+    ("text", "inputs", "words"),
+    [
+        ("distance_m,friction\n0,0.3\n0,0.2\n", {}, "do not rise"),
+        ("distance_m,friction\n0,1.3\n", {}, "out of range"),
+        ("distance_m,mu\n0,0.3\n", {}, "no column friction"),
+        ("distance_m,friction\n0,dry\n", {}, "line 2"),
+        ("distance_m,friction\n0,0.3\n", {"friction": 0.3}, "friction"),
+        (None, {"friction": 0.3, "distance_m": 5.0}, "friction_file"),
+    ],
+)
+def test_wrong_friction_along_the_track_is_refused(tmp_path, text, inputs, words):
+    """Distances that do not rise, coefficients out of range, missing columns, words; two coefficients, or none."""
+    if text:
+        inputs = inputs | {"friction_file": str(tmp_path / "friction.csv")}
+        (tmp_path / "friction.csv").write_text(text)
+    with pytest.raises(InputError, match=words):
+        coarse_case(speed_km_h=80.0, **inputs).check()
 
 
 @pytest.mark.parametrize("theory", ["exact", "fastsim"])

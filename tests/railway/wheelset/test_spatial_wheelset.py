@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.sweep import moved_to, noise, pressures_and_areas
+from benchmarks.sweep import energy_sweep, moved_to, noise, pressures_and_areas
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset import spatial_wheelset
@@ -99,6 +99,15 @@ def test_pressure_and_area_change_smoothly_as_the_wheelset_moves(wheelset):
     """In steps of 0.05 mm across a jump of the rail's curvature their noise is below 0.3 %."""
     found = noise(pressures_and_areas([moved_to(wheelset, lateral) for lateral in np.arange(1.0, 1.63, 0.05).tolist()]))
     assert found.max() < 3e-3
+
+
+def test_the_lateral_force_does_the_work_that_the_energy_changes_by(wheelset):
+    """As the flange climbs to more than 40 kN, by Gauss's rule over steps of 0.5 mm: to 0.1 %, on a rigid axle."""
+    rigid = replace(wheelset, model=replace(wheelset.model, axle=None))
+    sweep = energy_sweep(rigid, step=0.5, lateral=6.5, farthest=8.5)
+    assert not sweep.failures
+    assert sweep.error < 1e-3
+    assert moved_to(rigid, 8.5).equilibrium.residual[0] < -40e3
 
 
 def test_the_middle_of_straight_track_is_symmetric(wheelset):

@@ -1,7 +1,8 @@
 """A file of what a collective does to profiles: ``flangeway damage FILE``."""
 
-from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, Literal
 
 from pydantic import ConfigDict, Field, create_model
@@ -20,6 +21,10 @@ from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.types import Key
 
 LAWS: dict[str, type[Any]] = {"archard": ArchardLaw, "usfd": UsfdLaw, "energy": EnergyLaw}
+
+
+STRATEGY_NAME = re.compile(r"[\w -]+")
+"""Names of strategies are those of folders as well."""
 
 
 class StateTable(Table):
@@ -50,6 +55,8 @@ class DamageTables(Table):
     """wear law of wheels and rails, with its constants"""
     limits: dict[str, float] = Field({})
     """measures of the profiles at which it ends"""
+    strategies: dict[str, dict[str, Any]] = Field({})
+    """what other strategies change, by their names: tables and keys of this file"""
 
 
 def inputs_of(kind: type[Any], *without: str) -> type[Table]:
@@ -71,16 +78,26 @@ class DamageInputs:
     - `evolution`: ready to run.
     - `collective`: name of the bundled collective, which is assumed; empty: states of the file.
     - `inputs`: shared by all states.
+    - `changes`: what a strategy changes, key by key.
     """
 
     name: str
     evolution: Evolution
     collective: str
     inputs: Mapping[str, Any]
+    changes: Sequence[str] = ()
 
 
+@dataclass(frozen=True)
 class DamageFile(TomlFile):
-    """The file: ``[inputs]`` of the case ``wheelset``, states, ``[evolution]``, ``[wear.wheel]``, ``[limits]``."""
+    """The file: ``[inputs]`` of the case ``wheelset``, states, ``[evolution]``, ``[wear.wheel]``, ``[limits]``.
+
+    - `strategy`: name of the strategy whose changes are in the data; empty: the file as it is.
+    - `changed_inputs`: inputs of the strategy, which all states have in the place of their own.
+    """
+
+    strategy: str = ""
+    changed_inputs: Mapping[str, Any] = field(default_factory=dict)
 
     kind = TomlKind(
         name="damage file",
@@ -89,6 +106,28 @@ class DamageFile(TomlFile):
         lines='lines such as collective = "mixed-line", tables such as [wear.wheel]',
         too_large="give fewer states",
     )
+
+    def strategies(self) -> dict[str, DamageInputs]:
+        """Return the inputs of the file as it is, by its name, and those of its strategies."""
+        name = self.file.stem
+        found = {name: self.damage()}
+        for other, changes in self.data.get("strategies", {}).items():
+            if not STRATEGY_NAME.fullmatch(other) or other == name:
+                raise InputError(
+                    f"{self.place(('strategies', other))}the strategy {other!r}",
+                    f"letters, digits, spaces, - and _, and not {name}, which is the file as it is",
+                    "give it another name: it is that of its folder",
+                )
+            inputs = {key: value for key, value in changes.items() if key == "inputs"}
+            data = _merged(self.data, {key: value for key, value in changes.items() if key not in inputs})
+            data.pop("strategies")
+            file = replace(self, data=data, strategy=other, changed_inputs=inputs.get("inputs", {}))
+            found[other] = replace(file.damage(), name=other, changes=[*_lines(changes)])
+        return found
+
+    def place(self, key: Key) -> str:
+        """File and line of a key; in a strategy those of its change."""
+        return super().place(("strategies", self.strategy, *key) if self.strategy else key)
 
     def damage(self) -> DamageInputs:
         """Check all of it; an `InputError` names file, line, key, what is allowed and what to do."""
@@ -124,9 +163,10 @@ class DamageFile(TomlFile):
         return DamageInputs(self.file.stem, evolution, name, inputs)
 
     def _state(self, name: str, share: float, values: Mapping[str, Any], number: int | None = None) -> RunningState:
-        place = self.place(("inputs",) if number is None else ("states", number))
+        place = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
+        changed = mapped(self.changed_inputs, self._resolved)
         with located(f"{place}{name}: "):
-            case = SpatialWheelsetCase.from_values(values)
+            case = SpatialWheelsetCase.from_values({**values, **changed})
             return RunningState(name, share, case.problem(), case.spatial_model())
 
     def _law(self, role: Role, given: Mapping[str, Any]) -> WearLaw:
@@ -148,3 +188,21 @@ class DamageFile(TomlFile):
         """Make the name of a file relative to this one independent of the current folder."""
         path = self.file.parent / str(value)
         return str(path.resolve()) if key[-1] in FILE_KEYS and is_file(path) else value
+
+
+def _merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return tables with changes inside of them; a wear law with its name takes the place of the other law."""
+    merged = dict(tables)
+    for key, value in changes.items():
+        inside = isinstance(value, Mapping) and "law" not in value
+        merged[key] = _merged(tables.get(key, {}), value) if inside else value
+    return merged
+
+
+def _lines(tables: Mapping[str, Any], before: str = "") -> Iterator[str]:
+    """Yield the values in tables as lines of TOML, with the names of the tables."""
+    for key, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from _lines(value, f"{before}{key}.")
+        else:
+            yield f"{before}{key} = {value}"

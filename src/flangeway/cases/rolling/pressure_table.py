@@ -6,7 +6,7 @@ import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
-from flangeway.system.file_content import csv_table
+from flangeway.system.file_content import number_table
 from flangeway.types import Floats, Ints
 
 COLUMNS = ("right_mm", "ahead_mm", "pressure_MPa")
@@ -25,22 +25,7 @@ def read_pressures(path: Path) -> tuple[PatchGrid, Floats]:
         If it cannot be read, lacks a column, has what is no number, or its places are on no regular grid.
 
     """
-    rows = csv_table(path, WANTED)
-    missing = [name for name in COLUMNS if rows and name not in rows[0][1]]
-    if missing or not rows:
-        what = f"no column {' and '.join(missing)}" if missing else "no cells"
-        raise InputError(f"{path}, line 1: {what}", WANTED, "name the columns")
-    values: Floats = np.empty((len(rows), 3))
-    for cell, (number, row_cells) in zip(values, rows, strict=True):
-        texts = [row_cells[name] for name in COLUMNS]
-        try:
-            cell[:] = [float(text) for text in texts]
-        except ValueError as reason:
-            raise InputError(
-                f"{path}, line {number}: {','.join(texts)!r}", "a number in each column", "correct it"
-            ) from reason
-    if not np.isfinite(values).all():
-        raise InputError(f"{path}: numbers that are not finite", WANTED, "correct them")
+    values = number_table(path, COLUMNS, WANTED)
     (row, bounds), (strip, ends) = (_on_grid(path, name, values[:, axis]) for axis, name in enumerate(COLUMNS[:2]))
     pressures = np.full((len(bounds) - 1, len(ends) - 1), np.nan)
     pressures[row, strip] = values[:, 2]

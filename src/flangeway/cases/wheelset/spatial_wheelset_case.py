@@ -2,8 +2,10 @@
 
 import time
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
@@ -35,9 +37,11 @@ from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.supported_rail import RailSupport
 from flangeway.railway.wheelset.whole_wheel import WheelDisc
 from flangeway.system.disk_cache import Cache
+from flangeway.system.file_content import number_table
 
 # ruff: noqa: N815 (units in names)
 
+ALONG_TRACK = ("distance_m", "friction")
 HERTZ = (
     "Hertz's theory is left out where the curvatures vary within a patch: where the gap deviates from a paraboloid by "
     f"more than {100.0 * PARABOLIC:g} % of its height."
@@ -88,6 +92,10 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     friction: float | None = Field(None, ge=0.0, le=MAX_FRICTION)
     """coefficient of friction: the wheelset rolls at speed_km_h with creep forces (default, and 0: without
     friction)"""
+    friction_file: str | None = None
+    """CSV file of the coefficient along the track, instead of friction: distance_m, friction, linear in between"""
+    distance_m: float = 0.0
+    """distance of the wheelset along the track, at which friction_file is read"""
     flange_friction: float | None = Field(None, ge=0.0, le=MAX_FRICTION)
     """coefficient on the gauge face, steeper than 45 degrees (default: friction)"""
     rolling_theory: Theory = "exact"
@@ -182,14 +190,14 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     @property
     def row_quantities(self) -> Sequence[Quantity[WheelResult]]:
         """See `WheelsetInputs.row_quantities`."""
-        return super().row_quantities if self.model == "plane" else ROLLING_ROW if self.friction else SPATIAL_ROW
+        return super().row_quantities if self.model == "plane" else ROLLING_ROW if self.coefficient else SPATIAL_ROW
 
     @property
     def patch_row_quantities(self) -> Sequence[Quantity[Any]]:
         """See `WheelsetInputs.patch_row_quantities`."""
         if self.model == "plane":
             return super().patch_row_quantities
-        return ROLLING_PATCH_ROW if self.friction else SPATIAL_PATCH_ROW
+        return ROLLING_PATCH_ROW if self.coefficient else SPATIAL_PATCH_ROW
 
     def plane(self) -> WheelsetTangentCase:
         """Return the plane wheelset of the same inputs; an `InputError` if it does not have one that was given."""
@@ -252,23 +260,40 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
 
     @property
     def _rolls(self) -> bool:
-        return self.friction is not None
+        return self.coefficient is not None
+
+    @property
+    def coefficient(self) -> float | None:
+        """Coefficient of friction where the wheelset is; beyond the ends of the file that of its end."""
+        if self.friction_file is None:
+            self.refuse_without_effect(["distance_m"], "friction_file", "a file of the coefficient along the track")
+            return self.friction
+        self.refuse_without_effect(["friction"], "friction_file", "none")
+        wanted = f"a CSV file with the columns {', '.join(ALONG_TRACK)}: rising distances, coefficients up to 1"
+        distances, coefficients = number_table(Path(self.friction_file), ALONG_TRACK, wanted).T
+        if (np.diff(distances) <= 0.0).any() or coefficients.min() < 0.0 or coefficients.max() > MAX_FRICTION:
+            raise InputError(
+                f"{self.friction_file}: distances that do not rise, or coefficients out of range",
+                wanted,
+                "sort the lines, and correct the coefficients",
+            )
+        return float(np.interp(self.distance_m, distances, coefficients))
 
     def _rolling(self) -> RollingMotion | None:
         """How the wheelset rolls, None without friction."""
-        if not self.friction:
+        if not self.coefficient:
             self.refuse_without_effect(ROLLING_KEYS, "friction", "a coefficient above 0")
             return None
         if not self.speed_km_h:
             raise InputError(
-                f"friction = {self.friction:g} with speed_km_h = {self.speed_km_h}",
+                f"friction = {self.coefficient:g} with speed_km_h = {self.speed_km_h}",
                 "a speed above 0: creep forces are those of rolling",
                 "give speed_km_h, or leave friction out",
             )
         stiffness = self.yaw_stiffness_kNm_per_mrad
         return RollingMotion(
             self.speed_km_h / 3.6,
-            self.friction_law(self.friction, self.rolling_theory),
+            self.friction_law(self.coefficient, self.rolling_theory),
             self.flange_friction,
             self.curve_radius_m,
             1e-3 * self.yaw_rate_mrad_per_s,
@@ -313,13 +338,12 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
         return [track, wheel, axle]
 
     def _friction_words(self) -> str:
-        if not self.friction:
+        if not self.coefficient:
             return "Contact without friction: L/V leaves out creep forces."
         theory = THEORIES[self.rolling_theory]
         where = f"{self.speed_km_h:g} km/h" + (f", {self.curve_radius_m:g} m" if self.curve_radius_m else "")
-        return (
-            f"Steady rolling at {where} with a coefficient of friction of {self.friction:g}; creep forces by {theory}."
-        )
+        friction = f"a coefficient of friction of {self.coefficient:g}"
+        return f"Steady rolling at {where} with {friction}; creep forces by {theory}."
 
     def assumptions(self, result: SpatialResult) -> list[str]:
         """See `WheelsetInputs.assumptions`."""

@@ -40,8 +40,9 @@ ROLLING_KEYS = (
     *(*FRICTION_KEYS, "flange_friction", "rolling_theory", "torque_kNm"),
     *("yaw_stiffness_kNm_per_mrad", "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"),
 )
-"""POSITION_KEYS, CURVE_KEYS, ROLLING_KEYS: inputs that leave the bodies as they are: of the position and its load, of
-the forces of a curve, and those that have an effect with friction only."""
+PLACE_KEYS = ("friction", "friction_file", "distance_m")
+"""Inputs that leave the bodies as they are: of the position and its load, of the forces of a curve, those that have an
+effect with friction only, and friction at a place along the track."""
 
 
 class WheelsetInputs(Case):
@@ -137,7 +138,7 @@ class WheelsetInputs(Case):
     poisson: float = Field(0.3, gt=-1.0, lt=0.5)
     """Poisson's ratio of wheels and rails"""
 
-    position_keys: ClassVar[tuple[str, ...]] = (*POSITION_KEYS, *CURVE_KEYS, "yaw_mrad", "friction", *ROLLING_KEYS)
+    position_keys: ClassVar[tuple[str, ...]] = (*POSITION_KEYS, *CURVE_KEYS, "yaw_mrad", *PLACE_KEYS, *ROLLING_KEYS)
 
     @property
     def row_quantities(self) -> Sequence[Quantity[WheelResult]]:

@@ -14,10 +14,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from flangeway.errors import InputError
-from flangeway.exact import half_space_influence
+from flangeway.exact import half_space_blocks
 from flangeway.materials import Elastic
 from flangeway.solve import SurfaceCells, compliance_table
-from flangeway.solve.surface_compliance import half_angles, turned
+from flangeway.solve.surface_compliance import half_angles
 from flangeway.system.disk_cache import Arrays, Cache
 from flangeway.types import Floats, Ints
 
@@ -65,15 +65,10 @@ class ElasticSurface:
         turned_back = np.einsum("iax,iajb,jby->ixjy", self.frames, added, self.frames, optimize=True)
         return replace(self, remainder=self.remainder + turned_back)
 
-    def table(self, *, along: bool) -> Floats:
-        """`remainder` as matrices (n_z, m n, m n): for forces and displacements `along` z too, m = 3, or without, 2."""
-        return self.remainder.reshape(len(self.distances), 3 * len(self.stations), -1) if along else self._in_plane
-
     @cached_property
-    def _in_plane(self) -> Floats:
-        return np.ascontiguousarray(self.remainder[:, :, :2, :, :2]).reshape(
-            len(self.distances), 2 * len(self.stations), -1
-        )
+    def by_axes(self) -> Floats:
+        """`remainder` by the axes of displacement and force, distance, displacement and force: (3, 3, n_z, n, n)."""
+        return np.ascontiguousarray(self.remainder.transpose(2, 4, 0, 1, 3))
 
     def interpolation(self, at: Floats, derivative: int = 0) -> Floats:
         """Weights of the tabulated stations at other ones, or of their derivatives, shape (m, n)."""
@@ -150,79 +145,73 @@ def _remainder(cells: SurfaceCells, strip: float, numbers: Ints, tolerance: floa
     table = compliance_table(cells, LEAST_WAVENUMBER, 2.0 * np.pi / strip, tolerance)
     own = table.influence(strip, n_strips, nearest=CORRECTED).reshape(n_strips, n, 3, n, 3)[numbers]
     ends = np.stack((cells.limits[:-1], cells.limits[1:]), axis=1)
-    own -= half_space_on(cells.material, ends, cells.frames, strip, n_strips)[numbers]
+    flat = half_spaces_on((cells.material,), ends, cells.frames, strip, n_strips)
+    own -= flat[:, :, numbers].transpose(2, 3, 0, 4, 1)
     remainder: Floats = np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)
     return remainder
 
 
-def half_space_on(material: Elastic, cells: Floats, frames: Floats, strip: float, n_strips: int) -> Floats:
-    """Influence among cells of a curved surface, as if it were a half-space between each two of them.
-
-    Parameters
-    ----------
-    material
-        Of the half-space.
-    cells
-        Ends of the cells as lengths along the surface, rising, with gaps between them or without, shape (n, 2).
-    frames
-        Axes tangent, body on the left, outward normal and z of the cells, rows of (n, 3, 3).
-    strip, n_strips
-        Width and number of the strips along z.
-
-    Returns
-    -------
-    Floats
-        By displacement and force in the frames of the cells, shape (n_strips, n, 3, n, 3).
-
-    """
-    flat = _among(material, cells, strip, n_strips, (0, 1, 2))
-    result: Floats = turned(flat.transpose(0, 1, 3, 2, 4), frames).transpose(0, 1, 3, 2, 4)
-    return result
-
-
 def half_spaces_on(
-    materials: tuple[Elastic, Elastic],
+    materials: Sequence[Elastic],
     cells: Floats,
     frames: Floats,
     strip: float,
     n_strips: int,
     axes: Sequence[int] = (0, 1, 2),
 ) -> Floats:
-    """Displacements of two bodies in contact together, the second's less the first's, by forces on the second one.
+    """Influence among cells of a curved surface, as if there were half-spaces between each two of them.
 
-    As `half_space_on` for the first body, with the cells and the frames of which the second one's coincide.
+    Parameters
+    ----------
+    materials
+        Of one body; or of two in contact: displacements of the second one less those of the first by forces on the
+        second, whose cells are those of the first one.
+    cells
+        Ends of the cells as lengths along the surface, rising, with gaps between them or without, shape (n, 2).
+    frames
+        Axes tangent, first body on the left, outward normal and z of the cells, rows of (n, 3, 3).
+    strip, n_strips
+        Width and number of the strips along z.
+    axes
+        Components of displacements and forces along the frames: 0 tangent, 1 normal, 2 z.
 
-    - `axes`: components of displacements and forces: 0 tangent, 1 normal, 2 z.
+    Returns
+    -------
+    Floats
+        By axes of displacement and force, distance, displacement and force: shape (m, m, n_strips, n, n) for m axes.
 
-    Returned: shape (n_strips, n, m, n, m) for m axes.
     """
-    used = (0, 1, 2) if 2 in axes else (0, 1)
-    flat = {each: _among(each, cells, strip, n_strips, used) for each in dict.fromkeys(materials)}
+    # for the second body, the other side of the surface, n and the angles change their signs: of equal bodies
+    # displacements along n by forces along the surface are the opposite of each other
+    signs = {
+        (of, by): 1.0 if (of == 1) == (by == 1) else -1.0
+        for of, by in product((0, 1, 2) if 2 in axes else (0, 1), repeat=2)
+    }
+    if len(materials) == 2 and materials[0] == materials[1]:
+        signs = {pair: sign for pair, sign in signs.items() if sign > 0.0}
+    flat = {each: _among(each, cells, strip, n_strips, list(signs)) for each in dict.fromkeys(materials)}
     half = half_angles(frames)
-    # T E T for the first body; for the second one, the other side of the surface, n and the angles change their signs
+    # T E T for the first body
     turn = {(0, 0): half.real, (1, 1): half.real, (0, 1): half.imag, (1, 0): -half.imag, (2, 2): np.ones(half.shape)}
-    mirrored = np.array([1.0, -1.0, 1.0])
-    total = np.zeros((n_strips, len(half), len(axes), len(half), len(axes)))
-    for row, column in product(used, repeat=2):
-        if materials[0] == materials[1] and mirrored[row] != mirrored[column]:
-            continue
-        both = flat[materials[0]][:, :, row, :, column]
-        both = both + mirrored[row] * mirrored[column] * flat[materials[1]][:, :, row, :, column]
-        for i, j in product(range(len(axes)), repeat=2):
-            factors = turn.get((axes[i], row)), turn.get((column, axes[j]))
-            if factors[0] is not None and factors[1] is not None:
-                total[:, :, i, :, j] += factors[0] * factors[1] * both
+    total = np.zeros((len(axes), len(axes), n_strips, *half.shape))
+    for (row, column), sign in signs.items():
+        both = flat[materials[0]][row, column]
+        for other in materials[1:]:
+            both = both + sign * flat[other][row, column]
+        for (i, of), (j, by) in product(enumerate(axes), repeat=2):
+            if (of, row) in turn and (column, by) in turn:
+                total[i, j] += turn[of, row] * turn[column, by] * both
     return total
 
 
-def _among(material: Elastic, cells: Floats, strip: float, n_strips: int, axes: Sequence[int]) -> Floats:
-    """Influence among some cells of a plane, shape (n_strips, n, m, n, m)."""
+def _among(
+    material: Elastic, cells: Floats, strip: float, n_strips: int, pairs: Sequence[tuple[int, ...]]
+) -> dict[tuple[int, ...], Floats]:
+    """Influence among some cells of a plane by pairs of axes of displacement and force, (n_strips, n, n) each."""
     limits = cells.ravel()
     limits = limits[np.append(np.diff(limits) > SAME * strip, True)]  # cells that touch share an end
-    m, count = len(axes), len(limits) - 1
-    found = half_space_influence(material.young, material.poisson, limits, strip, n_strips, axes)
-    found = found.reshape(n_strips, count, m, count, m)
-    if count == len(cells):
-        return found
+    blocks = half_space_blocks(material.young, material.poisson, limits, strip, n_strips, pairs)
+    if len(limits) == len(cells) + 1:
+        return blocks
     numbers = np.searchsorted(limits, cells[:, 0] - SAME * strip)
-    return found[:, numbers][:, :, :, numbers]
+    return {place: block[:, numbers[:, None], numbers] for place, block in blocks.items()}

@@ -23,45 +23,55 @@ class Convolution:
     Parameters
     ----------
     coefficients
-        At the distances 0, dz, 2 dz, ... of all strips, shape (n_strips, n, n), by displacement and force.
+        At the distances 0, dz, 2 dz, ... of all strips, shape (n_strips, m, n), by displacement and force.
     behind
         At the distances 0, -dz, -2 dz, ...; left out: the transpose.
+    odd
+        Which displacements (m,) and which forces (n,) lie along z: coefficients of one of them with one of the others
+        change their sign with the distance in bodies that are symmetric about planes across z. Left out: none.
 
     """
 
-    def __init__(self, coefficients: Floats, behind: Floats | None = None) -> None:
+    def __init__(
+        self, coefficients: Floats, behind: Floats | None = None, odd: tuple[Bools, Bools] | None = None
+    ) -> None:
         n_strips = len(coefficients)
-        self.shape = (coefficients.shape[1], n_strips)
         kernel = np.zeros((2 * n_strips, *coefficients.shape[1:]))
         kernel[:n_strips] = coefficients
         back = coefficients.swapaxes(1, 2) if behind is None else behind
         kernel[n_strips + 1 :] = back[:0:-1]
         kernel[n_strips] = (coefficients[-1] + back[-1]) / 2.0  # not used, but a gap would make the inverse rough
         spectrum = scipy.fft.rfft(kernel, axis=0)
-        # normal displacements by normal forces are even in z: half of the work
-        even = np.abs(spectrum.imag).max() <= EVEN * np.abs(spectrum.real).max()
-        self._spectrum = np.ascontiguousarray(spectrum.real) if even else spectrum
+        # even functions have a real spectrum, odd ones an imaginary one: with i times what is along z all is real
+        masks = odd or (np.zeros(coefficients.shape[1], dtype=bool), np.zeros(coefficients.shape[2], dtype=bool))
+        self._turns = [np.where(mask, 1.0j, 1.0)[:, None] for mask in masks]
+        if odd is not None:
+            spectrum = self._turns[0] * spectrum * self._turns[1].conj().T
+        real = np.abs(spectrum.imag).max() <= EVEN * np.abs(spectrum.real).max()
+        self._spectrum = np.ascontiguousarray(spectrum.real) if real else spectrum
 
     def inverted(self) -> "Convolution":
         """The inverse on twice the strips without ends: near the inverse of this one."""
-        found = copy(self)
-        found._spectrum = np.linalg.inv(self._spectrum)
-        return found
+        inverse = copy(self)
+        inverse._spectrum = np.linalg.inv(self._spectrum)
+        inverse._turns = self._turns[::-1]
+        return inverse
 
-    def __call__(self, forces: Floats) -> Floats:
-        """Displacements (n, n_strips) by forces (n, n_strips)."""
-        loaded = np.flatnonzero(forces.any(axis=1))
-        if len(loaded) == 0:
-            return np.zeros(self.shape)
-        rows = slice(int(loaded[0]), int(loaded[-1]) + 1)
-        padded = scipy.fft.rfft(forces[rows].T, 2 * self.shape[1], axis=0)
-        if np.isrealobj(self._spectrum):
-            parts = padded.view(np.float64).reshape(*padded.shape, 2)
-            product = np.matmul(self._spectrum[:, :, rows], parts).view(np.complex128)[..., 0]
+    def __call__(self, forces: Floats, *, transposed: bool = False) -> Floats:
+        """Displacements (..., m, n_strips) by forces (..., n, n_strips), or by the transposed product the reverse."""
+        n_strips, at_once = forces.shape[-1], forces.reshape(-1, *forces.shape[-2:])
+        loaded = np.flatnonzero(at_once.any(axis=(0, 2)))
+        rows = slice(int(loaded[0]), int(loaded[-1]) + 1) if len(loaded) else slice(0, 1)
+        into, out = self._turns if transposed else self._turns[::-1]
+        # u_wik = sum over j of A_wij f_wjk for each wavenumber w, all k at once
+        padded = into[rows] * scipy.fft.rfft(at_once[:, rows].transpose(2, 1, 0), 2 * n_strips, axis=0)
+        matrices = self._spectrum[:, rows].conj().swapaxes(1, 2) if transposed else self._spectrum[:, :, rows]
+        if np.isrealobj(matrices):
+            product = np.matmul(matrices, padded.view(np.float64)).view(np.complex128)
         else:
-            product = np.matmul(self._spectrum[:, :, rows], padded[..., None])[..., 0]
-        result: Floats = scipy.fft.irfft(product, 2 * self.shape[1], axis=0)[: self.shape[1]].T
-        return result
+            product = np.matmul(matrices, padded)
+        moved = scipy.fft.irfft(out.conj() * product, 2 * n_strips, axis=0)[:n_strips]
+        return np.asarray(moved.transpose(2, 1, 0).reshape(*forces.shape[:-2], -1, n_strips))
 
 
 @dataclass(frozen=True, eq=False)

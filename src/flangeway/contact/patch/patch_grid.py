@@ -80,6 +80,11 @@ class PatchGrid:
         return self.middle + self.strip * (np.arange(self.n_strips, dtype=np.float64) - (self.n_strips - 1) / 2.0)
 
     @property
+    def middles(self) -> tuple[Floats, Floats]:
+        """Middles of the cells across and of the strips."""
+        return (self.bounds[1:] + self.bounds[:-1]) / 2.0, self.along
+
+    @property
     def widths(self) -> Floats:
         """Widths of the cells across, shape (n_cells,)."""
         return np.diff(self.bounds)

@@ -147,11 +147,11 @@ def derivatives(found: Rolling) -> Floats:
     places = found.contact.places
     slips = np.array([Creepages(*unit).rigid(*places) for unit in np.eye(3).tolist()])
     # (along, across, moment) by forces (t, z): (0, 1), (1, 0), (-z, s), which are the rigid slips of unit creepages
-    return np.array([np.tensordot(slips, adjoint(found, values)[0], axes=3) for values in slips])
+    return np.tensordot(adjoint(found, slips)[0], slips, axes=([1, 2, 3], [1, 2, 3]))
 
 
 def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Floats, Floats]:
-    """Derivatives of the sum of tangential forces times values, by rigid slip and normal forces of the cells.
+    """Derivatives of sums of tangential forces times values, by rigid slip and normal forces of the cells.
 
     The law of friction is linearised at the result: cells that stick go on to stick, others to slip.
 
@@ -160,31 +160,31 @@ def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Fl
     found
         Steady rolling by `roll`.
     values
-        On the cells, (n_cells, 2, n_strips).
+        Of k sums on the cells, (k, n_cells, 2, n_strips).
     tolerance
         Residual of the linear equations over their right-hand side.
 
     Returns
     -------
     tuple[Floats, Floats]
-        By the rigid slip over the distance rolled (`Creepages.rigid`), (n_cells, 2, n_strips), and by the normal
-        forces, (n_cells, n_strips).
+        By the rigid slip over the distance rolled (`Creepages.rigid`), (k, n_cells, 2, n_strips), and by the normal
+        forces, (k, n_cells, n_strips).
 
     """
     assert found.problem is not None
     assert found.state is not None
     step = _Step(found.contact, found.motion, None, found.contact)
     rows, strips = step.inside
-    by_slip, by_limits = found.problem.adjoint(found.state, step.turned(values)[rows, :, strips], tolerance)
+    by_slip, by_limits = found.problem.adjoint(found.state, step.turned(values)[:, rows, :, strips], tolerance)
     by_slip *= step.slope(found.motion)
     pressing = step.cells(found.contact.normal_forces)
     by_normal = by_limits * found.state.limits / np.where(pressing > 0.0, pressing, 1.0)
-    by_normal = step.outside(np.stack((by_normal, by_normal), axis=1))[:, 0]
+    by_normal = step.outside(np.stack((by_normal, by_normal), axis=2))[:, :, 0]
     if found.contact.coupled:  # normal forces move the surfaces along t and z: by reciprocity these the normals
-        forces = np.zeros((len(by_normal), 2, by_normal.shape[1] + 2 * BEYOND))
+        forces = np.zeros((*values.shape[:3], values.shape[3] + 2 * BEYOND))
         for k, weight in enumerate(step.weights):
-            forces[rows, :, strips.start + BEYOND + k : strips.stop + BEYOND + k] += weight * by_slip
-        by_normal = by_normal + found.contact.raised_by(step.turned(forces))
+            forces[:, rows, :, strips.start + BEYOND + k : strips.stop + BEYOND + k] += weight * by_slip
+        by_normal = by_normal + found.contact.raised(step.turned(forces))[..., BEYOND:-BEYOND]
     return step.distance * step.outside(by_slip), by_normal
 
 
@@ -222,12 +222,12 @@ class _Step:
         return self.differences if onwards else FIRST
 
     def turned(self, values: Floats) -> Floats:
-        """Components (t, ..., z) in the direction of rolling, on the cells (n_cells, m, n_strips); its own inverse."""
+        """Components (t, ..., z) in the direction of rolling, (..., n_cells, m, n_strips); its own inverse."""
         if self.motion.speed >= 0.0:
             return values
-        found = values[:, :, ::-1].copy()
-        found[:, -1] *= -1.0
-        return found
+        mirrored = values[..., ::-1].copy()
+        mirrored[..., -1, :] *= -1.0
+        return mirrored
 
     @cached_property
     def inside(self) -> tuple[slice, slice]:
@@ -247,10 +247,10 @@ class _Step:
         return self.distance * self.turned(whole)[rows, :, strips]
 
     def outside(self, values: Floats) -> Floats:
-        """Values of the box (n_rows, 2, n_strips) on all cells, components along t and z."""
-        whole = np.zeros((len(self.contact.pressures), 2, self.contact.grid.n_strips))
+        """Values of the box (..., n_rows, 2, n_strips) on all cells, components along t and z."""
+        whole = np.zeros((*values.shape[:-3], len(self.contact.pressures), 2, self.contact.grid.n_strips))
         rows, strips = self.inside
-        whole[rows, :, strips] = values
+        whole[..., rows, :, strips] = values
         return self.turned(whole)
 
     def resultants(self, forces: Floats) -> Floats:
@@ -267,7 +267,7 @@ class _Step:
 
         def ahead(displacements: Floats, k: int) -> Floats:
             start = strips.start + BEYOND + k
-            return self.turned(displacements[:, ::2])[rows, :, start : start + n]
+            return self.turned(displacements)[rows, :, start : start + n]
 
         pressing = self.contact.pressing if self.contact.coupled else None
         total = np.zeros((rows.stop - rows.start, 2, n))
@@ -343,8 +343,8 @@ class _Step:
 
     def _newton(self, problem: FrictionProblem, state: FrictionState, unknown: list[int], missing: Floats) -> Floats:
         """Change of the creepages that gives the missing forces as far as they are linear."""
-        columns = [problem.derivative(state, self.rigid(*np.eye(3)[number])) for number in unknown]
-        matrix = np.stack([self.resultants(self.outside(each))[unknown] for each in columns], axis=1)
+        columns = problem.derivative(state, np.array([self.rigid(*np.eye(3)[number]) for number in unknown]))
+        matrix = np.stack([self.resultants(forces)[unknown] for forces in self.outside(columns)], axis=1)
         if len(unknown) == 1 and abs(matrix[0, 0]) <= FLAT * float(problem.operator.scale.sum()) * self.distance:
             return np.array([np.inf])
         return np.asarray(np.linalg.lstsq(matrix, missing)[0], dtype=np.float64)
@@ -380,33 +380,22 @@ class _Step:
             return reduction.initial
         return EllipticContact.of(self.contact, motion).slope_factor
 
-    def _warmed(self, motion: Creepages, heat: Floats) -> Floats | None:
-        """Temperature rises by power over area, of steady rolling."""
-        heating = self.contact.friction.heating
-        return heating.rises(heat, self.contact.grid.strip, motion.speed) if heating and self.steady else None
-
     def result(self, motion: Creepages, problem: FrictionProblem, state: FrictionState, status: Status) -> Rolling:
         """The record of a state."""
-        contact = self.contact
+        contact, heating = self.contact, self.contact.friction.heating
         forces, slips = self.outside(state.forces), self.velocity(motion) * self.outside(state.slips)
         loaded = contact.pressures > 0.0
         slips *= loaded[:, None]
-        by_friction = contact.displacements(forces)
-        raised = by_friction[:, 1] * contact.coupled
-        by_friction[:, ::2] /= self.slope(motion)
-        displacements = by_friction + contact.pressing
+        raised = contact.raised(np.pad(forces, ((0, 0), (0, 0), (BEYOND, BEYOND))))
         sticks = self.outside(np.repeat(state.sticks * 1.0, 2, axis=1))[:, 0] != 0.0
-        heat, rolling = -np.sum(forces * slips, axis=1), 0.0
-        power = heat
+        warmth, rolling = None, 0.0
         if self.steady:
-            velocity, step = motion.speed, 2.0 * contact.grid.strip
-            gradients = (displacements[..., BEYOND + 1 : -1] - displacements[..., 1 : -BEYOND - 1]) / step
-            central = abs(velocity) * motion.rigid(*contact.places) - velocity * gradients[:, ::2]
-            power = -np.sum(forces * central, axis=1)
-            raising = (raised[:, BEYOND + 1 : -1] - raised[:, 1 : -BEYOND - 1]) / step
-            rolling = -velocity * float(np.sum(contact.normal_forces * raising))
+            if heating is not None:
+                heat = -np.sum(forces * slips, axis=1) / contact.areas
+                warmth = heating.rises(heat, contact.grid.strip, motion.speed)
+            raising = (raised[:, BEYOND + 1 : 1 - BEYOND] - raised[:, BEYOND - 1 : -1 - BEYOND]) / 2.0
+            rolling = -motion.speed * float(np.sum(contact.normal_forces * raising)) / contact.grid.strip
         along, across, moment = self.resultants(forces).tolist()
-        past = (displacements,) if self.steady else () if self.before is None else self.before.displacements[:1]
         return Rolling(
             motion=motion,
             along=along,
@@ -419,11 +408,12 @@ class _Step:
             tractions=forces.swapaxes(1, 2) / contact.areas[:, :, None],
             slip_velocities=slips.swapaxes(1, 2),
             states=np.where(loaded, np.where(sticks, STICKS, SLIPS), NO_CONTACT),
-            power_density=power / contact.areas,
-            flash_temperatures=self._warmed(motion, heat / contact.areas),
+            flash_temperatures=warmth,
             rolling_power=rolling,
             raised=raised[:, BEYOND:-BEYOND],
-            displacements=(displacements, *(past if motion.rolls else ())),
+            slope=self.slope(motion),
+            past=() if self.before is None or not motion.rolls else self.before.displacements[:1],
+            steady=self.steady,
             problem=problem,
             state=state,
         )

@@ -37,22 +37,22 @@ class LimitSlopes:
     warming: Floats | None
 
     def change(self, forces: Floats, slips: Floats) -> Floats:
-        """Change of the limits (n_cells, n_strips) by changes of forces and slip, (n_cells, 2, n_strips) each."""
-        change = self.by_trial * np.sum(self.directions * (forces - self.scale * slips), axis=1)
+        """Change of the limits (..., n_cells, n_strips) by changes of forces and slip, (..., n_cells, 2, n_strips)."""
+        change = self.by_trial * np.sum(self.directions * (forces - self.scale * slips), axis=-2)
         if self.warming is not None:
-            heat = self.heat_by_force * np.sum(self.directions * forces, axis=1)
-            heat = heat - self.heat_by_slip * np.sum(self.directions * slips, axis=1)
+            heat = self.heat_by_force * np.sum(self.directions * forces, axis=-2)
+            heat = heat - self.heat_by_slip * np.sum(self.directions * slips, axis=-2)
             change = change + self.by_rise * (heat @ self.warming.T)
         return np.asarray(change)
 
     def transposed(self, values: Floats) -> tuple[Floats, Floats]:
-        """Derivatives of the sum of limits times values (n_cells, n_strips) by forces and slip."""
-        by_force = (self.by_trial * values)[:, None]
+        """Derivatives of the sum of limits times values (..., n_cells, n_strips) by forces and slip."""
+        by_force = (self.by_trial * values)[..., None, :]
         by_slip = -self.scale * by_force
         if self.warming is not None:
             heat = (self.by_rise * values) @ self.warming
-            by_force = by_force + (self.heat_by_force * heat)[:, None]
-            by_slip = by_slip - (self.heat_by_slip * heat)[:, None]
+            by_force = by_force + (self.heat_by_force * heat)[..., None, :]
+            by_slip = by_slip - (self.heat_by_slip * heat)[..., None, :]
         return self.directions * by_force, self.directions * by_slip
 
 

@@ -1,4 +1,4 @@
-"""Tangential forces within Coulomb's limit for a given rigid slip: a semismooth Newton method with GMRES and FFT.
+"""Tangential forces within Coulomb's limit for a given rigid slip: a semismooth Newton method with Krylov and FFT.
 
 With tangential forces f of the cells, slip ``S = g + B f`` and limits ``m = mu p``, friction demands
 ``f = P(f - r S)`` for any r > 0, where P projects on the disc of radius m of each cell: where ``|f| < m`` there is no
@@ -13,8 +13,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve_banded
-from scipy.sparse.linalg import LinearOperator, gmres
 
 from flangeway.contact.patch.normal_contact import Convolution
 from flangeway.contact.rolling.falling_limits import FallingLimits, LimitSlopes
@@ -27,17 +25,14 @@ MOST_STEPS = 60
 FORCING = (1e-2, 0.1)
 """Residual of the linear equations over that before, least and most: Newton's method is far from its end at first
 (Eisenstat and Walker, 1996, SIAM Journal on Scientific Computing 17, choice 2 with 0.9 and 2)."""
-RESTART, CYCLES = 80, 3
+MAX_BLOCKS, DEPENDENT = 120, 1e-10
+"""Blocks of Krylov vectors, at most, and eigenvalue of their Gram matrix below which they depend on each other."""
 DECREASE, LEAST_STEP = 0.1, 1.0 / 32.0
 """Part of a step by which the residual must fall, and the smallest part that is tried."""
 ROUND_OFF = 1e-12
 """Residual over the limits that is none."""
-LEAST_PART = 0.02
-"""Smallest part of the rigid slip by which it grows where Newton's method does not converge at once."""
 HELD = 1e-4
 """Error of the law of friction under limits that are held, from which Newton's method starts."""
-COARSE = 20
-"""Cells of a side from which a grid of twice as large cells is solved first."""
 
 
 class SlipOperator:
@@ -56,57 +51,41 @@ class SlipOperator:
     """
 
     def __init__(self, coefficients: Floats, weights: tuple[float, ...], n_strips: int) -> None:
-        self.coefficients, self.weights = coefficients, weights
-        last, first = n_strips + len(weights) - 1, len(weights) - 1
-        both = np.concatenate((coefficients[last - 1 : 0 : -1].swapaxes(1, 2), coefficients[:last]))
-        width = 2 * n_strips - 1
-        slips = np.sum([w * both[first + k : first + k + width] for k, w in enumerate(weights)], axis=0)
-        self._slips = Convolution(slips[n_strips - 1 :], slips[n_strips - 1 :: -1])
         self.shape = (coefficients.shape[1] // 2, 2, n_strips)
-        own = np.diagonal(slips[n_strips - 1]).reshape(-1, 2).mean(axis=1)
-        self.scale: Floats = 1.0 / own[:, None, None]
+        self._moved = tangential_convolution(coefficients[: n_strips + len(weights) - 1])
+        shape = n_strips, n_strips + len(weights) - 1
+        self._inside = np.eye(*shape)
+        self._difference = np.sum([w * np.eye(*shape, k) for k, w in enumerate(weights)], axis=0)
+        own = np.sum([w * np.diagonal(coefficients[k]) for k, w in enumerate(weights)], axis=0)
+        self.scale: Floats = 1.0 / own.reshape(-1, 2).mean(axis=1)[:, None, None]
         """Force over slip of each cell by itself."""
+
+    def __call__(self, forces: Floats) -> Floats:
+        """Slip (..., n_cells, 2, n_strips) by forces."""
+        # S = D C f, with displacements on the strips and on those ahead of them
+        return self._apply(self._moved, forces, self._inside, self._difference)
+
+    def transposed(self, values: Floats) -> Floats:
+        """The transposed operator on values (..., n_cells, 2, n_strips)."""
+        return self._apply(self._moved, values, self._difference, self._inside)
+
+    def preconditioned(self, slips: Floats, *, transposed: bool = False) -> Floats:
+        """Forces that nearly give slips, or the same of the transpose: C^-1 without ends, then D^-1 on the strips."""
+        back = self._summation.T if transposed else self._summation
+        return self._apply(self._inverse, slips, self._inside, back @ self._inside)
 
     @cached_property
     def _inverse(self) -> Convolution:
-        return Convolution(self.coefficients[: self.shape[2]]).inverted()
-
-    def __call__(self, forces: Floats) -> Floats:
-        """Slip (n_cells, 2, n_strips) by forces."""
-        return self._slips(forces.reshape(-1, self.shape[2])).reshape(self.shape)
-
-    def preconditioned(self, slips: Floats) -> Floats:
-        """Forces that nearly give slips: the inverse without ends, then the inverse of the difference along z."""
-        found = self._inverse(slips.reshape(-1, self.shape[2]))
-        if len(self.weights) > 1:
-            # scipy.signal has it as a filter too, but takes more than a second to import
-            bands = np.repeat(np.array(self.weights)[::-1, None], self.shape[2], axis=1)
-            found = solve_banded((0, len(bands) - 1), bands, found.T, check_finite=False).T
-        return found.reshape(self.shape)
+        return self._moved.inverted()
 
     @cached_property
-    def reversed(self) -> "SlipOperator":
-        """The transposed operator on strips in reversed order, which is that of rolling the other way.
+    def _summation(self) -> Floats:
+        return np.linalg.inv(self._difference[:, : self.shape[2]])
 
-        Of ``B_ij = b(i - j)`` the transpose is ``b(j - i)^T``.
-        """
-        return SlipOperator(self.coefficients.swapaxes(1, 2), self.weights, self.shape[2])
-
-    @cached_property
-    def coarser(self) -> "SlipOperator":
-        """The operator on cells of twice the size: mean displacements by evenly spread forces."""
-        n_cells, _, n_strips = self.shape
-        rows = np.arange(2 * n_cells)
-        share = np.zeros((2 * n_cells, 2 * ((n_cells + 1) // 2)))
-        share[rows, 2 * (rows // 4) + rows % 2] = 1.0
-        share /= share.sum(axis=0)
-        n_coarse = (n_strips + 1) // 2 + len(self.weights) - 1
-        missing = max(2 * n_coarse - len(self.coefficients), 0)
-        fine = np.pad(self.coefficients, ((0, missing), (0, 0), (0, 0)), mode="edge")
-        fine = share.T @ fine @ share
-        before = np.concatenate((fine[1:2].swapaxes(1, 2), fine[1:-1:2]))[:n_coarse]
-        pairs = fine[: 2 * n_coarse : 2] / 2.0 + (before + fine[1 : 2 * n_coarse : 2]) / 4.0
-        return SlipOperator(pairs, self.weights, (n_strips + 1) // 2)
+    def _apply(self, convolution: Convolution, values: Floats, onto: Floats, back: Floats) -> Floats:
+        """A convolution on strips to which values are spread by a matrix, and from which they are taken by another."""
+        flat = values.reshape(*values.shape[:-3], -1, self.shape[2])
+        return np.asarray(convolution(flat @ onto) @ back.T).reshape(values.shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +169,7 @@ class FrictionProblem:
         Parameters
         ----------
         start
-            Forces to start from; without them those of a coarser grid.
+            Forces to start from; without them none.
         tolerance
             Norm of the residual over that without forces at which the iteration ends: in slip that is of the limits,
             at small creepages of what single cells would carry.
@@ -198,27 +177,20 @@ class FrictionProblem:
         """
         if self.falling is not None:
             return self._fallen(self.falling, start, tolerance)
-        state, status = self._newton(self._nested(tolerance) if start is None else start, tolerance)
-        # otherwise the slip grows from none, in parts as small as needed
-        done, part, forces = 0.0, 0.5, np.zeros(self.rigid.shape)
-        while not status.converged and part >= LEAST_PART:
-            trial, found = replace(self, rigid=min(done + part, 1.0) * self.rigid)._newton(forces, tolerance)
-            if not found.converged:
-                part /= 4.0
-                continue
-            done, part, forces = done + part, 2.0 * part, trial.forces
-            if done >= 1.0:
-                return trial, found
-        return state, status
+        return self._newton(np.zeros(self.rigid.shape) if start is None else start, tolerance)
 
     def _fallen(self, falling: FallingLimits, start: Floats | None, tolerance: float) -> tuple[FrictionState, Status]:
-        """Forces under limits that fall: Newton's method from those under limits that are held.
+        """Forces under limits that fall: Newton's method from neighbouring ones, or from those under held limits.
 
         Where it does not converge, as where a patch slips away at once, limits are lowered to those of the slip, and
         never raised: this ends.
         """
         limits, forces, jumps = self.limits, start, falling.friction.jumps
         enough = max(tolerance, HELD)
+        if start is not None and not jumps:
+            state, status = self._newton(start, tolerance)
+            if status.converged:
+                return state, status
         while True:
             held = replace(self, falling=None, limits=limits).solve(forces, tolerance if jumps else enough)
             found = held if jumps else self._newton(held[0].forces, tolerance)
@@ -235,7 +207,7 @@ class FrictionProblem:
         step, part, forcing = 0, 1.0, FORCING[1]
         while state.norm > tolerance * whole and step < MOST_STEPS and part > 0.0:
             step += 1
-            change = self.solved(state, state.residual, forcing)
+            change = self.solved(state, state.residual[None], forcing)[0]
             part, best, before = 1.0, state, state.norm
             while part >= LEAST_STEP:
                 trial = self.state(state.forces - part * change)
@@ -254,7 +226,7 @@ class FrictionProblem:
         return last, Status(error <= tolerance, message, step)
 
     def solved(self, state: FrictionState, right: Floats, tolerance: float) -> Floats:
-        """Solve the linearised law for a change of the residual."""
+        """Solve the linearised law for changes of the residual, (k, n_cells, 2, n_strips)."""
         sticks, scale, ratio, n = state.sticks, self.scale, self._ratio(state), state.direction
         weight, along = self._sticking(state)
 
@@ -262,7 +234,7 @@ class FrictionProblem:
             slips = self.operator(np.where(self.loaded, forces, 0.0))
             moved = scale * slips
             # where it slips: df - ratio (1 - n n') (df - r dS) - n dm
-            fallen = 0.0 if state.slopes is None else n * state.slopes.change(forces, slips)[:, None]
+            fallen = 0.0 if state.slopes is None else n * state.slopes.change(forces, slips)[..., None, :]
             return np.where(sticks, moved, forces - ratio * _across(n, forces - moved) - fallen)
 
         def near(values: Floats) -> Floats:
@@ -272,36 +244,36 @@ class FrictionProblem:
         return np.where(self.loaded, _solved(law, near, right, tolerance), 0.0)
 
     def adjoint(self, state: FrictionState, values: Floats, tolerance: float) -> tuple[Floats, Floats]:
-        """Derivatives of the sum of the forces times values, by the rigid slip and by the limits.
+        """Derivatives of sums of the forces times values, by the rigid slip and by the limits.
 
-        - `values`: (n_cells, 2, n_strips).
+        - `values`: of k sums, (k, n_cells, 2, n_strips).
         - `tolerance`: residual of the linear equations over their right-hand side.
 
-        Returned: (n_cells, 2, n_strips) and (n_cells, n_strips).
+        Returned: (k, n_cells, 2, n_strips) and (k, n_cells, n_strips).
         """
         # of df = -J^-1 (D r dg - n dm) and J = 1 - D + D r B with D the matrix of the cells, the transpose;
         # limits that fall, dm = M_f df + M_S dS, add -n M_f - n M_S B to J and -n M_S dg to its right-hand side
         sticks, scale, ratio, n = state.sticks, self.scale, self._ratio(state), state.direction
-        (weight, along), other = self._sticking(state), self.operator.reversed
+        weight, along = self._sticking(state)
 
         def fallen(vector: Floats) -> tuple[Floats | float, Floats | float]:
-            radial = np.where(sticks, 0.0, n * vector).sum(axis=1)
+            radial = np.where(sticks, 0.0, n * vector).sum(axis=-2)
             return (0.0, 0.0) if state.slopes is None else state.slopes.transposed(radial)
 
         def law(vector: Floats) -> Floats:
             inside = np.where(sticks, vector, ratio * _across(n, vector))
             by_force, by_slip = fallen(vector)
-            moved = other((scale * inside - by_slip)[..., ::-1])[..., ::-1]
+            moved = self.operator.transposed(scale * inside - by_slip)
             return vector - inside - by_force + np.where(self.loaded, moved, 0.0)
 
         def near(vector: Floats) -> Floats:
             across = weight * _across(along, vector)
-            inside = other.preconditioned(across[..., ::-1])[..., ::-1] / scale
+            inside = self.operator.preconditioned(across, transposed=True) / scale
             return vector + weight * _across(along, inside - across)
 
-        found = _solved(law, near, np.where(self.loaded, values, 0.0), tolerance)
-        by_slip = fallen(found)[1] - scale * np.where(sticks, found, ratio * _across(n, found))
-        return by_slip, np.sum(n * found, axis=1) * (self.loaded & ~sticks)[:, 0]
+        solution = _solved(law, near, np.where(self.loaded, values, 0.0), tolerance)
+        by_slip = fallen(solution)[1] - scale * np.where(sticks, solution, ratio * _across(n, solution))
+        return by_slip, np.sum(n * solution, axis=-2) * (self.loaded & ~sticks)[:, 0]
 
     def _ratio(self, state: FrictionState) -> Floats:
         return np.where(self.loaded & ~state.sticks, state.share, 0.0)
@@ -315,11 +287,11 @@ class FrictionProblem:
         return weight, np.where(state.sticks, 0.0, state.direction)
 
     def derivative(self, state: FrictionState, rigid: Floats, tolerance: float = 1e-4) -> Floats:
-        """Change of the forces by a change of the rigid slip."""
+        """Changes of the forces by changes of the rigid slip, (k, n_cells, 2, n_strips)."""
         scaled, n = self.scale * rigid, state.direction
         slipping = self._ratio(state) * _across(n, scaled)
         if state.slopes is not None:
-            slipping = slipping - n * state.slopes.change(np.zeros(rigid.shape), rigid)[:, None]
+            slipping = slipping - n * state.slopes.change(np.zeros(rigid.shape), rigid)[..., None, :]
         return -self.solved(state, np.where(state.sticks, scaled, slipping), tolerance)
 
     def _within(self, forces: Floats) -> Floats:
@@ -327,39 +299,45 @@ class FrictionProblem:
         length, limits = np.linalg.norm(forces, axis=1, keepdims=True), self.limits[:, None]
         return np.asarray(forces * np.where(length > limits, limits / np.where(length > 0.0, length, 1.0), 1.0))
 
-    def _nested(self, tolerance: float) -> Floats:
-        """Forces from a grid of cells of twice the size, or none where the grid is coarse."""
-        n_cells, _, n_strips = self.rigid.shape
-        if min(n_cells, n_strips) < 2 * COARSE:
-            return np.zeros(self.rigid.shape)
-        rows = np.arange(0, n_cells, 2), np.arange(0, n_strips, 2)
-        number = np.minimum(rows[0] + 2, n_cells) - rows[0], np.minimum(rows[1] + 2, n_strips) - rows[1]
 
-        def summed(values: Floats) -> Floats:
-            return np.asarray(np.add.reduceat(np.add.reduceat(values, rows[0], axis=0), rows[1], axis=-1))
-
-        rigid = summed(self.rigid) / (number[0][:, None, None] * number[1])
-        limits = summed(self.limits)
-        n_weights = len(self.operator.weights)
-        coarse = FrictionProblem(self.operator.coarser, rigid * (2.0 if n_weights > 1 else 1.0), limits)
-        state, _ = coarse.solve(None, tolerance)
-        share = state.forces / np.maximum(limits, np.finfo(float).tiny)[:, None]
-        fine = np.repeat(np.repeat(share, 2, axis=0), 2, axis=-1)[:n_cells, :, :n_strips]
-        return np.asarray(fine * self.limits[:, None])
+def tangential_convolution(coefficients: Floats) -> Convolution:
+    """Displacements along t and z by forces along t and z, at distances (n_strips, 2 n_cells, 2 n_cells)."""
+    along = np.arange(coefficients.shape[1]) % 2 == 1
+    return Convolution(coefficients, odd=(along, along))
 
 
 def _across(directions: Floats, values: Floats) -> Floats:
-    """Parts of values across directions, (n_cells, 2, n_strips) each."""
-    return np.asarray(values - directions * np.sum(directions * values, axis=1, keepdims=True))
+    """Parts of values (..., n_cells, 2, n_strips) across directions."""
+    return np.asarray(values - directions * np.sum(directions * values, axis=-2, keepdims=True))
 
 
 def _solved(law: Linear, near: Linear, right: Floats, tolerance: float) -> Floats:
-    """Solve linear equations by GMRES, with an operator that is near to the inverse."""
+    """Solve linear equations for several right-hand sides (k, ...), with an operator that is near to the inverse.
 
-    def flat(operator: Linear) -> LinearOperator:
-        return LinearOperator(
-            (right.size, right.size), lambda vector: operator(vector.reshape(right.shape)).ravel(), dtype=np.float64
-        )
-
-    found, _ = gmres(flat(law), right.ravel(), M=flat(near), rtol=tolerance, restart=RESTART, maxiter=CYCLES)
-    return np.asarray(found.reshape(right.shape))
+    Block GMRES: all right-hand sides share one Krylov space, so that each product with the operator serves all of them
+    (O'Leary, 1980, Linear Algebra and its Applications 29). Images W = L Z of the directions Z are kept orthonormal
+    (Walker and Zhou, 1994, Numerical Linear Algebra with Applications 1): ``x = Z W' b``.
+    """
+    shape = right.shape[1:]
+    residual = right.reshape(len(right), -1)
+    enough = tolerance * np.linalg.norm(residual, axis=1)
+    solution, new = np.zeros(residual.shape), residual
+    directions = images = np.zeros((0, residual.shape[1]))
+    for _ in range(MAX_BLOCKS):
+        direction = near(new.reshape(-1, *shape)).reshape(new.shape)
+        new = law(direction.reshape(-1, *shape)).reshape(new.shape)
+        for _ in range(2):  # twice is enough
+            parts = new @ images.T
+            new, direction = new - parts @ images, direction - parts @ directions
+        size = np.linalg.norm(new, axis=1)[:, None]
+        new, direction = new / size, direction / size
+        values, vectors = np.linalg.eigh(new @ new.T)
+        apart = values > DEPENDENT
+        combined = vectors[:, apart].T / np.sqrt(values[apart, None])
+        new, direction = combined @ new, combined @ direction
+        directions, images = np.concatenate((directions, direction)), np.concatenate((images, new))
+        parts = residual @ new.T
+        solution, residual = solution + parts @ direction, residual - parts @ new
+        if (np.linalg.norm(residual, axis=1) <= enough).all():
+            break
+    return solution.reshape(right.shape)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from flangeway.contact.patch.normal_contact import Convolution, NormalContact, s
 from flangeway.contact.patch.patch_contact import CHANGE, PatchContact, PatchPair
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.friction_solver import SlipOperator
+from flangeway.contact.rolling.friction_solver import SlipOperator, tangential_convolution
 from flangeway.errors import InputError
 from flangeway.exact import half_space_influence
 from flangeway.materials import Elastic
@@ -65,7 +66,7 @@ class RollingContact:
     coefficients: Floats = field(repr=False)
     pressed: PressedBy | None = field(default=None, repr=False)
     origin: tuple[float, float] | None = None
-    _operators: dict[tuple[object, ...], SlipOperator] = field(default_factory=dict, init=False, repr=False)
+    _operators: dict[object, Any] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
         shape = len(self.grid.widths), self.grid.n_strips
@@ -223,41 +224,60 @@ class RollingContact:
         if near is not None:
             pairs = zip(near.box, found.box, strict=True)
             vars(found)["box"] = tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in pairs)
-        vars(found).update(coupled=self.coupled, _beyond=self._beyond)
+        vars(found)["coupled"] = self.coupled
         return found
 
     def operator(self, weights: tuple[float, ...]) -> SlipOperator:
         """Slip of the cells in the box by their forces, for rolling to +z or, mirrored, to -z."""
         rows, strips = self.box
-        n_cells, n_strips = len(self.pressures), strips.stop - strips.start
-        key = (n_strips, rows.start, rows.stop, weights)
+        n_strips, n_rows = strips.stop - strips.start, rows.stop - rows.start
+
+        def make() -> SlipOperator:
+            part = self._blocks[: n_strips + len(weights) - 1, rows, ::2, rows, ::2]
+            return SlipOperator(part.reshape(-1, 2 * n_rows, 2 * n_rows), weights, n_strips)
+
+        operator: SlipOperator = self._shared((n_strips, rows.start, rows.stop, weights), make)
+        return operator
+
+    def _shared(self, key: object, make: Callable[[], Any]) -> Any:
         if key not in self._operators:
-            blocks = self.coefficients.reshape(-1, n_cells, 3, n_cells, 3)[: n_strips + len(weights) - 1]
-            part = blocks[:, rows, ::2, rows, ::2]
-            size = 2 * (rows.stop - rows.start)
-            self._operators[key] = SlipOperator(part.reshape(-1, size, size), weights, n_strips)
+            self._operators[key] = make()
         return self._operators[key]
+
+    @property
+    def _blocks(self) -> Floats:
+        """Coefficients by distance, displaced cell, its axis, cell under force, and its axis."""
+        n_cells = len(self.pressures)
+        return self.coefficients.reshape(-1, n_cells, 3, n_cells, 3)
 
     @cached_property
     def coupled(self) -> bool:
         """Whether tangential forces move the surfaces along the normals too: the materials or sections differ."""
-        blocks = self.coefficients.reshape(len(self.coefficients), len(self.pressures), 3, len(self.pressures), 3)
-        mixed = max(float(np.abs(blocks[:, :, 1, :, each]).max()) for each in (0, 2))
+        blocks = self._blocks
+        mixed = max(float(np.abs(blocks[:, :, 1, :, axis]).max()) for axis in (0, 2))
         return mixed > SAME * float(np.abs(blocks[:, :, 1, :, 1]).max())
 
-    @cached_property
-    def _beyond(self) -> Convolution:
-        return Convolution(self.coefficients[: self.grid.n_strips + 2 * BEYOND])
+    @property
+    def _normal_by_tangential(self) -> Convolution:
+        def make() -> Convolution:
+            blocks, n_cells = self._blocks[: self.grid.n_strips + 2 * BEYOND], len(self.pressures)
+            ahead = blocks[:, :, 1, :, ::2].reshape(-1, n_cells, 2 * n_cells)
+            behind = blocks[:, :, ::2, :, 1].reshape(-1, 2 * n_cells, n_cells).swapaxes(1, 2)
+            return Convolution(ahead, behind, (np.zeros(n_cells, dtype=bool), np.arange(2 * n_cells) % 2 == 1))
+
+        convolution: Convolution = self._shared("normal", make)
+        return convolution
 
     @cached_property
     def pressing(self) -> Floats:
-        """Displacements by the normal forces, as `displacements`."""
-        forces = np.zeros((len(self.pressures), 3, self.grid.n_strips))
-        forces[:, 1] = self.normal_forces
-        return self._displacements(forces)
+        """Displacements (t, z) by the normal forces, as `displacements`."""
+        if not self.coupled:
+            return np.zeros((len(self.pressures), 2, self.grid.n_strips + 2 * BEYOND))
+        moved = self._normal_by_tangential(_with_ends(self.normal_forces), transposed=True)
+        return moved.reshape(len(self.pressures), 2, -1)
 
     def displacements(self, tangential: Floats) -> Floats:
-        """Displacements (t, n, z) of the second body less the first one's, on `BEYOND` more strips at each end.
+        """Displacements (t, z) of the second body less the first one's, on `BEYOND` more strips at each end.
 
         Parameters
         ----------
@@ -267,22 +287,32 @@ class RollingContact:
         Returns
         -------
         Floats
-            Shape (n_cells, 3, n_strips + 2 BEYOND).
+            Shape (n_cells, 2, n_strips + 2 BEYOND).
 
         """
-        forces = np.zeros((len(tangential), 3, tangential.shape[2]))
-        forces[:, ::2] = tangential
-        return self._displacements(forces)
 
-    def raised_by(self, tangential: Floats) -> Floats:
-        """Displacements along n on the cells by forces (t, z) on `BEYOND` more strips at each end."""
-        forces = np.zeros((len(tangential), 3, tangential.shape[2]))
-        forces[:, ::2] = tangential
-        return np.asarray(self._beyond(forces.reshape(3 * len(forces), -1)).reshape(forces.shape)[:, 1, BEYOND:-BEYOND])
+        def make() -> Convolution:
+            part = self._blocks[: self.grid.n_strips + 2 * BEYOND, :, ::2, :, ::2]
+            return tangential_convolution(part.reshape(len(part), 2 * len(self.pressures), -1))
 
-    def _displacements(self, forces: Floats) -> Floats:
-        padded = np.pad(forces, ((0, 0), (0, 0), (BEYOND, BEYOND)))
-        return self._beyond(padded.reshape(3 * len(forces), -1)).reshape(padded.shape)
+        padded = _with_ends(tangential)
+        convolution: Convolution = self._shared("tangential", make)
+        return convolution(padded.reshape(-1, padded.shape[-1])).reshape(padded.shape)
+
+    def raised(self, tangential: Floats) -> Floats:
+        """Displacements (..., n_cells, n_strips) along n by forces (t, z), (..., n_cells, 2, n_strips).
+
+        Both on the cells and on `BEYOND` more strips at each end.
+        """
+        shape = tangential.shape
+        if not self.coupled:
+            return np.zeros((*shape[:-2], shape[-1]))
+        return self._normal_by_tangential(tangential.reshape(*shape[:-3], -1, shape[-1]))
+
+
+def _with_ends(forces: Floats) -> Floats:
+    """Forces (..., n_strips) on `BEYOND` more strips at each end, where there are none."""
+    return np.pad(forces, [(0, 0)] * (forces.ndim - 1) + [(BEYOND, BEYOND)])
 
 
 def box_of(cells: Bools) -> tuple[slice, slice]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.friction_solver import FrictionProblem, FrictionState
-from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats, Ints
 
@@ -84,9 +84,6 @@ class Rolling(CreepForces):
         Slip of the second body on the first one (t, z): velocities, or displacements for a shift, same shape.
     states
         `NO_CONTACT`, `STICKS` or `SLIPS`, shape (n_cells, n_strips).
-    power_density
-        Frictional power over area (work of a shift). In steady rolling it is that of slip by central differences: its
-        sum is the power of the creepages exactly, single cells beside the edge of slip may be slightly negative.
     flash_temperatures
         Temperature of the cells above that without friction, K, by frictional power and `Heating`, (n_cells, n_strips);
         of steady rolling. None without thermal properties.
@@ -95,9 +92,12 @@ class Rolling(CreepForces):
         middle they resist rolling. 0 between half-spaces of one material.
     raised
         Displacements along the normals by tractions, shape (n_cells, n_strips).
-    displacements
-        Displacements of the second body less the first one's, see `RollingContact.displacements`, of this state and
-        of the one before it.
+    slope
+        Factor of `Friction.slope`.
+    past
+        Displacements of the state before, in transient rolling.
+    steady
+        Whether it is steady rolling.
 
     """
 
@@ -105,13 +105,36 @@ class Rolling(CreepForces):
     tractions: Floats
     slip_velocities: Floats
     states: Ints
-    power_density: Floats
     flash_temperatures: Floats | None = None
     rolling_power: float = 0.0
     raised: Floats
-    displacements: tuple[Floats, ...] = ()
+    slope: float = 1.0
+    past: tuple[Floats, ...] = ()
+    steady: bool = False
     problem: FrictionProblem | None = None
     state: FrictionState | None = None
+
+    @cached_property
+    def displacements(self) -> tuple[Floats, ...]:
+        """Those of the second body less the first one's, `RollingContact.displacements`, of this state and the past."""
+        forces = (self.tractions * self.contact.areas[:, :, None]).swapaxes(1, 2)
+        moved = self.contact.displacements(forces) / self.slope + self.contact.pressing
+        return moved, *((moved,) if self.steady else self.past)
+
+    @cached_property
+    def power_density(self) -> Floats:
+        """Frictional power over area (work of a shift), shape (n_cells, n_strips).
+
+        In steady rolling it is that of slip by central differences: its sum is the power of the creepages exactly,
+        single cells beside the edge of slip may be slightly negative.
+        """
+        slips = self.slip_velocities
+        if self.steady:
+            velocity, moved = self.motion.speed, self.displacements[0]
+            gradients = (moved[..., BEYOND + 1 : 1 - BEYOND] - moved[..., BEYOND - 1 : -1 - BEYOND]) / 2.0
+            rigid = abs(velocity) * self.motion.rigid(*self.contact.places)
+            slips = (rigid - velocity * gradients / self.contact.grid.strip).swapaxes(1, 2)
+        return np.asarray(-np.sum(self.tractions * slips, axis=2))
 
     @property
     def frictional_power(self) -> float:
@@ -134,7 +157,7 @@ class Rolling(CreepForces):
         contact = self.contact.under(np.where(inside, self.contact.pressures, 0.0))
         s, z = contact.places
         forces = np.where(inside[..., None], self.tractions * self.contact.areas[..., None], 0.0)
-        return replace(
+        part = replace(
             self,
             motion=self.motion.about(self.contact.places[0][0] - s[0], self.contact.places[1][0] - z[0]),
             contact=contact,
@@ -144,12 +167,13 @@ class Rolling(CreepForces):
             tractions=forces / contact.areas[..., None],
             slip_velocities=np.where(inside[..., None], self.slip_velocities, 0.0),
             states=np.where(inside, self.states, NO_CONTACT),
-            power_density=np.where(inside, self.power_density, 0.0),
             flash_temperatures=None
             if self.flash_temperatures is None
             else np.where(inside, self.flash_temperatures, 0.0),
             rolling_power=self.rolling_power * contact.force / self.contact.force,
         )
+        vars(part)["power_density"] = np.where(inside, self.power_density, 0.0)
+        return part
 
     @property
     def coefficient(self) -> float:

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import sqlite3
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -14,7 +14,7 @@ import numpy as np
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import Collective, SurfaceKey
-from flangeway.railway.damage.profile_limits import check_limits, reached, worn_measures
+from flangeway.railway.damage.profile_limits import LIMITS, check_limits, reached, worn_measures
 from flangeway.railway.damage.surface_wear import PatchDamage, patch_damage, row_wear
 from flangeway.railway.damage.wear_laws import WearLaw
 from flangeway.railway.damage.worn_surface import FILTER_MM, SPACING_MM, WornSurface
@@ -33,10 +33,8 @@ MAX_COMPLIANCE_WEAR_MM = 1.0
 """Depth up to which the compliance of the new bodies is kept; beyond it is made anew from the worn body.
 
 Hollows of 1 mm in S1002 and 60E1: p0 of the greatest patch changes by 0.16 %, that of a lesser one by 0.9 %."""
-SHORTEST = 0.125
-"""Least step over the one that the depth allows, to which changes of T-gamma shorten it."""
-GROWTH = 2.0
-"""Most of a step over the one before."""
+SAFETY, GROWTH = 0.9, 2.0
+"""Next step over the one that the estimated error allows, and over the one before, at most."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +48,10 @@ class EvolutionSettings:
     axles_per_km
         Axles that pass a point of the rails while a wheel runs 1 km; needed where both wear.
     max_depth_mm
-        Depth of one step, at most.
-    max_change
-        Change of the mean T-gamma in one step over its value, above which the step is taken again, half as long.
+        Depth of one step, at most: wear evens out what the contact is compressed by, some 0.05 mm, and longer steps
+        overshoot.
+    max_error_mm
+        Estimated error of the depth in one step, at most: how far the rates at the end of a step change its depth.
     filter_mm
         See `flangeway.railway.damage.worn_surface.WornSurface.filtered`.
     spacing_mm
@@ -69,14 +68,14 @@ class EvolutionSettings:
 
     end: float
     axles_per_km: float | None = None
-    max_depth_mm: float = 0.04
-    max_change: float = 0.5
+    max_depth_mm: float = 0.05
+    max_error_mm: float = 0.01
     filter_mm: float = FILTER_MM
     spacing_mm: float = SPACING_MM
     limits: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in ("end", "max_depth_mm", "max_change", "spacing_mm"):
+        for name in ("end", "max_depth_mm", "max_error_mm", "spacing_mm"):
             check_positive("EvolutionSettings", name, getattr(self, name))
         if self.axles_per_km is not None:
             check_positive("EvolutionSettings", "axles_per_km", self.axles_per_km)
@@ -104,6 +103,7 @@ class EvolutionStep:
     - `damage`: net T-gamma damage summed over the distance before, by piece; below 0 wear has taken it off.
     - `states`: in the order of the collective.
     - `reached`: limits.
+    - `error_mm`: estimated error of the depth in the step that ends here.
     """
 
     position: float
@@ -114,6 +114,7 @@ class EvolutionStep:
     states: tuple[StateDamage, ...]
     t_gamma_N: float  # noqa: N815
     reached: tuple[str, ...] = ()
+    error_mm: float = 0.0
 
     @property
     def unconverged(self) -> tuple[str, ...]:
@@ -135,6 +136,22 @@ class EvolutionStep:
             numbers |= worn_measures(surface) | {"max_damage": float(self.damage[role, side].max())}
             found |= {f"{side}_{role}_{name}": value for name, value in numbers.items()}
         return found
+
+
+def limit_positions(steps: Sequence[EvolutionStep], limits: Mapping[str, float]) -> dict[str, float]:
+    """Positions at which the limits of the last step were reached; measures are linear over a step.
+
+    By the names in `EvolutionStep.reached`.
+    """
+    last, found = steps[-1], dict[str, float]()
+    for key, surface in last.surfaces.items():
+        for name in reached(surface, limits):
+            whole, position = f"{key[0]}: {name}", last.position
+            if len(steps) > 1:
+                before, after = (worn_measures(step.surfaces[key])[LIMITS[name][0]] for step in steps[-2:])
+                position -= (last.position - steps[-2].position) * (after - limits[name]) / (after - before)
+            found[whole] = min(position, found.get(whole, position))
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,41 +226,48 @@ class Evolution:
         return tuple(steps)
 
     def _next(self, steps: list[EvolutionStep], progress: Callable[[str], None]) -> EvolutionStep:
+        """Take a step by Heun's method, whose error is estimated by the difference from Euler's.
+
+        Depth ``h (f0 + f1) / 2`` with rates ``f0`` at its start and ``f1`` after Euler's step ``h f0``; the difference
+        ``h (f1 - f0) / 2`` falls with ``h^2``, and the next step is as long as it allows (Hairer, Norsett and Wanner,
+        1993, Solving Ordinary Differential Equations I, II.4).
+        """
         last, settings = steps[-1], self.settings
         fastest = max(float(rate.max()) for rate in last.rates.values())
         if fastest <= 0.0:
             raise InputError(
                 "a collective in which nothing wears", "slip in some state", "check friction, curves and the laws"
             )
-        most = settings.max_depth_mm / fastest
-        way = min(most, settings.end - last.position)
+        way = min(settings.max_depth_mm / fastest, settings.end - last.position)
         if len(steps) > 1:
-            way = min(way, GROWTH * (last.position - steps[-2].position))
+            way = min(way, (last.position - steps[-2].position) * self._stretch(last.error_mm))
         while True:
-            surfaces = {key: each.worn_by(way * last.rates[key]) for key, each in last.surfaces.items()}
-            damage = {key: last.damage[key] + way * last.damage_rates[key] for key in last.surfaces}
             # the end exactly, so that a run to it ends there
             end = settings.end if last.position + way >= settings.end * (1.0 - 1e-12) else last.position + way
-            found = self._evaluated(end, surfaces, damage, progress)
-            change = abs(found.t_gamma_N - last.t_gamma_N) / max(last.t_gamma_N, np.finfo(float).tiny)
-            if change <= settings.max_change or 0.5 * way < SHORTEST * most:
-                return self._corrected(last, found)
-            progress(f"mean T-gamma changes by {100.0 * change:.0f} %: half the step")
-            way *= 0.5
-
-    def _corrected(self, last: EvolutionStep, found: EvolutionStep) -> EvolutionStep:
-        """Take the step by the mean of the rates at its ends, those at the end being of the predicted profiles.
-
-        Of second order with one evaluation for each step; and what wears beside a groove in turn is averaged.
-        """
-        half = 0.5 * (found.position - last.position)
+            predicted = {key: each.worn_by(way * last.rates[key]) for key, each in last.surfaces.items()}
+            there = self._evaluated(end, predicted, last.damage, progress)
+            error = max(0.5 * way * float(np.abs(there.rates[key] - last.rates[key]).max()) for key in last.rates)
+            if error <= settings.max_error_mm:
+                break
+            progress(f"an error of {error:.2g} mm is estimated: a shorter step")
+            way *= self._stretch(error)
+        half = 0.5 * way
         surfaces = {
-            key: each.worn_by(half * (last.rates[key] + found.rates[key])) for key, each in last.surfaces.items()
+            key: each.worn_by(half * (last.rates[key] + there.rates[key])) for key, each in last.surfaces.items()
         }
         damage = {
-            key: each + half * (last.damage_rates[key] + found.damage_rates[key]) for key, each in last.damage.items()
+            key: each + half * (last.damage_rates[key] + there.damage_rates[key]) for key, each in last.damage.items()
         }
-        return replace(found, surfaces=surfaces, damage=damage, reached=self._limits_of(surfaces))
+        found = self._evaluated(end, surfaces, damage, progress)
+        # what did not converge on the way is reported as well
+        both = zip(found.states, there.states, strict=True)
+        states = tuple(replace(state, message=state.message or other.message) for state, other in both)
+        return replace(found, states=states, error_mm=error)
+
+    def _stretch(self, error_mm: float) -> float:
+        """Length of the next step over that of one with an error."""
+        allowed = self.settings.max_error_mm / max(error_mm, np.finfo(float).tiny)
+        return min(GROWTH, SAFETY * float(np.sqrt(allowed)))
 
     def _limits_of(self, surfaces: Mapping[SurfaceKey, WornSurface]) -> tuple[str, ...]:
         """Limits that are reached, with the role of the profile."""
@@ -326,6 +350,7 @@ class Evolution:
         return {
             "position": step.position,
             "t_gamma_N": step.t_gamma_N,
+            "error_mm": step.error_mm,
             "states": [asdict(each) for each in step.states],
             "surfaces": {
                 f"{role} {side}": [
@@ -345,16 +370,17 @@ class Evolution:
             for each in row["states"]
         )
         rates, damage, damage_rates = ({key: stored[key][number] for key in profiles} for number in (1, 2, 3))
-        return EvolutionStep(
-            row["position"], surfaces, rates, damage, damage_rates, states, row["t_gamma_N"], self._limits_of(surfaces)
+        position, t_gamma, error, limits = (
+            *(row[key] for key in ("position", "t_gamma_N", "error_mm")),
+            self._limits_of(surfaces),
         )
+        return EvolutionStep(position, surfaces, rates, damage, damage_rates, states, t_gamma, limits, error)
 
 
 def _solved(wheelset: SpatialWheelset, bodies: list[tuple[tuple[Any, ...], dict[Side, SideSurfaces]]]) -> SpatialResult:
     """Solve a state; running surfaces of equal bodies are made once."""
     problem, model = wheelset.problem, wheelset.model
     key = (problem.track, problem.wheelset, problem.material, problem.discretisation, model.support, model.disc)
-    _ = wheelset.start  # what rigid wheels cannot do is refused first
     surfaces = next((made for other, made in bodies if other == key), None)
     if surfaces is None:
         surfaces = running_surfaces(problem, model, cache=Cache.of_user())

@@ -20,6 +20,8 @@ LIMITS: dict[str, tuple[str, bool]] = {
     "max_side_wear_mm": ("side_wear_mm", True),
 }
 """Measure of each limit, and whether it is an upper one. EN 15313: flange thickness, height and slope qR of wheels."""
+MAX_CUT_DEG = 75.0
+"""Steepest slope of a running surface that a cut restores: flanges have 70 degrees, faces of rails stay as they are."""
 HOLLOW_FROM_MM = -20.0
 """Position across the tread from which hollow wear is measured: beyond the flange root."""
 
@@ -29,18 +31,27 @@ def worn_measures(surface: WornSurface) -> dict[str, float]:
 
     Wheels: those of `flangeway.railway.profiles.measures.measures`; ``tread_wear_mm``, the loss of the radius at the
     tape line; ``hollow_mm``, how far the tread lies above its field side, towards the axle. Rails: ``top_wear_mm`` in
-    the middle of the head and ``side_wear_mm`` of the gauge face at 14 mm below the new top.
+    the middle of the head and ``side_wear_mm`` of the gauge face at 14 mm below the new top. Both:
+    ``restoring_cut_mm``, what turning takes off the radius, or grinding off the height, until the new shape is there
+    again: the new surface moved down by it lies nowhere above the worn one, ``max(depth / cos(slope))``.
     """
     worn = surface.worn.running_surface.sampled(spacing=0.1, max_deviation=1e-4)
     if isinstance(surface.new, WheelProfile):
         found = measures(surface.from_tread, "wheel")
         tread = worn[worn[:, 0] > HOLLOW_FROM_MM]
         rim = np.minimum.accumulate(tread[::-1, 1])[::-1]
-        return found | {"tread_wear_mm": surface.radius_loss_mm, "hollow_mm": float((tread[:, 1] - rim).max())}
+        hollow = float((tread[:, 1] - rim).max())
+        return found | {"tread_wear_mm": surface.radius_loss_mm, "hollow_mm": hollow} | _cut(surface)
     new = surface.surface.sampled(spacing=0.1, max_deviation=1e-4)
     level = float(new[:, 1].max()) - HEAD_MM
     heights, faces = ([_at(each, axis, at) for each in (new, worn)] for axis, at in ((0, 0.0), (1, level)))
-    return {"top_wear_mm": heights[0] - heights[1], "side_wear_mm": faces[1] - faces[0]}
+    return {"top_wear_mm": heights[0] - heights[1], "side_wear_mm": faces[1] - faces[0]} | _cut(surface)
+
+
+def _cut(surface: WornSurface) -> dict[str, float]:
+    cosines = surface.slope_cosines
+    restored = cosines >= np.cos(np.radians(MAX_CUT_DEG))
+    return {"restoring_cut_mm": float((surface.depth[restored] / cosines[restored]).max())}
 
 
 def _at(points: Floats, axis: int, value: float) -> float:

@@ -120,13 +120,23 @@ class WornSurface:
 
     def _at(self, lengths: Floats) -> Floats:
         """Worn points at arc lengths (n,) of the new surface, shape (n, 2)."""
+        points, normals = self._new_at(lengths)
+        return np.asarray(points - self._depth_at(lengths)[:, None] * normals)
+
+    def _new_at(self, lengths: Floats) -> tuple[Floats, Floats]:
+        """Points and normals of the new surface at arc lengths (n,), shape (n, 2)."""
         piece = np.clip(np.searchsorted(self._starts, lengths, side="right") - 1, 0, len(self.surface.segments) - 1)
-        points = np.empty((len(lengths), 2))
+        points, normals = np.empty((2, len(lengths), 2))
         for number in np.unique(piece):
             rows, segment = piece == number, self.surface.segments[number]
             s = (lengths[rows] - self._starts[number]) / segment.length
-            points[rows] = segment.point(s) - self._depth_at(lengths[rows])[:, None] * segment.normal(s)
-        return points
+            points[rows], normals[rows] = segment.point(s), segment.normal(s)
+        return points, normals
+
+    @property
+    def slope_cosines(self) -> Floats:
+        """Cosines of the slopes of the new surface at the middles of the pieces, shape (n,)."""
+        return np.abs(self._new_at(self.middles)[1][:, 1])
 
     def deposited(self, ends: Floats, areas: Floats) -> Floats:
         """Mean depths of the pieces (n,) by areas (m,) in mm2 spread between points of the worn surface (m, 2, 2).
@@ -287,9 +297,12 @@ class WornSurface:
         """How much lower the worn tread of a wheel is at the tape line: what its radius there has lost; 0 on rails."""
         if isinstance(self.new, RailProfile):
             return 0.0
-        points = self.worn_points[:-1][np.diff(self.worn_points[:, 0]) > 0.0]
-        low = int(np.argmin(points[:, 1]))  # the tread follows the flange's tip
-        return float(np.interp(0.0, *points[low:].T))
+        heights = []
+        for points in (self.worn_points, self._new_at(self.bounds)[0]):
+            rising = points[:-1][np.diff(points[:, 0]) > 0.0]
+            low = int(np.argmin(rising[:, 1]))  # the tread follows the flange's tip
+            heights.append(float(np.interp(0.0, *rising[low:].T)))
+        return heights[0] - heights[1]
 
     def csv(self) -> str:
         """The worn surface as lines and arcs, without rounding, as ``flangeway profile`` reads it.

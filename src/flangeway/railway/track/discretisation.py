@@ -17,6 +17,13 @@ EnforcementName = Literal["penalty", "augmented-lagrange", "multiplier"]
 DEPTH_MM = 10.0
 """Depth up to which surfaces that overlap are paired in an iteration, in mm: a wheel sinks by less than 1 mm."""
 
+PRIMARY_SIZE_RATIO = 2.8
+"""Ratio of the size on the primary side to that on the other one for node-to-segment contact of order 2 and more, if no
+size is given. Edges of one length lock into each other: shifting one surface along the other by a part of an edge
+changes the energy, with larger forces than those by which a rail resists the shift. There are many equilibria then, a
+part of an edge from each other, and Newton's method goes from one to the next. With several nodes on each edge, and
+lengths of no common multiple, these forces cancel."""
+
 NODAL = ("node-to-segment", "penalty")  # pairing and enforcement that can have a penalty per node
 
 
@@ -37,8 +44,8 @@ class Discretisation:
     - `wheel_method`, `rail_method`, `wheel_order`, `rail_order`, `wheel_contact_size_mm`, `rail_contact_size_mm`: what
       differs for one body; None: as for both.
     - `pairing`: ``"segment-to-segment"`` or, as in Moherdaui (2021), ``"node-to-segment"``, whose nodal pressures
-      oscillate. At order 2 it needs sizes that differ between wheel and rail: where nodes face nodes, each of them has
-      two curved edges to choose from, and Newton's method cycles between these.
+      oscillate. At order 2 elements of the primary side, where ``"auto"`` is the rail, are `PRIMARY_SIZE_RATIO` times
+      as large as those of the other one if no size of one of them is given.
     - `enforcement`: ``"penalty"``, ``"augmented-lagrange"`` or ``"multiplier"``.
     - `penetration_mm`: maximum penetration that augmented Lagrange tolerates.
     - `stabilisation`: of polygons; None: their usual one.
@@ -107,8 +114,10 @@ class Discretisation:
 
     def size_of(self, body: Role) -> float:
         """Size of the triangles of a kind of body where it can touch, in mm."""
-        size = self.wheel_contact_size_mm if body == "wheel" else self.rail_contact_size_mm
-        return (size or self.contact_size_mm) * self.size_scale * self.order_of(body)
+        sizes, order = {"wheel": self.wheel_contact_size_mm, "rail": self.rail_contact_size_mm}, self.order_of(body)
+        is_primary = (body == "wheel") == (self.primary == "wheel")
+        locks = is_primary and order > 1 and self.pairing == "node-to-segment" and not any(sizes.values())
+        return (sizes[body] or self.contact_size_mm * (PRIMARY_SIZE_RATIO if locks else 1.0)) * self.size_scale * order
 
     def element_of(self, body: Role) -> Element:
         """Element of all cells of a kind of body."""

@@ -161,7 +161,6 @@ class Equilibrium(Generic[State]):
     - `residual`: forces in the track's axes and moment about the axle's middle that are left, shape (3,).
     - `stable`: whether the wheelset comes back after a small push; None where that has no meaning: no equilibrium, or
       held.
-    - `history`: residuals at each position that the search tried, in order.
     """
 
     status: Status
@@ -170,4 +169,3 @@ class Equilibrium(Generic[State]):
     state: State
     residual: Floats
     stable: bool | None = None
-    history: tuple[RelativeResiduals, ...] = ()

@@ -6,6 +6,7 @@ All is in the right-hand form of a side: x to the field side, y up, z ahead, ori
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -41,6 +42,14 @@ class WheelGap(NamedTuple):
     along: Floats
     by_motion: Floats
     arms: Floats
+
+    def moved(self, old: "WheelPose", new: "WheelPose") -> Floats:
+        """Gaps as the wheel moves a little in its plane from one pose to another, (n, n_z)."""
+        turn = new.whole_roll - old.whole_roll
+        x, y = new.middle - old.middle
+        arms = self.arms - np.append(old.shift, 0.0)
+        way = self.by_motion[..., 0] * (x - turn * arms[..., 1]) + self.by_motion[..., 1] * (y + turn * arms[..., 0])
+        return np.where(self.gaps < FAR_MM, self.gaps + way, FAR_MM)
 
 
 def wheel_gap(
@@ -102,6 +111,8 @@ def wheel_gap(
     return WheelGap(*(values.reshape(*shape, *values.shape[1:]) for values in each))
 
 
+SECTION_AXES = ((0, 1), (0, 1), (2,))
+"""Axes of a section in which those of the frames of cells lie: tangent, normal and z."""
 GAUGE_DEPTH_MM = 14.0
 """Depth below the rail's top at which the gauge is measured (EN 13848-1)."""
 RANK = 1e-4
@@ -219,6 +230,11 @@ class SideGrid:
         return self.planes.astype(np.float64) * self.strip
 
     @property
+    def middles(self) -> tuple[Floats, Floats]:
+        """`stations` and `z`."""
+        return self.stations, self.z
+
+    @property
     def strip_ends(self) -> Floats:
         """Ends of the strips, shape (n_z, 2)."""
         return self.z[:, None] + self.strip / 2.0 * np.array([-1.0, 1.0])
@@ -326,12 +342,15 @@ class GriddedSide:
     def _unit_forces(self, axes: Sequence[int], rows: slice) -> tuple[Floats, Floats]:
         """Unit forces along axes of the frames of some cells, as `_loads`: (3 N, n m) for m axes."""
         loads = []
-        for weights, turn in zip(self._weights, self._turns, strict=True):
-            directions = self.frames[rows][:, axes]
-            directions = np.concatenate((directions[..., :2] @ turn, directions[..., 2:]), axis=2)
+        for weights, directions in zip(self._weights, self._directions(axes, rows), strict=True):
             full = np.einsum("ia,imx->axim", weights[rows], directions)
             loads.append(full.reshape(3 * weights.shape[1], -1))
         return loads[0], loads[1]
+
+    def _directions(self, axes: Sequence[int], rows: slice) -> list[Floats]:
+        """Axes of the frames of some cells in the axes of the sections of rail and wheel, (n, m, 3) each."""
+        directions = self.frames[rows][:, axes]
+        return [np.concatenate((directions[..., :2] @ turn, directions[..., 2:]), axis=2) for turn in self._turns]
 
     @cached_property
     def influence(self) -> Convolution:
@@ -355,17 +374,26 @@ class GriddedSide:
         grid = self.grid
         materials = self.surfaces.rail_elastic.material, self.surfaces.wheel_elastic.material
         total = half_spaces_on(materials, grid.cells[rows], self.frames[rows], grid.strip, n_distances, axes)
-        size = total.shape[1] * len(axes)
-        total = total.reshape(n_distances, size, size)
-        for elastic, unit_forces in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
+        pairs = list(product(enumerate(axes), repeat=2))
+        for elastic, weights, directions in zip(
+            self._elastic, self._weights, self._directions(axes, rows), strict=True
+        ):
             used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, len(grid.planes)))) + 3
-            table = elastic.table(along=2 in axes)[:used]
-            # without forces along z two thirds of the rows
-            loads = unit_forces.reshape(-1, 3, size)[:, : 3 if 2 in axes else 2].reshape(table.shape[1], size)
-            found = np.matmul(loads.T, np.matmul(table, loads))
-            weights = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, : len(table)]
-            total += (weights @ found.reshape(len(table), -1)).reshape(total.shape)
-        return total
+            across = weights[rows]
+            along = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, :used]
+            # T_xyzij = sum over stations of A_ik T_xyzkl A_jl
+            on_cells = {
+                place: across @ elastic.by_axes[place][:used] @ across.T
+                for place in product(*[sorted({x for axis in axes for x in SECTION_AXES[axis]})] * 2)
+            }
+            for (i, of), (j, by) in pairs:
+                turned = sum(
+                    directions[:, i, x, None] * directions[:, j, y] * on_cells[x, y]
+                    for x, y in product(SECTION_AXES[of], SECTION_AXES[by])
+                )
+                total[i, j] += np.tensordot(along, turned, axes=1)
+        size = total.shape[3] * len(axes)
+        return total.transpose(2, 3, 0, 4, 1).reshape(n_distances, size, size)
 
     @cached_property
     def _bending(self) -> tuple[Floats, Floats]:
@@ -405,9 +433,9 @@ class GriddedSide:
         the displacement outwards of the gauge face 14 mm below the top, or of its lowest point, along x.
         """
         elastic, loads, turn = self._elastic[0], self._loads[0], self._turns[0]
-        load = loads @ forces.sum(axis=1)
-        if across is not None:
-            load = load + self._unit_forces((0,), slice(None))[0] @ across
+        row = forces.sum(axis=1)
+        shares = self.turned(row, across)[1]
+        load = loads @ row + self._unit_forces((0,), slice(None))[0] @ (shares if across is None else shares + across)
         moved = -(elastic.remainder[0].reshape(len(loads), -1) @ load).reshape(-1, 3)[:, :2]
         moved, points = moved @ turn.T, self.surfaces.rail_frame.points(elastic.points)
         top = points[np.argmax(points[:, 1])]
@@ -457,23 +485,57 @@ class GriddedSide:
         - `guess`: gaps from close by.
         - `across`: lateral creep forces on the wheel's rows of cells, (n,); what they move stays in the geometry.
         """
-        (points, normals), (bending, turn) = self._at, self._bending
+        points, normals = self._at
         moved = np.zeros_like(points)
         if forces is not None:
             row = forces.sum(axis=1)
-            moved = bending @ row
-            turned = turn @ row
-            if across is not None:
-                points = points + self._bending_across[0] @ across
-                turned = turned + self._bending_across[1] @ across
+            turned, shares = self.turned(row, across)
+            moved = self._bending[0] @ row
+            points = points + self.bending_across @ (shares if across is None else shares + across)
             normals = normals + turned[:, None] * tangents_of(normals)
             normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         points = points + moved
         gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.z, guess)
         gap.arms[..., :2] += pose.shift  # from the middle of the axle, not from the profile's origin
         values = self._means(gap.gaps)
-        values = np.where(gap.gaps < FAR_MM, values + (moved * normals).sum(axis=1)[:, None], FAR_MM)
+        # `influence` moves the cells along the undeformed normals
+        values = np.where(gap.gaps < FAR_MM, values + (moved * self._at[1]).sum(axis=1)[:, None], FAR_MM)
         return points, normals, gap, values
+
+    def turned(self, row: Floats, across: Floats | None = None) -> tuple[Floats, Floats]:
+        """Turn of the normals by normal forces of rows, and the share of these along the tangents, (n,) each.
+
+        Forces act along the turned normals, on the bodies as on the wheelset: else the work that they do when the rail
+        turns would be lost, and forces would not be the derivative of the energy. With normal forces p of rows, turns T
+        by them and T' by forces along the tangents, ``s_i = p_i (T p + T' s)_i``. ``across``: see `deformed`.
+        """
+        turn, turn_across = self._bending[1], self._bending_across[1]
+        by_row = turn @ row if across is None else turn @ row + turn_across @ across
+        shares = np.asarray(np.linalg.solve(np.eye(len(row)) - row[:, None] * turn_across, row * by_row), np.float64)
+        return by_row + turn_across @ shares, shares
+
+    @property
+    def turn_by_rows(self) -> Floats:
+        """Turn of the normals by unit normal forces of rows, (n, n)."""
+        return self._bending[1]
+
+    @property
+    def undeformed_normals(self) -> Floats:
+        """Outward normals of the undeformed rail's cells, (n, 2)."""
+        return self._at[1]
+
+    def elastic_energy(self, forces: Floats) -> float:
+        """Elastic energy of both bodies under normal forces (n, n_z) without friction, N mm.
+
+        ``1/2 f A f`` of the forces along the undeformed normals N, and what their shares s along the tangents T add:
+        ``-(p N + s T / 2) . B' s`` with the displacements B' of the rail less those of the wheel.
+        """
+        row = forces.sum(axis=1)
+        _, shares = self.turned(row)
+        normals = self._at[1]
+        along = row[:, None] * normals + 0.5 * shares[:, None] * tangents_of(normals)
+        by_shares = float((along * (self.bending_across @ shares)).sum())
+        return 0.5 * float((forces * self.influence(forces)).sum()) - by_shares
 
 
 def _modes(bending: Floats) -> tuple[Floats, Floats]:

@@ -20,8 +20,8 @@ MOST_CELLS = 6000
 """Cells in contact up to which their matrix is factorised."""
 SAME = 1e-6
 """Force over the mean force of the cells in contact that is round-off."""
-FIRST = 1e-2
-"""Tolerance of the forces on undeformed bodies, from which the steps start."""
+FIRST = 1e-4
+"""Tolerance of the forces on bodies that bend no further, from which the steps start."""
 MOST_STEPS = 30
 MAX_MOVED_MM = 0.5
 """Displacement of a cell across the normal by which the geometry changes in one step, at most."""
@@ -41,24 +41,36 @@ class CreepSlopes(NamedTuple):
     shape: Floats
     weights: Floats
 
+    def on_cells(self, old: SideGrid, new: SideGrid) -> "CreepSlopes":
+        """The same for the cells of another grid, as far as they are smooth."""
+        rows = scipy.linalg.block_diag(np.eye(N_RESULTANTS), _fractions(old.cells, new.cells))
+        return CreepSlopes(rows @ self.motion, rows @ self.shape, interpolated(self.weights, old.middles, new.middles))
+
 
 class SideNewton:
     """One side while its forces are sought."""
 
-    def __init__(self, grid: GriddedSide, pose: WheelPose, forces: Floats | None) -> None:
+    def __init__(
+        self,
+        grid: GriddedSide,
+        pose: WheelPose,
+        forces: Floats | None,
+        creep: Floats | None = None,
+        raised: Floats | float = 0.0,
+    ) -> None:
         self.grid, self.pose = grid, pose
-        if forces is None or not forces.any():
-            values = grid.deformed(pose, None)[3]
-            forces = solve_normal(grid.influence, values, approach=0.0, tolerance=FIRST).forces
+        self.creep = creep
+        """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
+        self.raised: Floats = np.zeros((len(grid.grid.cells), len(grid.grid.planes))) + raised
+        """What they open the gaps besides, (n, n_z)."""
+        start = forces if forces is not None and forces.any() else None
+        _, _, self.gap, values = grid.deformed(pose, start, None, None if creep is None else creep[:, 0])
+        # cells that touch on these bodies: the steps would find them one after the other
+        forces = solve_normal(grid.influence, values + self.raised, approach=0.0, start=start, tolerance=FIRST).forces
         self.forces = self.raw = forces
         self.touching: Bools = forces > 0.0
         self._factor: tuple[Floats, bool] | None = None
-        self._last: Floats | None = None
         self.changed = True
-        self.creep: Floats | None = None
-        """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
-        self.raised: Floats = np.zeros(self.forces.shape)
-        """What they open the gaps besides, (n, n_z)."""
         self.slopes: CreepSlopes | None = None
         self.shape: Floats = np.zeros(0)
         """Values of the normal forces for `CreepSlopes.shape` at which the creep forces were found, (k,)."""
@@ -67,11 +79,11 @@ class SideNewton:
     def linearise(self, pose: WheelPose) -> None:
         """Take gaps and their derivatives at a pose, in the geometry deformed by the forces so far."""
         grid = self.grid
+        guess = self.gap.moved(self.pose, pose)
         self.pose = pose
         self.points, self.normals, self.gap, self.values = grid.deformed(
-            pose, self.forces, self._last, None if self.creep is None else self.creep[:, 0]
+            pose, self.forces, guess, None if self.creep is None else self.creep[:, 0]
         )
-        self._last = self.gap.gaps
         self.values = self.values + self.raised
         self.total = self.values + grid.influence(self.forces)
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
@@ -155,19 +167,22 @@ class SideNewton:
             yawing = all_by[:, 2] * arms[:, 0] - all_by[:, 0] * arms[:, 2]
             slopes = np.column_stack((slopes, np.zeros(len(rows)), yawing))
         # D = left right: by_motion . n = 1, so that n - by_motion lies across
-        grid = self.grid
-        modes, loads = grid.bending_modes
-        left = np.einsum("mx,mxk->mk", self.normals[rows] - by, modes[rows])
-        right = loads[:, rows]
+        grid, row = self.grid, self.forces.sum(axis=1)
+        (modes, loads), (across, loads_across) = grid.bending_modes, grid.bending_modes_across
+        left = np.einsum("mx,mxk->mk", grid.undeformed_normals[rows] - by, modes[rows])
+        # shares s = p T p of the forces along the tangents: ds_i = (T p)_i dp_i + p_i (T dp)_i
+        turned, _ = grid.turned(row, None if self.creep is None else self.creep[:, 0])
+        shares = loads_across * turned + (loads_across * row) @ grid.turn_by_rows
+        left = np.hstack((left, -np.einsum("mx,mxk->mk", by, across[rows])))
+        right = np.vstack((loads, shares))[:, rows]
         # h is that of the forces so far: their part in D is taken off
         values = self.values[rows, strips] - left @ (right @ self.forces[rows, strips])
         if self.slopes is not None:
-            modes, loads = grid.bending_modes_across
-            across = -np.einsum("mx,mxk->mk", by, modes[rows]) @ loads
-            of_shape = across @ self.slopes.shape[N_RESULTANTS:]
+            by_rows = -np.einsum("mx,mxk->mk", by, across[rows]) @ loads_across
+            of_shape = by_rows @ self.slopes.shape[N_RESULTANTS:]
             values = values - of_shape @ self.shape
             if rolls:
-                slopes = slopes + across @ self.slopes.motion[N_RESULTANTS:]
+                slopes = slopes + by_rows @ self.slopes.motion[N_RESULTANTS:]
             left, right = np.hstack((left, of_shape)), np.vstack((right, self.slopes.weights[:, rows, strips]))
         found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
         n = 1 + slopes.shape[1]
@@ -235,12 +250,13 @@ class SideNewton:
         )
 
 
-def nearest(values: Floats, old: SideGrid, new: SideGrid) -> Floats:
-    """Values (n, n_z) on the cells of another grid: each has that of the cell in which its middle lies, or 0."""
-    row = np.clip(np.searchsorted(old.cells[:, 0], new.stations) - 1, 0, len(old.cells) - 1)
-    column = np.clip(np.round(new.z / old.strip).astype(int) - old.planes[0], 0, len(old.planes) - 1)
-    inside = (new.stations <= old.cells[row, 1])[:, None] & (np.abs(new.z - old.z[column]) <= old.strip)
-    return np.where(inside, values[row[:, None], column], 0.0)
+def interpolated(values: Floats, old: tuple[Floats, Floats], new: tuple[Floats, Floats]) -> Floats:
+    """Values (..., n, n_z) at other stations (m,) and z (m_z,): linear, and constant beyond the outermost ones."""
+
+    def weights(at: Floats, known: Floats) -> Floats:
+        return np.array([np.interp(at, known, unit) for unit in np.eye(len(known))])
+
+    return np.asarray(weights(new[0], old[0]).T @ values @ weights(new[1], old[1]))
 
 
 def transferred(state: SideState, grid: GriddedSide) -> Floats:
@@ -282,8 +298,7 @@ def solve_side(
     - `tolerance`: change of the forces in a step, over their sum, at which they are found.
     - `creep`: creep forces on rows of cells, (n, 2), that stay.
     """
-    newton = SideNewton(grid, pose, start)
-    newton.creep = creep
+    newton = SideNewton(grid, pose, start, creep)
     change, steps = np.inf, 0
     while steps < MOST_STEPS:
         steps += 1

@@ -17,7 +17,7 @@ from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
 from flangeway.railway.wheelset.running_surfaces import PATCH_CELLS, SpatialModel
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces, wheel_gap
-from flangeway.railway.wheelset.side_newton import SideNewton, solve_side, transferred, transferred_creep
+from flangeway.railway.wheelset.side_newton import solve_side, transferred, transferred_creep
 from flangeway.railway.wheelset.wheelset_newton import FINE_RESIDUAL, SpatialState, WheelsetNewton, pose_of
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats, Ints
@@ -31,8 +31,8 @@ EVERY = 3
 NEAR_MM = 12.0
 """Gap of the rigid wheel beyond which its surface is too far from the rail's to come into contact."""
 COARSE_RESIDUAL = 1e-3
-PRESSED_MM = 0.3
-"""Depth below the rigid position at which the search begins."""
+PRESSED_MM = 0.1
+"""Depth below the rigid position, beyond what the rails sink, at which the search begins."""
 MAX_ITERATIONS = 80
 """Newton steps until the equilibrium on coarse cells, or on one set of fine ones."""
 ROLLING_RESIDUAL, FAST_RESIDUAL = 0.02, 1e-7
@@ -117,31 +117,39 @@ class SpatialWheelset:
 
         With friction from the equilibrium without, and on few cells between both.
         """
-        start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM))
+        start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM - self._sinking))
         kept = self.problem.prescribed.components
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
-        found, motion = self._on_coarse_cells(position, None, progress), self.model.rolling
-        if motion is None:
-            return self._on_fine_cells(found, found.state, progress, None, FINE_RESIDUAL, self.model.patch_cells)
-        creep = WheelsetCreep(motion, rate_of(motion, found.state.sides), motion.theory, MAX_BENT_MM)
-        found = coarse = self._on_coarse_cells(found.position, found.state, progress, creep)
-        cells, last = self.model.patch_cells, FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
-        for across, tolerance in ((round(FEWER_ACROSS * cells), NESTED_RESIDUAL), (cells, last)):
-            found = self._on_fine_cells(found, coarse.state, progress, creep, tolerance, across)
+        newton, coarse = self._on_coarse_cells(position, None, None, progress)
+        motion, cells = self.model.rolling, self.model.patch_cells
+        stages = [(cells, FINE_RESIDUAL)]
+        if motion is not None:
+            creep = WheelsetCreep(motion, rate_of(motion, coarse.state.sides), motion.theory, MAX_BENT_MM)
+            newton, coarse = self._on_coarse_cells(coarse.position, coarse.state, creep, progress)
+            last = FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
+            stages = [(round(FEWER_ACROSS * cells), NESTED_RESIDUAL), (cells, last)]
+        found = coarse
+        for across, tolerance in stages:
+            found = self._on_fine_cells(newton, found, coarse.state, progress, tolerance, across)
         return found
 
     def _on_coarse_cells(
         self,
         position: WheelsetPosition,
         near: SpatialState | None,
+        creep: WheelsetCreep | None,
         progress: Callable[[str], None],
-        creep: WheelsetCreep | None = None,
-    ) -> Equilibrium[SpatialState]:
+    ) -> tuple[WheelsetNewton, Equilibrium[SpatialState]]:
         """Equilibrium on coarse cells, which are made anew where the wheelset leaves the position that they are for."""
         place = position
-        grids = {side: self._coarse(side, place, near) for side in SIDES}
-        if near is not None and covered(grids, near):
-            grids = {side: state.grid for side, state in near.sides.items()}
+
+        def grids_at(near: SpatialState | None) -> dict[Side, GriddedSide]:
+            """Cells at the place; those of a contact where they reach as far."""
+            grids = {side: self._coarse(side, place, near) for side in SIDES}
+            for side, state in {} if near is None else near.sides.items():
+                if state.grid.grid.covers(grids[side].grid):
+                    grids[side] = state.grid
+            return grids
 
         def others(found: Equilibrium[SpatialState], newton: WheelsetNewton) -> Placed | None:
             nonlocal place
@@ -149,33 +157,36 @@ class SpatialWheelset:
             if not found.status.converged and (way / MAX_STEP).max() <= NEARBY:
                 return None
             place = newton.position
-            grids = {side: self._coarse(side, place, found.state) for side in SIDES}
-            return None if covered(grids, found.state) else (grids, found.state)
+            grids, state = grids_at(found.state), found.state
+            return None if all(grids[side] is state.sides[side].grid for side in SIDES) else (grids, state)
 
+        grids = grids_at(near)
         newton = WheelsetNewton(self.problem, grids, place, self.model.yaw_rad, self._tilts_by_forces, near, creep)
-        return self._search(newton, COARSE_RESIDUAL if creep is None else ROLLING_RESIDUAL, progress, others)
+        tolerance = COARSE_RESIDUAL if self.model.rolling is None else ROLLING_RESIDUAL
+        return newton, self._search(newton, tolerance, progress, others)
 
     def _on_fine_cells(
         self,
+        newton: WheelsetNewton,
         found: Equilibrium[SpatialState],
         coarse: SpatialState,
         progress: Callable[[str], None],
-        creep: WheelsetCreep | None,
         tolerance: float,
         across: int,
     ) -> Equilibrium[SpatialState]:
         """Equilibrium on cells that are fine enough for the patches, and that hold all of them.
 
-        The cells are chosen at a larger residual than the last one.
+        The cells of the last equilibrium are chosen at a larger residual than its own.
 
+        - `newton`, `found`: the search on other cells, and how it ended.
         - `coarse`: contact on coarse cells of the whole running surfaces.
-        - `creep`, `tolerance`: creep forces, and the equilibrium residual with them.
+        - `tolerance`: equilibrium residual.
         - `across`: cells across a patch.
         """
         if not found.status.converged:
             return found
         whole = {side: state.grid for side, state in coarse.sides.items()}
-        n_grids, last = 1, False
+        n_grids, last, nested = 1, False, tolerance > GRID_RESIDUAL
 
         def finer_ones(state: SpatialState) -> dict[Side, GriddedSide]:
             return {
@@ -184,7 +195,7 @@ class SpatialWheelset:
 
         def others(found: Equilibrium[SpatialState], newton: WheelsetNewton) -> Placed | None:
             nonlocal n_grids
-            if n_grids == MAX_GRIDS or not (found.status.converged or newton.reaches_an_end):
+            if n_grids == MAX_GRIDS or not ((found.status.converged and not nested) or newton.reaches_an_end):
                 return None
             state: SpatialState | None = found.state
             grids = finer_ones(found.state)
@@ -194,13 +205,10 @@ class SpatialWheelset:
             n_grids += state is not None
             return None if state is None else (grids, state)
 
-        yaw, state = self.model.yaw_rad, found.state
-        newton = WheelsetNewton(
-            self.problem, finer_ones(state), found.position, yaw, self._tilts_by_forces, state, creep
-        )
+        newton.place(finer_ones(found.state), found.state)
         found = self._search(newton, max(GRID_RESIDUAL, tolerance), progress, others)
         last = True
-        return self._search(newton, tolerance, progress, others) if found.status.converged else found
+        return found if nested or not found.status.converged else self._search(newton, tolerance, progress, others)
 
     def _search(
         self,
@@ -217,7 +225,7 @@ class SpatialWheelset:
         for iteration in range(MAX_ITERATIONS):
             newton.linearise()
             error = newton.relative.equilibrium_residual
-            progress(f"equilibrium residual {error:.1e} after {len(newton.history) - 1} steps")
+            progress(f"equilibrium residual {error:.1e} after {iteration} steps")
             settled = newton.step(tolerance)
             message = f"contact forces and load are in equilibrium to {error:.1e}"
             found = newton.found(Status(settled, message, iteration))
@@ -271,16 +279,20 @@ class SpatialWheelset:
                 continue
             coarse, inner = grids[side].grid, fine.grid.grid
             start, creep = transferred(fine, grids[side]), transferred_creep(fine, grids[side])
-            newton = SideNewton(grids[side], fine.pose, start)
-            newton.creep = creep
-            newton.linearise(fine.pose)
+            values = grids[side].deformed(fine.pose, start, None, None if creep is None else creep[:, 0])[3]
             across = (coarse.cells[:, :1] < inner.cells[:, 1]) & (coarse.cells[:, 1:] > inner.cells[:, 0])
             along = (coarse.z > inner.z[0] - coarse.strip) & (coarse.z < inner.z[-1] + coarse.strip)
             outside = ~np.outer(across.any(axis=1), along)
-            if (newton.total[outside] < 0.0).any():
+            if ((values + grids[side].influence(start))[outside] < 0.0).any():
                 sides[side] = solve_side(grids[side], fine.pose, start, creep=creep)
                 touches |= bool((sides[side].forces[outside] > 0.0).any())
         return SpatialState(sides) if touches else None
+
+    @cached_property
+    def _sinking(self) -> float:
+        """Displacement of the rails under the vertical load, at the middle of their heads, mm."""
+        compliance = [float(np.diagonal(side.rail_elastic.by_axes[1, 1, 0]).min()) for side in self.surfaces.values()]
+        return min(compliance) * self.problem.load.in_track[1] / 2.0
 
     @cached_property
     def _tilts_by_forces(self) -> Floats:
@@ -305,10 +317,12 @@ class SpatialWheelset:
         if near is not None and near.rolled is not None:
             yaw = near.rolled.yaw_rad
         surfaces, pose = self.surfaces[side], pose_of(self.problem, position, side, yaw)
-        if near is not None:  # the rail's head has moved away
+        # the rail's head has moved away
+        motion = np.array([0.0, -self._sinking])
+        if near is not None:
             state = near.sides[side]
-            motion, _ = state.grid.rail_motion(state.forces, None if state.creep is None else state.creep[:, 0])
-            pose = replace(pose, x=pose.x - motion[0], y=pose.y - motion[1])
+            motion = state.grid.rail_motion(state.forces, None if state.creep is None else state.creep[:, 0])[0]
+        pose = replace(pose, x=pose.x - motion[0], y=pose.y - motion[1])
         low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
         ends = cell * np.arange(int(np.ceil(low / cell)), int(np.floor(high / cell)) + 1)
         cells = np.stack((ends[:-1], ends[1:]), axis=1)
@@ -328,11 +342,6 @@ class SpatialWheelset:
             planes = int(lead / strip) + np.arange(-5, 6)
         grid = SideGrid(cells, strip, np.arange(planes[0] - EVERY + 1, planes[-1] + EVERY))
         return GriddedSide(surfaces, grid, pose)
-
-
-def covered(grids: Mapping[Side, GriddedSide], state: SpatialState) -> bool:
-    """Whether the cells of a state reach as far as those of grids."""
-    return all(state.sides[side].grid.grid.covers(each.grid) for side, each in grids.items())
 
 
 def _way(lateral: float) -> str:
@@ -468,6 +477,8 @@ def finer(
         ends = ends[(ends >= limits[0]) & (ends <= limits[1])]
         if ends[0] < end:  # beside another patch's cells: one of another width fills what is between
             ends = np.append(end, ends[ends > end + 0.5 * size])
+        if len(ends) < 2:  # the other patch's cells hold all of it
+            continue
         end = ends[-1]
         cells = np.stack((ends[:-1], ends[1:]), axis=1)
         wanted = np.min([window.sizes(cells, many * size, n_across) for window in windows], axis=0)

@@ -14,14 +14,13 @@ from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import (
     MAX_STEP,
     Equilibrium,
-    RelativeResiduals,
     is_stable,
     loads_of,
     with_loads,
 )
 from flangeway.railway.wheelset.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep, patches_of
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose
-from flangeway.railway.wheelset.side_newton import CreepSlopes, SideNewton, nearest, transferred, transferred_creep
+from flangeway.railway.wheelset.side_newton import CreepSlopes, SideNewton, interpolated, transferred, transferred_creep
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -99,13 +98,16 @@ SADDLE = 1e-6
 """Push across the track over the stiffness of the rest, in mm, that is round-off."""
 LEAST_STIFFNESS = 1e-6
 """Of a wheel that does not touch, weight per mm, so that it goes where it is pushed."""
-ERROR_OF_LAW, LOOSE = 0.1, 1e-2
-"""Error of the law of friction over the residual of the position before, and its largest one."""
+ERROR_OF_LAW, LOOSE, ERROR_OF_CELLS = 0.1, 1e-2, 1e-3
+"""Error of the law of friction over the residual of the position before, its largest one, and the residual that other
+cells give an equilibrium."""
+MAX_COARSER = 2.5
+"""Strips over those of other cells up to which derivatives of creep forces serve there too."""
 MAX_CREEPAGE, MAX_YAW_RAD = 6e-3, 3e-3
 """Step limits of the rate of rotation over itself, and of the yaw, over the coefficient of friction: the creepages at
 which surfaces slip everywhere are in proportion to it, and beyond them forces have no slope that leads back."""
-FULL_FRICTION = 0.35
-"""Coefficient from which on the limits stay."""
+PROPORTIONAL = (0.1, 0.35)
+"""Coefficients between which they are so: with less friction forces are too small to matter to the rest."""
 RATE, YAW = 5, 6
 """Numbers of the unknowns that friction adds behind position and tilts: the rate of rotation, and the yaw."""
 
@@ -124,36 +126,52 @@ class WheelsetNewton:
         creep: WheelsetCreep | None,
     ) -> None:
         self.problem, self.by_forces = problem, by_forces
-        self.position, self.tilts, self.yaw, self.guided_yaw = position, np.zeros(2), yaw_rad, yaw_rad
+        self.position, self.yaw, self.guided_yaw = position, yaw_rad, yaw_rad
         self.creep = creep
-        if near is not None:
+        if near is None:  # those by the vertical load on the tape circles
+            load, arms = (
+                float(loads_of(problem).onto) / 2.0,
+                [problem.wheelset.placement(side).translation[0] for side in SIDES],
+            )
+            self.tilts = np.sum([by_forces[i] @ (0.0, load, load * arm) for i, arm in enumerate(arms)], axis=0)
+        else:
             poses = [(SIDE_SIGN[side], near.sides[side].pose) for side in SIDES]
             self.yaw = poses[0][0] * poses[0][1].yaw_rad
             self.tilts = np.array([sign * pose.tilt_rad for sign, pose in poses])
         self.sides: dict[Side, SideNewton] = {}
         self._slopes: dict[Side, CreepSlopes] = {}
+        self.errors = [1.0]
+        """Equilibrium residuals of the positions on these cells, and the last one on those before."""
         self.place(grids, near)
         held = [*(value is None for value in self.problem.prescribed.components), True, True]
         if creep is not None:
             held += [True, creep.motion.yaw_is_free]
         self.free = np.array(held)
-        self.history: list[RelativeResiduals] = []
-        self.reach, self._longest = float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0])
         arm = problem.wheelset.back_to_back_mm / 2.0
         self._least = LEAST_STIFFNESS * float(loads_of(problem).weight) * np.array([1.0, 1.0, arm**2])
-        self._across = 0.0
 
     def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
         """Go on with other cells, from a contact if it is known."""
-        self._slopes.clear()
+        self.errors = [max(self.errors[-1], ERROR_OF_CELLS)]
+        self._slopes = {
+            side: slopes.on_cells(self.sides[side].grid.grid, grids[side].grid)
+            for side, slopes in self._slopes.items()
+            if self.sides[side].grid.grid.strip <= MAX_COARSER * grids[side].grid.strip
+        }
+        self.reach, self._longest, self._across = float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0]), 0.0
         for number, (side, grid) in enumerate(grids.items()):
             pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
-            before = None if near is None else near.sides[side]
-            self.sides[side] = SideNewton(grid, pose, None if before is None else transferred(before, grid))
-            if before is not None:
-                self.sides[side].creep = transferred_creep(before, grid)
-            if before is not None and near is not None and near.rolled is not None:
-                self.sides[side].raised = nearest(near.rolled.creep[side].raised, before.grid.grid, grid.grid)
+            if near is None:
+                self.sides[side] = SideNewton(grid, pose, None)
+                continue
+            before, raised = near.sides[side], None if near.rolled is None else near.rolled.creep[side].raised
+            self.sides[side] = SideNewton(
+                grid,
+                pose,
+                transferred(before, grid),
+                transferred_creep(before, grid),
+                0.0 if raised is None else interpolated(raised, before.grid.grid.middles, grid.grid.middles),
+            )
         if self.creep is not None and near is not None and near.rolled is not None:
             self.creep.before = near.rolled.creep
 
@@ -170,17 +188,15 @@ class WheelsetNewton:
     @property
     def _is_halved(self) -> bool:
         """Whether the last step has lowered the residual much: its derivatives still serve, and its direction does."""
-        errors = [each.equilibrium_residual for each in self.history[-2:]]
-        return len(errors) > 1 and errors[1] < HALVED * errors[0]
+        return len(self.errors) > 2 and self.errors[-1] < HALVED * self.errors[-2]
 
     def linearise(self) -> None:
         """Take residuals and their derivatives at the position."""
         n = len(self.free)
         if self.creep is not None:  # the law of friction need not hold better than the equilibrium
-            before = self.history[-1].equilibrium_residual if self.history else LOOSE / ERROR_OF_LAW
-            if not self._is_halved:
+            if len(self.errors) > 2 and not self._is_halved:
                 self._slopes.clear()
-            self.creep.tolerance = float(np.clip(ERROR_OF_LAW * before, TOLERANCE, LOOSE))
+            self.creep.tolerance = float(np.clip(ERROR_OF_LAW * self.errors[-1], TOLERANCE, LOOSE))
         total, self.jacobian = np.zeros(3), np.zeros((n, n))
         self.resultants: dict[Side, Floats] = {}
         self.own: dict[Side, Floats] = {}
@@ -216,7 +232,7 @@ class WheelsetNewton:
         self.missed = np.append(self.residual, self.tilts - self.bent)
         if self.creep is not None:
             self._add_equations(self.creep)
-        self.history.append(self.relative)
+        self.errors.append(self.relative.equilibrium_residual)
 
     def _bent_by_creep(self, side: Side, newton: SideNewton, forces: Floats) -> None:
         """Find creep forces under normal ones, and let them bend the bodies."""
@@ -267,7 +283,7 @@ class WheelsetNewton:
         """Step limits."""
         limits = [*MAX_STEP, MAX_STEP[2], MAX_STEP[2]]
         if self.creep is not None:
-            friction = min(float(np.max(self.creep.motion.friction.static)), FULL_FRICTION)
+            friction = float(np.clip(np.max(self.creep.motion.friction.static), *PROPORTIONAL))
             limits += [MAX_CREEPAGE * friction * self.creep.rate_rad_s, MAX_YAW_RAD * friction]
         return np.array(limits)
 
@@ -346,7 +362,7 @@ class WheelsetNewton:
             whole = jacobian[:3, :3] - jacobian[:3, 3:] @ np.linalg.solve(jacobian[3:, 3:], jacobian[3:, :3])
             stable = is_stable(self.problem, whole)
         state = SpatialState(states, rolled)
-        return Equilibrium(status, self.position, self.relative, state, self.residual, stable, tuple(self.history))
+        return Equilibrium(status, self.position, self.relative, state, self.residual, stable)
 
 
 def signs_of_creep(side: Side) -> Floats:

@@ -1,6 +1,6 @@
 """What an evolution of profiles found: profiles over distance, where they wear and crack, and their limits."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -10,12 +10,12 @@ from matplotlib.figure import Figure
 from flangeway.cases.damage.damage_file import DamageInputs
 from flangeway.errors import InputError
 from flangeway.quantities import Quantity, measured
-from flangeway.railway.damage.evolution import Evolution, EvolutionStep, StateDamage
+from flangeway.railway.damage.evolution import Evolution, EvolutionStep, StateDamage, limit_positions
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.report.figures.drawing import SERIES, name_axes, named, new_figure
 from flangeway.report.page.record import Again, Picture, Record
-from flangeway.report.page.tables import SummaryTable, table_of
+from flangeway.report.page.tables import SummaryTable, table_across, table_of
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
 from flangeway.system.versions import versions
@@ -44,10 +44,13 @@ def damage_record(
     """
     evolution, last, unit = inputs.evolution, steps[-1], inputs.evolution.unit
     unconverged = [text for step in steps for text in step.unconverged]
-    ended = f"limit {', '.join(last.reached)}" if last.reached else "the end"
+    positions = limit_positions(steps, evolution.settings.limits)
+    limits = [f"{name} after {position:.6g} {unit}" for name, position in positions.items()]
+    ended = f"limit {', '.join(limits)}" if limits else "the end"
     rows = numbers_over_distance(evolution, steps)
     row = rows[-1]
-    facts = [(f"{last.position:.6g} {unit}", f"to {ended}")]
+    facts = [(f"{position:.6g} {unit}", f"to the limit {name}") for name, position in positions.items()]
+    facts = facts or [(f"{last.position:.6g} {unit}", "to the end")]
     for role, side in last.surfaces:
         facts.append(
             (
@@ -60,19 +63,17 @@ def damage_record(
         title=f"{inputs.name}: profiles over {unit}",
         subtitle=f"{len(evolution.collective.states)} states, {len(steps) - 1} steps",
         converged=not unconverged,
-        message=f"{ended} after {last.position:.6g} {unit}, {len(steps) - 1} steps",
+        message=f"{ended}; {last.position:.6g} {unit} in {len(steps) - 1} steps",
         success="done",
         facts=facts,
-        results=SummaryTable(
-            "Profiles, first and last",
-            ("", "new", "worn"),
-            tuple(_range(key, rows[0][key], value, unit, units) for key, value in row.items()),
+        results=table_across(
+            "Profiles, first and last", ("new", "worn"), (rows[0], row), row_quantities(row, unit), units=units
         ),
         summary={
             "name": inputs.name,
             "unit": unit,
             "position": last.position,
-            "reached": list(last.reached),
+            "reached": positions,
             "steps": rows,
             "unconverged": unconverged,
             "laws": {role: law.name for role, law in evolution.laws.items()},
@@ -94,16 +95,25 @@ def damage_record(
     )
 
 
-def _range(key: str, first: float, last: float, distance: str, units: Units) -> tuple[str, ...]:
-    """Words and unit of a number over the distance, and its values on new and worn profiles."""
+def row_quantities(keys: Iterable[str], distance: str) -> list[Quantity[Mapping[str, float]]]:
+    """Quantities of rows of numbers over the distance, by their keys; None where a row has not the key.
+
+    - `distance`: unit of the position.
+    """
     own = {
         "position": ("distance", distance),
         "t_gamma_N": ("mean T-gamma", "N"),
         "conicity": ("equivalent conicity at 3 mm", ""),
     }
-    words, unit = own.get(key) or named(key)
-    of: Quantity[float] = Quantity(key, words, lambda value: value, unit, ".5g")
-    return *of.labels(units), *of.texts(first, units), *of.texts(last, units)
+    return [
+        Quantity(key, words, partial(_number, key), unit, ".5g")
+        for key in keys
+        for words, unit in (own.get(key) or named(key),)
+    ]
+
+
+def _number(key: str, row: Mapping[str, float]) -> float | None:
+    return row.get(key)
 
 
 def _whose(evolution: Evolution, role: str, side: str) -> str:
@@ -123,9 +133,11 @@ def _assumptions(inputs: DamageInputs) -> list[str]:
         f"Creep forces by the theory {', '.join(sorted(theories))}; T-gamma and wear depend on it.",
         "Each wheel wears alike around its circumference, each rail alike under all axles.",
         f"Increments of the depth are filtered by a Gaussian of {settings.filter_mm:g} mm; a step is "
-        f"{settings.max_depth_mm:g} mm deep at most.",
+        f"{settings.max_depth_mm:g} mm deep at most, with an estimated error of {settings.max_error_mm:g} mm at most.",
         "T-gamma damage is that of the Whole Life Rail Model; steel does not yield in the contact.",
     ]
+    if "fastsim" in theories:
+        found.append("FASTSIM takes a patch for one ellipse: wear jumps where a wide patch splits in two.")
     if not evolution.collective.separate:
         found.append("Wheels of both sides wear alike, and so do both rails: the mean of both sides.")
     return found

@@ -191,7 +191,7 @@ def names(case: SpatialWheelsetCase | WheelsetCase) -> tuple[str, ...]:
     """Names of the files of a run."""
     if isinstance(case, WheelsetCase) or case.model == "plane":
         return PLANE_NAMES
-    return *NAMES, *(rolling_names(case.rolling_theory) if case.friction else ())
+    return *NAMES, *(rolling_names(case.rolling_theory) if case.coefficient else ())
 
 
 def wheelset_record(run: WheelsetRun) -> Record:

@@ -85,14 +85,16 @@ def contact_in(
     - `state`: of the side.
     - `normal`: normal forces of all cells, (n, n_z).
     - `inside`: which cells, (n, n_z).
-    - `whole`: all cells of the window in which the patch lies, which friction moves along the normals too.
+    - `whole`: cells about the patch too, which friction moves along the normals: as many rows of its window on each
+      side as it has itself at most, and all strips.
     - `bodies`: whether the bodies' influence coefficients are needed: fast theories do not.
     """
     side, grid = state.grid, state.grid.grid
     materials = side.surfaces.rail_elastic.material, side.surfaces.wheel_elastic.material
     rows, strips = box_of(inside)
     if whole or not bodies:  # the ellipse of a patch that is none may be wider
-        rows = window_of(grid, rows)
+        window, size = window_of(grid, rows), rows.stop - rows.start
+        rows = slice(max(window.start, rows.start - size), min(window.stop, rows.stop + size)) if whole else window
     if whole:
         strips = slice(0, inside.shape[1])
     z = grid.z[strips]

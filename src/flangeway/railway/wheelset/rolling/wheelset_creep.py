@@ -29,7 +29,7 @@ from flangeway.railway.wheelset.rolling.patch_rolling import (
 )
 from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.side_contact import SideGrid, SideState, WheelPose, tangents_of
-from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton
+from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton, interpolated
 from flangeway.types import Bools, Floats
 
 CLOSED: tuple[Theory, ...] = ("polach", "linear")
@@ -164,18 +164,14 @@ class WheelsetCreep:
         return found
 
     def _start(self, side: Side, contact: RollingContact) -> Start | None:
-        """Tractions of the side before on the cells of a patch: each has those at its middle."""
+        """Tractions of the side before on the cells of a patch."""
         patches = self.before[side].patches if side in self.before else ()
-        tractions, bounds = np.zeros((*contact.pressures.shape, 2)), contact.grid.bounds
+        tractions = np.zeros((*contact.pressures.shape, 2))
         for patch in patches:
-            old, found = patch.contact.grid, patch.forces
-            if not isinstance(found, Rolling | SimplifiedRolling):
+            if not isinstance(patch.forces, Rolling | SimplifiedRolling):
                 return None
-            row = np.searchsorted(old.bounds, (bounds[1:] + bounds[:-1]) / 2.0) - 1
-            column = np.round((contact.grid.along - old.along[0]) / old.strip).astype(int)
-            rows = np.flatnonzero((row >= 0) & (row < len(old.widths)))
-            columns = np.flatnonzero((column >= 0) & (column < old.n_strips))
-            tractions[np.ix_(rows, columns)] += found.tractions[np.ix_(row[rows], column[columns])]
+            by_axis = np.moveaxis(patch.forces.tractions, 2, 0)
+            tractions += np.moveaxis(interpolated(by_axis, patch.contact.grid.middles, contact.grid.middles), 0, 2)
         return Start(tractions, contact) if patches else None
 
     def _contact(
@@ -185,9 +181,13 @@ class WheelsetCreep:
         if self.theory != "exact":
             return contact_in(state, normal, inside, friction, bodies=False)
         whole = self._contacts.get(key[:2])
-        if whole is None:
+        box = box_of(inside)[0]
+        rows = box if whole is None else rows_of(state, whole)
+        if whole is None or box.start < rows.start or box.stop > rows.stop:
             whole = self._contacts[key[:2]] = contact_in(state, normal, inside, friction, whole=True)
-        rows = rows_of(state, whole)
+            self._contacts.pop(key, None)
+            self._last.pop(key, None)
+            rows = rows_of(state, whole)
         pressures = np.where(inside, normal, 0.0)[rows, strips_of(state, whole)] / whole.areas
         found = self._contacts[key] = whole.under(pressures, self._contacts.get(key), friction.of_rows(rows))
         return found
@@ -202,7 +202,7 @@ class WheelsetCreep:
             missing = found.moment - float(s @ cells[..., 1].sum(axis=1) - cells[..., 0].sum(axis=0) @ z)
             spinning = missing * np.append(contact.row_shares @ state.normals[own], 0.0)
             ahead = cells[..., 0] @ contact.grid.along
-            total += resultant_of((points[own], state.normals[own]), pose, cells.sum(axis=1), ahead, spinning)
+            total += _resultant((points[own], state.normals[own]), pose, cells.sum(axis=1), ahead, spinning)
             rows[own] += cells.sum(axis=1)
             if isinstance(found, Rolling):
                 total[6] -= 1e3 * found.rolling_power / self.rate_rad_s
@@ -247,25 +247,19 @@ class WheelsetCreep:
         cells = forces_on_cells(found, contact)
         forces, ahead, none = cells.sum(axis=1), cells[..., 0] @ contact.grid.along, np.zeros(3)
         # numbers of the forces along t and z and of the sums of z times the former, for each row
-        units = np.eye(3 * len(forces)).reshape(-1, 3, len(forces))
-        wanted = np.array([resultant_of(*places[0], unit[:2].T, unit[2], none) for unit in units])
+        wanted = resultants_of(*places[0]).reshape(N_RESULTANTS, -1).T
         loads = newton.grid.bending_modes_across[1]
         wanted = np.hstack((wanted, np.pad(loads[:, rows].T, ((0, 2 * len(forces)), (0, 0)))))
         scales = np.linalg.norm(wanted, axis=0)
         left, values, right = np.linalg.svd(wanted / np.where(scales > 0.0, scales, 1.0), full_matrices=False)
         kept = values > DISTINCT_RESULTANTS * values[0]
         right = values[kept, None] * right[kept] * scales
-        by_slip, by_normal = [], []
-        for t, z, turning in left.T[kept].reshape(-1, 3, len(forces)):
-            functional = np.stack(
-                (t[:, None] + turning[:, None] * contact.grid.along, z[:, None] + 0.0 * contact.grid.along), axis=1
-            )
-            one, other = adjoint(found, functional, SLOPE_ERROR)
-            by_slip.append(one)
-            by_normal.append(other)
+        t, z, turning = left.T[kept].reshape(-1, 3, len(forces), 1).swapaxes(0, 1)
+        along = contact.grid.along
+        by_slip, by_normal = adjoint(found, np.stack((t + turning * along, z + 0.0 * along), axis=2), SLOPE_ERROR)
         slips = np.array([each.rigid(*contact.places) for each in motions])
         changes = right.T @ np.tensordot(by_slip, slips[1:] - slips[0], axes=([1, 2, 3], [1, 2, 3]))
-        moved = np.array([resultant_of(*place, forces, ahead, none) for place in places])
+        moved = np.array([_resultant(*place, forces, ahead, none) for place in places])
         changes[:N_RESULTANTS] += (moved[1:] - moved[0]).T
         to_rows = np.linalg.pinv(loads)
         spread = np.vstack((np.eye(N_RESULTANTS, len(right.T)), np.hstack((np.zeros((n, N_RESULTANTS)), to_rows))))
@@ -313,7 +307,7 @@ class WheelsetCreep:
         lateral, resultants = np.zeros((len(parts), len(normal))), []
         for number, (of_rows, ahead, missing) in enumerate(_forces_of_rows(self.theory, contact, motions, parts)):
             spinning = missing * np.append(contact.row_shares @ newton.normals[rows], 0.0)
-            resultants.append(resultant_of(*places[number], of_rows, ahead, spinning))
+            resultants.append(_resultant(*places[number], of_rows, ahead, spinning))
             lateral[number, rows] = of_rows[:, 0]
         values = np.column_stack((resultants, lateral))
         steps = np.append(sizes, np.full(len(shapes), SHAPE_STEP))
@@ -413,24 +407,31 @@ def shapes_of(grid: SideGrid, normal: Floats, inside: Bools) -> Floats:
     return found
 
 
-def resultant_of(at: tuple[Floats, Floats], pose: WheelPose, rows: Floats, ahead: Floats, spinning: Floats) -> Floats:
-    """See `SideCreep.resultant`.
+def resultants_of(at: tuple[Floats, Floats], pose: WheelPose) -> Floats:
+    """`SideCreep.resultant` by forces of rows along t, along z, and their sums of z times the former, (7, 3, n).
 
     - `at`: points and normals of rows, each (n, 2).
-    - `rows`: their forces along t and z, (n, 2).
-    - `ahead`: their sums of z times the forces along t, (n,).
-    - `spinning`: further moment, (3,).
     """
     points, normals = at
-    tangents = tangents_of(normals)
-    forces = np.column_stack((rows[:, :1] * tangents, rows[:, 1]))
-    first = ahead @ tangents  # of z f_x and z f_y
+    (t_x, t_y), none, one = tangents_of(normals).T, np.zeros(len(points)), np.ones(len(points))
     moments = []
     for middle in ((pose.x, pose.y), pose.middle):
         x, y = (points - middle).T
-        turned = (y @ forces[:, 2] - first[1], first[0] - x @ forces[:, 2], x @ forces[:, 1] - y @ forces[:, 0])
-        moments.append(spinning + np.array(turned))
-    return np.concatenate((forces.sum(axis=0), moments[0], [moments[1] @ pose.axis]))
+        # y f_z - z f_y, z f_x - x f_z, x f_y - y f_x
+        moments.append(np.array([[none, y, -t_y], [none, -x, t_x], [x * t_y - y * t_x, none, none]]))
+    along_axis = np.tensordot(pose.axis, moments[1], axes=1)
+    return np.array([[t_x, none, none], [t_y, none, none], [none, one, none], *moments[0], along_axis])
+
+
+def _resultant(at: tuple[Floats, Floats], pose: WheelPose, rows: Floats, ahead: Floats, spinning: Floats) -> Floats:
+    """See `SideCreep.resultant`.
+
+    - `rows`: forces of rows along t and z, (n, 2).
+    - `ahead`: their sums of z times the forces along t, (n,).
+    - `spinning`: further moment, (3,).
+    """
+    of_rows = np.tensordot(resultants_of(at, pose), np.array([*rows.T, ahead]), axes=2)
+    return np.asarray(of_rows + np.concatenate((np.zeros(3), spinning, [spinning @ pose.axis])))
 
 
 def rate_of(motion: RollingMotion, states: Mapping[Side, SideState]) -> float:
