@@ -21,7 +21,14 @@ from flangeway.results import ResultTable
 from flangeway.units import us_key, us_unit
 
 INPUTS = {
-    "wheelset": {"friction": 0.3, "rolling_theory": "fastsim", "curve_radius_m": 600.0, "speed_km_h": 50.0},
+    "wheelset": {
+        "friction": 0.3,
+        "rolling_theory": "fastsim",
+        "curve_radius_m": 600.0,
+        "speed_km_h": 50.0,
+        "size_scale": 4.0,
+        "patch_cells": 10,
+    },
     "wheelset-tangent": {"size_scale": 8.0},
     str(Path(__file__).parents[2] / "examples" / "stack.toml"): {},
     "crane-wheel": {},
