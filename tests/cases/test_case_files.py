@@ -3,6 +3,7 @@
 import json
 import tomllib
 from datetime import timedelta
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, example, given, settings
@@ -290,3 +291,13 @@ def test_loads_and_dimensions_are_a_group_of_inputs(name, first):
     assert groups["Load and dimensions of the bodies"][0] == first
     assert all(key.endswith(("method", "order", "mm", "growth")) for key in groups["Elements and mesh"])
     assert not {"force_kN", "force_N", "radius_mm", "upper_radius_mm"} & {*groups["Elements and mesh"]}
+
+
+@pytest.mark.parametrize("name", ["shift.toml", "wheel-life.toml"])
+def test_files_of_other_commands_name_their_command(name):
+    """A file of a campaign or of wear is refused with the command that computes it."""
+    command = {"shift.toml": "campaign", "wheel-life.toml": "damage"}[name]
+    file = Path(__file__).parents[2] / "examples" / name
+    with pytest.raises(InputError) as refused:
+        load_case(file)
+    assert f"`flangeway {command} {file}`" in refused.value.advice

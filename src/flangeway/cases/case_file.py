@@ -145,6 +145,10 @@ def _key_in(message: str) -> Key:
     return tuple(key)
 
 
+OF_COMMANDS = {"vary": "campaign", "table": "campaign", "evolution": "damage"}
+"""Keys of TOML files that are no cases, and the commands that take them."""
+
+
 class CaseText(TomlFile):
     """A case file."""
 
@@ -157,7 +161,14 @@ class CaseText(TomlFile):
     )
 
     def case(self) -> tuple[type[RunnableCase], dict[str, Any]]:
-        """Type of the case, and its inputs."""
+        """Type of the case, and its inputs; an `InputError` if it is a file of another command."""
+        for key, command in OF_COMMANDS.items():
+            if key in self.data:
+                raise InputError(
+                    f"{self.place((key,))}{key}, which a file of `flangeway {command}` has",
+                    "a case file, whose inputs are the inputs of one case",
+                    f"`flangeway {command} {self.file}` computes it",
+                )
         name, values = self.name_and_values()
         try:
             return find_case(name if isinstance(name, str) else short(name)), values
