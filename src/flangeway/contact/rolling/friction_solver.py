@@ -31,6 +31,8 @@ DECREASE, LEAST_STEP = 0.1, 1.0 / 32.0
 """Part of a step by which the residual must fall, and the smallest part that is tried."""
 ROUND_OFF = 1e-12
 """Residual over the limits that is none."""
+LEAST_PART = 0.02
+"""Smallest part of the rigid slip by which it grows where Newton's method does not converge at once."""
 HELD = 1e-4
 """Error of the law of friction under limits that are held, from which Newton's method starts."""
 
@@ -177,7 +179,19 @@ class FrictionProblem:
         """
         if self.falling is not None:
             return self._fallen(self.falling, start, tolerance)
-        return self._newton(np.zeros(self.rigid.shape) if start is None else start, tolerance)
+        none = np.zeros(self.rigid.shape)
+        state, status = self._newton(none if start is None else start, tolerance)
+        # otherwise the slip grows from none, in parts as small as needed
+        done, part, forces = 0.0, 0.5, none
+        while not status.converged and part >= LEAST_PART:
+            trial, found = replace(self, rigid=min(done + part, 1.0) * self.rigid)._newton(forces, tolerance)
+            if not found.converged:
+                part /= 4.0
+                continue
+            done, part, forces = done + part, 2.0 * part, trial.forces
+            if done >= 1.0:
+                return trial, found
+        return state, status
 
     def _fallen(self, falling: FallingLimits, start: Floats | None, tolerance: float) -> tuple[FrictionState, Status]:
         """Forces under limits that fall: Newton's method from neighbouring ones, or from those under held limits.
