@@ -25,7 +25,14 @@ from flangeway.report.page.record import print_record
 from flangeway.report.wheelset.pressure_scene import pressure_scene
 from flangeway.report.wheelset.wheelset_patches import patch_map
 
-INPUTS = {"lateral_force_kN": 60.0, "rail": "136RE", "wheel": "AAR-1B", "yaw_mrad": 5.0, "size_scale": 1.5, "patch_cells": 14}
+INPUTS = {
+    "lateral_force_kN": 60.0,
+    "rail": "136RE",
+    "wheel": "AAR-1B",
+    "yaw_mrad": 5.0,
+    "size_scale": 1.5,
+    "patch_cells": 14,
+}
 
 
 @pytest.fixture(scope="module")
