@@ -103,13 +103,34 @@ ERROR_OF_LAW, LOOSE, ERROR_OF_CELLS = 0.1, 1e-2, 1e-3
 cells give an equilibrium."""
 MAX_COARSER = 2.5
 """Strips over those of other cells up to which derivatives of creep forces serve there too."""
-MAX_CREEPAGE, MAX_YAW_RAD = 6e-3, 3e-3
-"""Step limits of the rate of rotation over itself, and of the yaw, over the coefficient of friction: the creepages at
-which surfaces slip everywhere are in proportion to it, and beyond them forces have no slope that leads back."""
-PROPORTIONAL = (0.1, 0.35)
-"""Coefficients between which they are so: with less friction forces are too small to matter to the rest."""
+MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
+"""Step limits of the rate of rotation over itself, and of the yaw."""
+ALL_OF_IT = 0.999
+"""Part of the limit from which on a step has reached it."""
 RATE, YAW = 5, 6
 """Numbers of the unknowns that friction adds behind position and tilts: the rate of rotation, and the yaw."""
+
+
+@dataclass
+class Reach:
+    """Step limit of one unknown: it shrinks where the sense of its steps changes, and grows where they reach it.
+
+    - `limit`: of the next step.
+    - `longest`: beyond which it does not grow.
+    - `last`: last step.
+    """
+
+    limit: float
+    longest: float
+    last: float = 0.0
+
+    def limit_of(self, step: float, *, halved: bool) -> float:
+        """Limit of a step that is wanted; `halved`: whether the last step has lowered the residual much."""
+        if step * self.last < 0.0 and abs(step) > 0.5 * abs(self.last) and not halved:
+            self.limit, self.longest = BACK * abs(self.last), LESS * self.longest
+        elif abs(self.last) >= ALL_OF_IT * self.limit:
+            self.limit = min(2.0 * self.limit, self.longest)
+        return self.limit
 
 
 class WheelsetNewton:
@@ -158,7 +179,9 @@ class WheelsetNewton:
             for side, slopes in self._slopes.items()
             if self.sides[side].grid.grid.strip <= MAX_COARSER * grids[side].grid.strip
         }
-        self.reach, self._longest, self._across = float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0]), 0.0
+        self.across = Reach(float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0]))
+        # surfaces that slip everywhere have no slope that leads back
+        self.turning_rate = None if self.creep is None else Reach(*self._limits[[RATE, RATE]].tolist())
         for number, (side, grid) in enumerate(grids.items()):
             pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
             if near is None:
@@ -282,10 +305,7 @@ class WheelsetNewton:
     def _limits(self) -> Floats:
         """Step limits."""
         limits = [*MAX_STEP, MAX_STEP[2], MAX_STEP[2]]
-        if self.creep is not None:
-            friction = float(np.clip(np.max(self.creep.motion.friction.static), *PROPORTIONAL))
-            limits += [MAX_CREEPAGE * friction * self.creep.rate_rad_s, MAX_YAW_RAD * friction]
-        return np.array(limits)
+        return np.array(limits if self.creep is None else [*limits, MAX_CREEPAGE * self.creep.rate_rad_s, MAX_YAW_RAD])
 
     def _step(self) -> Floats:
         """Newton's step, limited so that the wheelset goes where it is pushed.
@@ -309,6 +329,8 @@ class WheelsetNewton:
         matrix = jacobian[np.ix_(rows, columns)]
         right = -np.stack((self.missed, self.jacobian[:, 0]), axis=1)[rows]
         step[columns], by_x[columns] = np.linalg.solve(matrix, right).T
+        if self.turning_rate:
+            limits[RATE] = self.turning_rate.limit_of(float(step[RATE]), halved=self._is_halved)
         excess = float((np.abs(step) / limits).max())
         if excess > 1.0 or not across:
             return step / max(excess, 1.0)
@@ -318,13 +340,8 @@ class WheelsetNewton:
         if slope >= 0.0 and abs(push) < SADDLE * abs(sense * self.jacobian[row, 0]):
             # on top of the energy both ways lead down: to the left, whatever round-off says; friction has no energy
             way = -np.inf if self.creep is None else 0.0
-        limit = self.reach
-        if way * self._across < 0.0 and abs(way) > 0.5 * abs(self._across) and not self._is_halved:
-            limit, self._longest = BACK * abs(self._across), LESS * self._longest
-        elif abs(self._across) == self.reach:
-            limit = min(2.0 * self.reach, self._longest)
-        self.reach = limit
-        self._across = way = float(np.clip(way, -limit, limit))
+        limit = self.across.limit_of(way, halved=self._is_halved)
+        self.across.last = way = float(np.clip(way, -limit, limit))
         by_x[0], limits[0] = 1.0, np.inf
         step += way * by_x
         return step / max(float((np.abs(step) / limits).max()), 1.0)
@@ -345,8 +362,9 @@ class WheelsetNewton:
         tilted = float(np.abs(self.tilts - self.bent).max()) > share * FINE_TILT_RAD
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))
         self.tilts = self.tilts + step[3:5]
-        if self.creep is not None:
+        if self.creep is not None and self.turning_rate:
             self.creep.rate_rad_s += float(step[RATE])
+            self.turning_rate.last = float(step[RATE])
             self.yaw += float(step[YAW])
         return error <= tolerance and change <= most and not (tilted or moving)
 
