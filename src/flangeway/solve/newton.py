@@ -62,9 +62,6 @@ fraction of the step. Active sets change in the first iterations, so that the re
 any limit nodes on edges far shorter than their share of the surface, which are not stable under pressure, run away.
 After as many, pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
 
-FAR_FROM_EQUILIBRIUM = 0.5
-"""Residual of the iteration before above which the tangent has no geometric stiffness."""
-
 SPRINGS = (1e-6, 1e-4, 1e-2, 1.0)
 """Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint: the first one
 where all goes well."""
@@ -328,14 +325,15 @@ class _Run:
         for iteration in range(self.settings.max_iterations - before):
             if loose := self._approach():
                 return loose
-            step = self._step()
-            if self.unheld.any() and (step is None or iteration >= UNHELD_AFTER):
+            if iteration >= UNHELD_AFTER and self.unheld.any():
                 words = "; ".join(self.parts.describe(self.motions, self.unheld[:, None]))
                 what = "a load" if self.parts.load.any() else "what the motion presses"
                 return (
                     f"no friction holds {what}: {words}; take a smaller load or motion, a larger coefficient of "
                     "friction, or hold the part in Body(held=...)"
                 )
+            # deep in first overlaps the geometric stiffness can make the tangent indefinite: K on stiff springs is not
+            step = self._step() or self._step(bend=False)
             if step is None:
                 return (
                     "not converged: the contact laws of a linearised step have no solution; take smaller steps, a "
@@ -431,18 +429,21 @@ class _Run:
         """What the compliance of the law takes from the slips."""
         return np.asarray(self._compliances(lin) * (tangential - self._anchored(self.anchor[2], lin)))
 
-    def _step(self) -> _Step | None:
-        """One iteration; None if the laws of the linearised problem have no solution."""
+    def _step(self, *, bend: bool = True) -> _Step | None:
+        """One iteration; None if the laws of the linearised problem have no solution.
+
+        - `bend`: with the geometric stiffness, by which the tangent may be indefinite deep in a first overlap.
+        """
         current, applied = self.current, np.zeros_like(self.displacements)
         if len(current.nodes) == 0:
             return self.forces, self.tangential, applied, np.zeros(self.parts.n)
-        geometric, constrained = self._laws()
+        geometric, constrained = self._laws(bend=bend)
         if (sparse := self._without_matrix(geometric, constrained)) is not None:
             return self._sparse_step(geometric, constrained, *sparse)
         by_loads, matrix, offset, rigid = self._problem(geometric, constrained)
         m, n = len(self.forces), self.parts.n
         guess = np.concatenate((self.forces, self.tangential))[: len(offset)]
-        for spring in SPRINGS if n else SPRINGS[:1]:
+        for spring in SPRINGS[:1] if bend or not n else SPRINGS:
             sprung = rigid.sprung(matrix.diagonal(), spring) if n else rigid
             own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
             laws = active_set.Laws(current.coefficients, current.barriers, own)
@@ -498,12 +499,8 @@ class _Run:
         applied[current.nodes] = (loads - geometric @ moved).reshape(-1, 2)
         return found.forces[:m], found.forces[m:], applied, np.zeros(0)
 
-    def _laws(self) -> tuple[sp.csr_array, Constrained]:
-        """Geometric stiffness, and gaps, then slips where there is friction, about the displacements.
-
-        The stiffness is zero while forces are wrong by more than `FAR_FROM_EQUILIBRIUM`, as deep in first overlaps: it
-        can make the tangent indefinite there, and K on the springs of the laws is definite.
-        """
+    def _laws(self, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
+        """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""
         current = self.current
         geometric = current.curvature(-self.forces)
         at_nodes = self.displacements[current.nodes].ravel()
@@ -517,8 +514,7 @@ class _Run:
             compliances = np.tile(compliances, 2)
             slips = self._slips(current, slides) + self._let_back(current, np.zeros(len(violations)))
             violations = np.concatenate((violations, slips))
-        if self.history and self.history[-1].residual > FAR_FROM_EQUILIBRIUM:
-            geometric = sp.csr_array(geometric.shape)
+        geometric = geometric if bend else sp.csr_array(geometric.shape)
         return geometric, Constrained(at_nodes, jacobian, directions, compliances, violations)
 
     def _problem(
