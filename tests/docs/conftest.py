@@ -10,7 +10,8 @@ import pytest
 
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile(r"(?<![\w.])-?\d+\.?\d*(?:e[+-]?\d+)?(?![\w.⁻])")
-ROUND_OFF = 1e-9
+ROUND_OFF = 1e-8
+"""Residual up to which a search goes on, below which it depends on the processor."""
 FILE_BEFORE = re.compile(r"`([\w-]+\.\w+)`[^`]*\Z")
 SHOWN = ("sh", "text", "python")
 """Kinds of blocks that are not saved as files."""
