@@ -98,7 +98,7 @@ SADDLE = 1e-6
 """Push across the track over the stiffness of the rest, in mm, that is round-off."""
 LEAST_STIFFNESS = 1e-6
 """Of a wheel that does not touch, weight per mm, so that it goes where it is pushed."""
-ERROR_OF_LAW, LOOSE, ERROR_OF_CELLS = 0.1, 1e-2, 1e-3
+ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.1, 1e-2, 1e-3
 """Error of the law of friction over the residual of the position before, its largest one, and the residual that other
 cells give an equilibrium."""
 MAX_COARSER = 2.5
@@ -150,10 +150,8 @@ class WheelsetNewton:
         self.position, self.yaw, self.guided_yaw = position, yaw_rad, yaw_rad
         self.creep = creep
         if near is None:  # those by the vertical load on the tape circles
-            load, arms = (
-                float(loads_of(problem).onto) / 2.0,
-                [problem.wheelset.placement(side).translation[0] for side in SIDES],
-            )
+            load = float(loads_of(problem).onto) / 2.0
+            arms = [problem.wheelset.placement(side).translation[0] for side in SIDES]
             self.tilts = np.sum([by_forces[i] @ (0.0, load, load * arm) for i, arm in enumerate(arms)], axis=0)
         else:
             poses = [(SIDE_SIGN[side], near.sides[side].pose) for side in SIDES]
@@ -219,7 +217,7 @@ class WheelsetNewton:
         if self.creep is not None:  # the law of friction need not hold better than the equilibrium
             if len(self.errors) > 2 and not self._is_halved:
                 self._slopes.clear()
-            self.creep.tolerance = float(np.clip(ERROR_OF_LAW * self.errors[-1], TOLERANCE, LOOSE))
+            self.creep.tolerance = float(np.clip(ERROR_OF_LAW * self.errors[-1], TOLERANCE, MAX_ERROR_OF_LAW))
         total, self.jacobian = np.zeros(3), np.zeros((n, n))
         self.resultants: dict[Side, Floats] = {}
         self.own: dict[Side, Floats] = {}
