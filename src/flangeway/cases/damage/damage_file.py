@@ -118,10 +118,9 @@ class DamageFile(TomlFile):
                     f"letters, digits, spaces, - and _, and not {name}, which is the file as it is",
                     "give it another name: it is that of its folder",
                 )
-            inputs = {key: value for key, value in changes.items() if key == "inputs"}
-            data = _merged(self.data, {key: value for key, value in changes.items() if key not in inputs})
+            data = _merged(self.data, {key: value for key, value in changes.items() if key != "inputs"})
             data.pop("strategies")
-            file = replace(self, data=data, strategy=other, changed_inputs=inputs.get("inputs", {}))
+            file = replace(self, data=data, strategy=other, changed_inputs=changes.get("inputs", {}))
             found[other] = replace(file.damage(), name=other, changes=[*_lines(changes)])
         return found
 
