@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from flangeway.cases.bodies.bodies_run import BodiesCase, BodiesRun, BodyResult
-from flangeway.cases.case import Progress
+from flangeway.cases.case import PoissonRatio, Progress
 from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.elements.lagrange import HIGHEST_ORDER
 from flangeway.errors import InputError
@@ -145,7 +145,7 @@ class CookCase(BodiesCase):
     """refinement: each cuts the triangles before in four"""
     order: int = Field(2, ge=1, le=4)
     """order of the elements; fem up to 3"""
-    poisson: float = Field(PUBLISHED_POISSON, gt=-1.0, lt=0.5)
+    poisson: PoissonRatio = PUBLISHED_POISSON
     """Poisson's ratio; 0.4999 shows locking"""
 
     @property
