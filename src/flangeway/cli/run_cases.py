@@ -20,6 +20,7 @@ from flangeway.cli.common import (
     errors_as_exit_status,
     path_given,
     progress_shown,
+    results_folder,
     settings_of,
     shows_results,
     stdout,
@@ -56,20 +57,17 @@ NewName = Annotated[
 ]
 To = Annotated[
     Path | None,
-    typer.Option(
-        "--to", metavar="FILE", help="The file; NAME.toml if left out.", show_default=False, parser=path_given
-    ),
+    typer.Option("--to", metavar="FILE", help="The file; NAME.toml if left out.", parser=path_given),
 ]
 SchemaTo = Annotated[
     Path | None,
-    typer.Option("--to", metavar="FILE", help="Write it to this file.", show_default=False, parser=path_given),
+    typer.Option("--to", metavar="FILE", help="Write it to this file.", parser=path_given),
 ]
 ListedName = Annotated[
     str | None,
     typer.Argument(
         metavar="[CASE]",
         help="The one to explain; all if left out.",
-        show_default=False,
         autocompletion=completion(case_names),
     ),
 ]
@@ -79,7 +77,7 @@ Method = Annotated[
 ]
 CaseOrder = Annotated[
     str | None,
-    typer.Option("--order", help="Order of the elements of a case.", show_default=False, **choices("1", "2")),
+    typer.Option("--order", help="Order of the elements of a case.", **choices("1", "2")),
 ]
 SizeScale = Annotated[
     str | None, typer.Option("--size-scale", metavar="NUMBER", help="Factor on all element sizes; 0.5 halves them.")
@@ -133,11 +131,9 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
 @_command_on_a_case
 def run(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
     """Run a case or a case file: results here; report, JSON, pictures and ParaView files in a folder (out/CASE)."""
-    from flangeway.report.case_outputs import case_files, case_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.case_outputs import case_record  # noqa: PLC0415
 
-    folder = out or Path("out", Path(name).stem)
-    refuse_unwritable(folder, case_files(case))
+    folder = results_folder(out, Path(name).stem)
     with show.progress() as progress:
         done = case.run(progress)
     return show.record(case_record(done), folder)
@@ -147,12 +143,10 @@ def run(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
 def converge(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
     """Run a case with its sizes of elements and cells and with half of them, and compare (out/CASE-converge)."""
     from flangeway.cases import run_halved  # noqa: PLC0415
-    from flangeway.report.page.halved_page import NAMES, convergence_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.page.halved_page import convergence_record  # noqa: PLC0415
 
     stem = Path(name).stem
-    folder = out or Path("out", f"{stem}-converge")
-    refuse_unwritable(folder, NAMES)
+    folder = results_folder(out, f"{stem}-converge")
     with show.progress() as progress:
         found = run_halved(case, progress)
     return show.record(convergence_record(stem, found, command_typed()), folder)
