@@ -33,7 +33,7 @@ CASES: dict[str, type[RunnableCase]] = {
 """Types of the cases by name."""
 
 CASE_FILES = {file.stem: file for file in sorted((Path(__file__).parent / "files").glob("*.toml"))}
-"""Case files that are distributed with the program, by name; a case of bodies is told best by its file."""
+"""Case files that are distributed with the program, by name; cases of bodies with all their tables."""
 
 FORMAT = 1  # number of the format that this version writes; files of lower numbers are read, higher ones refused
 ENDING = ".toml"
