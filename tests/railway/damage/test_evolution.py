@@ -134,7 +134,7 @@ def test_error_of_the_steps_is_controlled_and_of_second_order() -> None:
 
 
 def test_a_symmetric_case_stays_symmetric() -> None:
-    """On straight track both wheels wear alike to the last bit with separate sides, and the area is that of the energy."""
+    """Both wheels wear alike to the last bit on straight track with separate sides; the area is that of the energy."""
     collective = Collective([state()], separate=True)
     first, *_, last = Evolution(collective, {"wheel": ENERGY}, settings(2e4)).run()
     left, right = (last.surfaces["wheel", side] for side in ("left", "right"))
