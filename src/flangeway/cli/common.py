@@ -89,9 +89,9 @@ def results_folder(out: Path | None, name: str) -> Path:
 
 def case_names() -> list[str]:
     """Names of all cases."""
-    from flangeway.cases import CASES  # noqa: PLC0415
+    from flangeway.cases.case_file import CASE_FILES, CASES  # noqa: PLC0415
 
-    return [*CASES]
+    return [*CASES, *CASE_FILES]
 
 
 def geometry_names() -> list[str]:
@@ -121,12 +121,12 @@ def complete_setting(ctx: typer.Context, incomplete: str) -> list[str]:
 
     Bash hands over what is behind the sign alone unless its ``COMP_WORDBREAKS`` lacks it.
     """
-    from flangeway.cases import CASES  # noqa: PLC0415
+    from flangeway.cases import CASES, find_case  # noqa: PLC0415
     from flangeway.cases.rigid.rigid_case import GeometryCase  # noqa: PLC0415
 
     # the parser has given up at a --set without a value, so that ctx lacks the case; bash and other shells name it here
     typed = f"{os.environ.get('COMP_WORDS', '')} {os.environ.get('_TYPER_COMPLETE_ARGS', '')}".split()
-    named: list[type[Case]] = [CASES[word] for word in typed if word in CASES]
+    named: list[type[Case]] = [find_case(word) for word in typed if word in case_names()]
     if ctx.info_name == "geometry":
         named = [GeometryCase]
     elif ctx.info_name == "creep-table":

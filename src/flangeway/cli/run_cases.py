@@ -160,16 +160,23 @@ def cases(case: ListedName = None, units: Units = None) -> None:
 
         from flangeway.cases import CASES, find_case  # noqa: PLC0415
         from flangeway.cases.case import grouped  # noqa: PLC0415
+        from flangeway.cases.case_file import CASE_FILES, file_title  # noqa: PLC0415
 
         console = stdout()
         if case is None:
-            width = max(map(len, CASES)) + 1
-            for kind in CASES.values():
-                console.print(f"{kind.name:{width}}{kind.title}", markup=False, soft_wrap=True)
+            titles = {kind.name: kind.title for kind in CASES.values()} | {
+                name: file_title(name) for name in CASE_FILES
+            }
+            width = max(map(len, titles)) + 1
+            for name, title in titles.items():
+                console.print(f"{name:{width}}{title}", markup=False, soft_wrap=True)
             console.print("`flangeway cases NAME` lists the inputs of one of them.", markup=False)
             return
         kind = find_case(case)
         system = units_given(units) or "metric"
+        if case in CASE_FILES:
+            note = f"a case file of {kind.name}, `flangeway init {case}` writes it"
+            console.print(f"{case}: {file_title(case)}; {note}", markup=False, soft_wrap=True)
         console.print(f"{kind.name}: {kind.title}", style="bold", markup=False)
         for path, rows in kind.tables_of_inputs(system):
             for caption, members in {path: rows}.items() if path else grouped(rows).items():
@@ -186,9 +193,20 @@ def init(name: NewName, to: To = None, units: Units = None) -> None:
     """Write a case file to begin with: every key with its meaning, unit, range and default."""
     with errors_as_exit_status():
         from flangeway.cases import find_case, write_template  # noqa: PLC0415
+        from flangeway.cases.case_file import CASE_FILES  # noqa: PLC0415
         from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
 
-        text = write_template(find_case(name), units_given(units) or "metric")
+        system = units_given(units) or "metric"
+        if name in CASE_FILES:
+            if system == "us":
+                raise InputError(
+                    f"--units us with {name}, a file with metric keys",
+                    "--units us with the cases of `flangeway cases` that are no files",
+                    f"leave it out; `flangeway run {name} --units us` shows results in US units",
+                )
+            text = CASE_FILES[name].read_text(encoding="utf-8")
+        else:
+            text = write_template(find_case(name), system)
         file = to or Path(f"{name}.toml")
         if os.path.lexists(file):
             raise InputError(
