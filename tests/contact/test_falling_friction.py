@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import derivatives, roll
 from flangeway.contact.rolling.rolling_result import SLIPS, Rolling
 from flangeway.errors import InputError
@@ -97,10 +98,20 @@ def test_transient_steps_with_falling_friction_converge(friction, creepage) -> N
     assert slips.any()
 
 
-@pytest.mark.parametrize("friction", [FAST, WARM, replace(FAST, slope=SlopeReduction(0.5))])
-def test_derivatives_are_those_of_forces_that_fall(friction) -> None:
-    """Derivatives by the creepages agree with differences where limits depend on slip and heat."""
-    contact, motion, step = ellipse(friction, 16), Creepages(0.006, 0.002, 1e-4, 30.0), 1e-7
+REMAINS = SlopeReduction(0.8, 0.3, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("friction", "size"),
+    [
+        (FAST, 1.0), (WARM, 1.0), (replace(FAST, slope=SlopeReduction(0.5)), 1.0),
+        (Friction(0.3, slope=REMAINS), 0.3), (replace(FAST, slope=REMAINS), 1.0), (replace(WARM, slope=REMAINS), 1.0),
+    ],
+)  # fmt: skip
+def test_derivatives_are_those_of_forces_that_fall(friction, size) -> None:
+    """Derivatives by the creepages agree with differences where limits depend on slip and heat, slopes on creepages."""
+    contact, step = ellipse(friction, 16), 1e-7
+    motion = Creepages(0.006 * size, 0.002 * size, 1e-4 * size, 30.0)
     found = roll(contact, motion, tolerance=1e-9)
     for number, name in enumerate(("along", "across")):
         near = [replace(motion, **{name: getattr(motion, name) + part * step}) for part in (-1.0, 1.0)]
@@ -114,19 +125,21 @@ def test_derivatives_are_those_of_forces_that_fall(friction) -> None:
         )
 
 
+@pytest.mark.parametrize("reduction", [SlopeReduction(0.4), REMAINS])
 @pytest.mark.parametrize("theory", [roll, fastsim, fastrip, polach, linear_theory])
-def test_a_reduced_slope_is_that_of_reduced_creepages(theory) -> None:
+def test_a_reduced_slope_is_that_of_reduced_creepages(theory, reduction) -> None:
     """Forces at k times the creepages, and power of the forces and the whole creepages."""
     plain, motion = ellipse(Friction(0.3)), Creepages(0.002, 0.001, 2e-4)
-    reduced = ellipse(Friction(0.3, slope=SlopeReduction(0.4)))
-    slower = Creepages(0.4 * motion.along, 0.4 * motion.across, 0.4 * motion.spin)
+    reduced = ellipse(Friction(0.3, slope=reduction))
+    k = EllipticContact.slope_of(reduced, motion)
+    slower = Creepages(k * motion.along, k * motion.across, k * motion.spin)
     one, other = theory(reduced, motion), theory(plain, slower)
     np.testing.assert_allclose(
         (one.along, one.across, one.moment), (other.along, other.across, other.moment), rtol=2e-3, atol=1e-9
     )
     if isinstance(one, Rolling):
         assert one.frictional_power == pytest.approx(sum(one.products(motion)), rel=1e-6)
-        assert one.displacements[0].max() == pytest.approx(other.displacements[0].max() / 0.4, rel=2e-3)
+        assert one.displacements[0].max() == pytest.approx(other.displacements[0].max() / k, rel=2e-3)
 
 
 @pytest.mark.parametrize(

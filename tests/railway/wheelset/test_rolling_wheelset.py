@@ -275,3 +275,32 @@ def test_patches_that_touch_are_divided_where_little_is_carried():
     for least, alone, after in ((0.2, 2, 2), (0.6, 1, 2), (0.8, 1, 1)):
         forces = np.where(between, least, heaps)
         assert (len(patches_of(forces)), len(patches_of(forces, before))) == (alone, after)
+
+
+@pytest.mark.parametrize("theory", ["exact", "fastsim"])
+def test_derivatives_have_the_change_of_a_slope_that_falls(wheelset, theory):
+    """By the rate of rotation and by normal forces that shift in the patch, as differences of the forces have them."""
+    slope = {"slope_factor": 0.8, "slope_remaining": 0.3, "slope_rate": 2.0}
+    rolls = ROLLS | slope | {"rolling_theory": theory, "lateral_mm": 2.0, "yaw_mrad": 2.0}
+    found = solved(wheelset, **rolls).equilibrium
+    side, motion = found.state.sides["right"], coarse_case(**rolls).spatial_model().rolling
+    rate = 1e3 * motion.speed_m_s / 460.0
+
+    def forces(normal, share=0.0):
+        creep = WheelsetCreep(motion, rate * (1.0 + share), theory)
+        return creep, creep.of_side("right", side, normal)
+
+    normal, step = side.forces, 1e-4
+    rows, strips = np.nonzero(normal)
+    shape = np.zeros(normal.shape)
+    shape[rows, strips] = 0.5 + (rows - rows.mean()) / np.ptp(rows) - (strips - strips.mean()) / np.ptp(strips)
+    creep, now = forces(normal)
+    slopes = creep.derivatives("right", side, normal, now)
+    for inputs, derivative in (
+        (((normal, share) for share in (-step, step)), slopes.motion[:7, 4] * rate),
+        (((normal * (1.0 + share * shape),) for share in (-step, step)),
+         slopes.shape[:7] @ np.tensordot(slopes.weights, normal * shape, axes=2)),
+    ):  # fmt: skip
+        low, high = (forces(*given)[1].resultant for given in inputs)
+        difference = (high - low) / (2.0 * step)
+        np.testing.assert_allclose(derivative[:3], difference[:3], atol=0.01 * np.abs(difference[:3]).max())

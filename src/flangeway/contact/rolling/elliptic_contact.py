@@ -106,6 +106,14 @@ class EllipticContact:
         steepness = self.slope.initial * float(np.hypot(c.c11 * self.xi, c.c22 * self.lateral))
         return self.slope.factor(np.pi * self.unit * steepness / (4.0 * limit))
 
+    @classmethod
+    def slope_of(cls, contact: RollingContact, motion: Creepages) -> float:
+        """`slope_factor` of a patch; a shift has that of small creepages."""
+        reduction = contact.friction.slope
+        if reduction.remaining == 1.0 or not motion.rolls:
+            return reduction.initial
+        return cls.of(contact, motion).slope_factor
+
     @property
     def lateral(self) -> float:
         """Polach's lateral creepage: with that of the spin at the leading end, where it is larger."""

@@ -23,6 +23,8 @@ STEADY = (1.5, -2.0, 0.5)
 FIRST = (1.0, -1.0)
 """The same for the first step of transient rolling, of first order."""
 MOST_TURNS, MOST_SLOW = 60, 5
+SLOPE_STEP = 1e-7
+"""Difference of creepages for the derivative of `Rolling.slope`."""
 FORCE_ERROR, FINER = 1e-6, 1e-3
 """Error of a prescribed force over the limit of friction, and the finer tolerance of the law of friction for it."""
 FLAT = 1e-9
@@ -147,10 +149,18 @@ def derivatives(found: Rolling) -> Floats:
     places = found.contact.places
     slips = np.array([Creepages(*unit).rigid(*places) for unit in np.eye(3).tolist()])
     # (along, across, moment) by forces (t, z): (0, 1), (1, 0), (-z, s), which are the rigid slips of unit creepages
-    return np.tensordot(adjoint(found, slips)[0], slips, axes=([1, 2, 3], [1, 2, 3]))
+    by_slip, _, by_slope = adjoint(found, slips)
+    motion, lever = found.motion, 1.0 / found.contact.grid.strip
+    slopes = [
+        [np.log(EllipticContact.slope_of(found.contact, replace(motion.moved(*plane), spin=motion.spin + turning)))
+         for *plane, turning in (unit * part * SLOPE_STEP * [1.0, 1.0, lever] for part in (-1.0, 1.0))]
+        for unit in np.eye(3)
+    ]  # fmt: skip
+    reduced = np.diff(slopes, axis=1)[:, 0] / (2.0 * SLOPE_STEP * np.array([1.0, 1.0, lever]))
+    return np.tensordot(by_slip, slips, axes=([1, 2, 3], [1, 2, 3])) + np.outer(by_slope, reduced)
 
 
-def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Floats, Floats]:
+def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Floats, Floats, Floats]:
     """Derivatives of sums of tangential forces times values, by rigid slip and normal forces of the cells.
 
     The law of friction is linearised at the result: cells that stick go on to stick, others to slip.
@@ -166,17 +176,19 @@ def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Fl
 
     Returns
     -------
-    tuple[Floats, Floats]
-        By the rigid slip over the distance rolled (`Creepages.rigid`), (k, n_cells, 2, n_strips), and by the normal
-        forces, (k, n_cells, n_strips).
+    tuple[Floats, Floats, Floats]
+        By the rigid slip over the distance rolled (`Creepages.rigid`), (k, n_cells, 2, n_strips), by the normal forces,
+        (k, n_cells, n_strips), both at the same `Rolling.slope`, and by its logarithm, (k,).
 
     """
     assert found.problem is not None
     assert found.state is not None
     step = _Step(found.contact, found.motion, None, found.contact)
     rows, strips = step.inside
-    by_slip, by_limits = found.problem.adjoint(found.state, step.turned(values)[:, rows, :, strips], tolerance)
-    by_slip *= step.slope(found.motion)
+    wanted = step.turned(values)[:, rows, :, strips]
+    by_slip, by_limits, by_velocity = found.problem.adjoint(found.state, wanted, tolerance)
+    by_slope = np.sum(by_slip * found.problem.rigid, axis=(1, 2, 3)) - by_velocity
+    by_slip *= found.slope
     pressing = step.cells(found.contact.normal_forces)
     by_normal = by_limits * found.state.limits / np.where(pressing > 0.0, pressing, 1.0)
     by_normal = step.outside(np.stack((by_normal, by_normal), axis=2))[:, :, 0]
@@ -185,7 +197,7 @@ def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Fl
         for k, weight in enumerate(step.weights):
             forces[:, rows, :, strips.start + BEYOND + k : strips.stop + BEYOND + k] += weight * by_slip
         by_normal = by_normal + found.contact.raised(step.turned(forces))[..., BEYOND:-BEYOND]
-    return step.distance * step.outside(by_slip), by_normal
+    return step.distance * step.outside(by_slip), by_normal, by_slope
 
 
 @dataclass(frozen=True, eq=False)
@@ -375,10 +387,7 @@ class _Step:
 
     def slope(self, motion: Creepages) -> float:
         """Factor of `Friction.slope`: displacements by friction are those of the bodies over it."""
-        reduction = self.contact.friction.slope
-        if reduction.remaining == 1.0 or not motion.rolls:
-            return reduction.initial
-        return EllipticContact.of(self.contact, motion).slope_factor
+        return EllipticContact.slope_of(self.contact, motion)
 
     def result(self, motion: Creepages, problem: FrictionProblem, state: FrictionState, status: Status) -> Rolling:
         """The record of a state."""

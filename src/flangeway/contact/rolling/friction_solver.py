@@ -257,13 +257,14 @@ class FrictionProblem:
 
         return np.where(self.loaded, _solved(law, near, right, tolerance), 0.0)
 
-    def adjoint(self, state: FrictionState, values: Floats, tolerance: float) -> tuple[Floats, Floats]:
-        """Derivatives of sums of the forces times values, by the rigid slip and by the limits.
+    def adjoint(self, state: FrictionState, values: Floats, tolerance: float) -> tuple[Floats, Floats, Floats]:
+        """Derivatives of sums of the forces times values, by the rigid slip, by the limits, and by the velocity.
 
         - `values`: of k sums, (k, n_cells, 2, n_strips).
         - `tolerance`: residual of the linear equations over their right-hand side.
 
-        Returned: (k, n_cells, 2, n_strips) and (k, n_cells, n_strips).
+        Returned: (k, n_cells, 2, n_strips), (k, n_cells, n_strips) and, by the logarithm of the velocity over the slip,
+        (k,), where limits fall.
         """
         # of df = -J^-1 (D r dg - n dm) and J = 1 - D + D r B with D the matrix of the cells, the transpose;
         # limits that fall, dm = M_f df + M_S dS, add -n M_f - n M_S B to J and -n M_S dg to its right-hand side
@@ -286,8 +287,10 @@ class FrictionProblem:
             return vector + weight * _across(along, inside - across)
 
         solution = _solved(law, near, np.where(self.loaded, values, 0.0), tolerance)
-        by_slip = fallen(solution)[1] - scale * np.where(sticks, solution, ratio * _across(n, solution))
-        return by_slip, np.sum(n * solution, axis=-2) * (self.loaded & ~sticks)[:, 0]
+        falling = fallen(solution)[1] + np.zeros(values.shape)
+        by_slip = falling - scale * np.where(sticks, solution, ratio * _across(n, solution))
+        by_limits = np.sum(n * solution, axis=-2) * (self.loaded & ~sticks)[:, 0]
+        return by_slip, by_limits, np.sum(falling * state.slips, axis=(1, 2, 3))
 
     def _ratio(self, state: FrictionState) -> Floats:
         return np.where(self.loaded & ~state.sticks, state.share, 0.0)

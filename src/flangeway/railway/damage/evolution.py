@@ -284,11 +284,12 @@ class Evolution:
         """Solve all states on worn profiles."""
         deep = any(surface.depth.max() > MAX_COMPLIANCE_WEAR_MM for surface in surfaces.values())
         profiles = {key: surface.worn_body if deep else surface.worn for key, surface in surfaces.items()}
+        if self.collective.is_symmetric:
+            profiles = {(role, side): profiles[role, "right"] for role, side in profiles}
         rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
         damage_rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
         bodies: list[tuple[tuple[Any, ...], dict[Side, SideSurfaces]]] = []
         states, t_gamma, solved = [], 0.0, 0.0
-        weight = 1.0 if self.collective.separate else 0.5
         for number, state in enumerate(self.collective.states, 1):
             share = state.share
             end = self.settings.end
@@ -306,12 +307,12 @@ class Evolution:
             t_gamma += share * sum(each.t_gamma_N for each in states[-1].patches)
             solved += share
             for wear in row_wear(result, dict(self.laws)):
-                key = self.collective.key(wear.role, wear.side)
-                surface, unit = surfaces[key], self._per_unit(wear.role) * share * weight
-                rates[key] += unit * surface.deposited(wear.ends, wear.rates)
                 widths = np.linalg.norm(np.diff(wear.ends, axis=1)[:, 0], axis=1)
                 passes = wear.rates / np.where(wear.areas > 0.0, wear.areas, 1.0) if wear.role == "wheel" else 1.0
-                damage_rates[key] += unit * wear.damage * surface.deposited(wear.ends, widths * passes)
+                for key, part in self.collective.worn_at(wear.role, wear.side).items():
+                    surface, unit = surfaces[key], self._per_unit(wear.role) * share * part
+                    rates[key] += unit * surface.deposited(wear.ends, wear.rates)
+                    damage_rates[key] += unit * wear.damage * surface.deposited(wear.ends, widths * passes)
         if not solved:
             raise InputError(
                 f"no state in equilibrium at {position:.4g} {self.unit}, {states[0].name}: {states[0].message}",

@@ -238,7 +238,8 @@ class WheelsetCreep:
                 changes.append(by_normal)
                 weights.append(weight)
                 continue
-            shapes = shapes_of(newton.grid.grid, normal, patch.inside)
+            grid = newton.grid.grid
+            shapes = shapes_of((grid.stations, grid.z), normal, patch.inside)
             changed = self._changed(side, newton, normal, patch, shapes)
             columns += changed[:, : len(STEPS)]
             changes.append(changed[:, len(STEPS) :])
@@ -268,15 +269,18 @@ class WheelsetCreep:
         right = values[kept, None] * right[kept] * scales
         t, z, turning = left.T[kept].reshape(-1, 3, len(forces), 1).swapaxes(0, 1)
         along = contact.grid.along
-        by_slip, by_normal = adjoint(found, np.stack((t + turning * along, z + 0.0 * along), axis=2), SLOPE_ERROR)
+        values = np.stack((t + turning * along, z + 0.0 * along), axis=2)
+        by_slip, by_normal, by_slope = adjoint(found, values, SLOPE_ERROR)
         slips = np.array([each.rigid(*contact.places) for each in motions])
-        changes = right.T @ np.tensordot(by_slip, slips[1:] - slips[0], axes=([1, 2, 3], [1, 2, 3]))
+        slopes = np.log([EllipticContact.slope_of(contact, each) for each in motions])
+        by_motion = np.tensordot(by_slip, slips[1:] - slips[0], axes=([1, 2, 3], [1, 2, 3]))
+        changes = right.T @ (by_motion + np.outer(by_slope, slopes[1:] - slopes[0]))
         moved = np.array([_resultant(*place, forces, ahead, none) for place in places])
         changes[:N_RESULTANTS] += (moved[1:] - moved[0]).T
         to_rows = np.linalg.pinv(loads)
         spread = np.vstack((np.eye(N_RESULTANTS, len(right.T)), np.hstack((np.zeros((n, N_RESULTANTS)), to_rows))))
         weights = np.zeros((len(by_normal), *newton.forces.shape))
-        weights[:, rows, strips] = by_normal
+        weights[:, rows, strips] = by_normal + by_slope[:, None, None] * _slope_by_normal(contact, motions[0])
         return spread @ (changes / sizes), spread @ right.T, weights
 
     def _moved(
@@ -324,6 +328,21 @@ class WheelsetCreep:
         values = np.column_stack((resultants, lateral))
         steps = np.append(sizes, np.full(len(shapes), SHAPE_STEP))
         return ((values[1:] - values[0]) / steps[:, None]).T
+
+
+def _slope_by_normal(contact: RollingContact, motion: Creepages) -> Floats:
+    """Derivatives of the logarithm of `Rolling.slope` by the normal forces, (n_cells, n_strips).
+
+    It knows only the products of normal forces with the polynomials of `shapes_of`.
+    """
+    normal = contact.normal_forces
+    if contact.friction.slope.remaining == 1.0:
+        return np.zeros(normal.shape)
+    shapes = shapes_of(contact.places, normal, normal > 0.0)
+    parts = (normal, *(normal * (1.0 + SHAPE_STEP * shape) for shape in shapes))
+    ellipses = [EllipticContact.under(contact, motion, each.sum(axis=1), each.sum(axis=0)) for each in parts]
+    now, *then = np.log([each.slope_factor for each in ellipses])
+    return np.tensordot((np.array(then) - now) / SHAPE_STEP, shapes, axes=1) / normal.sum()
 
 
 def _forces_of_rows(
@@ -402,15 +421,15 @@ def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
     return sorted(found, key=lambda inside: -float(normal[inside].sum()))
 
 
-def shapes_of(grid: SideGrid, normal: Floats, inside: Bools) -> Floats:
-    """Polynomials of second order of the places in a patch, orthonormal under its forces, (5, n, n_z).
+def shapes_of(places: tuple[Floats, Floats], normal: Floats, inside: Bools) -> Floats:
+    """Polynomials of second order of the places (n,) and (n_z,) in a patch, orthonormal under its forces, (5, n, n_z).
 
     A theory on an ellipse knows only the products of normal forces with these: force, centre, semi-axes and, where they
     vary across in this way, creepages.
     """
     rows, columns = np.nonzero(inside)
     share = normal[inside] / normal[inside].sum()
-    s, z = (np.divide(each - share @ each, np.ptp(each) or 1.0) for each in (grid.stations[rows], grid.z[columns]))
+    s, z = (np.divide(each - share @ each, np.ptp(each) or 1.0) for each in (places[0][rows], places[1][columns]))
     terms = np.stack((np.ones(len(s)), s, z, s**2, z**2), axis=1)
     _, sizes, turned = np.linalg.svd(np.sqrt(share)[:, None] * terms, full_matrices=False)
     found = np.zeros((N_SHAPES, *inside.shape))
