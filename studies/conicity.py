@@ -6,7 +6,7 @@ import numpy as np
 
 from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
-from studies.study import Curves, Limit, Row, Run, Study, published_rows
+from studies.study import Limit, Row, Run, Study, published_rows
 
 COMBINATIONS: dict[str, tuple[str, str, float]] = {
     "E1": ("A", "A", 0.0), "E2": ("B", "B", 0.0), "E3": ("H", "H", 0.0), "E4": ("I", "I", 0.0),
@@ -72,16 +72,4 @@ def rows(run: Run) -> Iterator[Row]:
         run.curve("conicity", code, "computed", amplitudes, conicity)
 
 
-CONICITY = Study(
-    "conicity",
-    rows,
-    (
-        Curves(
-            "conicity",
-            "Equivalent conicity over the amplitude for ten combinations of reference profiles: the computed curves go "
-            "through the standard's points",
-            "amplitude in mm",
-            "equivalent conicity",
-        ),
-    ),
-)
+CONICITY = Study("conicity", rows)

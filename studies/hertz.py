@@ -18,7 +18,7 @@ from flangeway.exact import LineContact
 from flangeway.post import pressure_patches
 from flangeway.post.pressure import PressurePatch
 from flangeway.types import Floats
-from studies.study import Curves, Row, Run, Study, published_rows
+from studies.study import Row, Run, Study, published_rows
 
 CODES = ("FDO1", "VVO1", "FDO2", "VVO2", "VDO2", "HEO2")
 """Method, cells and order: finite, virtual, hybrid; Delaunay, Voronoi, edge-refined (Table 8)."""
@@ -176,16 +176,4 @@ def _rows(run: Run, code: str, level: int, variant: str) -> Iterator[Row]:
         yield Row("Hertz", name, quantity, unit, value, published, limit if level >= FINE else None)
 
 
-HERTZ = Study(
-    "hertz",
-    rows,
-    (
-        Curves(
-            "pressures",
-            "Pressures of elements of order 2 on M3 beside Hertz's curve: node-to-segment contact oscillates, "
-            "segment-to-segment contact lies on the curve",
-            "x in cm, undeformed",
-            "pressure in kN/cm²",
-        ),
-    ),
-)
+HERTZ = Study("hertz", rows)

@@ -1,7 +1,5 @@
 """Cases of chains and rings of bodies with friction: statics, rolling, Lamé's pressure, files, and bad inputs."""
 
-from pathlib import Path
-
 import meshio
 import numpy as np
 import pytest
@@ -11,13 +9,11 @@ from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.errors import InputError
 from flangeway.report.case_outputs import write_case
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-
 
 def coarse(name: str, n_bodies: int, fine_mm: float) -> dict[str, float]:
     """Sizes of the bodies of an example that are twice as large, and those where they are finer."""
     sizes = {f"bodies.{number}.size_mm": 8.0 for number in range(1, n_bodies + 1)}
-    values = load_case(EXAMPLES / f"{name}.toml").model_dump()["bodies"]
+    values = load_case(name).model_dump()["bodies"]
     for number, body in enumerate(values, 1):
         sizes |= {f"bodies.{number}.fine.{n}.size_mm": fine_mm for n in range(1, len(body["fine"]) + 1)}
     return sizes
@@ -27,7 +23,7 @@ def coarse(name: str, n_bodies: int, fine_mm: float) -> dict[str, float]:
 def test_a_stack_slides_where_friction_is_least(enforcement: str) -> None:
     """The push is carried through; the limit of the lower interface is the shifting force; work is force times slip."""
     changes = {f"contacts.{number}.enforcement": enforcement for number in (1, 2)} | coarse("stack", 3, 8.0)
-    run = load_case(EXAMPLES / "stack.toml", **changes).run()
+    run = load_case("stack", **changes).run()
     assert run.status.converged, run.status.message
     lower, upper = run.summary["friction"]
     assert lower["tangential_force_N"] == pytest.approx(0.2 * 20e3, rel=1e-3)
@@ -40,7 +36,7 @@ def test_a_stack_slides_where_friction_is_least(enforcement: str) -> None:
 
 def test_a_roller_rolls_by_half_of_the_way(tmp_path) -> None:
     """Its middle moves by half of the plate's shift and turns by that over its radius; files have the tractions."""
-    run = load_case(EXAMPLES / "roller-between-plates.toml", **coarse("roller-between-plates", 3, 0.12)).run()
+    run = load_case("roller-between-plates", **coarse("roller-between-plates", 3, 0.12)).run()
     assert run.status.converged, run.status.message
     placement = run.bodies["roller"].placement
     assert placement.points([(0.0, 20.0)])[0, 0] == pytest.approx(0.25, rel=0.01)
@@ -63,7 +59,7 @@ def test_rollers_of_a_bearing_share_the_load() -> None:
     """Without interference the two lower rollers carry the force each, by statics; with it all three carry."""
     sizes = coarse("bearing-ring", 5, 0.25)
     fitting = {f"bodies.roller-{n}.disc.radius_mm": 8.0 for n in (1, 2, 3)}
-    loose, tight = (load_case(EXAMPLES / "bearing-ring.toml", **sizes, **more).run() for more in (fitting, {}))
+    loose, tight = (load_case("bearing-ring", **sizes, **more).run() for more in (fitting, {}))
     for run in (loose, tight):
         assert run.status.converged, run.status.message
     for number in (2, 4):
@@ -80,7 +76,7 @@ def test_a_shrink_fit_has_lames_pressure(friction: float) -> None:
     hub, shaft = (rim**2 + fit**2) / (rim**2 - fit**2) + ratio, (fit**2 + bore**2) / (fit**2 - bore**2) - ratio
     lame = modulus * 0.02 / (fit * (hub + shaft))
     run, bare = (
-        load_case(EXAMPLES / "shrink-fit.toml", **{"contacts.1.friction": friction}, **more).run()
+        load_case("shrink-fit", **{"contacts.1.friction": friction}, **more).run()
         for more in ({}, {"contacts.1.interference": False})
     )
     assert run.status.converged, run.status.message
@@ -95,11 +91,11 @@ def test_a_shrink_fit_has_lames_pressure(friction: float) -> None:
 def test_a_barrier_of_a_case_is_that_of_multipliers_with_a_gap() -> None:
     """The pressure of a shrink fit by a small barrier is nearly that of multipliers."""
     barrier = {"contacts.1.enforcement": "barrier", "contacts.1.barrier_N_per_mm": 1e-3}
-    run = load_case(EXAMPLES / "shrink-fit.toml", **barrier, **{"contacts.1.barrier_reach_mm": 0.01}).run()
+    run = load_case("shrink-fit", **barrier, **{"contacts.1.barrier_reach_mm": 0.01}).run()
     assert run.status.converged, run.status.message
     assert run.summary["contacts"][0]["max_pressure_MPa"] == pytest.approx(60.6, rel=0.02)
     with pytest.raises(InputError, match="a barrier without"):
-        load_case(EXAMPLES / "shrink-fit.toml", **barrier).check()
+        load_case("shrink-fit", **barrier).check()
 
 
 @pytest.mark.parametrize(
@@ -111,6 +107,6 @@ def test_a_barrier_of_a_case_is_that_of_multipliers_with_a_gap() -> None:
 )
 def test_what_friction_and_floating_bodies_do_not_go_with_is_refused(change, message) -> None:
     """Late pushes, and motions of bodies without supports."""
-    values = load_case(EXAMPLES / "stack.toml").model_dump()
+    values = load_case("stack").model_dump()
     with pytest.raises(InputError, match=message):
         TwoBodiesCase.from_values({**values, **change}).check()

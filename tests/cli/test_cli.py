@@ -14,7 +14,8 @@ import pytest
 import typer
 
 from flangeway import cli
-from flangeway.cases import CASES, WheelsetTangentCase
+from flangeway.cases import CASES, WheelsetTangentCase, load_case
+from flangeway.cases.case_file import CASE_FILES, file_title
 
 MAIN = "from flangeway.cli import main; main()"
 
@@ -130,7 +131,7 @@ def test_cases_are_listed_with_their_inputs(call):
     """The list has a line for each case; the name of one gives all its inputs."""
     status, said, _ = call("cases")
     assert status == 0
-    assert [line.split()[0] for line in said.splitlines()[:-1]] == [*CASES]
+    assert [line.split()[0] for line in said.splitlines()[:-1]] == [*CASES, *CASE_FILES]
     status, said, _ = call("cases", "wheelset-tangent")
     assert status == 0
     assert all(key in said for key in WheelsetTangentCase.model_fields)
@@ -206,3 +207,13 @@ def test_names_are_completed(typed, completed):
         | {"_FLANGEWAY_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))},
     )  # fmt: skip
     assert done.stdout.split() == completed.split()
+
+
+@pytest.mark.parametrize("name", CASE_FILES)
+def test_a_bundled_case_file_is_listed_and_written(name, call, tmp_path):
+    """`cases` has the first line of each bundled file, and what `init` writes is the case of its name."""
+    _, out, _ = call("cases")
+    assert any(line.split()[0] == name and line.endswith(file_title(name)) for line in out.splitlines())
+    status, _, err = call("init", name, "--to", "mine.toml")
+    assert status == 0, err
+    assert load_case(tmp_path / "mine.toml") == load_case(name)

@@ -4,7 +4,6 @@ import csv
 import re
 from dataclasses import replace
 from decimal import Decimal
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,7 +29,7 @@ INPUTS = {
         "patch_cells": 10,
     },
     "wheelset-tangent": {"size_scale": 8.0},
-    str(Path(__file__).parents[2] / "examples" / "stack.toml"): {},
+    "stack": {},
     "crane-wheel": {},
     "rolling-patch": {"cells_along": 10, "cells_across": 10, "curve_points": 3},
     "torsion": {"size": 40.0, "order": 1},

@@ -10,7 +10,7 @@ from typing import Any
 
 from flangeway.campaign.varying import VALUES_ALLOWED, flattened, grid, read_table, refuse_too_many, values_of
 from flangeway.cases.case import RunnableCase, Table, closest
-from flangeway.cases.case_file import FILE_KEYS, is_case_file, read_case
+from flangeway.cases.case_file import CASE_FILES, FILE_KEYS, is_case_file, read_case
 from flangeway.cases.case_identity import bodies_key, case_content, hash_of
 from flangeway.errors import InputError, short
 from flangeway.system.file_content import is_file
@@ -222,7 +222,7 @@ class _CampaignText(TomlFile):
 
     def _case_name(self) -> str:
         name = str(self.data["case"])
-        if is_case_file(name) or is_case_file(self.file.parent / name):
+        if name not in CASE_FILES and (is_case_file(name) or is_case_file(self.file.parent / name)):
             name = str((self.file.parent / name).resolve())
         try:
             read_case(name)

@@ -32,6 +32,9 @@ CASES: dict[str, type[RunnableCase]] = {
 }
 """Types of the cases by name."""
 
+CASE_FILES = {file.stem: file for file in sorted((Path(__file__).parent / "files").glob("*.toml"))}
+"""Case files that are distributed with the program, by name; cases of bodies with all their tables."""
+
 FORMAT = 1  # number of the format that this version writes; files of lower numbers are read, higher ones refused
 ENDING = ".toml"
 
@@ -51,15 +54,23 @@ def find_case(name: str) -> type[RunnableCase]:
         If there is none; the message lists those there are and names the nearest.
 
     """
+    if name in CASE_FILES:
+        return _text_of(name).case()[0]
     if name not in CASES:
-        raise InputError(f"there is no case called {name!r}", f"one of: {', '.join(CASES)}", closest(name, list(CASES)))
+        names = [*CASES, *CASE_FILES]
+        raise InputError(f"there is no case called {name!r}", f"one of: {', '.join(names)}", closest(name, names))
     return CASES[name]
 
 
+def file_title(name: str) -> str:
+    """Title of a case file that is distributed with the program: its first line."""
+    return CASE_FILES[name].read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+
+
 def is_case_file(name: str | Path) -> bool:
-    """Whether a name means a case file, not a case."""
+    """Whether a name means a case file, one that is distributed with the program too, not a case."""
     path = Path(name)
-    return path.suffix.lower() in (ENDING, *PROFILE_ENDINGS, *MESH_ENDINGS) or is_file(path)
+    return str(name) in CASE_FILES or path.suffix.lower() in (ENDING, *PROFILE_ENDINGS, *MESH_ENDINGS) or is_file(path)
 
 
 def load_case(name_or_file: str | Path, **settings: Any) -> RunnableCase:
@@ -91,8 +102,7 @@ def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = Non
     given = dict(settings or {})
     if not is_case_file(name_or_file):
         return _by_name(str(name_or_file), given)
-    _refuse_other_file(Path(name_or_file))
-    text = CaseText.read(Path(name_or_file))
+    text = _text_of(name_or_file)
     case, values = text.case()
     inputs = _set(_with_tables(case, text.resolved(values), given), given)
     replaced = {key.partition(".")[0] for key in given}
@@ -116,6 +126,13 @@ def _by_name(name: str, settings: Mapping[str, Any]) -> RunnableCase:
     return case.from_values(values)
 
 
+def _text_of(name: str | Path) -> "CaseText":
+    """Text of a case file, or of a bundled one by its name; meshes, outlines and profiles are inputs and refused."""
+    file = CASE_FILES.get(str(name), Path(name))
+    _refuse_other_file(file)
+    return CaseText.read(file)
+
+
 def _refuse_other_file(file: Path) -> None:
     """Refuse meshes, outlines and profiles, which are inputs of a case and no case themselves."""
     ending = file.suffix.lower()
@@ -132,7 +149,7 @@ def _refuse_other_file(file: Path) -> None:
 
 def check_case(case: RunnableCase, file: str | Path | None = None) -> None:
     """Raise `InputError` for what is wrong beyond single values; the message names the file, if one is given."""
-    with case.errors_as_written(lambda given: "" if file is None else CaseText.read(Path(file)).place(_key_in(given))):
+    with case.errors_as_written(lambda given: "" if file is None else _text_of(file).place(_key_in(given))):
         case.check()
 
 

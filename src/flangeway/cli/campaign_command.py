@@ -17,6 +17,7 @@ from flangeway.cli.common import (
     command_typed,
     complain,
     completion,
+    results_folder,
     show_progress,
     shows_results,
 )
@@ -30,7 +31,7 @@ CampaignFile = Annotated[
 ]
 WorkersOption = Annotated[
     int | None,
-    typer.Option("--workers", metavar="N", help="Processes here; as many as cores if left out.", show_default=False),
+    typer.Option("--workers", metavar="N", help="Processes here; as many as cores if left out."),
 ]
 Scheduler = Annotated[
     str | None,
@@ -69,7 +70,6 @@ def campaign(
     from flangeway.report.campaign.campaign_outputs import (  # noqa: PLC0415
         DATABASE,
         campaign_record,
-        check_campaign_folder,
         write_export,
     )
 
@@ -77,8 +77,7 @@ def campaign(
         refuse_format(export)
     wanted = Campaign.from_file(file, units=show.units)
     show.units = wanted.units
-    folder = out or Path("out", file.stem)
-    check_campaign_folder(folder)
+    folder = results_folder(out, file.stem)
     database = folder / DATABASE
     had_all = not fresh and database.is_file() and results(database).is_done
     begun = time.perf_counter()

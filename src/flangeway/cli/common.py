@@ -58,19 +58,15 @@ def choices(*words: str) -> dict[str, Any]:
 
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False, parser=path_given),
+    typer.Option("--out", metavar="DIR", help="Folder for the results.", parser=path_given),
 ]
 Unit = Annotated[
     str | None,
-    typer.Option(
-        "--unit", help="Unit of a file that names none.", show_default=False, **choices("mm", "cm", "m", "in", "ft")
-    ),
+    typer.Option("--unit", help="Unit of a file that names none.", **choices("mm", "cm", "m", "in", "ft")),
 ]
 Units = Annotated[
     str | None,
-    typer.Option(
-        "--units", help="Units of tables, tiles, pictures and CSV files.", show_default=False, **choices("metric", "us")
-    ),
+    typer.Option("--units", help="Units of tables, tiles, pictures and CSV files.", **choices("metric", "us")),
 ]
 
 
@@ -82,11 +78,20 @@ def units_given(name: str | None) -> "UnitSystem | None":
     raise InputError(f"--units {name}", "metric or us", "choose one of these")
 
 
+def results_folder(out: Path | None, name: str) -> Path:
+    """Return the folder for results, ``out/NAME`` if none is given; an `InputError` if they cannot be written there."""
+    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+
+    folder = out or Path("out", name)
+    refuse_unwritable(folder)
+    return folder
+
+
 def case_names() -> list[str]:
     """Names of all cases."""
-    from flangeway.cases import CASES  # noqa: PLC0415
+    from flangeway.cases.case_file import CASE_FILES, CASES  # noqa: PLC0415
 
-    return [*CASES]
+    return [*CASES, *CASE_FILES]
 
 
 def geometry_names() -> list[str]:
@@ -116,12 +121,12 @@ def complete_setting(ctx: typer.Context, incomplete: str) -> list[str]:
 
     Bash hands over what is behind the sign alone unless its ``COMP_WORDBREAKS`` lacks it.
     """
-    from flangeway.cases import CASES  # noqa: PLC0415
+    from flangeway.cases import CASES, find_case  # noqa: PLC0415
     from flangeway.cases.rigid.rigid_case import GeometryCase  # noqa: PLC0415
 
     # the parser has given up at a --set without a value, so that ctx lacks the case; bash and other shells name it here
     typed = f"{os.environ.get('COMP_WORDS', '')} {os.environ.get('_TYPER_COMPLETE_ARGS', '')}".split()
-    named: list[type[Case]] = [CASES[word] for word in typed if word in CASES]
+    named: list[type[Case]] = [find_case(word) for word in typed if word in case_names()]
     if ctx.info_name == "geometry":
         named = [GeometryCase]
     elif ctx.info_name == "creep-table":

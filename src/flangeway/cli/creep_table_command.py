@@ -14,6 +14,7 @@ from flangeway.cli.common import (
     complain,
     complete_setting,
     completion,
+    results_folder,
     settings_of,
     shows_results,
 )
@@ -46,7 +47,7 @@ Tolerance = Annotated[
 ]
 TableWorkers = Annotated[
     int | None,
-    typer.Option("--workers", metavar="N", help="Processes; as many as cores if left out.", show_default=False),
+    typer.Option("--workers", metavar="N", help="Processes; as many as cores if left out."),
 ]
 WithFmu = Annotated[bool, typer.Option("--fmu", help="Write FMUs too (FMI 2 and 3); needs a C compiler.")]
 
@@ -71,8 +72,7 @@ def creep_table(
     """Tabulate creep forces for multibody programs: npz, CSV, FMU, errors and report (out/creep-table-CASE)."""
     from flangeway.cases.case_file import read_case  # noqa: PLC0415
     from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase  # noqa: PLC0415
-    from flangeway.report.rolling.creep_table_page import ALL_NAMES, creep_table_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.rolling.creep_table_page import creep_table_record  # noqa: PLC0415
     from flangeway.tables.fmu import refuse_without_compiler  # noqa: PLC0415
     from flangeway.tables.table_build import TableRequest, make_table  # noqa: PLC0415
     from flangeway.tables.table_outputs import table_writers  # noqa: PLC0415
@@ -84,8 +84,7 @@ def creep_table(
     request = TableRequest(wanted, *axes, tolerance)
     if fmu:
         refuse_without_compiler()
-    folder = out or Path("out", f"creep-table-{Path(case).stem}")
-    refuse_unwritable(folder, ALL_NAMES)
+    folder = results_folder(out, f"creep-table-{Path(case).stem}")
     try:
         with show.progress() as progress:
             table = make_table(request, workers=workers, progress=progress)

@@ -9,7 +9,16 @@ import typer
 
 from flangeway.cli.app import app
 from flangeway.cli.campaign_command import Fresh
-from flangeway.cli.common import INTERRUPTED, Out, Show, command_typed, complain, completion, shows_results
+from flangeway.cli.common import (
+    INTERRUPTED,
+    Out,
+    Show,
+    command_typed,
+    complain,
+    completion,
+    results_folder,
+    shows_results,
+)
 
 STEPS_FILE = "damage.sqlite"
 InputsFile = Annotated[
@@ -29,13 +38,11 @@ def damage(file: InputsFile, out: Out = None, fresh: Fresh = False, *, show: Sho
     from flangeway.cases.damage.damage_file import DamageFile  # noqa: PLC0415
     from flangeway.report.damage.damage_record import damage_record  # noqa: PLC0415
     from flangeway.report.damage.strategies_record import strategies_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
     strategies = DamageFile.read(file).strategies()
-    folder, units, runs = out or Path("out", file.stem), show.units or "metric", {}
+    folder, units, runs = results_folder(out, file.stem), show.units or "metric", {}
     for name, inputs in strategies.items():
-        into = folder / name if len(strategies) > 1 else folder
-        refuse_unwritable(into, (STEPS_FILE,))
+        into = results_folder(folder / name if len(strategies) > 1 else folder, name)
         store = into / STEPS_FILE
         if fresh:
             store.unlink(missing_ok=True)

@@ -16,7 +16,6 @@ Files = Annotated[
     typer.Argument(
         metavar="[WHEEL] [RAIL]",
         help="Files of measured profiles to begin with.",
-        show_default=False,
         autocompletion=completion(list, *PROFILE_FILES),
     ),
 ]

@@ -8,7 +8,17 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import INTERRUPTED, Out, Show, complain, completion, path_given, shows_results, stdout
+from flangeway.cli.common import (
+    INTERRUPTED,
+    Out,
+    Show,
+    complain,
+    completion,
+    path_given,
+    results_folder,
+    shows_results,
+    stdout,
+)
 from flangeway.errors import InputError
 
 NAMES = (
@@ -34,7 +44,6 @@ Page = Annotated[
         "--page",
         metavar="FILE.md",
         help="Write what is computed as a page of validation, with all its numbers in FILE.csv.",
-        show_default=False,
         parser=path_given,
     ),
 ]
@@ -54,10 +63,10 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
     names = [*STUDIES, ALL]
     if name not in names:
         raise InputError(f"a reproduction called {name!r}", f"one of: {', '.join(names)}", closest(name, names))
-    folder = out or Path("out", "reproduce")
+    folder = results_folder(out, "reproduce")
     wanted = list(STUDIES.values()) if name == ALL else [STUDIES[name]]
     for study in wanted:
-        refuse_unwritable(folder / study.name, study.files)
+        results_folder(folder / study.name, study.name)
     if page is not None:
         refuse_unwritable(page.parent, (page.name, page.with_suffix(".csv").name))
     options = " --quick" * quick

@@ -20,6 +20,7 @@ from flangeway.cli.common import (
     errors_as_exit_status,
     path_given,
     progress_shown,
+    results_folder,
     settings_of,
     shows_results,
     stdout,
@@ -56,20 +57,17 @@ NewName = Annotated[
 ]
 To = Annotated[
     Path | None,
-    typer.Option(
-        "--to", metavar="FILE", help="The file; NAME.toml if left out.", show_default=False, parser=path_given
-    ),
+    typer.Option("--to", metavar="FILE", help="The file; NAME.toml if left out.", parser=path_given),
 ]
 SchemaTo = Annotated[
     Path | None,
-    typer.Option("--to", metavar="FILE", help="Write it to this file.", show_default=False, parser=path_given),
+    typer.Option("--to", metavar="FILE", help="Write it to this file.", parser=path_given),
 ]
 ListedName = Annotated[
     str | None,
     typer.Argument(
         metavar="[CASE]",
         help="The one to explain; all if left out.",
-        show_default=False,
         autocompletion=completion(case_names),
     ),
 ]
@@ -79,7 +77,7 @@ Method = Annotated[
 ]
 CaseOrder = Annotated[
     str | None,
-    typer.Option("--order", help="Order of the elements of a case.", show_default=False, **choices("1", "2")),
+    typer.Option("--order", help="Order of the elements of a case.", **choices("1", "2")),
 ]
 SizeScale = Annotated[
     str | None, typer.Option("--size-scale", metavar="NUMBER", help="Factor on all element sizes; 0.5 halves them.")
@@ -133,11 +131,9 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
 @_command_on_a_case
 def run(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
     """Run a case or a case file: results here; report, JSON, pictures and ParaView files in a folder (out/CASE)."""
-    from flangeway.report.case_outputs import case_files, case_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.case_outputs import case_record  # noqa: PLC0415
 
-    folder = out or Path("out", Path(name).stem)
-    refuse_unwritable(folder, case_files(case))
+    folder = results_folder(out, Path(name).stem)
     with show.progress() as progress:
         done = case.run(progress)
     return show.record(case_record(done), folder)
@@ -147,12 +143,10 @@ def run(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
 def converge(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
     """Run a case with its sizes of elements and cells and with half of them, and compare (out/CASE-converge)."""
     from flangeway.cases import run_halved  # noqa: PLC0415
-    from flangeway.report.page.halved_page import NAMES, convergence_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.page.halved_page import convergence_record  # noqa: PLC0415
 
     stem = Path(name).stem
-    folder = out or Path("out", f"{stem}-converge")
-    refuse_unwritable(folder, NAMES)
+    folder = results_folder(out, f"{stem}-converge")
     with show.progress() as progress:
         found = run_halved(case, progress)
     return show.record(convergence_record(stem, found, command_typed()), folder)
@@ -166,16 +160,23 @@ def cases(case: ListedName = None, units: Units = None) -> None:
 
         from flangeway.cases import CASES, find_case  # noqa: PLC0415
         from flangeway.cases.case import grouped  # noqa: PLC0415
+        from flangeway.cases.case_file import CASE_FILES, file_title  # noqa: PLC0415
 
         console = stdout()
         if case is None:
-            width = max(map(len, CASES)) + 1
-            for kind in CASES.values():
-                console.print(f"{kind.name:{width}}{kind.title}", markup=False, soft_wrap=True)
+            titles = {kind.name: kind.title for kind in CASES.values()} | {
+                name: file_title(name) for name in CASE_FILES
+            }
+            width = max(map(len, titles)) + 1
+            for name, title in titles.items():
+                console.print(f"{name:{width}}{title}", markup=False, soft_wrap=True)
             console.print("`flangeway cases NAME` lists the inputs of one of them.", markup=False)
             return
         kind = find_case(case)
         system = units_given(units) or "metric"
+        if case in CASE_FILES:
+            note = f"a case file of {kind.name}, `flangeway init {case}` writes it"
+            console.print(f"{case}: {file_title(case)}; {note}", markup=False, soft_wrap=True)
         console.print(f"{kind.name}: {kind.title}", style="bold", markup=False)
         for path, rows in kind.tables_of_inputs(system):
             for caption, members in {path: rows}.items() if path else grouped(rows).items():
@@ -192,9 +193,20 @@ def init(name: NewName, to: To = None, units: Units = None) -> None:
     """Write a case file to begin with: every key with its meaning, unit, range and default."""
     with errors_as_exit_status():
         from flangeway.cases import find_case, write_template  # noqa: PLC0415
+        from flangeway.cases.case_file import CASE_FILES  # noqa: PLC0415
         from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
 
-        text = write_template(find_case(name), units_given(units) or "metric")
+        system = units_given(units) or "metric"
+        if name in CASE_FILES:
+            if system == "us":
+                raise InputError(
+                    f"--units us with {name}, a file with metric keys",
+                    "--units us with the cases of `flangeway cases` that are no files",
+                    f"leave it out; `flangeway run {name} --units us` shows results in US units",
+                )
+            text = CASE_FILES[name].read_text(encoding="utf-8")
+        else:
+            text = write_template(find_case(name), system)
         file = to or Path(f"{name}.toml")
         if os.path.lexists(file):
             raise InputError(

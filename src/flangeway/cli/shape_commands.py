@@ -18,6 +18,7 @@ from flangeway.cli.common import (
     geometry_names,
     path_given,
     profile_names,
+    results_folder,
     section_names,
     settings_of,
     shows_results,
@@ -91,15 +92,11 @@ def geometry(
     from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case  # noqa: PLC0415
     from flangeway.cases.rigid.rigid_run import run_geometry  # noqa: PLC0415
     from flangeway.report.rigid.rigid_outputs import (  # noqa: PLC0415
-        BATCH_NAMES,
-        NAMES,
         geometries_record,
         geometry_record,
     )
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
     name = file.stem if is_toml else case
-    folder = out or Path("out", f"geometry-{name}")
     found = []
     for pair in product(*([(key, e) for e in given] for key, given in (("wheel", wheel), ("rail", rail)) if given)):
         values = settings | dict(pair) | ({"units": show.units} if show.units else {})
@@ -109,7 +106,7 @@ def geometry(
         show.units = show.units or inputs.units
         found.append((inputs, notices))
     many = len(found) > 1
-    refuse_unwritable(folder, BATCH_NAMES if many else NAMES)
+    folder = results_folder(out, f"geometry-{name}")
     runs = []
     with show.progress() as progress:
         for inputs, notices in found:
@@ -123,13 +120,11 @@ def geometry(
 def _conicity(file: Path, settings: dict[str, Any], out: Path | None, show: Show) -> bool:
     """Conicity of a rolling radius difference from a file."""
     from flangeway.cases.rigid.rigid_run import run_conicity  # noqa: PLC0415
-    from flangeway.report.rigid.rigid_outputs import CONICITY_NAMES, conicity_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.rigid.rigid_outputs import conicity_record  # noqa: PLC0415
 
     with show.progress():
         done = run_conicity(file, settings)
-    folder = out or Path("out", f"geometry-{file.stem}")
-    refuse_unwritable(folder, CONICITY_NAMES)
+    folder = results_folder(out, f"geometry-{file.stem}")
     return show.record(conicity_record(done, command_typed(), show.units or "metric"), folder)
 
 
@@ -143,7 +138,7 @@ SectionName = Annotated[
 ]
 SectionSize = Annotated[
     float | None,
-    typer.Option("--size", metavar="LENGTH", help="Element size in the outline's unit.", show_default=False),
+    typer.Option("--size", metavar="LENGTH", help="Element size in the outline's unit."),
 ]
 SectionOrder = Annotated[int, typer.Option("--order", metavar="K", help="Order of the elements.")]
 SectionMethod = Annotated[
@@ -151,9 +146,7 @@ SectionMethod = Annotated[
 ]
 SectionPoisson = Annotated[
     float | None,
-    typer.Option(
-        "--poisson", metavar="NU", help="Poisson's ratio for the shear centre; 0 if left out.", show_default=False
-    ),
+    typer.Option("--poisson", metavar="NU", help="Poisson's ratio for the shear centre; 0 if left out."),
 ]
 SectionMirror = Annotated[bool, typer.Option("--mirror", help="The CSV file contains one half, up to x = 0.")]
 
@@ -179,15 +172,12 @@ def section(
         run_section,
     )
     from flangeway.report.page.case_text import section_command  # noqa: PLC0415
-    from flangeway.report.page.record import REPORT  # noqa: PLC0415
-    from flangeway.report.section.section_page import NAMES, SUMMARY, section_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.section.section_page import section_record  # noqa: PLC0415
 
     drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
     inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
     case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson, "units": show.units or "metric"})
-    folder = out or Path("out", f"section-{Path(name_or_file).stem}")
-    refuse_unwritable(folder, (*NAMES, REPORT, SUMMARY))
+    folder = results_folder(out, f"section-{Path(name_or_file).stem}")
     with show.progress() as progress:
         done = run_section(drawn, case, progress)
     show.record(section_record(done, case, command=section_command(case)), folder)
@@ -205,14 +195,13 @@ ProfileNames = Annotated[
 ]
 ProfileKind = Annotated[
     str | None,
-    typer.Option("--kind", help="Kind of profile in the file.", show_default=False, **choices("rail", "wheel")),
+    typer.Option("--kind", help="Kind of profile in the file.", **choices("rail", "wheel")),
 ]
 ProfileMirror = Annotated[
     bool | None,
     typer.Option(
         "--mirror/--no-mirror",
         help="Reverse the first coordinate: a left-hand rail; left out: if its field side is worn more.",
-        show_default=False,
     ),
 ]
 ProfileFlip = Annotated[bool, typer.Option("--flip", help="Reverse the second coordinate.")]
@@ -221,23 +210,20 @@ ProfileOrigin = Annotated[
     typer.Option(
         "--origin",
         help="Position of the file's (0, 0); or X,Y, the position of a rail's top or a wheel's tread in the file.",
-        show_default=False,
         **choices("top", "base", "gauge", "tape", "flange-back", "X,Y"),
     ),
 ]
 ProfileTape = Annotated[
     float | None,
-    typer.Option("--tape", metavar="MM", help="From the flange's back to the tape line; 70.", show_default=False),
+    typer.Option("--tape", metavar="MM", help="From the flange's back to the tape line; 70."),
 ]
 ProfileSmooth = Annotated[
     float | None,
-    typer.Option(
-        "--smooth", metavar="MM", help="Wavelength to smooth by; 0 for none, 5 for noisy points.", show_default=False
-    ),
+    typer.Option("--smooth", metavar="MM", help="Wavelength to smooth by; 0 for none, 5 for noisy points."),
 ]
 ProfileLimit = Annotated[
     float | None,
-    typer.Option("--limit", metavar="UM", help="Maximum displacement of a point by smoothing.", show_default=False),
+    typer.Option("--limit", metavar="UM", help="Maximum displacement of a point by smoothing."),
 ]
 ProfileJoin = Annotated[
     str | None,
@@ -245,15 +231,12 @@ ProfileJoin = Annotated[
         "--join",
         metavar="NAME",
         help="Bundled rail or wheel that gives the body.",
-        show_default=False,
         autocompletion=completion(profile_names),
     ),
 ]
 ProfilePosition = Annotated[
     float | None,
-    typer.Option(
-        "--position", metavar="X", help="Section of a .slcs file in mm, of a .slcw file in degrees.", show_default=False
-    ),
+    typer.Option("--position", metavar="X", help="Section of a .slcs file in mm, of a .slcw file in degrees."),
 ]
 ProfileTo = Annotated[
     Path | None,
@@ -261,7 +244,6 @@ ProfileTo = Annotated[
         "--to",
         metavar="FILE",
         help="Write it in the format of this file's ending.",
-        show_default=False,
         parser=path_given,
     ),
 ]
@@ -290,25 +272,23 @@ def profile(
     from flangeway.cases.profile.profile_run import run_profiles  # noqa: PLC0415
     from flangeway.railway.profiles.profile_file import ReadOptions  # noqa: PLC0415
     from flangeway.report.profile.profile_outputs import (  # noqa: PLC0415
-        BATCH_NAMES,
-        check_profile_folder,
+        checked_conversion,
         profile_record,
         profiles_record,
     )
-    from flangeway.system.output_folder import refuse_unwritable, text_writer, write_together  # noqa: PLC0415
+    from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
 
     options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, position)
     with show.progress():
         runs = run_profiles(names, options, join)
-    folder = out or Path("out", f"profile-{Path(names[0]).stem}" if len(names) == 1 else "profiles")
+    folder = results_folder(out, f"profile-{Path(names[0]).stem}" if len(names) == 1 else "profiles")
     if len(runs) > 1:
         if to is not None:
             raise InputError(f"--to {to} for {len(runs)} profiles", "one profile", "convert them one by one")
-        refuse_unwritable(folder, BATCH_NAMES)
         show.record(profiles_record(runs, command_typed(), show.units or "metric"), folder)
         return True
     (done,) = runs
-    conversion = check_profile_folder(done, folder, to)
+    conversion = checked_conversion(done, to)
 
     def convert() -> list[Path]:
         return [] if to is None else write_together(to.parent, {to.name: text_writer(conversion)})
@@ -326,7 +306,6 @@ ProfilePartner = Annotated[
         "--partner",
         metavar="NAME",
         help="Bundled rail for the wheels, or wheel for the rails; 60E1 or S1002, of American bodies 136RE or AAR-1B",
-        show_default=False,
         autocompletion=completion(profile_names),
     ),
 ]
@@ -337,12 +316,10 @@ ProfilePartner = Annotated[
 def profiles(folder: ProfileFolderName, partner: ProfilePartner = None, out: Out = None, *, show: Show) -> bool:
     """Wear, gauge measures and conicity of all profiles in a folder, the most worn first (out/profiles-FOLDER)."""
     from flangeway.cases.profile.profile_folder import run_folder  # noqa: PLC0415
-    from flangeway.report.profile.profile_outputs import BATCH_NAMES, folder_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.profile.profile_outputs import folder_record  # noqa: PLC0415
 
     name = folder.resolve().name
-    target = out or Path("out", f"profiles-{name}")
-    refuse_unwritable(target, BATCH_NAMES)
+    target = results_folder(out, f"profiles-{name}")
     with show.progress() as progress:
         done = run_folder(folder, partner, progress)
     return show.record(folder_record(done, name, command_typed(), show.units or "metric"), target)

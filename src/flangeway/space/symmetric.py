@@ -34,7 +34,10 @@ class SymmetricMatrix:
 
     def full(self) -> sp.csr_array:
         """Both triangles, as a SciPy array."""
-        return sp.csr_array(self.lower + sp.tril(self.lower, -1).T)
+        column = np.repeat(np.arange(self.n), np.diff(self.indptr))
+        values = np.where(self.indices == column, 0.5 * self.values, self.values)
+        half = sp.csc_array((values, self.indices, self.indptr), shape=(self.n, self.n))
+        return sp.csr_array(half.T + half)
 
     @property
     def _keys(self) -> NDArray[np.int64]:
@@ -97,8 +100,8 @@ class SymmetricMatrix:
 
     @classmethod
     def from_full(cls, matrix: sp.sparray) -> "SymmetricMatrix":
-        """Take the lower triangle of a symmetric SciPy array."""
-        columns = sp.csc_array(matrix)
+        """Take the lower triangle of a symmetric SciPy array, whose rows are its columns."""
+        columns = matrix if matrix.format == "csc" else sp.csr_array(matrix).T
         if not columns.has_canonical_format:  # the caller's matrix stays as it is
             columns = columns.copy()
             columns.sum_duplicates()  # which sorts the rows too

@@ -15,7 +15,6 @@ from flangeway.tables.fmu import NAME, Fmi, write_fmu
 
 TABLE, PATCHES, FORCES, README = "creep-table.npz", "patches.csv", "forces.csv", "README.md"
 FMUS: dict[str, Fmi] = {f"{NAME}.fmu": "3.0", f"{NAME}-FMI2.fmu": "2.0"}
-NAMES = (TABLE, PATCHES, FORCES, README, *FMUS)
 PLANE = ("longitudinal", "lateral")
 COMPONENTS: dict[str, Sequence[str]] = {
     "position_mm": "xyz",

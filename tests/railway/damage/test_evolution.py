@@ -112,8 +112,8 @@ def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
 class Fading(Evolution):
     """Wear without contact, whose rate falls with the depth: ``c exp(-depth / d)``; depth ``d ln(1 + c s / d)``."""
 
-    def _evaluated(self, position, surfaces, damage, progress):
-        progress("")
+    def _evaluated(self, number, position, surfaces, damage, progress):
+        progress(f"step {number}")
         rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 90.0)
                  for key, surface in surfaces.items()}  # fmt: skip
         return EvolutionStep(position, surfaces, rates, damage, damage, (), 0.0)
@@ -134,15 +134,46 @@ def test_error_of_the_steps_is_controlled_and_of_second_order() -> None:
 
 
 def test_a_symmetric_case_stays_symmetric() -> None:
-    """On straight track both wheels, each by itself, wear alike to 1e-9 mm, and the area is that of the energy."""
+    """On straight track separate sides wear alike to the last bit, and the area is that of the energy."""
     collective = Collective([state()], separate=True)
     first, *_, last = Evolution(collective, {"wheel": ENERGY}, settings(2e4)).run()
     left, right = (last.surfaces["wheel", side] for side in ("left", "right"))
-    assert np.abs(left.depth - right.depth).max() < 1e-9
+    assert (left.depth == right.depth).all()
     assert right.depth.max() > 0.02
     rate = float((first.rates["wheel", "right"] * first.surfaces["wheel", "right"].worn_lengths).sum())
     energy = 0.5 * first.t_gamma_N * 2e-8 * 1e6  # mm3 of one wheel in a km
     assert rate == pytest.approx(energy / (2.0 * np.pi * 460.0), rel=2e-3)
+
+
+def test_a_mirrored_state_is_the_mirror_image() -> None:
+    """The left wheel in a curve to the left wears as the right one in the mirrored curve; twice mirrored is itself."""
+    one = state(curve_radius_m=600.0, superelevation_mm=60.0, yaw_mrad=0.4)
+    other = one.mirrored
+    assert (other.model.rolling.curve_radius_m, other.model.yaw_rad) == (-600.0, -4e-4)
+    assert repr(other.mirrored.problem) == repr(one.problem)
+    assert repr(other.mirrored.model) == repr(one.model)
+    areas = []
+    for each in (one, other):
+        rows = row_wear(solve_spatial(each.problem, each.model), {"wheel": ENERGY})
+        areas.append({side: sum(row.areas.sum() for row in rows if row.side == side) for side in ("left", "right")})
+    assert areas[0]["left"] > 2.0 * areas[0]["right"] or areas[0]["right"] > 2.0 * areas[0]["left"]
+    assert areas[1]["right"] == pytest.approx(areas[0]["left"], rel=1e-5)
+    assert areas[1]["left"] == pytest.approx(areas[0]["right"], rel=1e-5)
+
+
+def test_curves_of_both_hands_wear_both_sides_alike() -> None:
+    """Curves to the left and to the right wear both wheels to the same bits, and as the mean of the sides of one."""
+    one = state(0.5, curve_radius_m=600.0)
+    both = Collective([one, state(0.5, curve_radius_m=-600.0)], separate=True)
+    assert both.is_symmetric
+    assert not Collective([one, state(0.5, curve_radius_m=-500.0)], separate=True).is_symmetric
+    at_once = settings(1.0, limits={"min_flange_thickness_mm": 50.0})  # reached before the first step
+    (both_sides,) = Evolution(both, {"wheel": ENERGY}, at_once).run()
+    (mean,) = Evolution(Collective([replace(one, share=1.0)]), {"wheel": ENERGY}, at_once).run()
+    left, right = (both_sides.rates["wheel", side] for side in ("left", "right"))
+    assert (left == right).all()
+    assert right.max() > 1e-6
+    assert right == pytest.approx(mean.rates["wheel", "right"], abs=1e-4 * right.max())
 
 
 @pytest.mark.ci

@@ -12,7 +12,7 @@ from pydantic import Field
 from flangeway.cases.bodies.bodies_model import elements_of
 from flangeway.cases.bodies.bodies_shape import body_shape
 from flangeway.cases.bodies.bodies_tables import BodyTable, FineTable, elastic
-from flangeway.cases.case import Case, Pair, Progress, RunnableCase
+from flangeway.cases.case import Case, Pair, Positive, Progress, RunnableCase
 from flangeway.cases.spatial.spatial_quantities import BODY, CONTACT, PATCH, SpatialBodyResult, SpatialPatchResult
 from flangeway.cases.summary import RunResult
 from flangeway.contact.patch.patch_body import Axis, PatchBody, cast, points_along
@@ -140,11 +140,11 @@ class SpatialCase(RunnableCase):
         ],
     }
 
-    force_kN: float | None = Field(None, gt=0.0)
+    force_kN: Positive | None = None
     """force on the upper body, downwards"""
-    approach_mm: float | None = Field(None, gt=0.0)
+    approach_mm: Positive | None = None
     """approach after first touch, instead of force_kN"""
-    cell_mm: float | None = Field(None, gt=0.0)
+    cell_mm: Positive | None = None
     """size of square cells (default: 26 across the patch)"""
     window_mm: Pair | None = None
     """width and length along z of the grid, with cell_mm"""

@@ -1,14 +1,15 @@
 """Collectives: states of running with their shares of the distance, and how profiles of all of them are exchanged."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.track.discretisation import Role
-from flangeway.railway.track.placements import Side
+from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.running_surfaces import SpatialModel
 
@@ -32,6 +33,26 @@ class RunningState:
     problem: WheelsetProblem
     model: SpatialModel
 
+    @property
+    def mirrored(self) -> "RunningState":
+        """The state as a mirror in the middle of the track shows it: right is left, with equal profiles."""
+        load, held, motion = self.problem.load, self.problem.prescribed, self.model.rolling
+        load = replace(load, lateral_N=0.0 - load.lateral_N, tilt_rad=0.0 - load.tilt_rad)
+        held = replace(held, lateral_mm=_reversed(held.lateral_mm), roll_rad=_reversed(held.roll_rad))
+        if motion is not None:
+            motion = replace(
+                motion,
+                curve_radius_m=_reversed(motion.curve_radius_m),
+                yaw_rate_rad_s=0.0 - motion.yaw_rate_rad_s,
+                lateral_velocity_m_s=0.0 - motion.lateral_velocity_m_s,
+            )
+        model = replace(self.model, yaw_rad=0.0 - self.model.yaw_rad, rolling=motion)
+        return replace(self, problem=replace(self.problem, load=load, prescribed=held), model=model)
+
+
+def _reversed(value: float | None) -> float | None:
+    return None if value is None else 0.0 - value
+
 
 @dataclass(frozen=True, eq=False)
 class Collective:
@@ -44,6 +65,8 @@ class Collective:
     separate
         False: the wheels of both sides wear alike, and so do the rails, by the mean of both sides: lines have as many
         curves to the left as to the right, and wheelsets are turned. True: each side wears by itself.
+    drawn
+        The states of a step by its number, with others of the inputs that they stand for; None: always the same ones.
 
     Raises
     ------
@@ -55,6 +78,7 @@ class Collective:
 
     states: Sequence[RunningState]
     separate: bool = False
+    drawn: Callable[[int], Sequence[RunningState]] | None = None
 
     def __post_init__(self) -> None:
         if not self.states:
@@ -81,27 +105,56 @@ class Collective:
                 "correct them; one passage of a wheelset counts for both of its wheels once",
             )
 
-    def key(self, role: Role, side: Side) -> SurfaceKey:
-        """Whose profile wears at a side."""
-        return role, side if self.separate else "right"
+    def of_step(self, number: int) -> Sequence[RunningState]:
+        """The states of a step."""
+        return self.drawn(number) if self.drawn else self.states
+
+    @cached_property
+    def is_symmetric(self) -> bool:
+        """Whether it is its own mirror image: its states have equal sides, and mirrored they are the same states.
+
+        Both sides then wear alike. Each side by itself would differ by round-off, and rigid wheels that differ by this
+        touch at other places where worn surfaces conform.
+        """
+        if any(not (each.problem.track.is_symmetric and each.problem.wheelset.is_symmetric) for each in self.states):
+            return False
+        mirrored = [each.mirrored for each in self.states]
+        # twice mirrored has no -0.0 either
+        here, there = (
+            sorted(f"{each.share!r} {each.problem!r} {each.model!r}" for each in states)
+            for states in ([each.mirrored for each in mirrored], mirrored)
+        )
+        return here == there
+
+    def worn_at(self, role: Role, side: Side) -> dict[SurfaceKey, float]:
+        """Whose profiles wear by a wheel or a rail of a side, and by which part of it."""
+        if not self.separate:
+            return {(role, "right"): 0.5}
+        return {(role, each): 0.5 for each in SIDES} if self.is_symmetric else {(role, side): 1.0}
 
     def profiles(self, roles: Sequence[Role]) -> dict[SurfaceKey, WheelProfile | RailProfile]:
         """New profiles of bodies that wear."""
         problem = self.states[0].problem
         found: dict[SurfaceKey, WheelProfile | RailProfile] = {}
+        sides: Sequence[Side] = SIDES if self.separate else ("right",)
         for role in roles:
-            for side in ("left", "right"):
+            for side in sides:
                 of_side = problem.wheelset.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)
-                found[self.key(role, side)] = of_side
+                found[role, side] = of_side
         return found
 
     def problem_with(self, state: RunningState, profiles: Mapping[SurfaceKey, Any]) -> WheelsetProblem:
-        """The problem of a state with other profiles."""
+        """The problem of a state with other profiles; one for both sides makes the sides alike."""
+
+        def left(role: Role) -> Any:
+            profile = profiles.get((role, "left"))
+            return None if profile is profiles[role, "right"] else profile
+
         track, wheelset = state.problem.track, state.problem.wheelset
         if ("rail", "right") in profiles:
-            track = replace(track, rail=profiles["rail", "right"], left_rail=profiles.get(("rail", "left")))
+            track = replace(track, rail=profiles["rail", "right"], left_rail=left("rail"))
         if ("wheel", "right") in profiles:
-            wheelset = replace(wheelset, wheel=profiles["wheel", "right"], left_wheel=profiles.get(("wheel", "left")))
+            wheelset = replace(wheelset, wheel=profiles["wheel", "right"], left_wheel=left("wheel"))
         return replace(state.problem, track=track, wheelset=wheelset)
 
 

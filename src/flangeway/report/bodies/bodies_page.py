@@ -169,8 +169,6 @@ STEPS = "steps"  # folder of the earlier load steps
 COLLECTION, CONTACT = "bodies.pvd", "contact.vtu"
 MIN_DRAWN_ITERATIONS = 3  # of fewer the table says all
 STRESSES, PRESSURE, TRACTION, CONVERGENCE = "stresses.png", "pressure.png", "traction.png", "convergence.png"
-NAMES = (COLLECTION, CONTACT, STRESSES, PRESSURE, TRACTION, CONVERGENCE)
-"""Names of the files, except the fields, which have the names of the bodies."""
 
 
 def _files(run: BodiesRun, steps: BodySteps) -> dict[str, Writer]:

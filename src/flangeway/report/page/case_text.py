@@ -36,7 +36,6 @@ def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any
         "message": run.status.message,
         "summary": summary,
         "again": Again(f"flangeway run {file}" if file else command_line(case), case_text(case), file, about_files),
-        "versions": summary["versions"],
         "units": case.units,
         "inputs": inputs_tables(case),
         "details": [*filter(None, (case.project, case.author)), case.date or date.today().isoformat()],

@@ -14,17 +14,14 @@ from flangeway.cases.rigid.rigid_run import (
 from flangeway.quantities import Quantity, columns, of_part
 from flangeway.railway.rigid.rigid_locus import ContactJump
 from flangeway.report.page.case_text import input_rows
-from flangeway.report.page.record import REPORT, Again, Picture, Record
+from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, rows_of, table_across, table_of, with_whole
 from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure, pairs_figure
 from flangeway.units import Units
 
 TABLE, CONICITY, SUMMARY = "table.csv", "conicity.csv", "geometry.json"
 LOCUS_PICTURE, CONICITY_PICTURE = "contact_locus.png", "conicity.png"
-NAMES = (LOCUS_PICTURE, CONICITY_PICTURE, TABLE, CONICITY, REPORT, SUMMARY)
-CONICITY_NAMES = (CONICITY_PICTURE, CONICITY, REPORT, SUMMARY)
 BATCH_TABLE, BATCH_PICTURE, BATCH_SUMMARY = "geometries.csv", "geometries.png", "geometries.json"
-BATCH_NAMES = (BATCH_TABLE, BATCH_PICTURE, REPORT, BATCH_SUMMARY)
 LOCUS_SHOWN = (
     "Contact points at each millimetre, rolling radius difference and contact angles over the lateral position"
 )
@@ -143,7 +140,6 @@ def _common(summary: dict[str, Any], command: str, units: Units, files: tuple[st
         "summary": summary,
         "summary_file": SUMMARY,
         "again": Again(command, files=f"Numbers for programs and spreadsheets: {', '.join(f'`{f}`' for f in files)}."),
-        "versions": summary["versions"],
         "units": units,
         "notes": summary["notices"],
         "timings_s": summary["timings_s"],

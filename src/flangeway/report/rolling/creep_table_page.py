@@ -9,17 +9,16 @@ from matplotlib.figure import Figure
 from flangeway.quantities import Quantity, measured
 from flangeway.report.figures.drawing import GREY, name_axes, panels, sequence_colours
 from flangeway.report.page.case_text import inputs_tables
-from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
+from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, table_of
 from flangeway.system.output_folder import Writer
 from flangeway.tables import CreepTable, TableRequest
 from flangeway.tables.creep_table import AXES
-from flangeway.tables.table_outputs import FORCES, NAMES, PATCHES, README, TABLE
+from flangeway.tables.table_outputs import FORCES, PATCHES, README, TABLE
 from flangeway.types import Floats
 from flangeway.units import Units
 
 PICTURE = "creep-forces.png"
-ALL_NAMES = (*NAMES, PICTURE, REPORT, SUMMARY)
 FRICTION, MAX_PERCENT, MAX_CURVES = 0.3, 1.0, 5
 """Coefficient of friction, creepage at the end and number of lateral positions in the picture."""
 CAPTION = (

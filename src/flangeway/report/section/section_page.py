@@ -71,7 +71,6 @@ def section_record(
             files=f"The same numbers, for programs, are in `{summary_file}`; the fields are in `section.vtu`, for "
             "ParaView.",
         ),
-        versions=found["versions"],
         units=units,
         notes=[
             *found["notices"],
@@ -170,7 +169,6 @@ PICTURES: dict[str, tuple[Callable[[SectionRun, Units], Figure], str]] = {
     "prandtl.png": (prandtl_figure, "Prandtl's function, whose contour lines are lines of shear flow"),
 }
 """Functions that draw the pictures, the most important first, and what they show, by the files' names."""
-NAMES = (*PICTURES, FIELDS)
 
 
 def _write_fields(run: SectionRun, path: Path) -> None:

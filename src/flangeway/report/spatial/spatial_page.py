@@ -33,7 +33,6 @@ PICTURES: dict[str, tuple[Callable[[SpatialRun], Figure], str]] = {
 }
 COLLECTION, SURFACE = "bodies.pvd", "surface.vtu"
 SECTIONS = ("section-lower.vtu", "section-upper.vtu")
-NAMES = (*PICTURES, SURFACE, *SECTIONS, COLLECTION)
 NEAR = 6.0
 """Width of the view of a patch over its longer semi-axis."""
 AXES = {
