@@ -182,14 +182,14 @@ def test_a_section_in_another_unit(tmp_path):
         'title = "Bar"\nunit = "in"\n[outer]\npoints = [[0, 0], [0, 1], [2, 1], [2, 0]]\n', encoding="utf-8"
     )
     run = TorsionCase(section=str(tmp_path / "bar.toml"), size=0.2).run()
-    page = section_record(run.section, run.case, command="flangeway x")
+    page = section_record(run, "flangeway x")
     scene = page.scene()
     assert scene.unit == "in"
     assert {field.unit for field in scene.fields} == {"in²", "1/in³"}
     assert page.facts[0] == ("2 in²", "area")
     assert any("clockwise" in note for note in page.notes)
     # 2 in² of steel, 7850 kg/m³
-    assert run.section.summary["mass_per_metre_kg_m"] == pytest.approx(2.0 * 0.0254**2 * 7850.0)
+    assert run.summary["mass_per_metre_kg_m"] == pytest.approx(2.0 * 0.0254**2 * 7850.0)
     text = report_page(page)
     assert headings(text) == [each for each in HEADINGS if each != "Numbers" or "Time" in text]
     assert "<code>flangeway x</code>" in text

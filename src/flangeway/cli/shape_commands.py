@@ -180,7 +180,7 @@ def section(
     folder = results_folder(out, f"section-{Path(name_or_file).stem}")
     with show.progress() as progress:
         done = run_section(drawn, case, progress)
-    show.record(section_record(done, case, command=section_command(case)), folder)
+    show.record(section_record(done, section_command(case)), folder)
     return True
 
 

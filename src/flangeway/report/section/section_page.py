@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from flangeway.cases.section.section_run import STEEL_KG_M3, SectionRun, TorsionCase
+from flangeway.cases.section.section_run import STEEL_KG_M3, SectionRun
 from flangeway.formats import write_vtu
 from flangeway.post import corner_shear_stresses
 from flangeway.quantities import Quantity, measured, present
@@ -35,27 +35,20 @@ AXES = {
 }
 
 
-def section_record(
-    run: SectionRun,
-    case: TorsionCase,
-    *,
-    command: str,
-    summary: Mapping[str, Any] | None = None,
-    summary_file: str = SUMMARY,
-) -> Record:
+def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -> Record:
     """Return what was found of a section; its first page is one to pass on.
 
     - `command`: computes it again.
-    - `summary`, `summary_file`: the numbers for programs, those of the section if left out, and their file.
+    - `summary_file`: file of the numbers for programs.
     """
-    found, units, unit = run.summary, case.units, run.drawn.unit
+    found, case, units, unit = run.summary, run.case, run.case.units, run.drawn.unit
     kind = "triangles" if case.method == "fem" else "polygons, virtual elements"
     quantities = section_quantities(run, units)
     return Record(
         name=run.drawn.title,
         title=run.drawn.title,
         subtitle=f"Constants of a section; {run.space.mesh.n_cells:,} {kind} of order {case.order}, size "
-        f"{measured(found['mesh'][f'size_{unit}'], unit, units)}, {run.space.n_dofs:,} unknowns",
+        f"{measured(run.size, unit, units)}, {run.space.n_dofs:,} unknowns",
         converged=True,
         success="solved",
         message="by both formulations of torsion",
@@ -63,7 +56,7 @@ def section_record(
         results=SummaryTable(
             "Constants of the section", ("", "value"), tuple(rows_of(present(quantities, run), run, units))
         ),
-        summary=found if summary is None else summary,
+        summary=found,
         summary_file=summary_file,
         again=Again(
             command,
