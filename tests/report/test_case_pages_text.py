@@ -18,7 +18,7 @@ from flangeway.report.bodies.bodies_page import bodies_record
 from flangeway.report.bodies.body_fields import bodies_fields, body_fields, body_steps
 from flangeway.report.figures.display import shown_cells
 from flangeway.report.figures.newton_history import load_steps, newton_figure, steps_table
-from flangeway.report.page.case_text import case_text, command_line, section_command
+from flangeway.report.page.case_text import case_text, command_line
 from flangeway.report.page.html_page import report_page
 from flangeway.report.section.section_page import section_record
 from flangeway.solve import Status
@@ -99,16 +99,6 @@ def test_the_case_file_of_bodies_gives_the_same_case(tmp_path):
     file = tmp_path / "two-bodies.toml"
     file.write_text(case_text(case), encoding="utf-8")
     assert read_case(file) == case
-
-
-def test_the_command_of_a_section_has_all_options():
-    """The command on the page of `flangeway section` has each input that is not the default as its option."""
-    case = TorsionCase(section="my box.csv", unit="cm", half=True, method="vem", order=3, size=0.1, poisson=0.3)
-    assert shlex.split(section_command(case)) == [
-        *("flangeway", "section", "my box.csv", "--unit", "cm", "--mirror", "--method", "vem"),
-        *("--order", "3", "--size", "0.1", "--poisson", "0.3"),
-    ]
-    assert section_command(TorsionCase()) == "flangeway section 136RE"
 
 
 def test_the_history_has_every_iteration_of_every_step(hertz):

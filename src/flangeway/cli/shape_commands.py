@@ -171,7 +171,6 @@ def section(
         find_section,
         run_section,
     )
-    from flangeway.report.page.case_text import section_command  # noqa: PLC0415
     from flangeway.report.section.section_page import section_record  # noqa: PLC0415
 
     drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
@@ -180,7 +179,7 @@ def section(
     folder = results_folder(out, f"section-{Path(name_or_file).stem}")
     with show.progress() as progress:
         done = run_section(drawn, case, progress)
-    show.record(section_record(done, section_command(case)), folder)
+    show.record(section_record(done, command_typed()), folder)
     return True
 
 

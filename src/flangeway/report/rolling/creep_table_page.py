@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from flangeway.quantities import Quantity, measured
+from flangeway.quantities import Quantities, Quantity, measured
 from flangeway.report.figures.drawing import GREY, name_axes, panels, sequence_colours
 from flangeway.report.page.case_text import inputs_tables
 from flangeway.report.page.record import Again, Picture, Record
@@ -27,7 +27,7 @@ CAPTION = (
     "and over the lateral one with the spin of the contact angle."
 )
 
-JUMP: tuple[Quantity[Mapping[str, Any]], ...] = (
+JUMP: Quantities[Mapping[str, Any]] = (
     Quantity("side", "side", lambda jump: jump["side"]),
     Quantity("lateral", "lateral position", lambda jump: jump["lateral_mm"], "mm", ".3f"),
     Quantity("width", "within", lambda jump: jump["width_mm"], "mm", ".3f"),
