@@ -194,7 +194,8 @@ def _along_arcs(section: Section, size: float) -> list[Refinement]:
     }
     refinements = []
     for arc in arcs.values():
-        chord = math.sqrt(8.0 * arc.radius * sagitta)
+        # rounded, so that arcs of one radius are refined alike, by one field of sizes
+        chord = float(f"{math.sqrt(8.0 * arc.radius * sagitta):.10g}")
         if chord < _WORTHWHILE * size:
             n_chords = max(math.ceil(arc.length / chord), 2)
             refinements.append(Refinement(arc.point(np.linspace(0.0, 1.0, n_chords + 1)), chord, _GROWTH))

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
@@ -262,7 +263,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     def _rolls(self) -> bool:
         return self.coefficient is not None
 
-    @property
+    @cached_property
     def coefficient(self) -> float | None:
         """Coefficient of friction where the wheelset is; beyond the ends of the file that of its end."""
         if self.friction_file is None:
