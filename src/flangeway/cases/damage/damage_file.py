@@ -24,7 +24,7 @@ from flangeway.types import Key
 LAWS: dict[str, type[Any]] = {"archard": ArchardLaw, "usfd": UsfdLaw, "energy": EnergyLaw}
 
 
-STRATEGY_NAME = re.compile(r"[\w -]+")
+STRATEGY_NAME = re.compile(r"[\w-][\w ,.-]*")
 """Names of strategies are those of folders as well."""
 
 
@@ -119,7 +119,7 @@ class DamageFile(TomlFile):
             if not STRATEGY_NAME.fullmatch(other) or other == name:
                 raise InputError(
                     f"{self.place(('strategies', other))}the strategy {other!r}",
-                    f"letters, digits, spaces, - and _, and not {name}, which is the file as it is",
+                    f"letters, digits, spaces and - _ , . and not {name}, which is the file as it is",
                     "give it another name: it is that of its folder",
                 )
             data = _merged(self.data, {key: value for key, value in changes.items() if key != "inputs"})
