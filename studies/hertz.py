@@ -150,8 +150,7 @@ def _rows(run: Run, code: str, level: int, variant: str) -> Iterator[Row]:
         pressures = patch.pressures if variant == "segments" else patch.normal_forces / np.gradient(x)
         run.curve("pressures", code, VARIANTS[variant], x, pressures, ".-")
         if variant == "segments":
-            at = theory.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))
-            run.curve("pressures", code, "Hertz", at, theory.pressure(at))
+            run.curve("pressures", code, "Hertz", *theory.curve)
     if variant != "segments":
         of_force, of_stress = SUFFIXES[variant]
         limit = FORCE_LIMITS[int(code[3])] if level >= FINE else FORCE_LIMITS[1]

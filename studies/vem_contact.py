@@ -7,8 +7,6 @@ nothing but the pairing: nodes against segments, averages over segments, and nod
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
 from flangeway.cases.bodies.bodies_model import build_bodies
 from flangeway.cases.bodies.presets import HertzCase
 from flangeway.contact import Contact, ContactSolution, Multiplier, NodeToNode, Surface, press
@@ -105,8 +103,7 @@ def rows(run: Run) -> Iterator[Row]:
                     run.curve("pressures", f"polygons of order {code[3]}", pairing, x, patch.pressures, "o")
                     if pairing == PAIRINGS[2]:
                         theory = case.theory(force)
-                        at = np.linspace(-1.05, 1.05, 400) * theory.half_width
-                        run.curve("pressures", f"polygons of order {code[3]}", "Hertz", at, theory.pressure(at))
+                        run.curve("pressures", f"polygons of order {code[3]}", "Hertz", *theory.curve)
             sentence = (
                 f"{name}: the error of the pressure is {rms[PAIRINGS[2]]:.2g} node-to-node, {rms[PAIRINGS[0]]:.2g} "
             )

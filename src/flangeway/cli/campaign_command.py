@@ -28,41 +28,36 @@ from flangeway.errors import InputError
 if TYPE_CHECKING:
     from flangeway.campaign import CampaignProgress
 
-CampaignFile = Annotated[
-    Path,
-    typer.Argument(metavar="FILE", help="A campaign's file (.toml).", autocompletion=completion(list, ".toml")),
-]
-WorkersOption = Annotated[
-    int | None,
-    typer.Option("--workers", metavar="N", help="Processes here; as many as cores if left out."),
-]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        "--scheduler", metavar="ADDRESS", help="A scheduler of dask.distributed whose workers compute instead."
-    ),
-]
-Export = Annotated[
-    str | None,
-    typer.Option(
-        "--export",
-        help="Format of the tables; once all is done, nothing else is written.",
-        **choices("csv", "parquet"),
-    ),
-]
-
 LINE_EVERY_S = 5.0
 
 
 @app.command()
 @shows_results
 def campaign(
-    file: CampaignFile,
+    file: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", help="A campaign's file (.toml).", autocompletion=completion(list, ".toml")),
+    ],
     out: Out = None,
-    workers: WorkersOption = None,
-    scheduler: Scheduler = None,
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", metavar="N", help="Processes here; as many as cores if left out."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler", metavar="ADDRESS", help="A scheduler of dask.distributed whose workers compute instead."
+        ),
+    ] = None,
     fresh: Fresh = False,
-    export: Export = None,
+    export: Annotated[
+        str | None,
+        typer.Option(
+            "--export",
+            help="Format of the tables; once all is done, nothing else is written.",
+            **choices("csv", "parquet"),
+        ),
+    ] = None,
     *,
     show: Show,
 ) -> bool:

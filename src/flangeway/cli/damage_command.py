@@ -24,19 +24,24 @@ if TYPE_CHECKING:
     from flangeway.cases.damage.damage_file import DamageInputs
 
 STEPS_FILE = "damage.sqlite"
-InputsFile = Annotated[
-    Path,
-    typer.Argument(
-        metavar="FILE",
-        help="A file with states, wear laws and an end (.toml).",
-        autocompletion=completion(list, ".toml"),
-    ),
-]
 
 
 @app.command()
 @shows_results
-def damage(file: InputsFile, out: Out = None, fresh: Fresh = False, *, show: Show) -> bool:
+def damage(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="A file with states, wear laws and an end (.toml).",
+            autocompletion=completion(list, ".toml"),
+        ),
+    ],
+    out: Out = None,
+    fresh: Fresh = False,
+    *,
+    show: Show,
+) -> bool:
     """Let the profiles of wheels and rails wear over a collective of states: depths, limits, fatigue (out/FILE)."""
     from flangeway.cases.damage.damage_file import DamageFile  # noqa: PLC0415
 

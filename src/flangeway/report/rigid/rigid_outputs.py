@@ -11,7 +11,7 @@ from flangeway.cases.rigid.rigid_run import (
     ConicityRun,
     GeometryRun,
 )
-from flangeway.quantities import Quantity, columns, of_part
+from flangeway.quantities import Quantities, Quantity, columns, of_part
 from flangeway.railway.rigid.rigid_locus import ContactJump
 from flangeway.report.page.case_text import input_rows
 from flangeway.report.page.record import Again, Picture, Record
@@ -38,7 +38,7 @@ ASSUMPTIONS = (
 )
 
 
-PAIR_QUANTITIES: tuple[Quantity[Any], ...] = (
+PAIR_QUANTITIES: Quantities[Any] = (
     Quantity("wheel", "wheel", lambda run: Path(run.case.wheel).name),
     Quantity("rail", "rail", lambda run: Path(run.case.rail).name),
     *CONICITY_QUANTITIES,
@@ -49,7 +49,7 @@ PAIR_QUANTITIES: tuple[Quantity[Any], ...] = (
 """Numbers of a pair of profiles."""
 
 
-JUMP: tuple[Quantity[ContactJump], ...] = (
+JUMP: Quantities[ContactJump] = (
     Quantity("side", "side", "side"),
     Quantity("lateral", "lateral displacement", lambda jump: jump.motion.lateral_mm, "mm", ".3f"),
     Quantity(
