@@ -163,8 +163,8 @@ class DamageFile(TomlFile):
             """States of a step."""
             given, found = [values for _, values, _ in entries], []
             for part in range(max(tables.spread, 1)):
-                offsets = drawn(step, part, tables.spread, len(given)) if tables.spread else [0.0] * len(given)
-                for (name, _, number), values in zip(entries, moved(given, offsets), strict=True):
+                there = moved(given, drawn(step, part, tables.spread)) if tables.spread else given
+                for (name, _, number), values in zip(entries, there, strict=True):
                     found.append(self._state(name, {**inputs, **values}, number, max(tables.spread, 1)))
             return found
 
