@@ -208,7 +208,7 @@ def bolted_flange() -> tuple[ContactSolution, float]:
         _part("bolt", bolt, steel, {"axis": "x", "pulled": "xy"}),
         _part("flange", flange, steel, {"ground": "y"}),
     ]
-    contact = touching(*(_side(part, "seat") for part in parts), 5.0)
+    contact = touching(_side(parts[0], "seat"), _side(parts[1], "seat"), 5.0)
     pull = PrescribedDisplacement("pulled", y=-BOLT_PULL_MM)
     found = press([contact], {}, body_loads={parts[0]: [pull]})
     held = [PrescribedDisplacement("axis", x=0.0), PrescribedDisplacement("ground", y=0.0)]

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import replace
+from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, cast, get_args, get_origin
 
@@ -229,6 +230,11 @@ class Case(Table):
     def tables_of_inputs(cls, units: Units = "metric") -> list[tuple[str, list[tuple[str, str, str, str]]]]:
         """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path."""
         return _inputs_of(cls, "", units)
+
+
+def example_of(name: str) -> dict[str, Any]:
+    """Return the `Case.example` of a case, from its file in the folder ``examples``."""
+    return toml_data((Path(__file__).parent / "examples" / f"{name}.toml").read_text(encoding="utf-8"), "")
 
 
 class RunnableCase(Case):

@@ -20,51 +20,44 @@ from flangeway.cli.common import (
 )
 from flangeway.errors import InputError
 
-TableCase = Annotated[
-    str,
-    typer.Argument(
-        metavar="[CASE_OR_FILE]",
-        help="wheelset, or a case file of a wheelset in three dimensions.",
-        autocompletion=completion(lambda: ["wheelset"], ".toml"),
-    ),
-]
-TableSet = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="An input of the case, as often as needed: rail, wheel, ...",
-        autocompletion=complete_setting,
-    ),
-]
-Lateral = Annotated[
-    str, typer.Option("--lateral", metavar="VALUES", help="Lateral positions in mm: FROM:TO:STEP, or A,B,C.")
-]
-Yaw = Annotated[str, typer.Option("--yaw", metavar="VALUES", help="Yaw in mrad, as --lateral.")]
-Load = Annotated[str, typer.Option("--load", metavar="VALUES", help="Axle loads in kN, as --lateral.")]
-Tolerance = Annotated[
-    float, typer.Option("--tolerance", metavar="SHARE", help="Refinement tolerance, relative to mu N.")
-]
-TableWorkers = Annotated[
-    int | None,
-    typer.Option("--workers", metavar="N", help="Processes; as many as cores if left out."),
-]
-WithFmu = Annotated[bool, typer.Option("--fmu", help="Write FMUs too (FMI 2 and 3); needs a C compiler.")]
-
 MAX_VALUES = 10_000  # of an axis of a table
 
 
 @app.command("creep-table")
 @shows_results
 def creep_table(
-    case: TableCase = "wheelset",
-    set_: TableSet = None,
-    lateral: Lateral = "-6:6:1",
-    yaw: Yaw = "-5:5:5",
-    load: Load = "120:280:80",
-    tolerance: Tolerance = 0.05,
-    workers: TableWorkers = None,
-    fmu: WithFmu = False,
+    case: Annotated[
+        str,
+        typer.Argument(
+            metavar="[CASE_OR_FILE]",
+            help="wheelset, or a case file of a wheelset in three dimensions.",
+            autocompletion=completion(lambda: ["wheelset"], ".toml"),
+        ),
+    ] = "wheelset",
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="An input of the case, as often as needed: rail, wheel, ...",
+            autocompletion=complete_setting,
+        ),
+    ] = None,
+    lateral: Annotated[
+        str, typer.Option("--lateral", metavar="VALUES", help="Lateral positions in mm: FROM:TO:STEP, or A,B,C.")
+    ] = "-6:6:1",
+    yaw: Annotated[str, typer.Option("--yaw", metavar="VALUES", help="Yaw in mrad, as --lateral.")] = "-5:5:5",
+    load: Annotated[
+        str, typer.Option("--load", metavar="VALUES", help="Axle loads in kN, as --lateral.")
+    ] = "120:280:80",
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", metavar="SHARE", help="Refinement tolerance, relative to mu N.")
+    ] = 0.05,
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", metavar="N", help="Processes; as many as cores if left out."),
+    ] = None,
+    fmu: Annotated[bool, typer.Option("--fmu", help="Write FMUs too (FMI 2 and 3); needs a C compiler.")] = False,
     out: Out = None,
     *,
     show: Show,

@@ -26,32 +26,38 @@ NAMES = (
     *("curved", "friction", "vem-contact", "forms", "damage"),
 )
 ALL = "all"
-ReproductionName = Annotated[
-    str,
-    typer.Argument(
-        metavar="NAME",
-        help=f"{', '.join(NAMES)}; {ALL}: every one, summarised.",
-        autocompletion=completion(lambda: [*NAMES, ALL]),
-    ),
-]
-Quick = Annotated[
-    bool,
-    typer.Option("--quick", help="Leave out what takes minutes: Hertz's finest mesh, the search for the flange root."),
-]
-Page = Annotated[
-    Path | None,
-    typer.Option(
-        "--page",
-        metavar="FILE.md",
-        help="Write what is computed as a page of validation, with all its numbers in FILE.csv.",
-        parser=path_given,
-    ),
-]
 
 
 @app.command()
 @shows_results
-def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, out: Out = None, *, show: Show) -> bool:
+def reproduce(
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME",
+            help=f"{', '.join(NAMES)}; {ALL}: every one, summarised.",
+            autocompletion=completion(lambda: [*NAMES, ALL]),
+        ),
+    ],
+    quick: Annotated[
+        bool,
+        typer.Option(
+            "--quick", help="Leave out what takes minutes: Hertz's finest mesh, the search for the flange root."
+        ),
+    ] = False,
+    page: Annotated[
+        Path | None,
+        typer.Option(
+            "--page",
+            metavar="FILE.md",
+            help="Write what is computed as a page of validation, with all its numbers in FILE.csv.",
+            parser=path_given,
+        ),
+    ] = None,
+    out: Out = None,
+    *,
+    show: Show,
+) -> bool:
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
     _find_studies()
     from flangeway.cases.case import closest  # noqa: PLC0415

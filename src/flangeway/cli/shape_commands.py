@@ -29,52 +29,47 @@ from flangeway.system.file_content import is_file
 PROFILE_FILES = (".ban", ".whl", ".prr", ".prw", ".csv", ".txt", ".dat", ".dxf", ".slcs", ".slcw")
 PROFILES_ALONE = (".ban", ".whl", ".prr", ".prw", ".dxf", ".slcs", ".slcw")  # the other endings have tables too
 
-GeometryName = Annotated[
-    str,
-    typer.Argument(
-        metavar="[CASE_OR_FILE]",
-        help="wheelset, wheelset-tangent, wheelset-curve, s1002-60e1 or en15302; a case file of a wheelset (.toml); or "
-        "a file of lateral displacements and rolling radius differences, for its conicity.",
-        autocompletion=completion(geometry_names, ".toml", ".csv"),
-    ),
-]
-GeometrySet = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="An input, as often as needed: rail, wheel, gauge_mm, lateral_force_kN, maximum_lateral_mm, ...; a wrong "
-        "key lists all.",
-        autocompletion=complete_setting,
-    ),
-]
-GeometryWheel = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--wheel",
-        metavar="NAME_OR_FILE",
-        help="A wheel; several: one table and one picture of all pairs.",
-        autocompletion=completion(lambda: profile_names("wheel"), *PROFILE_FILES),
-    ),
-]
-GeometryRail = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--rail",
-        metavar="NAME_OR_FILE",
-        help="A rail, as often as needed.",
-        autocompletion=completion(lambda: profile_names("rail"), *PROFILE_FILES),
-    ),
-]
-
 
 @app.command()
 @shows_results
 def geometry(
-    case: GeometryName = "s1002-60e1",
-    set_: GeometrySet = None,
-    wheel: GeometryWheel = None,
-    rail: GeometryRail = None,
+    case: Annotated[
+        str,
+        typer.Argument(
+            metavar="[CASE_OR_FILE]",
+            help="wheelset, wheelset-tangent, wheelset-curve, s1002-60e1 or en15302; a case file of a wheelset "
+            "(.toml); or a file of lateral displacements and rolling radius differences, for its conicity.",
+            autocompletion=completion(geometry_names, ".toml", ".csv"),
+        ),
+    ] = "s1002-60e1",
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="An input, as often as needed: rail, wheel, gauge_mm, lateral_force_kN, maximum_lateral_mm, ...; a "
+            "wrong key lists all.",
+            autocompletion=complete_setting,
+        ),
+    ] = None,
+    wheel: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--wheel",
+            metavar="NAME_OR_FILE",
+            help="A wheel; several: one table and one picture of all pairs.",
+            autocompletion=completion(lambda: profile_names("wheel"), *PROFILE_FILES),
+        ),
+    ] = None,
+    rail: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--rail",
+            metavar="NAME_OR_FILE",
+            help="A rail, as often as needed.",
+            autocompletion=completion(lambda: profile_names("rail"), *PROFILE_FILES),
+        ),
+    ] = None,
     out: Out = None,
     *,
     show: Show,
@@ -128,39 +123,31 @@ def _conicity(file: Path, settings: dict[str, Any], out: Path | None, show: Show
     return show.record(conicity_record(done, command_typed(), show.units or "metric"), folder)
 
 
-SectionName = Annotated[
-    str,
-    typer.Argument(
-        metavar="NAME_OR_FILE",
-        help="136RE, 136RE-8, 136RE-14, 60E1, or an outline in a .toml, .csv or .dxf file.",
-        autocompletion=completion(section_names, ".toml", ".csv", ".dxf"),
-    ),
-]
-SectionSize = Annotated[
-    float | None,
-    typer.Option("--size", metavar="LENGTH", help="Element size in the outline's unit."),
-]
-SectionOrder = Annotated[int, typer.Option("--order", metavar="K", help="Order of the elements.")]
-SectionMethod = Annotated[
-    str, typer.Option("--method", help="Triangles, or virtual polygons.", **choices("fem", "vem"))
-]
-SectionPoisson = Annotated[
-    float | None,
-    typer.Option("--poisson", metavar="NU", help="Poisson's ratio for the shear centre; 0 if left out."),
-]
-SectionMirror = Annotated[bool, typer.Option("--mirror", help="The CSV file contains one half, up to x = 0.")]
-
-
 @app.command()
 @shows_results
 def section(
-    name_or_file: SectionName,
-    size: SectionSize = None,
-    order: SectionOrder = 2,
-    method: SectionMethod = "fem",
-    poisson: SectionPoisson = None,
+    name_or_file: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME_OR_FILE",
+            help="136RE, 136RE-8, 136RE-14, 60E1, or an outline in a .toml, .csv or .dxf file.",
+            autocompletion=completion(section_names, ".toml", ".csv", ".dxf"),
+        ),
+    ],
+    size: Annotated[
+        float | None,
+        typer.Option("--size", metavar="LENGTH", help="Element size in the outline's unit."),
+    ] = None,
+    order: Annotated[int, typer.Option("--order", metavar="K", help="Order of the elements.")] = 2,
+    method: Annotated[
+        str, typer.Option("--method", help="Triangles, or virtual polygons.", **choices("fem", "vem"))
+    ] = "fem",
+    poisson: Annotated[
+        float | None,
+        typer.Option("--poisson", metavar="NU", help="Poisson's ratio for the shear centre; 0 if left out."),
+    ] = None,
     unit: Unit = None,
-    mirror: SectionMirror = False,
+    mirror: Annotated[bool, typer.Option("--mirror", help="The CSV file contains one half, up to x = 0.")] = False,
     out: Out = None,
     *,
     show: Show,
@@ -171,7 +158,6 @@ def section(
         find_section,
         run_section,
     )
-    from flangeway.report.page.case_text import section_command  # noqa: PLC0415
     from flangeway.report.section.section_page import section_record  # noqa: PLC0415
 
     drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
@@ -180,90 +166,78 @@ def section(
     folder = results_folder(out, f"section-{Path(name_or_file).stem}")
     with show.progress() as progress:
         done = run_section(drawn, case, progress)
-    show.record(section_record(done, case, command=section_command(case)), folder)
+    show.record(section_record(done, command_typed()), folder)
     return True
-
-
-ProfileNames = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="NAME_OR_FILE...",
-        help="136RE, 136RE-8, 136RE-14, 60E1, 60E2, 54E1, 49E1, S-519-A, AAR-1B, S1002, heavy-haul, R-519-A, or a "
-        ".ban, .whl, .prr, .prw, .csv, .txt, .dat, .dxf, .slcs or .slcw file; several: one table and picture of all.",
-        autocompletion=completion(profile_names, *PROFILE_FILES),
-    ),
-]
-ProfileKind = Annotated[
-    str | None,
-    typer.Option("--kind", help="Kind of profile in the file.", **choices("rail", "wheel")),
-]
-ProfileMirror = Annotated[
-    bool | None,
-    typer.Option(
-        "--mirror/--no-mirror",
-        help="Reverse the first coordinate: a left-hand rail; left out: if its field side is worn more.",
-    ),
-]
-ProfileFlip = Annotated[bool, typer.Option("--flip", help="Reverse the second coordinate.")]
-ProfileOrigin = Annotated[
-    str | None,
-    typer.Option(
-        "--origin",
-        help="Position of the file's (0, 0); or X,Y, the position of a rail's top or a wheel's tread in the file.",
-        **choices("top", "base", "gauge", "tape", "flange-back", "X,Y"),
-    ),
-]
-ProfileTape = Annotated[
-    float | None,
-    typer.Option("--tape", metavar="MM", help="From the flange's back to the tape line; 70."),
-]
-ProfileSmooth = Annotated[
-    float | None,
-    typer.Option("--smooth", metavar="MM", help="Wavelength to smooth by; 0 for none, 5 for noisy points."),
-]
-ProfileLimit = Annotated[
-    float | None,
-    typer.Option("--limit", metavar="UM", help="Maximum displacement of a point by smoothing."),
-]
-ProfileJoin = Annotated[
-    str | None,
-    typer.Option(
-        "--join",
-        metavar="NAME",
-        help="Bundled rail or wheel that gives the body.",
-        autocompletion=completion(profile_names),
-    ),
-]
-ProfilePosition = Annotated[
-    float | None,
-    typer.Option("--position", metavar="X", help="Section of a .slcs file in mm, of a .slcw file in degrees."),
-]
-ProfileTo = Annotated[
-    Path | None,
-    typer.Option(
-        "--to",
-        metavar="FILE",
-        help="Write it in the format of this file's ending.",
-        parser=path_given,
-    ),
-]
 
 
 @app.command()
 @shows_results
 def profile(
-    names: ProfileNames,
+    names: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="NAME_OR_FILE...",
+            help="136RE, 136RE-8, 136RE-14, 60E1, 60E2, 54E1, 49E1, S-519-A, AAR-1B, S1002, heavy-haul, R-519-A, or a "
+            ".ban, .whl, .prr, .prw, .csv, .txt, .dat, .dxf, .slcs or .slcw file; several: one table and "
+            "picture of all.",
+            autocompletion=completion(profile_names, *PROFILE_FILES),
+        ),
+    ],
     unit: Unit = None,
-    kind: ProfileKind = None,
-    mirror: ProfileMirror = None,
-    flip: ProfileFlip = False,
-    origin: ProfileOrigin = None,
-    tape: ProfileTape = None,
-    smooth: ProfileSmooth = None,
-    limit: ProfileLimit = None,
-    position: ProfilePosition = None,
-    join: ProfileJoin = None,
-    to: ProfileTo = None,
+    kind: Annotated[
+        str | None,
+        typer.Option("--kind", help="Kind of profile in the file.", **choices("rail", "wheel")),
+    ] = None,
+    mirror: Annotated[
+        bool | None,
+        typer.Option(
+            "--mirror/--no-mirror",
+            help="Reverse the first coordinate: a left-hand rail; left out: if its field side is worn more.",
+        ),
+    ] = None,
+    flip: Annotated[bool, typer.Option("--flip", help="Reverse the second coordinate.")] = False,
+    origin: Annotated[
+        str | None,
+        typer.Option(
+            "--origin",
+            help="Position of the file's (0, 0); or X,Y, the position of a rail's top or a wheel's tread in the file.",
+            **choices("top", "base", "gauge", "tape", "flange-back", "X,Y"),
+        ),
+    ] = None,
+    tape: Annotated[
+        float | None,
+        typer.Option("--tape", metavar="MM", help="From the flange's back to the tape line; 70."),
+    ] = None,
+    smooth: Annotated[
+        float | None,
+        typer.Option("--smooth", metavar="MM", help="Wavelength to smooth by; 0 for none, 5 for noisy points."),
+    ] = None,
+    limit: Annotated[
+        float | None,
+        typer.Option("--limit", metavar="UM", help="Maximum displacement of a point by smoothing."),
+    ] = None,
+    position: Annotated[
+        float | None,
+        typer.Option("--position", metavar="X", help="Section of a .slcs file in mm, of a .slcw file in degrees."),
+    ] = None,
+    join: Annotated[
+        str | None,
+        typer.Option(
+            "--join",
+            metavar="NAME",
+            help="Bundled rail or wheel that gives the body.",
+            autocompletion=completion(profile_names),
+        ),
+    ] = None,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to",
+            metavar="FILE",
+            help="Write it in the format of this file's ending.",
+            parser=path_given,
+        ),
+    ] = None,
     out: Out = None,
     *,
     show: Show,
@@ -297,23 +271,26 @@ def profile(
     return True
 
 
-ProfileFolderName = Annotated[
-    Path, typer.Argument(metavar="FOLDER", help="Folder with files of wheels or rails.", parser=path_given)
-]
-ProfilePartner = Annotated[
-    str | None,
-    typer.Option(
-        "--partner",
-        metavar="NAME",
-        help="Bundled rail for the wheels, or wheel for the rails; 60E1 or S1002, of American bodies 136RE or AAR-1B",
-        autocompletion=completion(profile_names),
-    ),
-]
-
-
 @app.command()
 @shows_results
-def profiles(folder: ProfileFolderName, partner: ProfilePartner = None, out: Out = None, *, show: Show) -> bool:
+def profiles(
+    folder: Annotated[
+        Path, typer.Argument(metavar="FOLDER", help="Folder with files of wheels or rails.", parser=path_given)
+    ],
+    partner: Annotated[
+        str | None,
+        typer.Option(
+            "--partner",
+            metavar="NAME",
+            help="Bundled rail for the wheels, or wheel for the rails; 60E1 or S1002, of American bodies 136RE or "
+            "AAR-1B",
+            autocompletion=completion(profile_names),
+        ),
+    ] = None,
+    out: Out = None,
+    *,
+    show: Show,
+) -> bool:
     """Wear, gauge measures and conicity of all profiles in a folder, the most worn first (out/profiles-FOLDER)."""
     from flangeway.cases.profile.profile_folder import run_folder  # noqa: PLC0415
     from flangeway.report.profile.profile_outputs import folder_record  # noqa: PLC0415

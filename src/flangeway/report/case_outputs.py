@@ -13,7 +13,7 @@ from flangeway.cases.case import Case, Progress, Run
 from flangeway.cases.profile.profile_run import ProfileRun
 from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
 from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase, RollingPatchRun
-from flangeway.cases.section.section_run import SectionRun, TorsionCase, TorsionRun
+from flangeway.cases.section.section_run import SectionRun, TorsionCase
 from flangeway.cases.spatial.spatial_case import SpatialCase, SpatialRun
 from flangeway.cases.spatial.spatial_presets import SpatialPreset
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
@@ -43,9 +43,7 @@ RECORDS: dict[type[Case], Callable[[Any], Record]] = {
     SpatialCase: spatial_page.spatial_record,
     SpatialPreset: spatial_page.spatial_record,
     RollingPatchCase: rolling_patch_page.rolling_patch_record,
-    TorsionCase: lambda run: section_page.section_record(
-        run.section, run.case, command=command_line(run.case), summary=run.summary, summary_file=SUMMARY
-    ),
+    TorsionCase: lambda run: section_page.section_record(run, command_line(run.case), SUMMARY),
 }
 """What a run found, by the kind of its case; a new kind adds its line."""
 
@@ -64,7 +62,6 @@ PLOTS: dict[type[Result], Callable[[Any], Figure]] = {
     SpatialRun: patch_figure,
     RollingPatchRun: rolling_patch_page.main_figure,
     SectionRun: warping_figure,
-    TorsionRun: lambda run: warping_figure(run.section),
     GeometryRun: locus_figure,
     ConicityRun: conicity_figure,
     ProfileRun: shape_figure,

@@ -25,7 +25,7 @@ from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.post import PressurePatch
-from flangeway.quantities import Quantity
+from flangeway.quantities import Quantities, Quantity
 
 # ruff: noqa: N815 (units in names)
 
@@ -60,7 +60,7 @@ def _hertz(run: BodiesRun) -> LineContact:
     return run.theory
 
 
-HERTZ: tuple[Quantity[BodiesRun], ...] = (
+HERTZ: Quantities[BodiesRun] = (
     Quantity(
         *("max_pressure", "maximum pressure"), lambda run: _fullest(run).pressures.max(), "MPa", ".6g",
         remark=lambda run: _fullest(run).remark,

@@ -39,7 +39,7 @@ from flangeway.contact.rolling.theories import FAST, WITH_TRACTIONS, Theory
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
-from flangeway.quantities import Quantity, values
+from flangeway.quantities import Quantities, Quantity, values
 from flangeway.solve import Status
 from flangeway.types import Floats
 
@@ -128,7 +128,7 @@ class RollingPatchRun(RunResult):
 MAX_PRESSURE: Quantity[RollingPatchRun] = Quantity(
     "max_pressure", "maximum pressure", lambda run: run.contact.pressures.max(), "MPa", ".1f"
 )
-PATCH: tuple[Quantity[RollingPatchRun], ...] = (
+PATCH: Quantities[RollingPatchRun] = (
     Quantity("force", "normal force", lambda run: run.contact.force, "kN", ".3f", factor=1e-3),
     Quantity("semi_axis_along", "semi-axis along", lambda run: run.semi_axes[0], "mm", ".3f"),
     Quantity("semi_axis_across", "semi-axis across", lambda run: run.semi_axes[1], "mm", ".3f"),

@@ -161,6 +161,7 @@ class WheelsetNewton:
             if self.sides[side].grid.grid.strip <= MAX_COARSER * grids[side].grid.strip
         }
         self.across = Reach(float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0]))
+        self.steers: bool | None = None  # not known yet on these cells, see `_steers`
         for number, (side, grid) in enumerate(grids.items()):
             pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
             if near is None:
@@ -176,6 +177,11 @@ class WheelsetNewton:
             )
         if self.creep is not None:
             self.creep.restart({} if near is None or near.rolled is None else near.rolled.creep)
+
+    @property
+    def yaw_stiffness(self) -> float:
+        """Stiffness of the guidance of a yaw that is found, N mm per rad."""
+        return 0.0 if self.creep is None else 1e3 * (self.creep.motion.yaw_stiffness_Nm_per_rad or 0.0)
 
     @property
     def bends(self) -> bool:
@@ -269,10 +275,9 @@ class WheelsetNewton:
         self.yaw_moment = float(self.creep_now[4]) + self.turning
         weight, arm = float(loads_of(problem).weight), problem.wheelset.back_to_back_mm / 2.0
         driven, guided = self.torque + 1e3 * motion.torque_Nm, 0.0
-        if motion.yaw_stiffness_Nm_per_rad is not None:
-            stiffness = 1e3 * motion.yaw_stiffness_Nm_per_rad
-            guided = self.yaw_moment - stiffness * (self.yaw - self.guided_yaw)
-            self.jacobian[YAW, YAW] -= stiffness
+        if motion.yaw_is_free:
+            guided = self.yaw_moment - self.yaw_stiffness * (self.yaw - self.guided_yaw)
+            self.jacobian[YAW, YAW] -= self.yaw_stiffness
         self.missed = np.append(self.missed, [driven, guided])
         self.relative = replace(
             self.relative,
@@ -301,8 +306,10 @@ class WheelsetNewton:
         columns[0] = False
         jacobian = self.jacobian.copy()
         jacobian[[0, 1, 2], [0, 1, 2]] -= self._least
-        guided = across and n > YAW and bool(self.free[YAW]) and _steers(jacobian, self.free)
-        row, sense = (YAW, -1.0) if guided else (0, 1.0)
+        if self.steers is None:
+            steers = across and n > YAW and bool(self.free[YAW])
+            self.steers = steers and _steers(jacobian, self.free, self.yaw_stiffness)
+        row, sense = (YAW, -1.0) if self.steers else (0, 1.0)
         if across:
             rows[row] = False
         step, by_x = np.zeros(n), np.zeros(n)
@@ -363,18 +370,19 @@ class WheelsetNewton:
         return Equilibrium(status, self.position, self.relative, state, self.residual, stable)
 
 
-def _steers(jacobian: Floats, free: Bools) -> bool:
+def _steers(jacobian: Floats, free: Bools, yaw_stiffness: float) -> bool:
     """Whether yaw balances lateral forces better than a displacement across does, and this the yaw moment.
 
-    By the derivatives of both by both where the other unknowns follow: unless both direct ones hold the wheelset, and
-    their product is larger than that of the others. Where both products are alike (`DIRECT`) the tangent is nearly
-    singular, and the wheelset turns to the rolling line by the sign of the moment.
+    By the derivatives of both by both where the other unknowns follow: unless the flange holds the wheelset across and
+    its guidance the yaw, and the product of their stiffnesses is larger than that of the other derivatives. Where both
+    products are alike (`DIRECT`) the tangent is nearly singular, and the wheelset turns to the rolling line by the sign
+    of the moment. Creep forces alone hold no yaw: they are limited.
     """
     both, rest = [0, YAW], np.flatnonzero(free)
     rest = rest[(rest != 0) & (rest != YAW)]
     follow = np.linalg.solve(jacobian[np.ix_(rest, rest)], jacobian[np.ix_(rest, both)])
-    (by_x, by_yaw), (moment_by_x, moment_by_yaw) = jacobian[np.ix_(both, both)] - jacobian[np.ix_(both, rest)] @ follow
-    direct = by_x * moment_by_yaw if by_x < 0.0 and moment_by_yaw < 0.0 else 0.0
+    (by_x, by_yaw), (moment_by_x, _) = jacobian[np.ix_(both, both)] - jacobian[np.ix_(both, rest)] @ follow
+    direct = max(-by_x, 0.0) * yaw_stiffness
     return not -direct < by_yaw * moment_by_x < direct / DIRECT
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from flangeway.quantities import Quantity, measured
+from flangeway.quantities import Quantities, Quantity, measured
 from flangeway.report.figures.drawing import GREY, name_axes, panels, sequence_colours
 from flangeway.report.page.case_text import inputs_tables
 from flangeway.report.page.record import Again, Picture, Record
@@ -18,7 +18,6 @@ from flangeway.tables.table_outputs import FORCES, PATCHES, README, TABLE
 from flangeway.types import Floats
 from flangeway.units import Units
 
-PICTURE = "creep-forces.png"
 FRICTION, MAX_PERCENT, MAX_CURVES = 0.3, 1.0, 5
 """Coefficient of friction, creepage at the end and number of lateral positions in the picture."""
 CAPTION = (
@@ -27,7 +26,7 @@ CAPTION = (
     "and over the lateral one with the spin of the contact angle."
 )
 
-JUMP: tuple[Quantity[Mapping[str, Any]], ...] = (
+JUMP: Quantities[Mapping[str, Any]] = (
     Quantity("side", "side", lambda jump: jump["side"]),
     Quantity("lateral", "lateral position", lambda jump: jump["lateral_mm"], "mm", ".3f"),
     Quantity("width", "within", lambda jump: jump["width_mm"], "mm", ".3f"),
@@ -75,7 +74,7 @@ def creep_table_record(table: CreepTable, request: TableRequest, command: str, f
         notes=[f"in {len(jumps)} intervals patches jump: there forces go over from those of one position to another"]
         if jumps
         else [],
-        pictures=[Picture(PICTURE, lambda: forces_figure(table, units), CAPTION)],
+        pictures=[Picture("creep-forces.png", lambda: forces_figure(table, units), CAPTION)],
         tables=[
             SummaryTable("Positions", ("", "points", "from", "to"), tuple(axes)),
             *([table_of("Patches jump", jumps, JUMP, units=units)] if jumps else []),

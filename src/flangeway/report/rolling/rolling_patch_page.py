@@ -217,10 +217,7 @@ def _fields(run: RollingPatchRun) -> dict[str, Floats]:
 
 
 def _scene(run: RollingPatchRun) -> Scene:
-    grid = run.contact.grid
-    z: Floats = grid.middle + grid.strip * (np.arange(grid.n_strips + 1, dtype=np.float64) - grid.n_strips / 2.0)
-    n = len(grid.bounds)
-    mesh = strip_mesh(grid.bounds, z, np.stack((np.arange(n - 1), np.arange(1, n)), axis=1))
+    mesh = strip_mesh(run.contact.grid.bounds, _shown(run).edges[1])
     fields, arrays = shown_fields(_fields(run))
     part = ShownPart("patch", mesh, cell_arrays={name: each.reshape(-1, 1) for name, each in arrays.items()})
     note = (

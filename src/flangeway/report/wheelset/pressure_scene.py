@@ -10,10 +10,10 @@ from flangeway.quantities import measured
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.report.rolling.rolling_maps import shown_fields
-from flangeway.report.spatial.patch_map import strip_mesh
+from flangeway.report.spatial.patch_map import strip_ends, strip_mesh
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.report.wheelset.running_surface_files import friction_fields
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats
 from flangeway.units import Units
 
 RAISED_MM_PER_MPA = 0.01
@@ -69,7 +69,7 @@ def _part(
     lowest = min(-DEEP_MM, float(cells.points[:, 1].min()) - LOWER_MM)
     stations = surfaces.rail_stations[depths > lowest, 1]
     nodes = _with_coarse(np.unique(cells.cells), float(stations.min()), float(stations.max()))
-    strips = np.append(cells.z - cells.strip / 2.0, cells.z[-1] + cells.strip / 2.0)
+    strips = strip_ends(cells)
     z = _with_coarse(strips, *ends)
     shape = len(nodes) - 1, len(z) - 1
     first = np.searchsorted(z, strips[0])
@@ -85,12 +85,13 @@ def _part(
     at_nodes = (around[1:, 1:] + around[:-1, 1:] + around[1:, :-1] + around[:-1, :-1]) / 4.0
     points, _ = surfaces.rail_points(nodes)
     heights = np.repeat(points[:, 1], len(z)) + RAISED_MM_PER_MPA * at_nodes.ravel()
-    # lengths along the surface run to the gauge side: the cells of the right rail are turned over
-    rows: Ints = np.stack((np.arange(len(nodes) - 1), np.arange(1, len(nodes))), axis=1)
-    mesh = strip_mesh(SIDE_SIGN[side] * points[:, 0], z, rows if side == "left" else rows[:, ::-1])
+    mesh = strip_mesh(SIDE_SIGN[side] * points[:, 0], z)
     # first the cells of the contact, with the numbers of the VTU file
     order = np.argsort(later.ravel(), kind="stable")
-    mesh = PolyMesh(mesh.points, mesh.cell_offsets, mesh.cell_points.reshape(-1, 4)[order].ravel())
+    corners = mesh.cell_points.reshape(-1, 4)[order]
+    # lengths along the surface run to the gauge side: the cells of the right rail are turned over
+    corners = corners if side == "left" else corners[:, [1, 0, 3, 2]]
+    mesh = PolyMesh(mesh.points, mesh.cell_offsets, corners.ravel())
     ordered = {name: values.reshape(-1, 1)[order] for name, values in arrays.items()}
     return ShownPart(f"rail-{side}", mesh, cell_arrays=ordered, side=side, heights=heights), fields
 
