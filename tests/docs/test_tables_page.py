@@ -25,7 +25,7 @@ def test_the_page_runs_from_top_to_bottom(follow, small, tmp_path, monkeypatch):
 
 
 def test_the_output_that_is_shown_has_the_rows_of_a_table_and_its_own_tolerance(small):
-    """Each row that is shown is one of any table's, and its errors are below the tolerance that is shown."""
+    """Each row that is shown is one of any table's, and what is claimed is not below what was found at random points."""
     text = PAGE.read_text(encoding="utf-8")
     first, _, *shown = re.search(r"```text\n(creep-table: .*?)```", text, flags=re.DOTALL)[1].splitlines()
     request = SimpleNamespace(case=COARSE)
@@ -33,6 +33,6 @@ def test_the_output_that_is_shown_has_the_rows_of_a_table_and_its_own_tolerance(
     found = [re.fullmatch(r" *(\S.*?)  +(\S.*)", line) for line in shown]
     assert [each[1] for each in found] == [row[0].strip() for row in rows]
     tolerance = float(re.search(r"tolerance of ([\d.]+)%", first)[1])
-    errors = [float(each[2]) for each in found if "%" in each[1]]
-    assert len(errors) == 4
-    assert max(errors) <= tolerance
+    errors = {each[1]: float(each[2]) for each in reversed(found) if "%" in each[1] and each[2] != "–"}
+    assert errors["maximum, % of the limit of friction"] <= errors["claimed error, % of the limit of friction"]
+    assert ("NOT converged" in first) == (errors["claimed error, % of the limit of friction"] > tolerance)
