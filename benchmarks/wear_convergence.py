@@ -16,40 +16,17 @@ from typing import Any
 import numpy as np
 
 from flangeway.cases.damage.damage_file import DamageFile
+from flangeway.cases.damage.spread_states import SHARE, moved
 from flangeway.railway.damage.collective import COLLECTIVES
 from flangeway.railway.damage.evolution import EvolutionSettings, EvolutionStep
 
-RADIUS, SHARE = "curve_radius_m", "share"
 VARIANTS = ("as it is", "half the steps", "half the spacing", "half the cells")
 
 
 def halved(states: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Two states for each, a quarter of the way to both of its neighbours, so that their mean is it.
-
-    Straight track, in the order of gauge and yaw, and curves are apart. Curvature is linear and not the radius; inputs
-    that only some states have stay.
-    """
-    tangents = sorted(
-        (state for state in states if RADIUS not in state),
-        key=lambda state: (state.get("gauge_mm", 0.0), state.get("yaw_mrad", 0.0)),
-    )
-    curves = sorted((state for state in states if RADIUS in state), key=lambda state: -state[RADIUS])
-    return [new for group in (tangents, curves) for new in _halved(group)]
-
-
-def _halved(group: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    common = [key for key in group[0] if all(isinstance(state.get(key), int | float) for state in group)]
-    linear = [key for key in common if key != SHARE]
-    numbers = np.array([[1.0 / state[key] if key == RADIUS else state[key] for key in linear] for state in group])
-    slopes = np.gradient(numbers, axis=0) if len(group) > 1 else np.zeros_like(numbers)
-    found = []
-    for state, row, slope in zip(group, numbers, slopes, strict=True):
-        for quarter in (-0.25, 0.25):
-            moved = dict(zip(linear, (row + quarter * slope).tolist(), strict=True))
-            if RADIUS in moved:
-                moved[RADIUS] = 1.0 / moved[RADIUS]
-            found.append({**state, **moved, SHARE: state[SHARE] / 2.0})
-    return found
+    """Two states for each, a quarter of the way to both of its neighbours, so that their mean is it."""
+    both = zip(*(moved(states, offset) for offset in (-0.25, 0.25)), strict=True)
+    return [{**state, SHARE: state[SHARE] / 2.0} for pair in both for state in pair]
 
 
 def varied(file: DamageFile, variant: str) -> DamageFile:
@@ -58,7 +35,9 @@ def varied(file: DamageFile, variant: str) -> DamageFile:
     bundled = COLLECTIVES.get(file.data.get("collective", ""), ())
     states = [state.values | {SHARE: state.share} for state in bundled] or data["states"]
     evolution, inputs = dict(data["evolution"]), dict(data["inputs"])
-    if variant == "half the spacing":
+    if variant == "half the spacing" and data.get("spread"):
+        data["spread"] *= 2
+    elif variant == "half the spacing":
         states = halved(states)
     elif variant == "half the steps":
         for key, part in (("max_depth_mm", 2.0), ("max_error_mm", 4.0)):

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -25,7 +26,7 @@ from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Tra
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Floats
-from studies.study import Curves, Limit, Row, Run, Study, published_rows
+from studies.study import Limit, Row, Run, published_rows
 
 PATCH_METHODS = ("FD", "VD", "VV", "HE")
 """Lagrange triangles, virtual triangles, virtual polygons, and Lagrange triangles inside with virtual quadrilaterals
@@ -138,7 +139,7 @@ def kirsch_plate(n: int, *, geometric: bool = False) -> PolyMesh:
     direction = np.stack((np.cos(angle), np.sin(angle)), axis=1)
     outer = PLATE_SIDE / direction.max(axis=1)
     radius = outer**share if geometric else 1.0 + share**1.5 * (outer - 1.0)
-    return PolyMesh(radius[:, None] * direction, grid.cell_offsets, grid.cell_points, edge_sets=grid.edge_sets)
+    return replace(grid, points=radius[:, None] * direction)
 
 
 def plate_traction(points: Floats) -> Floats:
@@ -174,7 +175,7 @@ def ring_sector(n_across: int, n_around: int, turn: float = np.pi / 2.0) -> Poly
     x, y = grid.points.T
     radius = CYLINDER.inner_radius + (CYLINDER.outer_radius - CYLINDER.inner_radius) * x
     points = np.stack((radius * np.cos(turn * y), radius * np.sin(turn * y)), axis=1)
-    return PolyMesh(points, grid.cell_offsets, grid.cell_points, edge_sets=grid.edge_sets)
+    return replace(grid, points=points)
 
 
 def solve_lame(n: int, letter: str, poisson: float, *, axisymmetric: bool) -> ElasticitySolution:
@@ -201,19 +202,3 @@ def _lame_rows(code: str, solution: ElasticitySolution, poisson: float) -> Itera
     limit, note = (LAME_LIMIT, "closed form") if poisson == POISSON else (SOFT_STRESS_LIMIT, SOFT_NOTE)
     wanted = float(CYLINDER.hoop_stress(radii[:1])[0])
     yield Row("Lamé", code, "hoop stress at the inner wall", "stress", value, wanted, limit, note)
-
-
-ELASTICITY = Study(
-    "elasticity",
-    rows,
-    (
-        Curves(
-            "cook",
-            "Errors of Cook's membrane over the number of unknowns: of the energy all fall with each mesh; with "
-            "Poisson's ratio 0.4999 triangles of order 1 lock, and elements of order 2 do not",
-            "number of unknowns",
-            "relative error",
-            logarithmic=True,
-        ),
-    ),
-)

@@ -1,6 +1,7 @@
 """Problems of one's own, each on triangles, on dual polygons and on cells that are not convex, beside known values."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import scipy.linalg
@@ -33,9 +34,12 @@ from flangeway.solve import StepSettings, solve_nonlinear
 from flangeway.space import Space
 from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
-from studies.study import Curves, Limit, Row, Run, Study
+from studies.study import Limit, Row, Run
 
 Function = Callable[[Floats], Floats]
+KINDS = ("triangles", "duals", "not convex")
+FINER = {"triangles": 1, "duals": 1, "not convex": 3}
+"""By how much triangles are finer than cells that are joined of them."""
 L_SHAPE = polygon([(-1, -1), (0, -1), (0, 0), (1, 0), (1, 1), (-1, 1)])
 CORNERS: dict[str, tuple[Callable[[], PolyMesh], float]] = {
     "L-shape, duals": (lambda: dual(triangulate(L_SHAPE, size=0.3)), 2.0 / 3.0),
@@ -55,28 +59,25 @@ YOUNG, POISSON, YIELD, OUTER, PRESSURE = 210.0, 0.3, 0.24, 2.0, 0.17
 
 def square_of(kind: str, n: int) -> PolyMesh:
     """The unit square, about n cells on a side."""
-    if kind == "not convex":
-        return agglomerated(triangulate(square(1.0, (0.5, 0.5)), size=1.0 / (3 * n)), 2 * n * n)
-    grid = triangulate(square(1.0, (0.5, 0.5)), size=1.0 / n)
-    return dual(grid) if kind == "duals" else grid
+    return _of_kind(kind, triangulate(square(1.0, (0.5, 0.5)), size=1.0 / (FINER[kind] * n)), 2 * n * n)
 
 
 def mapped(kind: str, n: int, m: int, to: Function) -> PolyMesh:
     """The unit square of n by m cells, mapped."""
-    fine = 3 if kind == "not convex" else 1
-    grid = rectangle_grid(1.0, 1.0, fine * n, fine * m)
-    mesh = PolyMesh(to(grid.points), grid.cell_offsets, grid.cell_points, edge_sets=grid.edge_sets)
-    return {"triangles": lambda: mesh, "duals": lambda: dual(mesh), "not convex": lambda: agglomerated(mesh, n * m)}[
-        kind
-    ]()
+    grid = rectangle_grid(1.0, 1.0, FINER[kind] * n, FINER[kind] * m)
+    return _of_kind(kind, replace(grid, points=to(grid.points)), n * m)
+
+
+def _of_kind(kind: str, triangles: PolyMesh, n_cells: int) -> PolyMesh:
+    """Triangles as they are, their dual cells, or about as many groups of them as given."""
+    if kind == "not convex":
+        return agglomerated(triangles, n_cells)
+    return dual(triangles) if kind == "duals" else triangles
 
 
 def element_of(kind: str, order: int) -> Element:
     """Lagrange's on triangles, virtual on polygons."""
     return Lagrange(order) if kind == "triangles" else Virtual(order)
-
-
-KINDS = ("triangles", "duals", "not convex")
 
 
 def slit(make: Callable[[PolyMesh], PolyMesh]) -> PolyMesh:
@@ -137,6 +138,13 @@ def corners(run: Run) -> Iterator[Row]:
         yield Row("refinement", name, f"largest ratio of diameters of {levels} levels", "1", ratio, 0.5, limit)
         limit = Limit(f">= {MIN_ROUNDNESS}", roundness >= MIN_ROUNDNESS)
         yield Row("refinement", name, "least area over squared diameter", "1", roundness, 0.0, limit)
+
+
+def rate_of(errors: Iterable[float], meshes: Sequence[PolyMesh]) -> float:
+    """Order of convergence between two meshes by the mean size of their cells."""
+    coarse, fine = errors
+    sizes = [mesh.cell_areas.mean() for mesh in meshes]
+    return float(2.0 * np.log(coarse / fine) / np.log(sizes[0] / sizes[1]))
 
 
 def at_least(table: str, code: str, quantity: str, rate: float, optimal: float) -> Row:
@@ -231,11 +239,10 @@ def fields(run: Run) -> Iterator[Row]:
     """Equations with one unknown, by elements of order 2."""
     for kind in KINDS:
         spaces = [Space(square_of(kind, n), element_of(kind, 2)) for n in (5, 10)]
-        step = np.log(np.sqrt(spaces[0].mesh.cell_areas.mean() / spaces[1].mesh.cell_areas.mean()))
         for name, error in SCALAR.items():
             run.progress(f"{name}, {kind}")
-            coarse, fine = (error(space) for space in spaces)
-            yield at_least(name, kind, "order of the error in L2", float(np.log(coarse / fine) / step), 3.0)
+            rate = rate_of(map(error, spaces), [space.mesh for space in spaces])
+            yield at_least(name, kind, "order of the error in L2", rate, 3.0)
         run.progress(f"heat and wave, {kind}")
         yield Row("heat", kind, "error in L2 at t = 0.05", "1", heat(spaces[1]), 0.0, 2e-3)
         yield Row("wave", kind, "change of the energy in 100 steps", "1", wave_energy(spaces[1]), 0.0, 1e-10)
@@ -274,13 +281,11 @@ def stokes_rows(run: Run) -> Iterator[Row]:
     for kind in KINDS:
         for order in (2, 3):
             run.progress(f"Stokes, {kind}, order {order}")
-            errors, sizes = [], []
-            for n in (6, 12):
-                mesh = square_of(kind, n)
+            meshes, errors = [square_of(kind, n) for n in (6, 12)], []
+            for mesh in meshes:
                 points, weights, u, _, _ = stokes(mesh, order, flow_force, velocity=flow).at_quadrature(2 * order + 2)
                 errors.append(float(np.sqrt(weights @ ((u - flow(points)) ** 2).sum(axis=1))))
-                sizes.append(float(np.sqrt(mesh.cell_areas.mean())))
-            rate = float(np.log(errors[0] / errors[1]) / np.log(sizes[0] / sizes[1]))
+            rate = rate_of(errors, meshes)
             yield at_least("Stokes", f"{kind}, V{order}", "order of the velocity in L2", rate, order + 1.0)
         constants = [inf_sup(square_of(kind, n), 2) for n in (2, 4)]
         ratio = constants[1] / constants[0]
@@ -301,13 +306,10 @@ def clamped_frequency(degree: int = 12) -> float:
         bubble_ * np.polynomial.Polynomial(np.polynomial.legendre.leg2poly([0.0] * i + [1.0])) for i in range(degree)
     ]
     values, first, second = (np.array([f.deriv(d)(points) if d else f(points) for f in functions]) for d in (0, 1, 2))
-    gram = {
-        name: (a * weights) @ b.T
-        for name, a, b in (("00", values, values), ("11", first, first), ("22", second, second))
-    }
-    energy = np.kron(gram["22"], gram["00"]) + np.kron(gram["00"], gram["22"]) + 2.0 * np.kron(gram["11"], gram["11"])
+    g, g1, g2 = ((each * weights) @ each.T for each in (values, first, second))
+    energy = np.kron(g2, g) + np.kron(g, g2) + 2.0 * np.kron(g1, g1)
     # sides of two: lengths are half of the unit square's
-    return 4.0 * float(np.sqrt(scipy.linalg.eigh(energy, np.kron(gram["00"], gram["00"]), eigvals_only=True)[0]))
+    return 4.0 * float(np.sqrt(scipy.linalg.eigh(energy, np.kron(g, g), eigvals_only=True)[0]))
 
 
 def plate_curvature(p: Floats) -> Floats:
@@ -328,20 +330,18 @@ def plates(run: Run) -> Iterator[Row]:
     for kind in KINDS:
         for order in (2, 3):
             run.progress(f"plate, {kind}, order {order}")
-            errors, sizes = [], []
-            for n in (8, 16):
-                plate = Plate(square_of(kind, n), order)
+            meshes, errors = [square_of(kind, n) for n in (8, 16)], []
+            for mesh in meshes:
+                plate = Plate(mesh, order)
                 matrix, held = plate.stiffness(), plate.boundary_dofs()
                 bent = solve(matrix, plate.load(plate_pressure), held)
                 points, weights, _, second = plate.at_quadrature(bent, 2 * order + 2)
                 miss = second - plate_curvature(points)
                 errors.append(float(np.sqrt(weights @ (miss**2).sum(axis=(1, 2)))))
-                sizes.append(float(np.sqrt(plate.mesh.cell_areas.mean())))
-            rate = float(np.log(errors[0] / errors[1]) / np.log(sizes[0] / sizes[1]))
             weight, simply = plate.mass(), plate.boundary_dofs("simple")
             found = float(np.sqrt(modes(plate, matrix, weight, 1, held)[0][0]))
             code, limit = f"{kind}, order {order}", 0.03 if order == 2 else 5e-4
-            yield at_least("plate", code, "order of the second derivatives", rate, order - 1.0)
+            yield at_least("plate", code, "order of the second derivatives", rate_of(errors, meshes), order - 1.0)
             yield Row("plate", code, "frequency, clamped", "sqrt(D/m)", found, clamped, limit)
             simple = float(np.sqrt(modes(plate, matrix, weight, 1, simply)[0][0]))
             yield Row("plate", code, "frequency, simply supported", "sqrt(D/m)", simple, 2.0 * np.pi**2, limit)
@@ -400,18 +400,3 @@ def rows(run: Run) -> Iterator[Row]:
     """All problems."""
     for part in (corners, fields, stokes_rows, plates, cylinder, cook):
         yield from part(run)
-
-
-FORMS = Study(
-    "forms",
-    rows,
-    (
-        Curves(
-            "corners",
-            "Error of the gradient over the unknowns at a reentrant corner and at a slit: straight lines",
-            "unknowns",
-            "error of the gradient",
-            logarithmic=True,
-        ),
-    ),
-)

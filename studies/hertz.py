@@ -18,7 +18,7 @@ from flangeway.exact import LineContact
 from flangeway.post import pressure_patches
 from flangeway.post.pressure import PressurePatch
 from flangeway.types import Floats
-from studies.study import Curves, Row, Run, Study, published_rows
+from studies.study import Row, Run, published_rows
 
 CODES = ("FDO1", "VVO1", "FDO2", "VVO2", "VDO2", "HEO2")
 """Method, cells and order: finite, virtual, hybrid; Delaunay, Voronoi, edge-refined (Table 8)."""
@@ -150,8 +150,7 @@ def _rows(run: Run, code: str, level: int, variant: str) -> Iterator[Row]:
         pressures = patch.pressures if variant == "segments" else patch.normal_forces / np.gradient(x)
         run.curve("pressures", code, VARIANTS[variant], x, pressures, ".-")
         if variant == "segments":
-            at = theory.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))
-            run.curve("pressures", code, "Hertz", at, theory.pressure(at))
+            run.curve("pressures", code, "Hertz", *theory.curve)
     if variant != "segments":
         of_force, of_stress = SUFFIXES[variant]
         limit = FORCE_LIMITS[int(code[3])] if level >= FINE else FORCE_LIMITS[1]
@@ -174,18 +173,3 @@ def _rows(run: Run, code: str, level: int, variant: str) -> Iterator[Row]:
         ("oscillation of the pressure", "over p0", oscillation(patch.pressures), 0.0, 0.005),
     ):
         yield Row("Hertz", name, quantity, unit, value, published, limit if level >= FINE else None)
-
-
-HERTZ = Study(
-    "hertz",
-    rows,
-    (
-        Curves(
-            "pressures",
-            "Pressures of elements of order 2 on M3 beside Hertz's curve: node-to-segment contact oscillates, "
-            "segment-to-segment contact lies on the curve",
-            "x in cm, undeformed",
-            "pressure in kN/cm²",
-        ),
-    ),
-)

@@ -1,13 +1,12 @@
 """The page of validation, ``docs/validation.md``, with all numbers in a CSV file beside it."""
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.console import Console
 
 from flangeway.report.page.tables import SummaryTable, plain_table
+from flangeway.results import ResultTable
 from flangeway.system.output_folder import text_writer, write_together
 from studies.study import COMPARED, Computed
 
@@ -43,11 +42,8 @@ def write_page(page: Path, computed: Sequence[Computed], command: str, *, quick:
 
     It is an `InputError` if they cannot be written.
     """
-    numbers = io.StringIO()
-    writer = csv.writer(numbers, lineterminator="\n")
-    writer.writerow(("part", "quantity", "code", *COMPARED))
-    for done in computed:
-        writer.writerows((done.study.template[0], *row) for row in done.numbers().rows)
+    lines = [(done.study.template[0], *row) for done in computed for row in done.numbers().rows]
+    columns = zip(("part", "quantity", "code", *COMPARED), zip(*lines, strict=True), strict=True)
     csv_name = page.with_suffix(".csv").name
     head = HEAD.format(command=command, extent=QUICK if quick else WHOLE, numbers=csv_name)
     rows = tuple(
@@ -56,7 +52,9 @@ def write_page(page: Path, computed: Sequence[Computed], command: str, *, quick:
     )
     verdicts = SummaryTable("", ("part", "numbers with a limit", "within", "shown only", "verdict"), rows).markdown()
     text = "\n".join([head, verdicts, "", *(done.chapter for done in computed)])
-    return write_together(page.parent, {csv_name: text_writer(numbers.getvalue()), page.name: text_writer(text)})
+    return write_together(
+        page.parent, {csv_name: text_writer(ResultTable(dict(columns)).csv()), page.name: text_writer(text)}
+    )
 
 
 def print_verdicts(console: Console, computed: Mapping[str, Computed]) -> None:

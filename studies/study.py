@@ -1,6 +1,6 @@
 """What a study of ``flangeway reproduce`` is, and what becomes of it: ``table.csv``, report, chapter of a page.
 
-A study is a function that yields rows, a text in ``studies/text/NAME.md`` and, where a reader needs them, pictures::
+A study is a function that yields rows, a text in ``studies/text/NAME.md``, and a line of `studies.registry.STUDIES`::
 
     def rows(run: Run) -> Iterator[Row]:
         run.progress("disc of 16 cells")
@@ -9,36 +9,37 @@ A study is a function that yields rows, a text in ``studies/text/NAME.md`` and, 
         run.curve("pressure", "16 cells", "computed", x, found.pressures, "o")
         yield Row("Hertz", "16 cells", "force", "N", found.force, exact_force, 0.01)        # within 1 %
 
-    STUDY = Study("disc", rows, (Curves("pressure", "Pressures on Hertz's curve", "x in mm", "MPa"),))
-
 The text is Markdown: the title in its first line after ``# ``, what is compared with which source, and ``{{table}}``
 where the verdict and the largest deviations go. ``{{limit TABLE: QUANTITY}}`` is replaced by the limits of the rows of
-that table whose quantity begins so. Published numbers are in ``studies/data``; see `published_rows`. The list of all
-studies is `studies.registry.STUDIES`.
+that table whose quantity begins so. Pictures are its last lines, with the labels of both axes, ``| logarithmic`` if
+these are::
+
+    ![Pressures on Hertz's curve](pressure.png "x in mm | pressure in MPa")
+
+Published numbers are in ``studies/data``; see `published_rows`.
 """
 
-import csv
 import re
 import textwrap
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial
 from importlib.resources import files
 from itertools import cycle
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from flangeway.cases.summary import plain_numbers
-from flangeway.report.figures.drawing import SERIES, new_figure
-from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
+from flangeway.report.figures.drawing import SERIES, legend_below, panels
+from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable
+from flangeway.results import ResultTable
 from flangeway.solve import Status
 from flangeway.system.file_content import packaged_rows
+from flangeway.system.output_folder import text_writer
 from flangeway.system.versions import versions
 from flangeway.types import Floats
 
@@ -47,6 +48,8 @@ MIN_CHANGE = 1e-5  # relative differences below it are shown as such
 SHOWN_ONLY = "shown only"
 TABLE = "table.csv"
 COMPARED = ("published or exact", "computed", "difference", "limit", "within")
+PICTURE = re.compile(r'^!\[(.+)\]\((\w+)\.png "(.+?) \| (.+?)( \| logarithmic)?"\)$', re.MULTILINE)
+"""What it shows for those who do not see it, name, and labels of both axes of a picture of curves."""
 PLAIN = r"\d[\d.]*(?:e-?\d+)?"  # a number of a limit without its unit
 
 
@@ -184,9 +187,8 @@ class Curves:
         colours = dict(zip(dict.fromkeys(curve.label for curve in shown), cycle(SERIES), strict=False))
         columns = 2 if len(titles) == 4 else min(len(titles), 3)
         lines = -(-len(titles) // columns)
-        figure = new_figure(1.0 + 3.8 * columns, 0.9 + 3.2 * lines)
-        panels = figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False).ravel()
-        for axes, title in zip(panels, titles, strict=False):
+        figure, grid = panels(1.0 + 3.8 * columns, 0.9 + 3.2 * lines, lines, columns, sharex=True, sharey=True)
+        for axes, title in zip(grid.flat, titles, strict=False):
             for curve in (each for each in shown if each.panel == title):
                 style = {"color": colours[curve.label], "ms": 3.5, "mfc": "white", "lw": 1.2}
                 axes.plot(curve.x, curve.y, curve.style, label=curve.label, **style)
@@ -194,15 +196,12 @@ class Curves:
                 axes.set(xscale="log", yscale="log")
             axes.set_title(title, fontsize=10)
             axes.set(xlabel=self.x, ylabel=self.y)
-            axes.grid(color="#e4e4e4", linewidth=0.5)
             axes.label_outer()
-        for axes in panels[len(titles) :]:
+        for axes in grid.flat[len(titles) :]:
             axes.set_axis_off()
-        known = {label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)}
         # a label has about 0.075 in for a letter, and 0.6 in for its line
-        n_columns = max(1, int(figure.get_figwidth() / (0.6 + 0.075 * max(map(len, known)))))
-        handles, labels = known.values(), known.keys()
-        figure.legend(handles, labels, loc="outside lower center", ncols=n_columns, frameon=False, fontsize=9)
+        n_columns = max(1, int(figure.get_figwidth() / (0.6 + 0.075 * max(map(len, colours)))))
+        legend_below(figure, n_columns, fontsize=9)
         return figure
 
 
@@ -212,19 +211,22 @@ class Study:
 
     name: str  # name for the command and of its text
     rows: Callable[[Run], Iterable[Row]]
-    pictures: tuple[Curves, ...] = ()
-
-    @property
-    def files(self) -> tuple[str, ...]:
-        """Names of all files that it may write."""
-        return (*(f"{each.name}.png" for each in self.pictures), TABLE, REPORT, SUMMARY)
 
     @property
     def template(self) -> tuple[str, str]:
-        """Title, and text with its placeholders."""
-        text = (files("studies") / "text" / f"{self.name}.md").read_text(encoding="utf-8")
-        title, _, body = text.partition("\n")
+        """Title, and text with its placeholders, without the pictures."""
+        title, _, body = PICTURE.sub("", self._file).partition("\n")
         return title.removeprefix("# "), body.strip()
+
+    @property
+    def pictures(self) -> list[Curves]:
+        """Pictures."""
+        found = PICTURE.findall(self._file)
+        return [Curves(name, words, x, y, bool(logarithmic)) for words, name, x, y, logarithmic in found]
+
+    @property
+    def _file(self) -> str:
+        return (files("studies") / "text" / f"{self.name}.md").read_text(encoding="utf-8")
 
     def compute(self, *, quick: bool = False, progress: Callable[[str], None] = lambda _: None) -> "Computed":
         """Compute its rows."""
@@ -341,7 +343,6 @@ class Computed:
                 "versions": versions(),
             },
             again=Again(command, files=f"All numbers, for spreadsheets, are in `{TABLE}`."),
-            versions=versions(),
             sentences=[self.text.replace(" {{table}}", "")],
             warnings=[*self.failures, *self.outside],
             pictures=[
@@ -351,17 +352,8 @@ class Computed:
             ],
             tables=[self.numbers()],
             timings_s={"total": self.seconds},
-            files=lambda: {TABLE: lambda path: write_rows(path, [row.cells for row in self.rows])},
+            files=lambda: {TABLE: text_writer(ResultTable.of_rows(row.cells for row in self.rows).csv(8))},
         )
-
-
-def write_rows(path: Path, rows: Sequence[dict[str, Any]]) -> None:
-    """Write rows as CSV, numbers with 8 digits."""
-    with path.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(rows[0] if rows else ())
-        for row in rows:
-            writer.writerow([f"{value:.8g}" if isinstance(value, float) else value for value in row.values()])
 
 
 def published_rows(name: str) -> list[dict[str, str]]:

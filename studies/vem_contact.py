@@ -7,8 +7,6 @@ nothing but the pairing: nodes against segments, averages over segments, and nod
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
 from flangeway.cases.bodies.bodies_model import build_bodies
 from flangeway.cases.bodies.presets import HertzCase
 from flangeway.contact import Contact, ContactSolution, Multiplier, NodeToNode, Surface, press
@@ -16,7 +14,7 @@ from flangeway.mesh import insert_nodes, match_boundaries
 from flangeway.problems import Body, Part
 from studies.contact_patch import LAWS, ROTATION_DEG, patch_test
 from studies.hertz import SLACK, largest_patch, published_case, rms_from_hertz
-from studies.study import Curves, Row, Run, Study
+from studies.study import Row, Run
 
 CODES = ("VVO1", "VVO2", "VDO2", "FDO2")
 """Polygons of order 1 and 2; triangles with virtual and with finite elements of order 2, those with inserted nodes
@@ -105,8 +103,7 @@ def rows(run: Run) -> Iterator[Row]:
                     run.curve("pressures", f"polygons of order {code[3]}", pairing, x, patch.pressures, "o")
                     if pairing == PAIRINGS[2]:
                         theory = case.theory(force)
-                        at = np.linspace(-1.05, 1.05, 400) * theory.half_width
-                        run.curve("pressures", f"polygons of order {code[3]}", "Hertz", at, theory.pressure(at))
+                        run.curve("pressures", f"polygons of order {code[3]}", "Hertz", *theory.curve)
             sentence = (
                 f"{name}: the error of the pressure is {rms[PAIRINGS[2]]:.2g} node-to-node, {rms[PAIRINGS[0]]:.2g} "
             )
@@ -122,18 +119,3 @@ def rows(run: Run) -> Iterator[Row]:
             yield Row("Hertz", name, quantity, "1", force / plain_force, 1.0, SAME_FORCE)
             quantity = "error of the pressure over that without short edges"
             yield Row("Hertz", name, quantity, "1", rms_short / plain_rms, 1.0, SAME_ERROR)
-
-
-VEM_CONTACT = Study(
-    "vem-contact",
-    rows,
-    (
-        Curves(
-            "pressures",
-            "Pressures of Hertz's problem on polygons of order 1 and 2: node-to-segment contact oscillates, "
-            "segment-to-segment and node-to-node contact with inserted nodes lie on Hertz's curve at order 2",
-            "position in cm",
-            "pressure in kN/cm²",
-        ),
-    ),
-)

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 
 from flangeway.results import ResultTable
 from flangeway.units import Units, UsUnit, us_unit
@@ -113,6 +113,10 @@ class Quantity(Generic[T_contra]):
 
     def _other(self, units: Units) -> UsUnit | None:
         return us_unit(self.unit) if units == "us" and self.unit else None
+
+
+Quantities: TypeAlias = tuple[Quantity[T_contra], ...]
+"""All numbers of a kind of object that a table or a part of the summary has."""
 
 
 def of_part(part: Callable[[Any], Any], quantity: Quantity[Any]) -> Quantity[Any]:

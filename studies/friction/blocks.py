@@ -1,12 +1,14 @@
 """Blocks of rectangular cells, fine where they touch, for the contact problems of friction."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from flangeway.contact import ContactSolution, Surface
+from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSegment, Surface
 from flangeway.elements import Lagrange
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, rectangle_grid
+from flangeway.mesh import rectangle_grid
 from flangeway.problems import Body, Part
 from flangeway.types import Floats
 
@@ -29,7 +31,7 @@ def block(
     across, up = (each.ravel() for each in np.meshgrid(x, depth if above else -depth[::-1]))
     far, close = np.maximum(np.abs(across) - near, 0.0), np.minimum(np.abs(across), near)
     bulge = (close**2 / 2.0 + far * close) / radius * (1.0 - np.abs(up) / depth[-1])
-    mesh = PolyMesh(np.column_stack((across, up + bulge)), grid.cell_offsets, grid.cell_points, {}, grid.edge_sets)
+    mesh = replace(grid, points=np.column_stack((across, up + bulge)))
     return Part(name, Body(name, mesh, Lagrange(order), material, "top" if above else "bottom"))
 
 
@@ -39,6 +41,11 @@ def face(part: Part, reach: float) -> Surface:
     edges = mesh.edge_sets["bottom" if part.name == "upper" else "top"]
     middle = mesh.points[edges][:, :, 0].mean(axis=1)
     return Surface(part, edges[np.abs(middle) < reach])
+
+
+def touching(secondary: Surface, primary: Surface, friction: float = 0.0) -> Contact:
+    """Contact averaged over segments, with multipliers."""
+    return Contact(secondary, primary, SegmentToSegment(), Multiplier(), friction)
 
 
 def shift(part: Part, x: float, y: float) -> dict[Part, Placement]:

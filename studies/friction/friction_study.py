@@ -18,18 +18,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSegment, press
+from flangeway.contact import ContactSolution, press
 from flangeway.materials import Elastic
 from flangeway.problems import Part
 from flangeway.solve import StepSettings
 from flangeway.types import Floats
-from studies.friction.blocks import block, columns, face, shift
+from studies.friction.blocks import block, columns, face, shift, touching
 from studies.friction.ironing import ironing_rows
 from studies.friction.loaded_bodies import loaded_body_rows
 from studies.friction.punch_with_friction import punch_rows
 from studies.friction.revolved_contact import revolved_rows
 from studies.friction.sliding_bodies import sliding_rows
-from studies.study import Curves, Row, Run, Study
+from studies.study import Row, Run
 
 YOUNG_MPA, POISSON, MU = 210e3, 0.3, 0.3
 RADIUS_MM = 1000.0  # relative radius of the cylinders; their contact is about 2 mm wide
@@ -80,7 +80,7 @@ def _plane_block(
 
 def _cylinder_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
     upper, lower = _plane_block("upper", half=REACH_MM, radius=RADIUS_MM), _plane_block("lower", half=REACH_MM)
-    contact = Contact(face(upper, NEAR_MM), face(lower, NEAR_MM), SegmentToSegment(), Multiplier(), MU)
+    contact = touching(face(upper, NEAR_MM), face(lower, NEAR_MM), MU)
     path = [shift(upper, 0.0, -APPROACH_MM), shift(upper, PUSH_MM, 0.0), shift(upper, -2.0 * PUSH_MM, 0.0)]
     equal = StepSettings(1.0 / N_STEPS, 1.0 / N_STEPS)
     solution = press([contact], path, steps=[StepSettings(), equal, equal])
@@ -132,7 +132,7 @@ def _half_width(x: Floats, ellipse: Floats) -> float:
 def _sliding_punch_row(mu: float, solutions: list[ContactSolution]) -> Row:
     upper = _plane_block("upper", half=PUNCH_MM, young=1e4 * YOUNG_MPA, size=PUNCH_SIZE_MM)
     lower = _plane_block("lower", half=REACH_MM, size=PUNCH_SIZE_MM)
-    contact = Contact(face(upper, NEAR_MM), face(lower, NEAR_MM), SegmentToSegment(), Multiplier(), mu)
+    contact = touching(face(upper, NEAR_MM), face(lower, NEAR_MM), mu)
     path = [shift(upper, 0.0, -APPROACH_MM), shift(upper, 10.0 * mu * APPROACH_MM, 0.0)]
     solutions.append(press([contact], path))
     table = columns(solutions[-1])
@@ -141,25 +141,3 @@ def _sliding_punch_row(mu: float, solutions: list[ContactSolution]) -> Row:
     exact = -2.0 * np.arctan(mu * (1.0 - 2.0 * POISSON) / (2.0 * (1.0 - POISSON))) / np.pi
     quantity = "centre of pressure over the half-width"
     return Row("Flat punch", f"friction {mu:g}", quantity, "1", (centre - middle) / PUNCH_MM, exact, PUNCH_LIMIT)
-
-
-FRICTION = Study(
-    "friction",
-    rows,
-    (
-        Curves(
-            "tractions",
-            "Tangential tractions of two cylinders in five steps of a push and of its reversal: they reach the limit "
-            "by the pressure at the ends of the contact first, and stay below it in the middle",
-            "x in mm",
-            "traction in MPa",
-        ),
-        Curves(
-            "ironing",
-            "Normal and tangential force of a die that is lowered into a slab and then moved along it, beside five "
-            "published curves, which are up to a quarter apart in the normal force and twice in the tangential one",
-            "time: lowered from 0 to 1, then moved along",
-            "force per thickness in N/mm",
-        ),
-    ),
-)

@@ -21,13 +21,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSegment, Surface, press
+from flangeway.contact import ContactSolution, Surface, press
 from flangeway.elements import Lagrange
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, rectangle_grid
+from flangeway.mesh import rectangle_grid
 from flangeway.problems import Body, Part
 from flangeway.solve import StepSettings
-from studies.friction.blocks import shift
+from studies.friction.blocks import shift, touching
 from studies.study import Limit, Row, Run, published_values
 
 SLAB_MPA, POISSON, MU = 689.6, 0.32, 0.3
@@ -52,11 +52,11 @@ def ironed_slab(*, cells: tuple[int, int] = CELLS, steps: tuple[int, int] = STEP
     below = lowest + ARC_MM * np.column_stack((np.sin(angle), 1.0 - np.cos(angle)))
     above = np.column_stack((LEFT_MM + DIE_MM * s, np.full(len(s), lowest[1] + DIE_HEIGHT_MM)))
     points = (1.0 - up)[:, None] * below + up[:, None] * above
-    die_mesh = PolyMesh(points, grid.cell_offsets, grid.cell_points, {}, grid.edge_sets)
+    die_mesh = replace(grid, points=points)
     die = Part("die", Body("die", die_mesh, Lagrange(1), Elastic(10.0 * SLAB_MPA, POISSON), "top"))
     slab = Part("slab", Body("slab", slab_mesh, Lagrange(1), Elastic(SLAB_MPA, POISSON), "bottom"))
     surfaces = Surface(die, die_mesh.edge_sets["bottom"]), Surface(slab, slab_mesh.edge_sets["top"])
-    contact = Contact(*surfaces, SegmentToSegment(), Multiplier(), MU)
+    contact = touching(*surfaces, MU)
     path = [shift(die, 0.0, -DOWN_MM), shift(die, COMPUTED_MM, 0.0)]
     return press([contact], path, steps=[StepSettings(1.0 / n, 1.0 / n) for n in steps])
 

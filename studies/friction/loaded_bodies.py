@@ -46,7 +46,7 @@ from flangeway.problems.body import Components, Point
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Bools, Floats
-from studies.friction.blocks import columns
+from studies.friction.blocks import columns, touching
 from studies.study import Row, Run, published_values
 
 PLATE_MM, PLATE_CELLS = 40.0, (8, 16, 32)
@@ -120,7 +120,7 @@ def block_on_an_incline(friction: float, slope_deg: float = SLOPE_DEG) -> Contac
     steel, turned = _steel(), Placement(float(np.deg2rad(slope_deg)))
     ramp = _part("ramp", rectangle_grid(60.0, 10.0, 30, 5, origin=(-30.0, -10.0)), steel, "bottom", placement=turned)
     block = _part("block", rectangle_grid(20.0, 10.0, 10, 5, origin=(-10.0, 0.0)), steel, None, placement=turned)
-    contact = Contact(_side(block, "bottom"), _side(ramp, "top"), SegmentToSegment(), Multiplier(), friction)
+    contact = touching(_side(block, "bottom"), _side(ramp, "top"), friction)
     return press([contact], {}, body_loads={block: [Gravity((0.0, -GRAVITY_MM_S2))]})
 
 
@@ -141,7 +141,7 @@ def cooled_ring(cells: int) -> ContactSolution:
     shaft = _part("shaft", rectangle_grid(SHAFT_MM, 10.0, cells, cells), steel, between, Lagrange(2))
     grid = rectangle_grid(RING_MM - SHAFT_MM, 10.0, cells, cells + 1, origin=(SHAFT_MM, 0.0))
     ring = _part("ring", grid, steel, between, Lagrange(2))
-    contact = Contact(_side(ring, "left"), _side(shaft, "right"), SegmentToSegment(), Multiplier())
+    contact = touching(_side(ring, "left"), _side(shaft, "right"))
     return press([contact], {}, body_loads={ring: [TemperatureChange(-COOLED_K)]})
 
 
@@ -165,7 +165,7 @@ def wall_on_soil(cells: int) -> ContactSolution:
     wall = _part("wall", rectangle_grid(WALL_MM, WALL_HEIGHT_MM, cells, 3 * cells), concrete, None)
     grid = rectangle_grid(7.0 * WALL_MM, 3.0 * WALL_MM, 7 * cells, 3 * cells, origin=(-3.0 * WALL_MM, -3.0 * WALL_MM))
     soil = _part("soil", grid, Elastic(300.0, 0.3), "bottom")
-    contact = Contact(_side(wall, "bottom"), _side(soil, "top"), SegmentToSegment(), Multiplier(), 0.6)
+    contact = touching(_side(wall, "bottom"), _side(soil, "top"), 0.6)
 
     def water(points: Floats) -> Floats:
         return WATER_MPA * (1.0 - points[:, 1] / WALL_HEIGHT_MM)
@@ -208,8 +208,7 @@ def bolted_flange() -> tuple[ContactSolution, float]:
         _part("bolt", bolt, steel, {"axis": "x", "pulled": "xy"}),
         _part("flange", flange, steel, {"ground": "y"}),
     ]
-    faces = [Surface(part, part.body.space.mesh.edge_sets["seat"]) for part in parts]
-    contact = Contact(faces[0], faces[1], SegmentToSegment(), Multiplier(), 5.0)
+    contact = touching(_side(parts[0], "seat"), _side(parts[1], "seat"), 5.0)
     pull = PrescribedDisplacement("pulled", y=-BOLT_PULL_MM)
     found = press([contact], {}, body_loads={parts[0]: [pull]})
     held = [PrescribedDisplacement("axis", x=0.0), PrescribedDisplacement("ground", y=0.0)]

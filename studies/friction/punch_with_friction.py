@@ -14,11 +14,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSegment, press
+from flangeway.contact import ContactSolution, press
 from flangeway.materials import Elastic
 from flangeway.solve import StepSettings
 from flangeway.types import Floats
-from studies.friction.blocks import block, columns, face, growing, shift
+from studies.friction.blocks import block, columns, face, growing, shift, touching
 from studies.study import Row, Run, published_values
 
 YOUNG_MPA, POISSON, RIGID = 210e3, 0.3, 1e4  # RIGID: ratio of the stiffness of the punch to the half-plane's
@@ -55,7 +55,7 @@ def _pressed(x: Floats, far: Floats, radius: float, size: float, steps: int, fri
     rigid, soft = Elastic(RIGID * YOUNG_MPA, POISSON), Elastic(YOUNG_MPA, POISSON)
     upper = block("upper", both, growing(0.0, size, half), rigid, near=half, radius=radius, order=2)
     lower = block("lower", wide, growing(0.0, size, FAR), soft, near=half, order=2)
-    contact = Contact(face(upper, half), face(lower, reach), SegmentToSegment(), Multiplier(), friction)
+    contact = touching(face(upper, half), face(lower, reach), friction)
     return press([contact], shift(upper, 0.0, -DEPTH_MM), steps=StepSettings(1.0 / steps, 1.0 / steps))
 
 

@@ -13,11 +13,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSegment, press
+from flangeway.contact import ContactSolution, press
 from flangeway.materials import Elastic
 from flangeway.problems import Part
 from flangeway.types import Floats
-from studies.friction.blocks import block, columns, face, growing, shift
+from studies.friction.blocks import block, columns, face, growing, shift, touching
 from studies.study import Row, Run
 
 YOUNG_MPA, POISSON = 210e3, 0.3
@@ -76,7 +76,7 @@ def _onto(
     upper: Part, soft: Elastic, x: Floats, depth: Floats, reach: float, approach: float, friction: float = 0.0
 ) -> ContactSolution:
     lower = block("lower", x, depth, soft, near=reach, order=2)
-    contact = Contact(face(upper, reach), face(lower, reach), SegmentToSegment(), Multiplier(), friction)
+    contact = touching(face(upper, reach), face(lower, reach), friction)
     return press([contact], shift(upper, 0.0, -approach))
 
 

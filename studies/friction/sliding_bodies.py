@@ -20,7 +20,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSegment, Surface, press
+from flangeway.contact import ContactSolution, Surface, press
 from flangeway.elements import Lagrange
 from flangeway.geometry import Arc, Line, Outline, Placement
 from flangeway.materials import Elastic
@@ -28,7 +28,7 @@ from flangeway.mesh import PolyMesh, curved, rectangle_grid
 from flangeway.problems import Body, Part
 from flangeway.solve import StepSettings
 from flangeway.types import Floats
-from studies.friction.blocks import shift
+from studies.friction.blocks import shift, touching
 from studies.study import Row, Run
 
 YOUNG_MPA, MU, RIGID = 210e3, 0.3, 1e4
@@ -93,7 +93,7 @@ def pushed_strip() -> ContactSolution:
     u = strip_turn()
     path = [(0.0, -STRIP_MPA * STRIP_HEIGHT_MM / YOUNG_MPA), (u, 0.0), (-2.0 * u, 0.0), (2.0 * u, 0.0), (1.5 * u, 0.0)]
     equal = StepSettings(1.0 / STRIP_STEPS, 1.0 / STRIP_STEPS)
-    contact = Contact(*sides, SegmentToSegment(), Multiplier(), MU)
+    contact = touching(*sides, MU)
     return press([contact], [shift(strip, *each) for each in path], steps=[StepSettings(), *len(LEGS) * [equal]])
 
 
@@ -145,7 +145,7 @@ def turned_belt(thickness: float, cells: int, strain: float = BELT_STRAIN, mu: f
     edges = belt_mesh.edge_sets["bottom"]
     touching = edges[belt_mesh.points[edges].mean(axis=1)[:, 1] > 0.0]
     sides = Surface(belt, touching), Surface(drum, drum_mesh.edge_sets["top"])
-    contact = Contact(*sides, SegmentToSegment(), Multiplier(), mu)
+    contact = touching(*sides, mu)
     up = strain * (arc[-1] + 2.0 * SPAN_MM) / 2.0
     turn = {drum: Placement.about((0.0, up), -2.5 * up / DRUM_MM)}
     return press([contact], [shift(drum, 0.0, up), turn], steps=[StepSettings(), StepSettings(0.5, 0.5)])
@@ -176,5 +176,4 @@ def _around(along: Floats, heights: Floats, span: float) -> PolyMesh:
     under = Arc((-inner, 0.0), (inner, 0.0), (0.0, 0.0), counter_clockwise=False)
     over = Arc((outer, 0.0), (-outer, 0.0), (0.0, 0.0), counter_clockwise=True)
     sides: list[Line | Arc] = [under, *lines, over, *others]
-    mesh = PolyMesh(points, grid.cell_offsets, grid.cell_points, {}, grid.edge_sets)
-    return curved(mesh, Outline.from_segments(sides, len(sides) * ["side"]))
+    return curved(replace(grid, points=points), Outline.from_segments(sides, len(sides) * ["side"]))

@@ -107,23 +107,24 @@ def crowned(name: str, crown: float | None, turning: float | None = None) -> Pat
     drop = 0.0 if crown is None else float(np.sqrt(crown**2 - half**2)) - crown
     first, second, *others = (half * up, drop), (-half * up, drop), (-half * up, -DEPTH * up), (half * up, -DEPTH * up)
     top = Line(first, second) if crown is None else Arc(first, second, (0.0, -crown), counter_clockwise=True)
-    outline = _closed([top], others, ["surface", "left", "held", "right"])
+    outline = closed([top], others, ["surface", "left", "held", "right"])
     zone = np.array([[-2.0 * SEMI_AXIS, 0.0], [2.0 * SEMI_AXIS, 0.0]])
-    return _patch_body(name, outline, HERTZ_STEEL, zone, HERTZ_SIZES, None if turning is None else Axis((0.0, turning)))
+    return patch_body(name, outline, HERTZ_STEEL, zone, HERTZ_SIZES, None if turning is None else Axis((0.0, turning)))
 
 
-def _closed(segments: Sequence[Segment], others: Sequence[Point], names: Sequence[str]) -> Outline:
+def closed(segments: Sequence[Segment], others: Sequence[Point], names: Sequence[str]) -> Outline:
     """Outline of segments and of lines from their end through other points to their start."""
     corners = [segments[-1].end, *others, segments[0].start]
     return Outline.from_segments([*segments, *map(Line, corners, corners[1:])], names)
 
 
-def _patch_body(
+def patch_body(
     name: str, outline: Outline, material: Elastic, zone: Floats, sizes: tuple[float, float], axis: Axis | None = None
 ) -> PatchBody:
     """Mesh a body that is held at its sides ``held...`` and touched at ``surface...``."""
     mesh = triangulate(outline, size=sizes[1], refinements=[Refinement(zone, sizes[0], 0.3)])
-    touched, held = ([each for each in outline.names if each.startswith(what)] for what in ("surface", "held"))
+    names = dict.fromkeys(outline.names)
+    touched, held = ([each for each in names if each.startswith(what)] for what in ("surface", "held"))
     body = Elasticity(Space(mesh, Lagrange(2)), material, name=name)
     edges = np.vstack([mesh.edge_set(each) for each in touched]).astype(np.int64)
     return PatchBody(Harmonic(body, held=dict.fromkeys(held, "xyz")), edges, outline.part(touched), axis=axis)
@@ -187,11 +188,11 @@ def conforming_bodies() -> tuple[PatchBody, PatchBody]:
             else ([], ["held"])
         )
         names = ["surface before", "surface", "surface after", *names]
-        outline = _closed([Line(far, right), arc, Line(left, other)], others, names)
+        outline = closed([Line(far, right), arc, Line(left, other)], others, names)
         angles = np.linspace(-ANGLE, ANGLE, 41)
         zone = radius * np.stack((np.sin(angles), np.cos(angles) - 1.0), axis=1)
         axis = Axis((-ROLLING * sine, ROLLING * cosine), (cosine, sine)) if upper else None
-        bodies.append(_patch_body(name, outline, STEEL, zone, CONFORMAL_SIZES, axis))
+        bodies.append(patch_body(name, outline, STEEL, zone, CONFORMAL_SIZES, axis))
     return bodies[0], bodies[1]
 
 
@@ -218,7 +219,7 @@ def conforming_blocks() -> tuple[PatchBody, PatchBody]:
         angles = np.linspace(-0.6, 0.6, 31)
         zone = radius * np.stack((np.sin(angles), np.cos(angles) - 1.0), axis=1)
         axis = Axis((0.0, BLOCK.rolling)) if upper else None
-        bodies.append(_patch_body(name, outline, STEEL, zone, BLOCK_SIZES, axis))
+        bodies.append(patch_body(name, outline, STEEL, zone, BLOCK_SIZES, axis))
     return bodies[0], bodies[1]
 
 
@@ -244,9 +245,18 @@ def conforming_rows(run: Run) -> Iterator[Row]:
     note = "by the real bodies at the published force; the published ones and their supports are not known"
     for name, value in zip(("p0", "area"), values, strict=True):
         yield Row("Conformal", code, name, units[name], value, published[code, name], BODIES_LIMITS[name], note)
+    peer = calculix("block", BLOCK_MESHES)
     for name, value in (("force", float(block.force[1])), ("p0", float(block.pressures.max()))):
-        coarse, fine = (published_values("spatial.csv", "block")[size, name] for size in BLOCK_MESHES)
-        ratio = float(BLOCK_MESHES[0]) / float(BLOCK_MESHES[1])
-        exact = fine + (fine - coarse) / (ratio**2 - 1.0)
-        note = f"by C3D20 of CalculiX, {fine:.6g} with edges of {BLOCK_MESHES[1]} mm, extrapolated over their square"
+        exact, note = peer[name]
         yield Row("Conformal", "block", name, units[name], value, exact, BLOCK_LIMIT, note)
+
+
+def calculix(case: str, meshes: tuple[str, str]) -> dict[str, tuple[float, str]]:
+    """What CalculiX found, extrapolated over the square of the elements' edges, and a note on it, by quantity."""
+    values, ratio = published_values("spatial.csv", case), float(meshes[0]) / float(meshes[1])
+    found = {}
+    for name in dict.fromkeys(name for _, name in values):
+        coarse, fine = (values[mesh, name] for mesh in meshes)
+        note = f"by C3D20 of CalculiX, {fine:.6g} with edges of {meshes[1]} mm, extrapolated over their square"
+        found[name] = fine + (fine - coarse) / (ratio**2 - 1.0), note
+    return found

@@ -7,17 +7,13 @@ import numpy as np
 from flangeway.contact.patch.patch_body import Axis, PatchBody
 from flangeway.contact.patch.patch_contact import PatchContact, press_patch
 from flangeway.contact.patch.patch_grid import grid_about
-from flangeway.elements import Lagrange
-from flangeway.geometry import Contour, Line, Outline, Placement
-from flangeway.mesh import Refinement, triangulate
-from flangeway.problems import Elasticity, Harmonic
+from flangeway.geometry import Contour, Placement
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between
 from flangeway.railway.track.placements import Track
-from flangeway.space import Space
 from flangeway.types import Floats
-from studies.spatial.patches import HERTZ_STEEL
-from studies.study import Row, published_rows
+from studies.spatial.patches import HERTZ_STEEL, calculix, closed, patch_body
+from studies.study import Row
 
 GAUGE, GAUGE_DEPTH, INCLINATION, BACK_TO_BACK, RADIUS = 1435.0, 14.0, 1.0 / 40.0, 1360.0, 460.0
 LATERAL = 2.0
@@ -71,43 +67,26 @@ def profile_blocks() -> tuple[PatchBody, PatchBody]:
     bodies = []
     for name, surface, level in zip(("rail", "wheel"), cut, (-DEPTH, DEPTH), strict=True):
         start, end = surface.segments[0].start, surface.segments[-1].end
-        corners = [end, (end[0], level), (start[0], level), start]
-        lines = list(map(Line, corners, corners[1:]))
-        names = [*surface.names, "side", "held", "other side"]
-        outline = Outline.from_segments([*surface.segments, *lines], names)
+        corners, names = [(end[0], level), (start[0], level)], [*surface.names, "side", "held", "other side"]
         points = surface.sampled(spacing=0.2)
-        zone = Refinement(points[np.abs(points[:, 0]) < WINDOW[0] / 2.0 + 1.0], EDGES[0], 0.3)
-        mesh = triangulate(outline, size=EDGES[1], refinements=[zone])
-        problem = Harmonic(Elasticity(Space(mesh, Lagrange(2)), HERTZ_STEEL, name=name), held={"held": "xyz"})
-        bodies.append(PatchBody(problem, "surface", surface, axis=Axis((0.0, axle)) if level > 0.0 else None))
+        zone = points[np.abs(points[:, 0]) < WINDOW[0] / 2.0 + 1.0]
+        axis = Axis((0.0, axle)) if level > 0.0 else None
+        bodies.append(patch_body(name, closed(surface.segments, corners, names), HERTZ_STEEL, zone, EDGES, axis))
     return bodies[0], bodies[1]
 
 
 def pressed_profiles() -> PatchContact:
     """Both blocks under the force that CalculiX found."""
     bodies = profile_blocks()
-    return press_patch(*bodies, force=calculix()["force"][0], grid=grid_about(*bodies, CELL, WINDOW))
-
-
-def calculix() -> dict[str, tuple[float, float]]:
-    """What CalculiX found, extrapolated over the square of the elements' edges, and on the finer mesh."""
-    rows = [row for row in published_rows("spatial.csv") if row["case"] == "profile"]
-    values = {(row["code"], row["quantity"]): float(row["value"]) for row in rows}
-    ratio = float(MESHES[0]) / float(MESHES[1])
-    found = {}
-    for name in dict.fromkeys(row["quantity"] for row in rows):
-        coarse, fine = (values[mesh, name] for mesh in MESHES)
-        found[name] = fine + (fine - coarse) / (ratio**2 - 1.0), fine
-    return found
+    return press_patch(*bodies, force=calculix("profile", MESHES)["force"][0], grid=grid_about(*bodies, CELL, WINDOW))
 
 
 def profile_numbers(found: PatchContact) -> Iterator[Row]:
     """Maximum pressure, semi-axes, centre and approach beside CalculiX under the same force."""
-    (patch,), peer = found.patches, calculix()
+    (patch,), peer = found.patches, calculix("profile", MESHES)
     values = {"p0": patch.max_pressure, "along": patch.semi_axes[0], "across": patch.semi_axes[1]}
     for name, value in values.items():
-        exact, fine = peer[name]
-        note = f"by C3D20 of CalculiX, {fine:.6g} with edges of {MESHES[1]} mm, extrapolated over their square"
+        exact, note = peer[name]
         yield Row("S1002 on 60E1", "blocks", name, "MPa" if name == "p0" else "mm", value, exact, LIMIT, note)
     note = f"under {peer['force'][0]:.0f} N"
     yield Row("S1002 on 60E1", "blocks", "approach", "mm", found.contact.approach, APPROACH, LIMIT, note)

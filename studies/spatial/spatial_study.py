@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from studies.spatial.cosine_loads import ELEMENTS, bar_rows, plane_strain_row, revolution_numbers
 from studies.spatial.patches import conforming_rows, hertz_rows
 from studies.spatial.point_loads import rail_rows, square_numbers
-from studies.study import Curves, Row, Run, Study
+from studies.study import Row, Run
 
 
 def rows(run: Run) -> Iterator[Row]:
@@ -22,19 +22,3 @@ def rows(run: Run) -> Iterator[Row]:
     yield from rail_rows()
     yield from hertz_rows(run)
     yield from conforming_rows(run)
-
-
-SPATIAL = Study(
-    "spatial",
-    rows,
-    (
-        Curves(
-            "bar",
-            "Error of the displacements of a bar under a cosine pressure over the sides of its polygon for three "
-            "wavenumbers: each element falls at its rate, virtual elements of order 3 below 1e-5",
-            "sides of the polygon",
-            "error over the exact displacement",
-            logarithmic=True,
-        ),
-    ),
-)

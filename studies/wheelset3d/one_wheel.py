@@ -9,10 +9,11 @@ from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.contact.patch.elastic_surface import ElasticSurface
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDE_SIGN, Side, WheelsetPosition
+from flangeway.railway.wheelset.fine_cells import finer
 from flangeway.railway.wheelset.running_surfaces import SpatialModel
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces, wheel_gap
 from flangeway.railway.wheelset.side_newton import solve_side
-from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset, finer
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheelset_newton import pose_of
 from flangeway.types import Floats
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.report import OUTPUTS
+from flangeway.report import RECORDS
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "add-a-result.md"
 MAX_LINES = 70  # of the whole file, imports and the mechanics of the example too
@@ -22,13 +22,13 @@ def test_the_example_has_numbers_picture_page_and_columns(tmp_path, monkeypatch,
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
-    known = set(OUTPUTS)
+    known = set(RECORDS)
     try:
         exec(use, {})
     finally:
         sys.modules.pop("roller_on_plate", None)
-        for kind in set(OUTPUTS) - known:
-            del OUTPUTS[kind]
+        for kind in set(RECORDS) - known:
+            del RECORDS[kind]
     pressure = math.sqrt(500.0 * 115_385.0 / (math.pi * 25.0))
     half_width = math.sqrt(4.0 * 500.0 * 25.0 / (math.pi * 115_385.0))
     summary = json.loads((tmp_path / "roller" / "summary.json").read_text(encoding="utf-8"))

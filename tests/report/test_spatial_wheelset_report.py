@@ -9,6 +9,7 @@ import meshio
 import numpy as np
 import pytest
 from rich.console import Console
+from scipy.interpolate import interp1d
 from typer.testing import CliRunner
 
 from flangeway.cases import CASES
@@ -19,10 +20,10 @@ from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rolling_contact_of
-from flangeway.report.case_outputs import case_files, case_record, write_case
+from flangeway.report.case_outputs import case_record, write_case
 from flangeway.report.page import html_page
 from flangeway.report.page.record import print_record
-from flangeway.report.wheelset.pressure_scene import pressure_scene
+from flangeway.report.wheelset.pressure_scene import BELOW_MM, below_fields, pressure_scene
 from flangeway.report.wheelset.wheelset_patches import patch_map
 
 INPUTS = {
@@ -32,6 +33,12 @@ INPUTS = {
     "yaw_mrad": 5.0,
     "size_scale": 1.5,
     "patch_cells": 14,
+}
+PARTS = [f"{role}-{side}" for role in ("wheel", "rail") for side in ("left", "right")]
+FILES = {
+    *("wheelset.png", "patches.png", "pressure.png", "stresses.png", "rails.png", "wheelset.pvd"),
+    *(f"{kind}{part}.vtu" for kind in ("", "section-", "stresses-") for part in PARTS),
+    *("patches.csv", "subsurface.csv", "rails.csv", "report.html", "summary.json"),
 }
 
 
@@ -46,7 +53,7 @@ def folder(run, tmp_path_factory):
     """All its files."""
     out = tmp_path_factory.mktemp("wheelset")
     files = write_case(run, out)
-    assert {file.name for file in files} == set(case_files(run.case))
+    assert {file.name for file in files} == FILES
     return out
 
 
@@ -68,8 +75,7 @@ def rolling_folder(rolling, tmp_path_factory):
     """All its files."""
     out = tmp_path_factory.mktemp("rolling")
     files = write_case(rolling, out)
-    with_friction = type(rolling.case).from_values({**INPUTS, "friction": 0.35, "speed_km_h": 72.0})
-    assert {file.name for file in files} == set(case_files(with_friction))
+    assert {file.name for file in files} == FILES | {"rolling.png", "creep-curves.png", "shakedown.png"}
     return out
 
 
@@ -111,7 +117,7 @@ def test_surfaces_carry_the_force_where_wheel_and_rail_meet(run, folder, side):
 def test_the_viewer_shows_friction_of_the_files(rolling, rolling_folder):
     """The report's picture has pressure, sizes of traction and slip velocity, and power, as on the rails' surfaces."""
     scene = pressure_scene(rolling)
-    keys = [field.key for field in scene.fields]
+    keys = [field.key for field in scene.fields if field.group == "Contact"]
     assert keys == ["pressure_MPa", "traction_MPa", "slip_velocity_m_s", "frictional_power_W_mm2"]
     for part in scene.parts:
         _, arrays = quads(rolling_folder / f"{part.name}.vtu")
@@ -122,6 +128,25 @@ def test_the_viewer_shows_friction_of_the_files(rolling, rolling_folder):
             np.testing.assert_allclose(shown[: len(wanted)], wanted, rtol=1e-6, atol=1e-6 * wanted.max())
             assert not shown[len(wanted) :].any()
             assert wanted.max() > 0.0
+
+
+def test_the_viewer_shows_the_stress_below_the_patches(rolling):
+    """The largest von Mises stress of each side is the summary's, at each depth it is that of the volumes."""
+    scene = pressure_scene(rolling)
+    largest, *at_depths = (field for field in scene.fields if field.group == "Below the patches")
+    assert [field.name.split("depth of ")[1] for field in at_depths] == [f"{depth:g} mm" for depth in BELOW_MM]
+    for part in scene.parts:
+        patches = [each for each in rolling.patches if each.patch.side == part.side]
+        highest = max(each.maximum("rail", "max_von_mises")[0] for each in patches)
+        values = part.cell_arrays[largest.array]
+        assert values.max() == pytest.approx(highest, rel=0.02)
+        for field, depth in zip(at_depths, BELOW_MM, strict=True):
+            values = part.cell_arrays[field.array]
+            assert (values <= part.cell_arrays[largest.array] + 1e-6).all()
+            volumes = [each.patch.field("rail", rolling.space.tractions_of(part.side)) for each in patches]
+            wanted = max(interp1d(each.depths, each.von_mises, axis=0)(depth).max() for each in volumes)
+            assert values.max() == pytest.approx(wanted, rel=0.05)
+    assert "0.01969 in" in below_fields("us")[1].name
 
 
 def test_collection_opens_all_surfaces_and_sections(folder):

@@ -57,11 +57,14 @@ def test_a_file_in_the_way_is_refused(tmp_path):
     assert everything(tmp_path) == ["file"]
 
 
-def test_a_folder_with_the_name_of_a_file_is_refused(tmp_path):
-    """A folder called like a file of the results is refused before anything is computed."""
-    (tmp_path / "summary.json").mkdir()
-    with pytest.raises(InputError, match=r"summary\.json, which is a folder"):
-        refuse_unwritable(tmp_path, ("summary.json",))
+@pytest.mark.parametrize("name", ["summary.json", "report.html", "body.vtu", "campaign.sqlite"])
+def test_a_folder_with_the_name_of_a_file_is_refused(tmp_path, name):
+    """A folder called like a file of the results is refused before anything is computed; others may be there."""
+    (tmp_path / "steps").mkdir()
+    refuse_unwritable(tmp_path)
+    (tmp_path / name).mkdir()
+    with pytest.raises(InputError, match=f"{name}, which is a folder"):
+        refuse_unwritable(tmp_path)
 
 
 def test_a_system_that_does_not_allow_to_write_is_refused(tmp_path, monkeypatch):

@@ -20,7 +20,9 @@ def few_points():
         patch.setattr(creep_sampling, "AXES", (np.array([0.0, 0.5, 1.0]), ANGLES - np.pi / 2, ANGLES))
         patch.setattr(creep_sampling, "DIRECTIONS", (4,))
         patch.setattr(table_build, "N_POINTS", 2)
-        patch.setattr(table_build, "N_BETWEEN", 1)
+        patch.setattr(table_build, "MAX_PASSES", 1)
+        patch.setattr(table_build, "N_RANDOM", 2)
+        patch.setattr(table_build, "N_CREEPAGES", 2)
         yield
 
 

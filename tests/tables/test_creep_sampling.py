@@ -8,11 +8,20 @@ from hypothesis import strategies as st
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
-from flangeway.tables.creep_sampling import AXES, SampledPatch, check, random_points, sample
+from flangeway.tables import creep_sampling
+from flangeway.tables.creep_sampling import (
+    AXES,
+    SampledPatch,
+    check,
+    exact_forces,
+    random_points,
+    refined,
+    sample,
+)
 from flangeway.tables.creep_table import ROUNDED, SATURATED, ForceAxes, reduced
 from tests.contact.test_rolling import ellipse
 
-DIRECTIONS = 6
+DIRECTIONS, LEVELS = 6, creep_sampling.DIRECTIONS
 TOLERANCE = 0.05
 
 
@@ -84,10 +93,26 @@ def test_huge_creepages_slide_everywhere(patch, sampled):
 
 def test_the_bound_holds_at_fresh_random_creepages(patch, sampled):
     """At 50 creepages that the table does not know the force is within 5 % of the limit, 1.5 % on average."""
-    found = check(patch, sampled, random_points(50, np.random.default_rng(7)))
+    points = random_points(50, np.random.default_rng(7))
+    found = check(sampled, points, exact_forces(patch, points))
     assert found.force.max() < TOLERANCE
     assert np.sqrt((found.force**2).mean()) < 0.015
     assert found.moment.max() < 1.5 * TOLERANCE
+
+
+def test_a_similar_patch_saves_exact_solutions(patch, sampled, monkeypatch):
+    """Forces beyond FASTSIM's of an ellipse serve a slightly different one; without any it gets its own solutions."""
+    monkeypatch.setattr(creep_sampling, "AXES", AXES)
+    monkeypatch.setattr(creep_sampling, "DIRECTIONS", LEVELS)
+    points, wider = random_points(12, np.random.default_rng(3)), SampledPatch(ellipse(8, 0.63))
+    found, errors, directions = refined(wider, points, 0.1, sampled.beyond)
+    assert (directions, found.n_exact) == (0, 0)
+    assert errors.size < 0.1 / 6.0
+    np.testing.assert_allclose(found.beyond, sampled.beyond)
+    found, errors, directions = refined(wider, points, 0.1, np.zeros(sampled.beyond.shape))
+    assert directions > 0
+    assert found.n_exact > 0
+    assert errors.size < 0.1 / 6.0
 
 
 @given(st.floats(0.0, 1.0), st.floats(-np.pi / 2, np.pi / 2), st.floats(-np.pi, np.pi))

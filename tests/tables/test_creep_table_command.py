@@ -30,7 +30,7 @@ def test_the_command_writes_the_table(known, call, tmp_path):
     status, out, err = call(*COMMAND, "--out", "made")
     assert status == 0, err
     lines = out.splitlines()
-    assert lines[0] == "creep-table: converged, errors within the tolerance of 100.00%"
+    assert lines[0] == "creep-table: converged, error of 1.00% within the tolerance of 100.00%"
     assert any(
         line.split() == ["positions:", "lateral", "x", "yaw", "x", "load", "2", "x", "1", "x", "1"] for line in lines
     )
@@ -58,7 +58,7 @@ def test_a_table_beyond_its_tolerance_ends_with_status_1(known, call, tmp_path, 
     assert found["checks"]["between_positions"]["max"] == 1.5
     assert not (tmp_path / "made" / "creep-forces.png").exists()
     status, out, err = call(*COMMAND, "-q", "--no-pictures")
-    assert out.splitlines()[0] == "creep-table: NOT converged, errors above the tolerance of 100.00%"
+    assert out.splitlines()[0] == "creep-table: NOT converged, error of 150.00% above the tolerance of 100.00%"
     assert len(out.splitlines()) == 2
     assert (status, err) == (1, "")
 

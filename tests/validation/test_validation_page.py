@@ -8,7 +8,7 @@ import pytest
 
 from studies import registry
 from studies.registry import STUDIES
-from studies.study import Curves, Limit, Row, Study, digits, relative
+from studies.study import Limit, Row, Study, digits, relative
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "validation.md").read_text(encoding="utf-8")
@@ -108,6 +108,7 @@ def made_up(monkeypatch, tmp_path):
     def study(name, rows):
         (tmp_path / "text" / f"{name}.md").write_text(
             f"# {name.title()}\n\nSome\ntext to {{{{limit Table 7: depth}}}}.\n\n{{{{table}}}}\n"
+            '\n![A line](line.png "x | y")\n'
         )
 
         def compute(run):
@@ -115,7 +116,7 @@ def made_up(monkeypatch, tmp_path):
             run.curve("line", "panel", "computed", [0, 1], [1, 0])
             return rows
 
-        return Study(name, compute, (Curves("line", "A line", "x", "y"),))
+        return Study(name, compute)
 
     studies = {name: study(name, rows) for name, rows in (("one", ROWS[::2]), ("two", ROWS[:2]))}
     monkeypatch.setattr(registry, "STUDIES", studies)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import replace
+from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, cast, get_args, get_origin
 
@@ -52,6 +53,14 @@ _BOUNDS = ((at.Gt, "gt", "above"), (at.Ge, "ge", "from"), (at.Lt, "lt", "below")
 
 Pair = Annotated[tuple[float, float], Strict(False)]  # two numbers in a list, as files have them
 Box = Annotated[tuple[float, float, float, float], Strict(False)]
+
+# inputs with the same limits
+Positive = Annotated[float, at.Gt(0.0)]
+NotNegative = Annotated[float, at.Ge(0.0)]
+Fraction = Annotated[float, at.Gt(0.0), at.Le(1.0)]
+PoissonRatio = Annotated[float, at.Gt(-1.0), at.Lt(0.5)]
+ElementSize = Annotated[float, at.Ge(1e-6)]
+ElementOrder = Annotated[int, at.Ge(1), at.Le(2)]
 
 
 _IN_US_UNITS: ContextVar[set[str]] = ContextVar("_IN_US_UNITS")
@@ -223,6 +232,11 @@ class Case(Table):
         return _inputs_of(cls, "", units)
 
 
+def example_of(name: str) -> dict[str, Any]:
+    """Return the `Case.example` of a case, from its file in the folder ``examples``."""
+    return toml_data((Path(__file__).parent / "examples" / f"{name}.toml").read_text(encoding="utf-8"), "")
+
+
 class RunnableCase(Case):
     """A case that `flangeway run` computes."""
 
@@ -366,10 +380,17 @@ def allowed(field: FieldInfo, unit: UsUnit | None = None) -> str:
     bounds = [
         f"{word} {(unit.of if unit else float)(getattr(limit, attribute)):g}"
         for kind, attribute, word in _BOUNDS
-        for limit in field.metadata
+        for limit in (*field.metadata, *_metadata(field.annotation))
         if isinstance(limit, kind)
     ]
     return " or ".join(_words(field.annotation, " ".join(bounds)))
+
+
+def _metadata(annotation: Any) -> list[Any]:
+    """What the members of a union are annotated with, such as their limits."""
+    if get_origin(annotation) is Annotated:
+        return list(annotation.__metadata__)
+    return [each for member in get_args(annotation) for each in _metadata(member)]
 
 
 def _words(annotation: Any, bounds: str = "") -> list[str]:

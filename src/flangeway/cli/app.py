@@ -80,7 +80,7 @@ def _common(
     ] = False,
     memory: Annotated[
         float | None,
-        typer.Option(MEMORY, metavar="GB", help="Maximum memory to use (default: what is free).", show_default=False),
+        typer.Option(MEMORY, metavar="GB", help="Maximum memory to use (default: what is free)."),
     ] = None,
     debug: Annotated[  # noqa: ARG001 (`main` looks for it)
         bool, typer.Option(DEBUG, help="Show the traceback of an unexpected error.")

@@ -11,42 +11,22 @@ import typer
 from flangeway.cli.app import app
 from flangeway.cli.common import (
     INTERRUPTED,
+    Fresh,
     Out,
     Show,
     choices,
     command_typed,
     complain,
     completion,
+    results_folder,
     show_progress,
     shows_results,
 )
+from flangeway.cli.damage_command import run_strategies
+from flangeway.errors import InputError
 
 if TYPE_CHECKING:
     from flangeway.campaign import CampaignProgress
-
-CampaignFile = Annotated[
-    Path,
-    typer.Argument(metavar="FILE", help="A campaign's file (.toml).", autocompletion=completion(list, ".toml")),
-]
-WorkersOption = Annotated[
-    int | None,
-    typer.Option("--workers", metavar="N", help="Processes here; as many as cores if left out.", show_default=False),
-]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        "--scheduler", metavar="ADDRESS", help="A scheduler of dask.distributed whose workers compute instead."
-    ),
-]
-Fresh = Annotated[bool, typer.Option("--fresh", help="Drop the results that are there, and compute all anew.")]
-Export = Annotated[
-    str | None,
-    typer.Option(
-        "--export",
-        help="Format of the tables; once all is done, nothing else is written.",
-        **choices("csv", "parquet"),
-    ),
-]
 
 LINE_EVERY_S = 5.0
 
@@ -54,31 +34,53 @@ LINE_EVERY_S = 5.0
 @app.command()
 @shows_results
 def campaign(
-    file: CampaignFile,
+    file: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", help="A campaign's file (.toml).", autocompletion=completion(list, ".toml")),
+    ],
     out: Out = None,
-    workers: WorkersOption = None,
-    scheduler: Scheduler = None,
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", metavar="N", help="Processes here; as many as cores if left out."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler", metavar="ADDRESS", help="A scheduler of dask.distributed whose workers compute instead."
+        ),
+    ] = None,
     fresh: Fresh = False,
-    export: Export = None,
+    export: Annotated[
+        str | None,
+        typer.Option(
+            "--export",
+            help="Format of the tables; once all is done, nothing else is written.",
+            **choices("csv", "parquet"),
+        ),
+    ] = None,
     *,
     show: Show,
 ) -> bool:
-    """Run a case over many inputs: results row by row in one SQLite file, tables, pictures (out/FILE)."""
+    """Run a case, or a damage file, over many inputs: results in SQLite files, tables, pictures (out/FILE)."""
     from flangeway.campaign import Campaign, results, run_campaign  # noqa: PLC0415
+    from flangeway.campaign.damage_campaign import DamageCampaign  # noqa: PLC0415
     from flangeway.campaign.database import refuse_format  # noqa: PLC0415
     from flangeway.report.campaign.campaign_outputs import (  # noqa: PLC0415
         DATABASE,
         campaign_record,
-        check_campaign_folder,
         write_export,
     )
 
+    if "damage" in (given := DamageCampaign.read(file)).data:
+        for option, value in (("--workers", workers), ("--scheduler", scheduler), ("--export", export)):
+            if value is not None:
+                raise InputError(f"{option} with damage", "steps one after the other, in CSV", f"leave out {option}")
+        return run_strategies(given.strategies(), results_folder(out, file.stem), show, fresh=fresh)
     if export is not None:
         refuse_format(export)
     wanted = Campaign.from_file(file, units=show.units)
     show.units = wanted.units
-    folder = out or Path("out", file.stem)
-    check_campaign_folder(folder)
+    folder = results_folder(out, file.stem)
     database = folder / DATABASE
     had_all = not fresh and database.is_file() and results(database).is_done
     begun = time.perf_counter()

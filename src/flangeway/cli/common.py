@@ -58,19 +58,16 @@ def choices(*words: str) -> dict[str, Any]:
 
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False, parser=path_given),
+    typer.Option("--out", metavar="DIR", help="Folder for the results.", parser=path_given),
 ]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Drop the results that are there, and compute all anew.")]
 Unit = Annotated[
     str | None,
-    typer.Option(
-        "--unit", help="Unit of a file that names none.", show_default=False, **choices("mm", "cm", "m", "in", "ft")
-    ),
+    typer.Option("--unit", help="Unit of a file that names none.", **choices("mm", "cm", "m", "in", "ft")),
 ]
 Units = Annotated[
     str | None,
-    typer.Option(
-        "--units", help="Units of tables, tiles, pictures and CSV files.", show_default=False, **choices("metric", "us")
-    ),
+    typer.Option("--units", help="Units of tables, tiles, pictures and CSV files.", **choices("metric", "us")),
 ]
 
 
@@ -80,6 +77,15 @@ def units_given(name: str | None) -> "UnitSystem | None":
         if name == known:
             return known
     raise InputError(f"--units {name}", "metric or us", "choose one of these")
+
+
+def results_folder(out: Path | None, name: str) -> Path:
+    """Return the folder for results, ``out/NAME`` if none is given; an `InputError` if they cannot be written there."""
+    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+
+    folder = out or Path("out", name)
+    refuse_unwritable(folder)
+    return folder
 
 
 def case_names() -> list[str]:

@@ -14,41 +14,11 @@ from flangeway.cli.common import (
     complain,
     complete_setting,
     completion,
+    results_folder,
     settings_of,
     shows_results,
 )
 from flangeway.errors import InputError
-
-TableCase = Annotated[
-    str,
-    typer.Argument(
-        metavar="[CASE_OR_FILE]",
-        help="wheelset, or a case file of a wheelset in three dimensions.",
-        autocompletion=completion(lambda: ["wheelset"], ".toml"),
-    ),
-]
-TableSet = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="An input of the case, as often as needed: rail, wheel, ...",
-        autocompletion=complete_setting,
-    ),
-]
-Lateral = Annotated[
-    str, typer.Option("--lateral", metavar="VALUES", help="Lateral positions in mm: FROM:TO:STEP, or A,B,C.")
-]
-Yaw = Annotated[str, typer.Option("--yaw", metavar="VALUES", help="Yaw in mrad, as --lateral.")]
-Load = Annotated[str, typer.Option("--load", metavar="VALUES", help="Axle loads in kN, as --lateral.")]
-Tolerance = Annotated[
-    float, typer.Option("--tolerance", metavar="SHARE", help="Refinement tolerance, relative to mu N.")
-]
-TableWorkers = Annotated[
-    int | None,
-    typer.Option("--workers", metavar="N", help="Processes; as many as cores if left out.", show_default=False),
-]
-WithFmu = Annotated[bool, typer.Option("--fmu", help="Write FMUs too (FMI 2 and 3); needs a C compiler.")]
 
 MAX_VALUES = 10_000  # of an axis of a table
 
@@ -56,14 +26,38 @@ MAX_VALUES = 10_000  # of an axis of a table
 @app.command("creep-table")
 @shows_results
 def creep_table(
-    case: TableCase = "wheelset",
-    set_: TableSet = None,
-    lateral: Lateral = "-6:6:1",
-    yaw: Yaw = "-5:5:5",
-    load: Load = "120:280:80",
-    tolerance: Tolerance = 0.05,
-    workers: TableWorkers = None,
-    fmu: WithFmu = False,
+    case: Annotated[
+        str,
+        typer.Argument(
+            metavar="[CASE_OR_FILE]",
+            help="wheelset, or a case file of a wheelset in three dimensions.",
+            autocompletion=completion(lambda: ["wheelset"], ".toml"),
+        ),
+    ] = "wheelset",
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="An input of the case, as often as needed: rail, wheel, ...",
+            autocompletion=complete_setting,
+        ),
+    ] = None,
+    lateral: Annotated[
+        str, typer.Option("--lateral", metavar="VALUES", help="Lateral positions in mm: FROM:TO:STEP, or A,B,C.")
+    ] = "-6:6:1",
+    yaw: Annotated[str, typer.Option("--yaw", metavar="VALUES", help="Yaw in mrad, as --lateral.")] = "-5:5:5",
+    load: Annotated[
+        str, typer.Option("--load", metavar="VALUES", help="Axle loads in kN, as --lateral.")
+    ] = "120:280:80",
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", metavar="SHARE", help="Refinement tolerance, relative to mu N.")
+    ] = 0.05,
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", metavar="N", help="Processes; as many as cores if left out."),
+    ] = None,
+    fmu: Annotated[bool, typer.Option("--fmu", help="Write FMUs too (FMI 2 and 3); needs a C compiler.")] = False,
     out: Out = None,
     *,
     show: Show,
@@ -71,8 +65,7 @@ def creep_table(
     """Tabulate creep forces for multibody programs: npz, CSV, FMU, errors and report (out/creep-table-CASE)."""
     from flangeway.cases.case_file import read_case  # noqa: PLC0415
     from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase  # noqa: PLC0415
-    from flangeway.report.rolling.creep_table_page import ALL_NAMES, creep_table_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.rolling.creep_table_page import creep_table_record  # noqa: PLC0415
     from flangeway.tables.fmu import refuse_without_compiler  # noqa: PLC0415
     from flangeway.tables.table_build import TableRequest, make_table  # noqa: PLC0415
     from flangeway.tables.table_outputs import table_writers  # noqa: PLC0415
@@ -84,8 +77,7 @@ def creep_table(
     request = TableRequest(wanted, *axes, tolerance)
     if fmu:
         refuse_without_compiler()
-    folder = out or Path("out", f"creep-table-{Path(case).stem}")
-    refuse_unwritable(folder, ALL_NAMES)
+    folder = results_folder(out, f"creep-table-{Path(case).stem}")
     try:
         with show.progress() as progress:
             table = make_table(request, workers=workers, progress=progress)

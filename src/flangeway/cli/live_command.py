@@ -11,22 +11,23 @@ from flangeway.cli.common import completion, errors_as_exit_status, stdout
 from flangeway.cli.shape_commands import PROFILE_FILES
 from flangeway.errors import InputError
 
-Files = Annotated[
-    list[Path] | None,
-    typer.Argument(
-        metavar="[WHEEL] [RAIL]",
-        help="Files of measured profiles to begin with.",
-        show_default=False,
-        autocompletion=completion(list, *PROFILE_FILES),
-    ),
-]
-Port = Annotated[int, typer.Option("--port", metavar="NUMBER", help="Port on this machine; a free one if left out.")]
-Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")]
-
 
 @app.command()
 @errors_as_exit_status()
-def live(profiles: Files = None, port: Port = 0, browser: Browser = True) -> None:
+def live(
+    profiles: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="[WHEEL] [RAIL]",
+            help="Files of measured profiles to begin with.",
+            autocompletion=completion(list, *PROFILE_FILES),
+        ),
+    ] = None,
+    port: Annotated[
+        int, typer.Option("--port", metavar="NUMBER", help="Port on this machine; a free one if left out.")
+    ] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
+) -> None:
     """Move a wheelset on its rails with the mouse: a page in the browser, from this machine alone (Ctrl-C ends)."""
     try:
         from flangeway.live.server import LiveServer  # noqa: PLC0415

@@ -8,7 +8,17 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import INTERRUPTED, Out, Show, complain, completion, path_given, shows_results, stdout
+from flangeway.cli.common import (
+    INTERRUPTED,
+    Out,
+    Show,
+    complain,
+    completion,
+    path_given,
+    results_folder,
+    shows_results,
+    stdout,
+)
 from flangeway.errors import InputError
 
 NAMES = (
@@ -16,33 +26,38 @@ NAMES = (
     *("curved", "friction", "vem-contact", "forms", "damage"),
 )
 ALL = "all"
-ReproductionName = Annotated[
-    str,
-    typer.Argument(
-        metavar="NAME",
-        help=f"{', '.join(NAMES)}; {ALL}: every one, summarised.",
-        autocompletion=completion(lambda: [*NAMES, ALL]),
-    ),
-]
-Quick = Annotated[
-    bool,
-    typer.Option("--quick", help="Leave out what takes minutes: Hertz's finest mesh, the search for the flange root."),
-]
-Page = Annotated[
-    Path | None,
-    typer.Option(
-        "--page",
-        metavar="FILE.md",
-        help="Write what is computed as a page of validation, with all its numbers in FILE.csv.",
-        show_default=False,
-        parser=path_given,
-    ),
-]
 
 
 @app.command()
 @shows_results
-def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, out: Out = None, *, show: Show) -> bool:
+def reproduce(
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME",
+            help=f"{', '.join(NAMES)}; {ALL}: every one, summarised.",
+            autocompletion=completion(lambda: [*NAMES, ALL]),
+        ),
+    ],
+    quick: Annotated[
+        bool,
+        typer.Option(
+            "--quick", help="Leave out what takes minutes: Hertz's finest mesh, the search for the flange root."
+        ),
+    ] = False,
+    page: Annotated[
+        Path | None,
+        typer.Option(
+            "--page",
+            metavar="FILE.md",
+            help="Write what is computed as a page of validation, with all its numbers in FILE.csv.",
+            parser=path_given,
+        ),
+    ] = None,
+    out: Out = None,
+    *,
+    show: Show,
+) -> bool:
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
     _find_studies()
     from flangeway.cases.case import closest  # noqa: PLC0415
@@ -54,10 +69,10 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
     names = [*STUDIES, ALL]
     if name not in names:
         raise InputError(f"a reproduction called {name!r}", f"one of: {', '.join(names)}", closest(name, names))
-    folder = out or Path("out", "reproduce")
+    folder = results_folder(out, "reproduce")
     wanted = list(STUDIES.values()) if name == ALL else [STUDIES[name]]
     for study in wanted:
-        refuse_unwritable(folder / study.name, study.files)
+        results_folder(folder / study.name, study.name)
     if page is not None:
         refuse_unwritable(page.parent, (page.name, page.with_suffix(".csv").name))
     options = " --quick" * quick

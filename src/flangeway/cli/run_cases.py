@@ -20,6 +20,7 @@ from flangeway.cli.common import (
     errors_as_exit_status,
     path_given,
     progress_shown,
+    results_folder,
     settings_of,
     shows_results,
     stdout,
@@ -30,66 +31,6 @@ from flangeway.errors import InputError
 if TYPE_CHECKING:
     from flangeway.cases.case import RunnableCase
 
-CaseOrFile = Annotated[
-    str,
-    typer.Argument(
-        metavar="CASE_OR_FILE",
-        help="Name of a case (`flangeway cases` lists them), or a case file.",
-        autocompletion=completion(case_names, ".toml"),
-    ),
-]
-CaseFile = Annotated[
-    Path,
-    typer.Argument(
-        metavar="FILE",
-        help="A case file (.toml), or the name of a case.",
-        autocompletion=completion(case_names, ".toml"),
-    ),
-]
-NewName = Annotated[
-    str,
-    typer.Argument(
-        metavar="NAME",
-        help="Name of a case; `flangeway cases` lists them.",
-        autocompletion=completion(case_names),
-    ),
-]
-To = Annotated[
-    Path | None,
-    typer.Option(
-        "--to", metavar="FILE", help="The file; NAME.toml if left out.", show_default=False, parser=path_given
-    ),
-]
-SchemaTo = Annotated[
-    Path | None,
-    typer.Option("--to", metavar="FILE", help="Write it to this file.", show_default=False, parser=path_given),
-]
-ListedName = Annotated[
-    str | None,
-    typer.Argument(
-        metavar="[CASE]",
-        help="The one to explain; all if left out.",
-        show_default=False,
-        autocompletion=completion(case_names),
-    ),
-]
-# text, not numbers or choices: the case checks all values, with one kind of message
-Method = Annotated[
-    str | None, typer.Option("--method", help="Triangles, or polygons with virtual elements.", **choices("fem", "vem"))
-]
-CaseOrder = Annotated[
-    str | None,
-    typer.Option("--order", help="Order of the elements of a case.", show_default=False, **choices("1", "2")),
-]
-SizeScale = Annotated[
-    str | None, typer.Option("--size-scale", metavar="NUMBER", help="Factor on all element sizes; 0.5 halves them.")
-]
-Primary = Annotated[
-    str | None, typer.Option("--primary", help="Bodies with the primary surface.", **choices("auto", "rail", "wheel"))
-]
-Crown = Annotated[
-    str | None, typer.Option("--crown-radius", help="Radius of the rail's crown in inches.", **choices("8", "10", "14"))
-]
 Set = Annotated[
     list[str] | None,
     typer.Option(
@@ -110,12 +51,35 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
     @app.command(work.__name__, help=work.__doc__)
     @shows_results
     def command(
-        case: CaseOrFile,
-        method: Method = None,
-        order: CaseOrder = None,
-        size_scale: SizeScale = None,
-        primary: Primary = None,
-        crown_radius: Crown = None,
+        case: Annotated[
+            str,
+            typer.Argument(
+                metavar="CASE_OR_FILE",
+                help="Name of a case (`flangeway cases` lists them), or a case file.",
+                autocompletion=completion(case_names, ".toml"),
+            ),
+        ],
+        # text, not numbers or choices: the case checks all values, with one kind of message
+        method: Annotated[
+            str | None,
+            typer.Option("--method", help="Triangles, or polygons with virtual elements.", **choices("fem", "vem")),
+        ] = None,
+        order: Annotated[
+            str | None,
+            typer.Option("--order", help="Order of the elements of a case.", **choices("1", "2")),
+        ] = None,
+        size_scale: Annotated[
+            str | None,
+            typer.Option("--size-scale", metavar="NUMBER", help="Factor on all element sizes; 0.5 halves them."),
+        ] = None,
+        primary: Annotated[
+            str | None,
+            typer.Option("--primary", help="Bodies with the primary surface.", **choices("auto", "rail", "wheel")),
+        ] = None,
+        crown_radius: Annotated[
+            str | None,
+            typer.Option("--crown-radius", help="Radius of the rail's crown in inches.", **choices("8", "10", "14")),
+        ] = None,
         set_: Set = None,
         out: Out = None,
         *,
@@ -133,11 +97,9 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
 @_command_on_a_case
 def run(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
     """Run a case or a case file: results here; report, JSON, pictures and ParaView files in a folder (out/CASE)."""
-    from flangeway.report.case_outputs import case_files, case_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.case_outputs import case_record  # noqa: PLC0415
 
-    folder = out or Path("out", Path(name).stem)
-    refuse_unwritable(folder, case_files(case))
+    folder = results_folder(out, Path(name).stem)
     with show.progress() as progress:
         done = case.run(progress)
     return show.record(case_record(done), folder)
@@ -147,19 +109,27 @@ def run(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
 def converge(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
     """Run a case with its sizes of elements and cells and with half of them, and compare (out/CASE-converge)."""
     from flangeway.cases import run_halved  # noqa: PLC0415
-    from flangeway.report.page.halved_page import NAMES, convergence_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.page.halved_page import convergence_record  # noqa: PLC0415
 
     stem = Path(name).stem
-    folder = out or Path("out", f"{stem}-converge")
-    refuse_unwritable(folder, NAMES)
+    folder = results_folder(out, f"{stem}-converge")
     with show.progress() as progress:
         found = run_halved(case, progress)
     return show.record(convergence_record(stem, found, command_typed()), folder)
 
 
 @app.command()
-def cases(case: ListedName = None, units: Units = None) -> None:
+def cases(
+    case: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[CASE]",
+            help="The one to explain; all if left out.",
+            autocompletion=completion(case_names),
+        ),
+    ] = None,
+    units: Units = None,
+) -> None:
     """List the cases, or the inputs of one, with defaults and what is allowed."""
     with errors_as_exit_status():
         from rich.table import Column, Table  # noqa: PLC0415
@@ -195,7 +165,21 @@ def cases(case: ListedName = None, units: Units = None) -> None:
 
 
 @app.command()
-def init(name: NewName, to: To = None, units: Units = None) -> None:
+def init(
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME",
+            help="Name of a case; `flangeway cases` lists them.",
+            autocompletion=completion(case_names),
+        ),
+    ],
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", metavar="FILE", help="The file; NAME.toml if left out.", parser=path_given),
+    ] = None,
+    units: Units = None,
+) -> None:
     """Write a case file to begin with: every key with its meaning, unit, range and default."""
     with errors_as_exit_status():
         from flangeway.cases import find_case, write_template  # noqa: PLC0415
@@ -225,7 +209,17 @@ def init(name: NewName, to: To = None, units: Units = None) -> None:
 
 
 @app.command()
-def check(file: CaseFile, set_: Set = None) -> None:
+def check(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="A case file (.toml), or the name of a case.",
+            autocompletion=completion(case_names, ".toml"),
+        ),
+    ],
+    set_: Set = None,
+) -> None:
     """Check a case file without computing: keys, values, ranges, files, shapes; mistakes are named with their line."""
     with errors_as_exit_status():
         inputs = _case(str(file), set_)
@@ -239,7 +233,12 @@ def check(file: CaseFile, set_: Set = None) -> None:
 
 
 @app.command()
-def schema(to: SchemaTo = None) -> None:
+def schema(
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", metavar="FILE", help="Write it to this file.", parser=path_given),
+    ] = None,
+) -> None:
     """Print the JSON Schema of case files, with which editors complete keys and mark mistakes."""
     with errors_as_exit_status():
         import json  # noqa: PLC0415

@@ -18,6 +18,7 @@ from flangeway.cli.common import (
     geometry_names,
     path_given,
     profile_names,
+    results_folder,
     section_names,
     settings_of,
     shows_results,
@@ -28,52 +29,47 @@ from flangeway.system.file_content import is_file
 PROFILE_FILES = (".ban", ".whl", ".prr", ".prw", ".csv", ".txt", ".dat", ".dxf", ".slcs", ".slcw")
 PROFILES_ALONE = (".ban", ".whl", ".prr", ".prw", ".dxf", ".slcs", ".slcw")  # the other endings have tables too
 
-GeometryName = Annotated[
-    str,
-    typer.Argument(
-        metavar="[CASE_OR_FILE]",
-        help="wheelset, wheelset-tangent, wheelset-curve, s1002-60e1 or en15302; a case file of a wheelset (.toml); or "
-        "a file of lateral displacements and rolling radius differences, for its conicity.",
-        autocompletion=completion(geometry_names, ".toml", ".csv"),
-    ),
-]
-GeometrySet = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="An input, as often as needed: rail, wheel, gauge_mm, lateral_force_kN, maximum_lateral_mm, ...; a wrong "
-        "key lists all.",
-        autocompletion=complete_setting,
-    ),
-]
-GeometryWheel = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--wheel",
-        metavar="NAME_OR_FILE",
-        help="A wheel; several: one table and one picture of all pairs.",
-        autocompletion=completion(lambda: profile_names("wheel"), *PROFILE_FILES),
-    ),
-]
-GeometryRail = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--rail",
-        metavar="NAME_OR_FILE",
-        help="A rail, as often as needed.",
-        autocompletion=completion(lambda: profile_names("rail"), *PROFILE_FILES),
-    ),
-]
-
 
 @app.command()
 @shows_results
 def geometry(
-    case: GeometryName = "s1002-60e1",
-    set_: GeometrySet = None,
-    wheel: GeometryWheel = None,
-    rail: GeometryRail = None,
+    case: Annotated[
+        str,
+        typer.Argument(
+            metavar="[CASE_OR_FILE]",
+            help="wheelset, wheelset-tangent, wheelset-curve, s1002-60e1 or en15302; a case file of a wheelset "
+            "(.toml); or a file of lateral displacements and rolling radius differences, for its conicity.",
+            autocompletion=completion(geometry_names, ".toml", ".csv"),
+        ),
+    ] = "s1002-60e1",
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="An input, as often as needed: rail, wheel, gauge_mm, lateral_force_kN, maximum_lateral_mm, ...; a "
+            "wrong key lists all.",
+            autocompletion=complete_setting,
+        ),
+    ] = None,
+    wheel: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--wheel",
+            metavar="NAME_OR_FILE",
+            help="A wheel; several: one table and one picture of all pairs.",
+            autocompletion=completion(lambda: profile_names("wheel"), *PROFILE_FILES),
+        ),
+    ] = None,
+    rail: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--rail",
+            metavar="NAME_OR_FILE",
+            help="A rail, as often as needed.",
+            autocompletion=completion(lambda: profile_names("rail"), *PROFILE_FILES),
+        ),
+    ] = None,
     out: Out = None,
     *,
     show: Show,
@@ -91,15 +87,11 @@ def geometry(
     from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case  # noqa: PLC0415
     from flangeway.cases.rigid.rigid_run import run_geometry  # noqa: PLC0415
     from flangeway.report.rigid.rigid_outputs import (  # noqa: PLC0415
-        BATCH_NAMES,
-        NAMES,
         geometries_record,
         geometry_record,
     )
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
     name = file.stem if is_toml else case
-    folder = out or Path("out", f"geometry-{name}")
     found = []
     for pair in product(*([(key, e) for e in given] for key, given in (("wheel", wheel), ("rail", rail)) if given)):
         values = settings | dict(pair) | ({"units": show.units} if show.units else {})
@@ -109,7 +101,7 @@ def geometry(
         show.units = show.units or inputs.units
         found.append((inputs, notices))
     many = len(found) > 1
-    refuse_unwritable(folder, BATCH_NAMES if many else NAMES)
+    folder = results_folder(out, f"geometry-{name}")
     runs = []
     with show.progress() as progress:
         for inputs, notices in found:
@@ -123,51 +115,39 @@ def geometry(
 def _conicity(file: Path, settings: dict[str, Any], out: Path | None, show: Show) -> bool:
     """Conicity of a rolling radius difference from a file."""
     from flangeway.cases.rigid.rigid_run import run_conicity  # noqa: PLC0415
-    from flangeway.report.rigid.rigid_outputs import CONICITY_NAMES, conicity_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.rigid.rigid_outputs import conicity_record  # noqa: PLC0415
 
     with show.progress():
         done = run_conicity(file, settings)
-    folder = out or Path("out", f"geometry-{file.stem}")
-    refuse_unwritable(folder, CONICITY_NAMES)
+    folder = results_folder(out, f"geometry-{file.stem}")
     return show.record(conicity_record(done, command_typed(), show.units or "metric"), folder)
-
-
-SectionName = Annotated[
-    str,
-    typer.Argument(
-        metavar="NAME_OR_FILE",
-        help="136RE, 136RE-8, 136RE-14, 60E1, or an outline in a .toml, .csv or .dxf file.",
-        autocompletion=completion(section_names, ".toml", ".csv", ".dxf"),
-    ),
-]
-SectionSize = Annotated[
-    float | None,
-    typer.Option("--size", metavar="LENGTH", help="Element size in the outline's unit.", show_default=False),
-]
-SectionOrder = Annotated[int, typer.Option("--order", metavar="K", help="Order of the elements.")]
-SectionMethod = Annotated[
-    str, typer.Option("--method", help="Triangles, or virtual polygons.", **choices("fem", "vem"))
-]
-SectionPoisson = Annotated[
-    float | None,
-    typer.Option(
-        "--poisson", metavar="NU", help="Poisson's ratio for the shear centre; 0 if left out.", show_default=False
-    ),
-]
-SectionMirror = Annotated[bool, typer.Option("--mirror", help="The CSV file contains one half, up to x = 0.")]
 
 
 @app.command()
 @shows_results
 def section(
-    name_or_file: SectionName,
-    size: SectionSize = None,
-    order: SectionOrder = 2,
-    method: SectionMethod = "fem",
-    poisson: SectionPoisson = None,
+    name_or_file: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME_OR_FILE",
+            help="136RE, 136RE-8, 136RE-14, 60E1, or an outline in a .toml, .csv or .dxf file.",
+            autocompletion=completion(section_names, ".toml", ".csv", ".dxf"),
+        ),
+    ],
+    size: Annotated[
+        float | None,
+        typer.Option("--size", metavar="LENGTH", help="Element size in the outline's unit."),
+    ] = None,
+    order: Annotated[int, typer.Option("--order", metavar="K", help="Order of the elements.")] = 2,
+    method: Annotated[
+        str, typer.Option("--method", help="Triangles, or virtual polygons.", **choices("fem", "vem"))
+    ] = "fem",
+    poisson: Annotated[
+        float | None,
+        typer.Option("--poisson", metavar="NU", help="Poisson's ratio for the shear centre; 0 if left out."),
+    ] = None,
     unit: Unit = None,
-    mirror: SectionMirror = False,
+    mirror: Annotated[bool, typer.Option("--mirror", help="The CSV file contains one half, up to x = 0.")] = False,
     out: Out = None,
     *,
     show: Show,
@@ -178,110 +158,86 @@ def section(
         find_section,
         run_section,
     )
-    from flangeway.report.page.case_text import section_command  # noqa: PLC0415
-    from flangeway.report.page.record import REPORT  # noqa: PLC0415
-    from flangeway.report.section.section_page import NAMES, SUMMARY, section_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.section.section_page import section_record  # noqa: PLC0415
 
     drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
     inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
     case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson, "units": show.units or "metric"})
-    folder = out or Path("out", f"section-{Path(name_or_file).stem}")
-    refuse_unwritable(folder, (*NAMES, REPORT, SUMMARY))
+    folder = results_folder(out, f"section-{Path(name_or_file).stem}")
     with show.progress() as progress:
         done = run_section(drawn, case, progress)
-    show.record(section_record(done, case, command=section_command(case)), folder)
+    show.record(section_record(done, command_typed()), folder)
     return True
-
-
-ProfileNames = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="NAME_OR_FILE...",
-        help="136RE, 136RE-8, 136RE-14, 60E1, 60E2, 54E1, 49E1, S-519-A, AAR-1B, S1002, heavy-haul, R-519-A, or a "
-        ".ban, .whl, .prr, .prw, .csv, .txt, .dat, .dxf, .slcs or .slcw file; several: one table and picture of all.",
-        autocompletion=completion(profile_names, *PROFILE_FILES),
-    ),
-]
-ProfileKind = Annotated[
-    str | None,
-    typer.Option("--kind", help="Kind of profile in the file.", show_default=False, **choices("rail", "wheel")),
-]
-ProfileMirror = Annotated[
-    bool | None,
-    typer.Option(
-        "--mirror/--no-mirror",
-        help="Reverse the first coordinate: a left-hand rail; left out: if its field side is worn more.",
-        show_default=False,
-    ),
-]
-ProfileFlip = Annotated[bool, typer.Option("--flip", help="Reverse the second coordinate.")]
-ProfileOrigin = Annotated[
-    str | None,
-    typer.Option(
-        "--origin",
-        help="Position of the file's (0, 0); or X,Y, the position of a rail's top or a wheel's tread in the file.",
-        show_default=False,
-        **choices("top", "base", "gauge", "tape", "flange-back", "X,Y"),
-    ),
-]
-ProfileTape = Annotated[
-    float | None,
-    typer.Option("--tape", metavar="MM", help="From the flange's back to the tape line; 70.", show_default=False),
-]
-ProfileSmooth = Annotated[
-    float | None,
-    typer.Option(
-        "--smooth", metavar="MM", help="Wavelength to smooth by; 0 for none, 5 for noisy points.", show_default=False
-    ),
-]
-ProfileLimit = Annotated[
-    float | None,
-    typer.Option("--limit", metavar="UM", help="Maximum displacement of a point by smoothing.", show_default=False),
-]
-ProfileJoin = Annotated[
-    str | None,
-    typer.Option(
-        "--join",
-        metavar="NAME",
-        help="Bundled rail or wheel that gives the body.",
-        show_default=False,
-        autocompletion=completion(profile_names),
-    ),
-]
-ProfilePosition = Annotated[
-    float | None,
-    typer.Option(
-        "--position", metavar="X", help="Section of a .slcs file in mm, of a .slcw file in degrees.", show_default=False
-    ),
-]
-ProfileTo = Annotated[
-    Path | None,
-    typer.Option(
-        "--to",
-        metavar="FILE",
-        help="Write it in the format of this file's ending.",
-        show_default=False,
-        parser=path_given,
-    ),
-]
 
 
 @app.command()
 @shows_results
 def profile(
-    names: ProfileNames,
+    names: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="NAME_OR_FILE...",
+            help="136RE, 136RE-8, 136RE-14, 60E1, 60E2, 54E1, 49E1, S-519-A, AAR-1B, S1002, heavy-haul, R-519-A, or a "
+            ".ban, .whl, .prr, .prw, .csv, .txt, .dat, .dxf, .slcs or .slcw file; several: one table and "
+            "picture of all.",
+            autocompletion=completion(profile_names, *PROFILE_FILES),
+        ),
+    ],
     unit: Unit = None,
-    kind: ProfileKind = None,
-    mirror: ProfileMirror = None,
-    flip: ProfileFlip = False,
-    origin: ProfileOrigin = None,
-    tape: ProfileTape = None,
-    smooth: ProfileSmooth = None,
-    limit: ProfileLimit = None,
-    position: ProfilePosition = None,
-    join: ProfileJoin = None,
-    to: ProfileTo = None,
+    kind: Annotated[
+        str | None,
+        typer.Option("--kind", help="Kind of profile in the file.", **choices("rail", "wheel")),
+    ] = None,
+    mirror: Annotated[
+        bool | None,
+        typer.Option(
+            "--mirror/--no-mirror",
+            help="Reverse the first coordinate: a left-hand rail; left out: if its field side is worn more.",
+        ),
+    ] = None,
+    flip: Annotated[bool, typer.Option("--flip", help="Reverse the second coordinate.")] = False,
+    origin: Annotated[
+        str | None,
+        typer.Option(
+            "--origin",
+            help="Position of the file's (0, 0); or X,Y, the position of a rail's top or a wheel's tread in the file.",
+            **choices("top", "base", "gauge", "tape", "flange-back", "X,Y"),
+        ),
+    ] = None,
+    tape: Annotated[
+        float | None,
+        typer.Option("--tape", metavar="MM", help="From the flange's back to the tape line; 70."),
+    ] = None,
+    smooth: Annotated[
+        float | None,
+        typer.Option("--smooth", metavar="MM", help="Wavelength to smooth by; 0 for none, 5 for noisy points."),
+    ] = None,
+    limit: Annotated[
+        float | None,
+        typer.Option("--limit", metavar="UM", help="Maximum displacement of a point by smoothing."),
+    ] = None,
+    position: Annotated[
+        float | None,
+        typer.Option("--position", metavar="X", help="Section of a .slcs file in mm, of a .slcw file in degrees."),
+    ] = None,
+    join: Annotated[
+        str | None,
+        typer.Option(
+            "--join",
+            metavar="NAME",
+            help="Bundled rail or wheel that gives the body.",
+            autocompletion=completion(profile_names),
+        ),
+    ] = None,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to",
+            metavar="FILE",
+            help="Write it in the format of this file's ending.",
+            parser=path_given,
+        ),
+    ] = None,
     out: Out = None,
     *,
     show: Show,
@@ -290,25 +246,23 @@ def profile(
     from flangeway.cases.profile.profile_run import run_profiles  # noqa: PLC0415
     from flangeway.railway.profiles.profile_file import ReadOptions  # noqa: PLC0415
     from flangeway.report.profile.profile_outputs import (  # noqa: PLC0415
-        BATCH_NAMES,
-        check_profile_folder,
+        checked_conversion,
         profile_record,
         profiles_record,
     )
-    from flangeway.system.output_folder import refuse_unwritable, text_writer, write_together  # noqa: PLC0415
+    from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
 
     options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, position)
     with show.progress():
         runs = run_profiles(names, options, join)
-    folder = out or Path("out", f"profile-{Path(names[0]).stem}" if len(names) == 1 else "profiles")
+    folder = results_folder(out, f"profile-{Path(names[0]).stem}" if len(names) == 1 else "profiles")
     if len(runs) > 1:
         if to is not None:
             raise InputError(f"--to {to} for {len(runs)} profiles", "one profile", "convert them one by one")
-        refuse_unwritable(folder, BATCH_NAMES)
         show.record(profiles_record(runs, command_typed(), show.units or "metric"), folder)
         return True
     (done,) = runs
-    conversion = check_profile_folder(done, folder, to)
+    conversion = checked_conversion(done, to)
 
     def convert() -> list[Path]:
         return [] if to is None else write_together(to.parent, {to.name: text_writer(conversion)})
@@ -317,32 +271,32 @@ def profile(
     return True
 
 
-ProfileFolderName = Annotated[
-    Path, typer.Argument(metavar="FOLDER", help="Folder with files of wheels or rails.", parser=path_given)
-]
-ProfilePartner = Annotated[
-    str | None,
-    typer.Option(
-        "--partner",
-        metavar="NAME",
-        help="Bundled rail for the wheels, or wheel for the rails; 60E1 or S1002, of American bodies 136RE or AAR-1B",
-        show_default=False,
-        autocompletion=completion(profile_names),
-    ),
-]
-
-
 @app.command()
 @shows_results
-def profiles(folder: ProfileFolderName, partner: ProfilePartner = None, out: Out = None, *, show: Show) -> bool:
+def profiles(
+    folder: Annotated[
+        Path, typer.Argument(metavar="FOLDER", help="Folder with files of wheels or rails.", parser=path_given)
+    ],
+    partner: Annotated[
+        str | None,
+        typer.Option(
+            "--partner",
+            metavar="NAME",
+            help="Bundled rail for the wheels, or wheel for the rails; 60E1 or S1002, of American bodies 136RE or "
+            "AAR-1B",
+            autocompletion=completion(profile_names),
+        ),
+    ] = None,
+    out: Out = None,
+    *,
+    show: Show,
+) -> bool:
     """Wear, gauge measures and conicity of all profiles in a folder, the most worn first (out/profiles-FOLDER)."""
     from flangeway.cases.profile.profile_folder import run_folder  # noqa: PLC0415
-    from flangeway.report.profile.profile_outputs import BATCH_NAMES, folder_record  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.profile.profile_outputs import folder_record  # noqa: PLC0415
 
     name = folder.resolve().name
-    target = out or Path("out", f"profiles-{name}")
-    refuse_unwritable(target, BATCH_NAMES)
+    target = results_folder(out, f"profiles-{name}")
     with show.progress() as progress:
         done = run_folder(folder, partner, progress)
     return show.record(folder_record(done, name, command_typed(), show.units or "metric"), target)

@@ -67,6 +67,12 @@ class LineContact:
         relative = 1.0 - (np.asarray(x, dtype=np.float64) / self.half_width) ** 2
         return self.max_pressure * np.sqrt(np.maximum(relative, 0.0))
 
+    @property
+    def curve(self) -> tuple[Floats, Floats]:
+        """Distances from the middle, from one end to the other and closer at both, and the pressures there."""
+        x = self.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))
+        return x, self.pressure(x)
+
     def stresses(self, x: ArrayLike, depth: ArrayLike) -> Floats:
         """Stresses in a half plane (McEwen, 1949; Johnson, 1985, eq. 4.49; on the axis Moherdaui (2021) 2.73 to 2.75).
 

@@ -293,17 +293,20 @@ def _set_size_field(gmsh: Any, size: float, refinements: Sequence[Refinement], s
     constant = field.add("MathEval")
     field.setString(constant, "F", f"{size:.17g}")
     parts = [constant]
+    # one tree for all refinements that grow alike: the least of their distances is that to all points together
+    alike: dict[tuple[float, float], list[int]] = {}
     for refinement, tags in zip(refinements, seeds, strict=True):
-        if refinement.size >= size:
-            continue
+        if refinement.size < size:
+            alike.setdefault((refinement.size, refinement.growth), []).extend(tags)
+    for (fine, growth), tags in alike.items():
         distance = field.add("Distance")
         field.setNumbers(distance, "PointsList", tags)
         near = field.add("Threshold")
         field.setNumber(near, "InField", distance)
-        field.setNumber(near, "SizeMin", refinement.size)
+        field.setNumber(near, "SizeMin", fine)
         field.setNumber(near, "SizeMax", size)
         field.setNumber(near, "DistMin", 0.0)
-        field.setNumber(near, "DistMax", (size - refinement.size) / refinement.growth)
+        field.setNumber(near, "DistMax", (size - fine) / growth)
         parts.append(near)
     least = field.add("Min")
     field.setNumbers(least, "FieldsList", parts)

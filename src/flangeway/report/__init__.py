@@ -1,6 +1,6 @@
 """What people look at: pictures, the HTML report, and files for ParaView."""
 
-from flangeway.report.case_outputs import OUTPUTS, CaseOutputs, write_case
+from flangeway.report.case_outputs import RECORDS, write_case
 from flangeway.report.figures.drawing import name_axes, panels
 from flangeway.report.figures.fields import PartFields, part_fields
 from flangeway.report.figures.plots import (
@@ -17,8 +17,7 @@ from flangeway.report.page.record import Picture
 from flangeway.report.page.tables import SummaryTable, fact, rows_of
 
 __all__ = [
-    "OUTPUTS",
-    "CaseOutputs",
+    "RECORDS",
     "PartFields",
     "Picture",
     "SeriesFrame",

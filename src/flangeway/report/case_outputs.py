@@ -1,7 +1,6 @@
-"""Record and files of the run of any case: one table says what makes them for each kind of case."""
+"""Record and files of the run of any case: one table says what makes the record for each kind of case."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from flangeway.cases.case import Case, Progress, Run
 from flangeway.cases.profile.profile_run import ProfileRun
 from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
 from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase, RollingPatchRun
-from flangeway.cases.section.section_run import SectionRun, TorsionCase, TorsionRun
+from flangeway.cases.section.section_run import SectionRun, TorsionCase
 from flangeway.cases.spatial.spatial_case import SpatialCase, SpatialRun
 from flangeway.cases.spatial.spatial_presets import SpatialPreset
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
@@ -26,7 +25,7 @@ from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.figures.plots import plot_result
 from flangeway.report.page.case_text import command_line
 from flangeway.report.page.html_page import write_record
-from flangeway.report.page.record import REPORT, SUMMARY, Record
+from flangeway.report.page.record import SUMMARY, Record
 from flangeway.report.profile.profile_figures import shape_figure
 from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure
 from flangeway.report.rolling import rolling_patch_page
@@ -37,30 +36,16 @@ from flangeway.report.spatial.spatial_figures import patch_figure
 from flangeway.report.wheelset import wheelset_page
 from flangeway.results import Result
 
-
-@dataclass(frozen=True)
-class CaseOutputs:
-    """What makes the outputs of a kind of case."""
-
-    names: Callable[[Any], tuple[str, ...]]  # from a case to the names of the files, except report and ``summary.json``
-    record: Callable[[Any], Record]  # from a run to what it found
-
-
-OUTPUTS: dict[type[Case], CaseOutputs] = {
-    WheelsetCase: CaseOutputs(wheelset_page.names, wheelset_page.wheelset_record),
-    SpatialWheelsetCase: CaseOutputs(wheelset_page.names, wheelset_page.wheelset_record),
-    BodiesCase: CaseOutputs(lambda _: bodies_page.NAMES, bodies_page.bodies_record),
-    SpatialCase: CaseOutputs(lambda _: spatial_page.NAMES, spatial_page.spatial_record),
-    SpatialPreset: CaseOutputs(lambda _: spatial_page.NAMES, spatial_page.spatial_record),
-    RollingPatchCase: CaseOutputs(rolling_patch_page.names, rolling_patch_page.rolling_patch_record),
-    TorsionCase: CaseOutputs(
-        lambda _: section_page.NAMES,
-        lambda run: section_page.section_record(
-            run.section, run.case, command=command_line(run.case), summary=run.summary, summary_file=SUMMARY
-        ),
-    ),
+RECORDS: dict[type[Case], Callable[[Any], Record]] = {
+    WheelsetCase: wheelset_page.wheelset_record,
+    SpatialWheelsetCase: wheelset_page.wheelset_record,
+    BodiesCase: bodies_page.bodies_record,
+    SpatialCase: spatial_page.spatial_record,
+    SpatialPreset: spatial_page.spatial_record,
+    RollingPatchCase: rolling_patch_page.rolling_patch_record,
+    TorsionCase: lambda run: section_page.section_record(run, command_line(run.case), SUMMARY),
 }
-"""Outputs by the kind of case; a new kind adds its line."""
+"""What a run found, by the kind of its case; a new kind adds its line."""
 
 
 def _first_of_campaign(table: CampaignTable) -> Figure:
@@ -77,7 +62,6 @@ PLOTS: dict[type[Result], Callable[[Any], Figure]] = {
     SpatialRun: patch_figure,
     RollingPatchRun: rolling_patch_page.main_figure,
     SectionRun: warping_figure,
-    TorsionRun: lambda run: warping_figure(run.section),
     GeometryRun: locus_figure,
     ConicityRun: conicity_figure,
     ProfileRun: shape_figure,
@@ -87,18 +71,9 @@ for _kind, _draw in PLOTS.items():
     plot_result.register(_kind, _draw)
 
 
-def _outputs(case: Case) -> CaseOutputs:
-    return next(OUTPUTS[kind] for kind in type(case).__mro__ if kind in OUTPUTS)
-
-
-def case_files(case: Case) -> tuple[str, ...]:
-    """Names of the files that a run of a case may leave, except fields of bodies."""
-    return *_outputs(case).names(case), REPORT, SUMMARY
-
-
 def case_record(run: Run) -> Record:
     """Return what a run found, for the terminal, the report and programs."""
-    return _outputs(run.case).record(run)
+    return next(RECORDS[kind] for kind in type(run.case).__mro__ if kind in RECORDS)(run)
 
 
 def write_case(run: Run, folder: Path, progress: Progress = lambda _: None) -> list[Path]:

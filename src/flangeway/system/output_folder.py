@@ -8,10 +8,18 @@ from pathlib import Path
 from flangeway.errors import InputError
 
 Writer = Callable[[Path], None]
+ENDINGS = (
+    *(".html", ".json", ".md", ".png", ".pvd", ".vtu"),
+    *(".csv", ".fmu", ".npz", ".parquet", ".sqlite", ".xlsx"),
+)
+"""Of the files of results."""
 
 
-def refuse_unwritable(folder: Path, names: tuple[str, ...] = ()) -> None:
-    """Raise `InputError` for a folder in which files of some names cannot be written; nothing stays behind."""
+def refuse_unwritable(folder: Path, names: Iterable[str] = ()) -> None:
+    """Raise `InputError` for a folder in which results, or files of some names, cannot be written.
+
+    Nothing stays behind. A folder inside of it that is called like a file of results, see `ENDINGS`, is refused.
+    """
     try:
         place = _existing(folder)
         if folder.resolve() == Path(folder.absolute().anchor):
@@ -26,7 +34,7 @@ def refuse_unwritable(folder: Path, names: tuple[str, ...] = ()) -> None:
             )
         with tempfile.TemporaryDirectory(dir=place, prefix=".flangeway-"):
             pass
-        _refuse_folders(folder, names)
+        _refuse_folders(folder, (*names, *(path.name for path in folder.glob("*") if path.suffix in ENDINGS)))
     except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
         raise _unwritable(folder, reason) from reason
 

@@ -1,5 +1,6 @@
 """Creep forces of one patch over all creepages: computed at some, filled between them, and checked at others."""
 
+from collections import deque
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -23,8 +24,11 @@ ANGLES = 24
 """Intervals of 180 degrees of both angles in a table."""
 DIRECTIONS = (4, 6, 8, 12, 24)
 """Intervals between exact solutions, from coarse to fine: 104, 248, 456, 1,064 and 4,424 of these for each patch."""
-PEAK = 6.0
-"""Maximum error over the root mean square, 4 to 9 at 300 points of patches with 4 to 12 intervals; mostly below 7."""
+AIM = 1.0 / 6.0
+"""Root mean square of the errors of a patch over the tolerance, up to which it gets more exact solutions: few points
+find their mean size, but not the largest."""
+ORDER = 2.0
+"""Power of the intervals with which errors fall at least."""
 CREEPS: Floats = np.linspace(0.0, np.pi, ANGLES + 1)
 AXES = (SLIPS, CREEPS - np.pi / 2.0, CREEPS)
 """Axes of a table: slip, angle of spin, angle of creepage."""
@@ -145,22 +149,33 @@ class SampledForces:
     """Forces of a patch over those of friction and over slip, at the points of its axes.
 
     - `forces`: (slips, spin angles, creep angles, 3).
+    - `beyond`: the same less those of FASTSIM.
     - `n_exact`, `n_failed`: exact solutions, and those that did not converge.
     """
 
     forces: Floats
+    beyond: Floats
     n_exact: int
     n_failed: int
 
 
-def sample(patch: SampledPatch, directions: int, axes: tuple[Floats, Floats, Floats] = AXES) -> SampledForces:
-    """Forces at all points of a table: exact ones less FASTSIM's are interpolated by cubics, FASTSIM's added again.
+def sample(
+    patch: SampledPatch,
+    directions: int,
+    axes: tuple[Floats, Floats, Floats] = AXES,
+    near: Floats | float = 0.0,
+) -> SampledForces:
+    """Forces at all points of a table: exact ones less simple ones are interpolated by cubics, simple ones added again.
 
-    - `directions`: intervals of both angles between exact solutions; even, and a divisor of those of the table.
+    - `directions`: intervals of both angles between exact solutions, even and a divisor of the table's; 0: none at all.
+    - `near`: `SampledForces.beyond` of a similar patch, which with FASTSIM's forces are the simple ones.
     """
     slips, spins, creeps = axes
+    fast = patch.simplified(slips, spins, creeps)
+    simple = fast + near
+    if directions == 0:
+        return SampledForces(simple, simple - fast, 0, 0)
     step = (len(spins) - 1) // directions
-    simple = patch.simplified(slips, spins, creeps)
     missing = np.zeros((len(slips), directions + 1, directions + 1, 3))
     n_exact = n_failed = 0
     for row, spin in enumerate(spins[::step].tolist()):
@@ -180,7 +195,7 @@ def sample(patch: SampledPatch, directions: int, axes: tuple[Floats, Floats, Flo
     # forces are opposite at opposite creepages
     missing[:, :, -1] = -missing[:, ::-1, 0]
     found = simple + _between(missing, (spins[::step], creeps[::step]), (spins, creeps))
-    return SampledForces(found, n_exact, n_failed)
+    return SampledForces(found, found - fast, n_exact, n_failed)
 
 
 def _between(values: Floats, coarse: tuple[Floats, Floats], fine: tuple[Floats, Floats]) -> Floats:
@@ -210,9 +225,29 @@ class CreepErrors:
     moment: Floats
 
     @property
-    def expected_maximum(self) -> float:
-        """Error of the force to be expected at most anywhere: few points find their mean size, but not the largest."""
-        return PEAK * float(np.sqrt((self.force**2).mean())) if len(self.force) else 0.0
+    def size(self) -> float:
+        """Root mean square of the errors of the force."""
+        return float(np.sqrt((self.force**2).mean())) if len(self.force) else 0.0
+
+
+def refined(
+    patch: SampledPatch, points: Floats, tolerance: float, near: Floats | None
+) -> tuple[SampledForces, CreepErrors, int]:
+    """Forces, errors at reduced creepages (n, 3) and intervals of both angles, as many as the tolerance needs.
+
+    - `near`: `SampledForces.beyond` of a similar patch, which often serve without exact solutions of its own.
+    """
+    exact, wanted, n_exact, n_failed = exact_forces(patch, points), AIM * tolerance, 0, 0
+    levels = deque((*(() if near is None else (0,)), *DIRECTIONS))
+    while True:
+        directions = levels.popleft()
+        found = sample(patch, directions, AXES, 0.0 if near is None else near)
+        n_exact, n_failed = n_exact + found.n_exact, n_failed + found.n_failed
+        errors = check(found, points, exact, AXES)
+        if errors.size <= wanted or not levels:
+            return replace(found, n_exact=n_exact, n_failed=n_failed), errors, directions
+        while len(levels) > 1 and errors.size * (directions / levels[0]) ** ORDER > wanted:
+            levels.popleft()
 
 
 def random_points(number: int, random: np.random.Generator) -> Floats:
@@ -223,10 +258,14 @@ def random_points(number: int, random: np.random.Generator) -> Floats:
     return np.stack((random.uniform(0.0, 1.0, number), np.arcsin(unit[:, 2]), creep), axis=1)
 
 
+def exact_forces(patch: SampledPatch, points: Floats) -> Floats:
+    """Exact forces over the limit of friction at reduced creepages (n, 3), of the same shape."""
+    return np.array([patch.over_limit(patch.coupled(*point)) for point in points.tolist()]).reshape(-1, 3)
+
+
 def check(
-    patch: SampledPatch, found: SampledForces, points: Floats, axes: tuple[Floats, Floats, Floats] = AXES
+    found: SampledForces, points: Floats, exact: Floats, axes: tuple[Floats, Floats, Floats] = AXES
 ) -> CreepErrors:
-    """Compare with exact solutions at reduced creepages (n, 3)."""
-    exact = np.array([patch.over_limit(patch.coupled(*point)) for point in points.tolist()]).reshape(-1, 3)
+    """Compare with exact forces at reduced creepages, both (n, 3)."""
     error = ForceAxes.of(found.forces, axes).at((), tuple(points.T)) - exact
     return CreepErrors(points, np.hypot(error[:, 0], error[:, 1]), np.abs(error[:, 2]))

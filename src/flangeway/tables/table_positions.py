@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
@@ -22,7 +22,7 @@ from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache, content_key
 from flangeway.tables import creep_sampling
-from flangeway.tables.creep_sampling import SampledPatch, check, random_points, sample
+from flangeway.tables.creep_sampling import SampledPatch, random_points, refined
 from flangeway.tables.creep_table import FORMAT, OF_PATCH
 from flangeway.types import Floats
 
@@ -40,6 +40,7 @@ class PositionTask:
     - `kind`: ``contact``; ``table``, with forces at all creepages; ``check``, with forces at some random creepages.
     - `tolerance`: of the table, over the limit of friction.
     - `n_points`: number of random creepages of each patch.
+    - `near`: what a ``table`` of a position nearby has, whose forces beyond FASTSIM's are similar.
     """
 
     case: SpatialWheelsetCase
@@ -47,6 +48,7 @@ class PositionTask:
     kind: str = "contact"
     tolerance: float = 1.0
     n_points: int = 0
+    near: Arrays | None = None
 
     @property
     def own_case(self) -> SpatialWheelsetCase:
@@ -67,7 +69,8 @@ def compute_position(task: PositionTask) -> Arrays:
     """
     cache = Cache.of_user()
     parts = task.own_case.model_dump_json(), task.kind, task.tolerance, task.n_points
-    key = content_key("creep-position", FORMAT, *parts, *creep_sampling.AXES, creep_sampling.DIRECTIONS)
+    near = () if task.near is None else (task.near["side"], task.near["beyond"])
+    key = content_key("creep-position", FORMAT, *parts, *creep_sampling.AXES, creep_sampling.DIRECTIONS, *near)
     return _computed(task) if cache is None or key is None else cache.get(key, lambda: _computed(task))
 
 
@@ -87,14 +90,19 @@ def _computed(task: PositionTask) -> Arrays:
         raise _refused(task, result.status)
     axle = np.append(result.equilibrium.position.axle(whole.problem.wheelset), 0.0)
     patches = sorted(result.patches, key=lambda patch: (SIDES.index(patch.side), -patch.rail_point_mm[0]))
-    rows, more = [], []
-    for number, patch in enumerate(patches):
-        sampled = SampledPatch(rolling_contact_of(patch, Friction(FRICTION)))
-        rows.append(_numbers(patch, sampled, axle))
-        if task.kind != "contact":
-            # the same creepages for the same position, others for every patch
-            random = np.random.default_rng([abs(round(1e6 * each)) for each in (*task.position, number)])
-            more.append((_sampled if task.kind == "table" else _checked)(sampled, task, random))
+    sampled = [SampledPatch(rolling_contact_of(patch, Friction(FRICTION))) for patch in patches]
+    rows = [_numbers(patch, each, axle) for patch, each in zip(patches, sampled, strict=True)]
+    sides, more = np.array([row["side"] for row in rows]), []
+    near = task.near if task.near is not None and np.array_equal(task.near["side"], sides) else None
+    for number, patch in enumerate(sampled if task.kind != "contact" else ()):
+        # the same creepages for the same position and side
+        random = np.random.default_rng([abs(round(1e6 * each)) for each in (*task.position, sides[number])])
+        points = random_points(task.n_points, random)
+        if task.kind == "table":
+            more.append(_sampled(patch, points, task.tolerance, None if near is None else near["beyond"][number]))
+        else:
+            beside = [each for each, side in zip(sampled, sides, strict=True) if side == sides[number]]
+            more.append(_checked(patch, max(beside, key=lambda each: each.contact.force), points))
     found = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     found |= {name: np.array([each[name] for each in more]) for name in (more[0] if more else ())}
     vertical, roll = result.equilibrium.position.vertical_mm, result.equilibrium.position.roll_rad
@@ -120,24 +128,20 @@ def _numbers(patch: SpatialPatch, sampled: SampledPatch, axle: Floats) -> dict[s
     return {"side": SIDES.index(patch.side), **dict(zip(OF_PATCH, values, strict=True))}
 
 
-def _sampled(patch: SampledPatch, task: PositionTask, random: np.random.Generator) -> dict[str, Any]:
+def _sampled(patch: SampledPatch, points: Floats, tolerance: float, near: Floats | None) -> dict[str, Any]:
     """Forces at all creepages, with as many exact solutions as the tolerance needs."""
-    points = random_points(task.n_points, random)
-    for directions in creep_sampling.DIRECTIONS:
-        found = sample(patch, directions, creep_sampling.AXES)
-        errors = check(patch, found, points, creep_sampling.AXES)
-        if errors.expected_maximum <= task.tolerance:
-            break
+    found, errors, directions = refined(patch, points, tolerance, near)
     return {
-        "forces": found.forces.astype(np.float32), "directions": directions, "n_exact": found.n_exact,
-        "n_failed": found.n_failed, "force_errors": errors.force, "moment_errors": errors.moment,
+        "forces": found.forces.astype(np.float32), "beyond": found.beyond.astype(np.float32), "directions": directions,
+        "n_exact": found.n_exact, "n_failed": found.n_failed,
+        "force_errors": errors.force, "moment_errors": errors.moment,
     }  # fmt: skip
 
 
-def _checked(patch: SampledPatch, task: PositionTask, random: np.random.Generator) -> dict[str, Any]:
-    """Exact forces at random creepages: longitudinal, lateral, spin; along, across, moment over the limit."""
-    found = [patch.coupled(*point) for point in random_points(task.n_points, random).tolist()]
-    motions: list[Creepages] = [each.motion for each in found]
+def _checked(patch: SampledPatch, most: SampledPatch, points: Floats) -> dict[str, Any]:
+    """Exact forces at creepages, of all patches of a side those of the most loaded one: longitudinal, lateral, spin."""
+    motions = [most.motion(*point).moved(*most.free.tolist()) for point in points.tolist()]
+    found = [roll(patch.bodies, motion) for motion in motions]
     return {
         "creepages": np.array([(each.along, each.across, each.spin) for each in motions]),
         "exact": np.array([(each.along, each.across, each.moment) for each in found]),

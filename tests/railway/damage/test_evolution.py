@@ -112,8 +112,8 @@ def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
 class Fading(Evolution):
     """Wear without contact, whose rate falls with the depth: ``c exp(-depth / d)``; depth ``d ln(1 + c s / d)``."""
 
-    def _evaluated(self, position, surfaces, damage, progress):
-        progress("")
+    def _evaluated(self, number, position, surfaces, damage, progress):
+        progress(f"step {number}")
         rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 90.0)
                  for key, surface in surfaces.items()}  # fmt: skip
         return EvolutionStep(position, surfaces, rates, damage, damage, (), 0.0)
@@ -134,7 +134,7 @@ def test_error_of_the_steps_is_controlled_and_of_second_order() -> None:
 
 
 def test_a_symmetric_case_stays_symmetric() -> None:
-    """Both wheels wear alike to the last bit on straight track with separate sides; the area is that of the energy."""
+    """On straight track separate sides wear alike to the last bit, and the area is that of the energy."""
     collective = Collective([state()], separate=True)
     first, *_, last = Evolution(collective, {"wheel": ENERGY}, settings(2e4)).run()
     left, right = (last.surfaces["wheel", side] for side in ("left", "right"))

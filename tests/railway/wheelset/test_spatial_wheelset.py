@@ -8,7 +8,7 @@ import pytest
 from benchmarks.sweep import energy_sweep, moved_to, noise, pressures_and_areas
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Prescribed
-from flangeway.railway.wheelset import spatial_wheelset
+from flangeway.railway.wheelset import fine_cells, spatial_wheelset
 from flangeway.railway.wheelset.equilibrium import loads_of
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_newton import solve_side
@@ -129,7 +129,7 @@ def test_a_patch_outside_of_the_fine_cells_is_found(wheelset, monkeypatch):
     def without_the_smaller(state, *more):
         calls.append(state)
         if len(calls) <= 2:
-            windows = spatial_wheelset._windows(state, None)
+            windows = fine_cells._windows(state, None)
             largest = max(windows, key=lambda each: each.share)
             stations = state.grid.grid.stations[:, None]
             inside = (stations > largest.ends[0]) & (stations < largest.ends[1])

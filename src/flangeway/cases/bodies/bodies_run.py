@@ -18,7 +18,7 @@ from flangeway.exact import LineContact
 from flangeway.geometry import Placement
 from flangeway.post import PressurePatch, Stresses, cell_stresses, corner_stresses, nodal_residual, pressure_patches
 from flangeway.problems import ElasticField
-from flangeway.quantities import Quantity, values
+from flangeway.quantities import Quantities, Quantity, values
 from flangeway.solve import Status
 from flangeway.types import Floats
 
@@ -138,7 +138,7 @@ MAX_DISPLACEMENT: Quantity[BodyResult] = Quantity(
 MAX_VON_MISES: Quantity[BodyResult] = Quantity(
     "max_von_mises", "maximum von Mises stress", lambda body: body.stresses.von_mises.max(), "MPa", ".6g"
 )
-BODY: tuple[Quantity[BodyResult], ...] = (
+BODY: Quantities[BodyResult] = (
     Quantity("name", "body", lambda body: body.field.problem.name),
     Quantity("elements", "elements", lambda body: body.field.problem.space.mesh.n_cells, form=","),
     Quantity("unknowns", "unknowns", lambda body: 2 * body.field.problem.space.n_nodes, form=","),
@@ -152,14 +152,14 @@ BODY: tuple[Quantity[BodyResult], ...] = (
         ".6g",
     ),
 )
-FORCES: tuple[Quantity[BodyResult], ...] = (
+FORCES: Quantities[BodyResult] = (
     Quantity("body", "body", lambda body: body.field.problem.name),
     Quantity("contact", "contact", "contact_force", "N", "z.6g", XY),
     Quantity("loads", "loads", "load", "N", "z.6g", XY),
     Quantity("supports", "supports", "supports_force", "N", "z.6g", XY),
 )
 HALF_WIDTH: Quantity[PressurePatch] = Quantity("half_width", "half width of contact", "half_width", "mm", ".6g")
-PATCH: tuple[Quantity[PressurePatch], ...] = (
+PATCH: Quantities[PressurePatch] = (
     Quantity("centre", "centre of pressure", "centre", "mm", "z.6g", XY),
     HALF_WIDTH,
     Quantity("max_pressure", "maximum pressure", lambda p: p.pressures.max(), "MPa", ".6g", remark=lambda p: p.remark),
@@ -167,7 +167,7 @@ PATCH: tuple[Quantity[PressurePatch], ...] = (
     Quantity("force", "force on the secondary body", "force", "N", "z.6g", XY),
     Quantity("reaches_an_end", "reaches an end of the surface", "at_edge"),
 )
-SIDES: tuple[Quantity[PairResult], ...] = (
+SIDES: Quantities[PairResult] = (
     Quantity("secondary", "secondary", lambda pair: pair.sides[0]),
     Quantity("primary", "primary", lambda pair: pair.sides[1]),
 )
@@ -179,7 +179,7 @@ MAX_PRESSURE: Quantity[PairResult] = Quantity(
     ".6g",
     remark=lambda pair: pair.remark,
 )
-PAIR: tuple[Quantity[PairResult], ...] = (
+PAIR: Quantities[PairResult] = (
     *SIDES,
     Quantity("force_on_secondary", "force on it", lambda pair: pair.solution.forces[pair.number], "N", "z.6g", XY),
     Quantity(
@@ -192,7 +192,7 @@ STICKING: Quantity[PairResult] = Quantity("sticking_share", "sticking fraction",
 DISSIPATED: Quantity[PairResult] = Quantity(
     "dissipated", "dissipated work", lambda pair: pair.solution.dissipated_by_contact[pair.number], "N mm", ".6g"
 )
-FRICTION: tuple[Quantity[PairResult], ...] = (
+FRICTION: Quantities[PairResult] = (
     *SIDES,
     Quantity("coefficient", "coefficient", lambda pair: pair.contact.friction_coefficient, form="g"),
     Quantity("tangential_force", "tangential force", lambda p: p.nodes["tangential_force"].sum(), "N", "z.6g"),
@@ -208,7 +208,7 @@ FRICTION: tuple[Quantity[PairResult], ...] = (
     STICKING,
     DISSIPATED,
 )
-REACTION: tuple[Quantity[SupportForce], ...] = (
+REACTION: Quantities[SupportForce] = (
     Quantity("number", "support", "number", form="d"),
     Quantity("body", "body", "body"),
     Quantity("force", "force on it", "force", "N", "z.6g", XY),

@@ -1,10 +1,10 @@
 """Inputs of the general case: tables of bodies, supports, loads, motions, contacts, steps."""
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import Box, Case, Pair, Table
+from flangeway.cases.case import Box, Case, ElementOrder, ElementSize, Fraction, NotNegative, Pair, Positive, Table
 from flangeway.contact import NodeToSegment
 from flangeway.contact.node_to_segment import OVERHANG
 from flangeway.materials import Elastic, Hypothesis
@@ -24,22 +24,42 @@ T_PER_MM3 = 1e-12
 
 MethodName = Literal["fem", "vem", "vem-triangles"]
 EnforcementName = Literal["multiplier", "augmented-lagrange", "penalty", "barrier"]
-StabilisationName = Literal["default", "trace"]
-STABILISATION_MEANING = "stabilisation of virtual elements; trace: half of the trace (Moherdaui 2021, 3.96)"
-PAIRING_MEANING = (
-    "contact discretisation; node-to-node gives the boundaries each other's nodes, for small displacements"
-)
-WEIGHTING_MEANING = "weights of the gap of segment-to-segment: hat functions, or their biorthogonal ones"
-NODAL_PENALTY_MEANING = "penalty of node-to-segment as force per penetration at a node, instead of penalty_MPa_mm"
-SLACK_MEANING = "how far beyond its edge, in parts of the edge, node-to-segment keeps a node paired with it"
+Stabilisation = Annotated[
+    Literal["default", "trace"],
+    Field(description="stabilisation of virtual elements; trace: half of the trace (Moherdaui 2021, 3.96)"),
+]
+PairingName = Literal["segment-to-segment", "node-to-segment", "node-to-node"]
+Pairing = Annotated[
+    PairingName,
+    Field(
+        description="contact discretisation; node-to-node gives the boundaries each other's nodes, for small "
+        "displacements"
+    ),
+]
+Weighting = Annotated[
+    Literal["standard", "dual"],
+    Field(description="weights of the gap of segment-to-segment: hat functions, or their biorthogonal ones"),
+]
+NodalPenalty = Annotated[
+    Positive | None,
+    Field(description="penalty of node-to-segment as force per penetration at a node, instead of penalty_MPa_mm"),
+]
+Slack = Annotated[
+    float,
+    Field(
+        gt=0.0,
+        le=OVERHANG,
+        description="how far beyond its edge, in parts of the edge, node-to-segment keeps a node paired with it",
+    ),
+]
 
 
 class RectangleTable(Table):
     """A rectangle with the sides ``bottom``, ``right``, ``top``, ``left``."""
 
-    width_mm: float = Field(gt=0.0)
+    width_mm: Positive
     """extent in x"""
-    height_mm: float = Field(gt=0.0)
+    height_mm: Positive
     """extent in y"""
     centre_mm: Pair = (0.0, 0.0)
     """its middle"""
@@ -48,7 +68,7 @@ class RectangleTable(Table):
 class DiscTable(Table):
     """A disc with the edge set ``rim``; a half disc has its straight side as ``cut``, and an ``arc`` about its apex."""
 
-    radius_mm: float = Field(gt=0.0)
+    radius_mm: Positive
     """radius"""
     centre_mm: Pair = (0.0, 0.0)
     """centre of the circle"""
@@ -61,24 +81,24 @@ class DiscTable(Table):
 class FineTable(Table):
     """Where a mesh is finer."""
 
-    size_mm: float = Field(ge=1e-6)
+    size_mm: ElementSize
     """edge length of the triangles there"""
     edges: str | list[str] | None = None
     """sides of the outline along which the mesh is finer"""
     at_mm: list[Pair] | None = None
     """points of a polyline along which the mesh is finer"""
-    growth: float = Field(0.15, gt=0.0, le=1.0)
+    growth: Fraction = 0.15
     """growth of the edge length per distance"""
 
 
 class MaterialTable(Table):
     """Isotropic linear elastic material."""
 
-    young_MPa: float = Field(210e3, gt=0.0)
+    young_MPa: Positive = 210e3
     """Young's modulus"""
     poisson: float = Field(0.3, gt=-1.0, le=0.5)
     """Poisson's ratio; 0.5 in plane stress only"""
-    density_kg_m3: float | None = Field(None, gt=0.0)
+    density_kg_m3: Positive | None = None
     """density, for gravity_m_s2"""
     expansion_per_K: float | None = None
     """thermal strain per kelvin, for temperature_K"""
@@ -116,20 +136,20 @@ class BodyTable(Table):
     method: MethodName = "fem"
     """fem: Lagrange triangles; vem: virtual elements on polygons (a file's cells as they are); vem-triangles:
     virtual elements on the triangles"""
-    order: int = Field(1, ge=1, le=2)
+    order: ElementOrder = 1
     """order of the elements"""
-    stabilisation: StabilisationName = Field("default", description=STABILISATION_MEANING)
+    stabilisation: Stabilisation = "default"
     halved_side: str | None = None
     """side of the outline whose edges are halved; its triangles become virtual quadrilaterals"""
-    size_mm: float | None = Field(None, ge=1e-6)
+    size_mm: ElementSize | None = None
     """edge length of the triangles (default: a twentieth of the shape's diagonal)"""
     fine: list[FineTable] = Field([])
     """regions with smaller triangles"""
-    young_MPa: float = Field(210e3, gt=0.0)
+    young_MPa: Positive = 210e3
     """Young's modulus"""
     poisson: float = Field(0.3, gt=-1.0, le=0.5)
     """Poisson's ratio; 0.5 in plane stress only"""
-    density_kg_m3: float | None = Field(None, gt=0.0)
+    density_kg_m3: Positive | None = None
     """density, for gravity_m_s2"""
     expansion_per_K: float | None = None
     """thermal strain per kelvin, for temperature_K"""
@@ -168,13 +188,13 @@ class SupportTable(PlaceTable):
 class SpringTable(PlaceTable):
     """An elastic support, whose other end is fixed, or moves with the body's supports."""
 
-    x_MPa_mm: float | None = Field(None, ge=0.0)
+    x_MPa_mm: NotNegative | None = None
     """stiffness of edges in x, pressure per displacement"""
-    y_MPa_mm: float | None = Field(None, ge=0.0)
+    y_MPa_mm: NotNegative | None = None
     """the same in y"""
-    x_N_mm: float | None = Field(None, ge=0.0)
+    x_N_mm: NotNegative | None = None
     """stiffness of a point in x, force per displacement"""
-    y_N_mm: float | None = Field(None, ge=0.0)
+    y_N_mm: NotNegative | None = None
     """the same in y"""
 
 
@@ -234,24 +254,22 @@ class ContactTable(Table):
     bodies with an outline)"""
     interference: bool = False
     """whether an overlap before any motion is intended: no warning then"""
-    pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = Field(
-        "segment-to-segment", description=PAIRING_MEANING
-    )
+    pairing: Pairing = "segment-to-segment"
     enforcement: EnforcementName = "augmented-lagrange"
     """constraint enforcement"""
     friction: float = Field(0.0, ge=0.0, le=10.0)
     """coefficient of Coulomb's friction"""
-    barrier_N_per_mm: float | None = Field(None, gt=0.0)
+    barrier_N_per_mm: Positive | None = None
     """pressure times gap of a barrier, needed for it"""
-    barrier_reach_mm: float | None = Field(None, gt=0.0)
+    barrier_reach_mm: Positive | None = None
     """gap from which a barrier has no pressure"""
-    penalty_MPa_mm: float | None = Field(None, gt=0.0)
+    penalty_MPa_mm: Positive | None = None
     """pressure per penetration (default: from stiffness and edges of the bodies)"""
-    nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
-    penetration_mm: float = Field(1e-5, gt=0.0)
+    nodal_penalty_N_per_mm: NodalPenalty = None
+    penetration_mm: Positive = 1e-5
     """tolerated penetration of augmented-lagrange"""
-    weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
-    slack: float = Field(NodeToSegment.slack, gt=0.0, le=OVERHANG, description=SLACK_MEANING)
+    weighting: Weighting = "standard"
+    slack: Slack = NodeToSegment.slack
 
 
 class StepsTable(Table):
@@ -265,7 +283,7 @@ class StepsTable(Table):
 class BodiesInputs(Case):
     """Bodies in the plane with supports, loads, motions and contacts; common axes, x to the right and y up."""
 
-    thickness_mm: float = Field(1.0, gt=0.0)
+    thickness_mm: Positive = 1.0
     """length of all bodies out of the plane"""
     hypothesis: HypothesisName = "plane-strain"
     """no strain, or no stress, out of the plane; or bodies of revolution about y, x the radius"""

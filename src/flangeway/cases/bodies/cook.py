@@ -2,14 +2,14 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from pydantic import Field
 
 from flangeway.cases.bodies.bodies_run import BodiesCase, BodiesRun, BodyResult
-from flangeway.cases.case import Progress
+from flangeway.cases.case import PoissonRatio, Progress
 from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.elements.lagrange import HIGHEST_ORDER
 from flangeway.errors import InputError
@@ -116,7 +116,7 @@ def cook_grid(n: int) -> PolyMesh:
     grid = rectangle_grid(1.0, 1.0, n, n, cells="quadrilaterals")
     s, t = grid.points.T
     points = np.stack((48.0 * s, 44.0 * s + t * (44.0 - 28.0 * s)), axis=1)
-    return PolyMesh(points, grid.cell_offsets, grid.cell_points, edge_sets=grid.edge_sets)
+    return replace(grid, points=points)
 
 
 def solve_cook(space: Space, poisson: float = 1.0 / 3.0) -> ElasticitySolution:
@@ -145,7 +145,7 @@ class CookCase(BodiesCase):
     """refinement: each cuts the triangles before in four"""
     order: int = Field(2, ge=1, le=4)
     """order of the elements; fem up to 3"""
-    poisson: float = Field(PUBLISHED_POISSON, gt=-1.0, lt=0.5)
+    poisson: PoissonRatio = PUBLISHED_POISSON
     """Poisson's ratio; 0.4999 shows locking"""
 
     @property

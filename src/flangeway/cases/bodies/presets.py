@@ -9,24 +9,23 @@ from pydantic import Field
 
 from flangeway.cases.bodies.bodies_run import BodiesCase, BodiesRun
 from flangeway.cases.bodies.bodies_tables import (
-    NODAL_PENALTY_MEANING,
-    PAIRING_MEANING,
-    SLACK_MEANING,
-    STABILISATION_MEANING,
-    WEIGHTING_MEANING,
     ContactTable,
     MethodName,
-    StabilisationName,
+    NodalPenalty,
+    Pairing,
+    PairingName,
+    Slack,
+    Stabilisation,
+    Weighting,
 )
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
-from flangeway.cases.case import PresetCase
+from flangeway.cases.case import ElementOrder, ElementSize, Fraction, PoissonRatio, Positive, PresetCase
 from flangeway.contact import NodeToSegment
-from flangeway.contact.node_to_segment import OVERHANG
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.post import PressurePatch
-from flangeway.quantities import Quantity
+from flangeway.quantities import Quantities, Quantity
 
 # ruff: noqa: N815 (units in names)
 
@@ -61,7 +60,7 @@ def _hertz(run: BodiesRun) -> LineContact:
     return run.theory
 
 
-HERTZ: tuple[Quantity[BodiesRun], ...] = (
+HERTZ: Quantities[BodiesRun] = (
     Quantity(
         *("max_pressure", "maximum pressure"), lambda run: _fullest(run).pressures.max(), "MPa", ".6g",
         remark=lambda run: _fullest(run).remark,
@@ -90,54 +89,52 @@ class HertzCase(BodiesPreset):
     title = "A cylinder on another one or on a block, compared with Hertz's solution"
     essential = ("radius_mm", "lower", "lower_radius_mm", "indentation_mm", "size_mm")
 
-    radius_mm: float = Field(40.0, gt=0.0)
+    radius_mm: Positive = 40.0
     """radius of the upper cylinder"""
     lower: Literal["disc", "block"] = "disc"
     """lower body: a half disc, or a block"""
-    lower_radius_mm: float = Field(40.0, gt=0.0)
+    lower_radius_mm: Positive = 40.0
     """radius of the lower disc; a block is four radii wide and two high"""
-    indentation_mm: float = Field(0.2, gt=0.0)
+    indentation_mm: Positive = 0.2
     """approach of the fixed sides after first touch"""
-    force_N: float | None = Field(None, gt=0.0)
+    force_N: Positive | None = None
     """pressing force, instead of indentation_mm"""
-    thickness_mm: float = Field(10.0, gt=0.0)
+    thickness_mm: Positive = 10.0
     """length of the cylinders"""
-    young_MPa: float = Field(200e3, gt=0.0)
+    young_MPa: Positive = 200e3
     """Young's modulus"""
-    poisson: float = Field(1.0 / 3.0, gt=-1.0, lt=0.5)
+    poisson: PoissonRatio = 1.0 / 3.0
     """Poisson's ratio"""
-    lower_young_MPa: float | None = Field(None, gt=0.0)
+    lower_young_MPa: Positive | None = None
     """Young's modulus of the lower body (default: young_MPa)"""
-    lower_poisson: float | None = Field(None, gt=-1.0, lt=0.5)
+    lower_poisson: PoissonRatio | None = None
     """Poisson's ratio of the lower body (default: poisson)"""
     method: MethodName = Field("fem", description=METHOD_MEANING)
-    order: int = Field(1, ge=1, le=2)
+    order: ElementOrder = 1
     """order of the elements"""
     lower_method: MethodName | None = None
     """method of the lower body (default: method)"""
-    lower_order: int | None = Field(None, ge=1, le=2)
+    lower_order: ElementOrder | None = None
     """order of the lower body (default: order)"""
-    size_mm: float = Field(0.1, ge=1e-6)
+    size_mm: ElementSize = 0.1
     """edge length of the triangles in contact"""
-    lower_size_mm: float | None = Field(None, ge=1e-6)
+    lower_size_mm: ElementSize | None = None
     """size_mm of the lower body (default: size_mm)"""
-    body_size_mm: float = Field(5.0, ge=1e-6)
+    body_size_mm: ElementSize = 5.0
     """edge length of the triangles elsewhere"""
-    growth: float = Field(0.13, gt=0.0, le=1.0)
+    growth: Fraction = 0.13
     """growth of the edge length per distance from the contact"""
-    pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = Field(
-        "segment-to-segment", description=PAIRING_MEANING
-    )
+    pairing: Pairing = "segment-to-segment"
     enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = "augmented-lagrange"
     """constraint enforcement"""
     fine_arc_deg: float | None = Field(None, gt=0.0, lt=180.0)
     """angle of the fine arc of both discs about the contact (default: its zone)"""
     halved_edges: bool = False
     """whether the edges of the fine arcs are halved, see halved_side"""
-    stabilisation: StabilisationName = Field("default", description=STABILISATION_MEANING)
-    weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
-    nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
-    slack: float = Field(NodeToSegment.slack, gt=0.0, le=OVERHANG, description=SLACK_MEANING)
+    stabilisation: Stabilisation = "default"
+    weighting: Weighting = "standard"
+    nodal_penalty_N_per_mm: NodalPenalty = None
+    slack: Slack = NodeToSegment.slack
     curved: bool = True
     """whether gaps are measured between the circles, not between straight edges"""
     n_steps: int = Field(1, ge=1, le=1000)
@@ -302,40 +299,40 @@ class ContactPatchCase(BodiesPreset):
     title = "Contact patch test: two boxes with different meshes under a uniform pressure"
     essential = ("approach_mm", "upper_size_mm", "lower_size_mm", "pairing")
 
-    width_mm: float = Field(20.0, gt=0.0)
+    width_mm: Positive = 20.0
     """width of each box"""
-    height_mm: float = Field(10.0, gt=0.0)
+    height_mm: Positive = 10.0
     """height of each box"""
-    approach_mm: float = Field(0.1, gt=0.0)
+    approach_mm: Positive = 0.1
     """approach of the far sides"""
-    thickness_mm: float = Field(1.0, gt=0.0)
+    thickness_mm: Positive = 1.0
     """length out of the plane"""
-    young_MPa: float = Field(200e3, gt=0.0)
+    young_MPa: Positive = 200e3
     """Young's modulus"""
-    poisson: float = Field(1.0 / 3.0, gt=-1.0, lt=0.5)
+    poisson: PoissonRatio = 1.0 / 3.0
     """Poisson's ratio"""
     upper_method: Literal["fem", "vem"] = "fem"
     """elements of the upper, secondary box"""
     lower_method: Literal["fem", "vem"] = "vem"
     """elements of the lower, primary box"""
-    upper_order: int = Field(1, ge=1, le=2)
+    upper_order: ElementOrder = 1
     """order of the upper box's elements"""
-    lower_order: int = Field(1, ge=1, le=2)
+    lower_order: ElementOrder = 1
     """order of the lower box's elements"""
-    upper_size_mm: float = Field(2.3, ge=1e-6)
+    upper_size_mm: ElementSize = 2.3
     """edge length of the upper box's triangles"""
-    lower_size_mm: float = Field(3.1, ge=1e-6)
+    lower_size_mm: ElementSize = 3.1
     """edge length of the lower box's triangles"""
-    pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = "segment-to-segment"
+    pairing: PairingName = "segment-to-segment"
     """contact discretisation; all but node-to-segment pass"""
     enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = "multiplier"
     """constraint enforcement"""
-    penalty_MPa_mm: float | None = Field(None, gt=0.0)
+    penalty_MPa_mm: Positive | None = None
     """pressure per penetration (default: as of bodies)"""
-    nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
-    penetration_mm: float = Field(1e-5, gt=0.0)
+    nodal_penalty_N_per_mm: NodalPenalty = None
+    penetration_mm: Positive = 1e-5
     """tolerated penetration of augmented-lagrange"""
-    weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
+    weighting: Weighting = "standard"
     rotation_deg: float = Field(0.0, ge=-90.0, le=90.0)
     """rotation of everything, counter-clockwise"""
 

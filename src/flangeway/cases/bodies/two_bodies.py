@@ -1,14 +1,13 @@
 """The general case: bodies of any shape with supports, loads, motions and contacts."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, ClassVar
 
 from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel, build_bodies
 from flangeway.cases.bodies.bodies_run import XY, BodiesCase, BodiesRun, BodyResult
 from flangeway.cases.bodies.bodies_tables import BodiesInputs, ContactTable
-from flangeway.cases.case import Progress
+from flangeway.cases.case import Progress, example_of
 from flangeway.contact import ContactSolution, press
 from flangeway.errors import InputError
 from flangeway.post import check_contact, cut_zones, pressure_patches, relative_nodal_residual
@@ -27,40 +26,7 @@ class TwoBodiesCase(BodiesInputs, BodiesCase):
     name = "two-bodies"
     title = "Bodies of any shape with supports, loads, motions and contacts"
     essential = ("thickness_mm", "hypothesis")
-    example: ClassVar[Mapping[str, Any]] = {
-        "bodies": [
-            {
-                "name": "cylinder",
-                "young_MPa": 210e3,
-                "poisson": 0.3,
-                "disc": {"radius_mm": 40.0, "centre_mm": [0.0, 40.0], "half": "lower"},
-                "method": "fem",
-                "order": 1,
-                "size_mm": 5.0,
-                "fine": [{"at_mm": [[-1.5, 0.0], [1.5, 0.0]], "size_mm": 0.08, "growth": 0.15}],
-            },
-            {
-                "name": "block",
-                "rectangle": {"width_mm": 160.0, "height_mm": 80.0, "centre_mm": [0.0, -40.0]},
-                "method": "vem",
-                "order": 1,
-                "size_mm": 8.0,
-                "fine": [{"at_mm": [[-1.5, 0.0], [1.5, 0.0]], "size_mm": 0.1, "growth": 0.15}],
-            },
-        ],
-        "supports": [{"body": "cylinder", "edges": "cut"}, {"body": "block", "edges": "bottom"}],
-        "motions": [{"body": "cylinder", "push_N": [0.0, -2000.0]}],
-        "contacts": [
-            {
-                "secondary": "cylinder",
-                "secondary_edges": "rim",
-                "secondary_box_mm": [-8.0, -1.0, 8.0, 2.0],
-                "primary": "block",
-                "primary_edges": "top",
-                "primary_box_mm": [-10.0, -1.0, 10.0, 1.0],
-            }
-        ],
-    }
+    example = example_of(name)
 
     def check(self) -> None:
         """See `RunnableCase.check`; the bodies are meshed."""

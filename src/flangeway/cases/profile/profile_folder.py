@@ -12,7 +12,7 @@ from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.cases.rigid.rigid_run import conicities_of
 from flangeway.cases.wheelset.wheelset_profiles import USUAL_BODIES
 from flangeway.errors import InputError
-from flangeway.quantities import Quantity, columns
+from flangeway.quantities import Quantities, Quantity, columns
 from flangeway.railway.profiles.bundled import RailProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.joining import body_distance_mm, nominal_profile, on_plain_body
@@ -90,7 +90,7 @@ the tape line, and what it is thinner. Rails: what the top is lower than the nom
 base or from the top of the new rail; and what the head is narrower than the nominal one `HEAD_MM` below its top, where
 gauges are measured (EN 13848-1).
 """
-FOLDER_QUANTITIES: tuple[Quantity[FolderProfile], ...] = (
+FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("file", "file", "file"),
     Quantity("kind", "kind", lambda row: row.run.profile.kind),
     Quantity("nominal", "nominal", "nominal"),

@@ -12,7 +12,7 @@ import numpy as np
 from flangeway.cases.wheelset.wheelset_profiles import with_body
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline
-from flangeway.quantities import Quantity, values
+from flangeway.quantities import Quantities, Quantity, values
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.joining import BUNDLED_NAMES, Joined, joined, nominal_profile
@@ -140,7 +140,7 @@ def _worn_more_at(run: ProfileRun) -> str | None:
     return "neither" if side is None else f"{side.name}, by {side.more_mm:.2f} mm ({side.measure})"
 
 
-MEASURES: tuple[Quantity[ProfileRun], ...] = tuple(
+MEASURES: Quantities[ProfileRun] = tuple(
     Quantity(key, label, _measure(f"{key}_mm"), "mm", ".3f")
     for key, label in {
         "flange_height": "flange height Sh",
@@ -154,7 +154,7 @@ MEASURES: tuple[Quantity[ProfileRun], ...] = tuple(
     }.items()
 )
 """Gauge measures of wheels (EN 15313), and of heads: widths 14 mm below the top, drops 25 mm beside the middle."""
-QUANTITIES: tuple[Quantity[ProfileRun], ...] = (
+QUANTITIES: Quantities[ProfileRun] = (
     Quantity("kind", "kind", _how("kind", lambda taken: taken.kind)),
     Quantity("format", "format", lambda run: run.profile.format),
     Quantity("unit", "unit of the file", _how("unit", lambda taken: taken.unit)),

@@ -16,7 +16,7 @@ from flangeway.cases.wheelset.wheelset_profiles import profile_notes, side_warni
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
-from flangeway.quantities import Quantity, values
+from flangeway.quantities import Quantities, Quantity, values
 from flangeway.railway.profiles.measures import conforming
 from flangeway.railway.rigid.conicity import (
     REFERENCE_AMPLITUDE_MM,
@@ -162,7 +162,7 @@ class LoadedContact(NamedTuple):
     hertz: LineContact | None
 
 
-CONTACT_QUANTITIES: tuple[Quantity[LoadedContact], ...] = (
+CONTACT_QUANTITIES: Quantities[LoadedContact] = (
     Quantity("side", "side", lambda at: at.point.side),
     Quantity("normal_force", "normal force", lambda at: at.point.normal_force_N, "kN", ".2f", factor=1e-3),
     Quantity("contact_angle", "contact angle", lambda at: math.degrees(at.point.contact_angle_rad), "deg", ".2f"),
@@ -175,7 +175,7 @@ CONTACT_QUANTITIES: tuple[Quantity[LoadedContact], ...] = (
     Quantity("hertz_max_pressure", "Hertz: maximum pressure", lambda at: at.hertz and at.hertz.max_pressure, "MPa"),
 )
 """Numbers of a point of contact."""
-POSITION_QUANTITIES: tuple[Quantity[RigidPosition], ...] = (
+POSITION_QUANTITIES: Quantities[RigidPosition] = (
     Quantity("lateral", "lateral position", lambda at: at.motion_in_space.lateral_mm, "mm", "z.3f"),
     Quantity("vertical", "vertical position", lambda at: at.motion_in_space.vertical_mm, "mm", "z.4f"),
     Quantity("roll", "roll", lambda at: at.motion_in_space.roll_rad, "mrad", "z.4f", factor=1e3),
@@ -188,7 +188,7 @@ POSITION_QUANTITIES: tuple[Quantity[RigidPosition], ...] = (
     ),
 )
 """Numbers of a position in equilibrium."""
-CONICITY_QUANTITIES: tuple[Quantity["GeometryRun | ConicityRun"], ...] = (
+CONICITY_QUANTITIES: Quantities["GeometryRun | ConicityRun"] = (
     Quantity(
         "conicity_integration",
         f"equivalent conicity at {REFERENCE_AMPLITUDE_MM:g} mm",

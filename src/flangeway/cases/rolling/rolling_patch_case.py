@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.case import NotNegative, Positive, Progress, RunnableCase
 from flangeway.cases.patch_quantities import ON_SURFACE
 from flangeway.cases.rolling.friction_inputs import FRICTION_KEYS, THERMAL_KEYS, WARM_KEYS, FrictionInputs
 from flangeway.cases.rolling.pressure_table import read_pressures
@@ -39,7 +39,7 @@ from flangeway.contact.rolling.theories import FAST, WITH_TRACTIONS, Theory
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
-from flangeway.quantities import Quantity, values
+from flangeway.quantities import Quantities, Quantity, values
 from flangeway.solve import Status
 from flangeway.types import Floats
 
@@ -128,7 +128,7 @@ class RollingPatchRun(RunResult):
 MAX_PRESSURE: Quantity[RollingPatchRun] = Quantity(
     "max_pressure", "maximum pressure", lambda run: run.contact.pressures.max(), "MPa", ".1f"
 )
-PATCH: tuple[Quantity[RollingPatchRun], ...] = (
+PATCH: Quantities[RollingPatchRun] = (
     Quantity("force", "normal force", lambda run: run.contact.force, "kN", ".3f", factor=1e-3),
     Quantity("semi_axis_along", "semi-axis along", lambda run: run.semi_axes[0], "mm", ".3f"),
     Quantity("semi_axis_across", "semi-axis across", lambda run: run.semi_axes[1], "mm", ".3f"),
@@ -151,23 +151,23 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         *(*CREEPAGE_KEYS, "speed_km_h", "friction"),
     )
 
-    force_kN: float = Field(80.0, gt=0.0)
+    force_kN: Positive = 80.0
     """normal force"""
-    radius_along_mm: float = Field(460.0, gt=0.0)
+    radius_along_mm: Positive = 460.0
     """relative radius of curvature ahead, 1 / (1 / R_upper + 1 / R_lower)"""
-    radius_across_mm: float = Field(300.0, gt=0.0)
+    radius_across_mm: Positive = 300.0
     """relative radius of curvature across"""
-    semi_axis_along_mm: float | None = Field(None, gt=0.0)
+    semi_axis_along_mm: Positive | None = None
     """semi-axis ahead of an ellipse under Hertz's pressure, instead of the radii"""
-    semi_axis_across_mm: float | None = Field(None, gt=0.0)
+    semi_axis_across_mm: Positive | None = None
     """its semi-axis across"""
     pressure_file: str | None = None
     """CSV file of pressures, instead of force and shape: right_mm, ahead_mm, pressure_MPa of cells"""
-    young_MPa: float = Field(210e3, gt=0.0)
+    young_MPa: Positive = 210e3
     """Young's modulus"""
     poisson: float = Field(0.3, ge=0.0, lt=0.5)
     """Poisson's ratio"""
-    upper_young_MPa: float | None = Field(None, gt=0.0)
+    upper_young_MPa: Positive | None = None
     """Young's modulus of the upper body (default: young_MPa)"""
     upper_poisson: float | None = Field(None, ge=0.0, lt=0.5)
     """Poisson's ratio of the upper body (default: poisson)"""
@@ -189,7 +189,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
     """shift to the right"""
     shift_rotation_mrad: float = 0.0
     """rotation, counter-clockwise from above"""
-    friction: float = Field(0.3, ge=0.0)
+    friction: NotNegative = 0.3
     """coefficient of friction, 0: without friction"""
     rolling_theory: Theory = "exact"
     """exact theory, fastsim, fastrip, polach or linear theory"""

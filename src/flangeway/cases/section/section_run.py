@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -23,11 +23,9 @@ from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_secti
 from flangeway.mesh.sizing import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.profiles.bundled import bundled_section
-from flangeway.results import Result, ResultTable
+from flangeway.results import ResultTable
 from flangeway.solve import Status
 from flangeway.space import Space
-from flangeway.system.memory_limits import peak_memory_bytes
-from flangeway.system.versions import versions
 
 SOLVED = Status(True, "both formulations of torsion are solved", 1)
 STEEL_KG_M3 = 7850.0
@@ -79,47 +77,34 @@ class TorsionCase(RunnableCase):
         """See `RunnableCase.check`."""
         _ = self.drawn, self.element
 
-    def run(self, progress: Progress = lambda _: None) -> "TorsionRun":
+    def run(self, progress: Progress = lambda _: None) -> "SectionRun":
         """See `RunnableCase.run`."""
-        section = run_section(self.drawn, self, progress)
-        return TorsionRun(self, section, section.summary["timings_s"])
+        return run_section(self.drawn, self, progress)
 
 
 @dataclass(frozen=True, eq=False)
-class SectionRun(Result):
+class SectionRun(RunResult):
     """A section and its constants."""
 
+    case: TorsionCase  # the inputs
     drawn: DrawnSection  # what was read
-    case: TorsionCase  # how it was computed; size and Poisson's ratio are filled in
+    size: float  # edge length, chosen if it was not given
+    poisson: float  # Poisson's ratio for the shear centre
     space: Space  # space on the mesh
     constants: SectionConstants
     """The constants; area, centroid and second moments exact for the outline's lines and arcs."""
-    summary: dict[str, Any]  # what ``section.json`` holds
-
-    @property
-    def table(self) -> ResultTable:
-        """The constants."""
-        left_out = {"mesh", "timings_s", "versions", "peak_memory_MB"}
-        return ResultTable.of_numbers({key: value for key, value in self.summary.items() if key not in left_out})
-
-
-@dataclass(frozen=True, eq=False)
-class TorsionRun(RunResult):
-    """A section under torsion."""
-
-    case: TorsionCase  # the inputs
-    section: SectionRun  # the section and its constants
+    notices: Sequence[str]  # what the reader should know
     timings_s: Mapping[str, float]  # seconds by stage
     status: Status = SOLVED  # how it ended
 
     def parts(self) -> dict[str, Any]:
-        """See `RunResult.parts`: the keys of the section have its unit."""
-        return self.section.summary
+        """See `RunResult.parts`: the keys have the section's unit."""
+        return _numbers(self) | {"notices": self.notices}
 
     @property
     def table(self) -> ResultTable:
         """The constants."""
-        return self.section.table
+        return ResultTable.of_numbers({key: value for key, value in _numbers(self).items() if key != "mesh"})
 
 
 def find_section(name_or_file: str, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:
@@ -150,10 +135,8 @@ def run_section(
     element = given.element
     poisson, notices = _poisson(drawn, given)
     size = given.size or usual_size(drawn.section)
-    case = given.model_copy(update={"size": size, "poisson": poisson})
     progress("meshing the section")
-    mesh = section_mesh(drawn.section, size, case.method)
-    space = Space(mesh, element)
+    space = Space(section_mesh(drawn.section, size, given.method), element)
     progress(f"solving for the warping function and Prandtl's function, {space.n_dofs} unknowns each")
     moduli: float | dict[str, float] = 1.0
     if drawn.materials:
@@ -166,11 +149,8 @@ def run_section(
         centroid=drawn.section.centroid(weights),
         second_moments=drawn.section.second_moments(weights),
     )
-    summary = _summary(drawn, case, space, exact)
-    summary["notices"] = [*drawn.notices, *notices, *_corner_notices(drawn)]
-    summary["timings_s"] = {"total": time.perf_counter() - start}
-    summary["peak_memory_MB"] = peak_memory_bytes() / 1e6
-    return SectionRun(drawn, case, space, exact, summary)
+    notices = [*drawn.notices, *notices, *_corner_notices(drawn)]
+    return SectionRun(given, drawn, size, poisson, space, exact, notices, {"total": time.perf_counter() - start})
 
 
 def usual_size(section: Section) -> float:
@@ -214,7 +194,8 @@ def _along_arcs(section: Section, size: float) -> list[Refinement]:
     }
     refinements = []
     for arc in arcs.values():
-        chord = math.sqrt(8.0 * arc.radius * sagitta)
+        # rounded, so that arcs of one radius are refined alike, by one field of sizes
+        chord = float(f"{math.sqrt(8.0 * arc.radius * sagitta):.10g}")
         if chord < _WORTHWHILE * size:
             n_chords = max(math.ceil(arc.length / chord), 2)
             refinements.append(Refinement(arc.point(np.linspace(0.0, 1.0, n_chords + 1)), chord, _GROWTH))
@@ -267,9 +248,9 @@ def _corner_notices(drawn: DrawnSection) -> list[str]:
     ]
 
 
-def _summary(drawn: DrawnSection, case: TorsionCase, space: Space, constants: SectionConstants) -> dict[str, Any]:
+def _numbers(run: SectionRun) -> dict[str, Any]:
     """Return the numbers, with the section's unit in the keys."""
-    unit, mesh = drawn.unit, space.mesh
+    drawn, constants, unit, mesh = run.drawn, run.constants, run.drawn.unit, run.space.mesh
     maximum, smallest = constants.principal_moments
     low, high = constants.torsion_bounds
     summary: dict[str, Any] = {
@@ -288,20 +269,19 @@ def _summary(drawn: DrawnSection, case: TorsionCase, space: Space, constants: Se
         "torsion_bounds_certain": constants.bounds_certain,
         f"shear_centre_{unit}": list(constants.shear_centre),
         f"shear_centre_trefftz_{unit}": list(constants.shear_centre_trefftz),
-        "poisson": case.poisson,
+        "poisson": run.poisson,
         f"warping_constant_{unit}6": constants.warping_constant,
         f"max_shear_stress_per_torque_per_{unit}3": _max_shear(drawn, constants),
         "mesh": {
-            "method": case.method,
-            "order": case.order,
-            f"size_{unit}": case.size,
+            "method": run.case.method,
+            "order": run.case.order,
+            f"size_{unit}": run.size,
             "cells": mesh.n_cells,
-            "unknowns": space.n_dofs,
+            "unknowns": run.space.n_dofs,
             f"area_{unit}2": float(mesh.cell_areas.sum()),
         },
         "unit": unit,
         "certainty": drawn.certainty,
-        "versions": versions(),
     }
     if drawn.materials:
         summary["weights"] = {

@@ -4,7 +4,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from pydantic import Field
@@ -12,7 +12,7 @@ from pydantic import Field
 from flangeway.cases.bodies.bodies_model import elements_of
 from flangeway.cases.bodies.bodies_shape import body_shape
 from flangeway.cases.bodies.bodies_tables import BodyTable, FineTable, elastic
-from flangeway.cases.case import Case, Pair, Progress, RunnableCase
+from flangeway.cases.case import Case, Pair, Positive, Progress, RunnableCase, example_of
 from flangeway.cases.spatial.spatial_quantities import BODY, CONTACT, PATCH, SpatialBodyResult, SpatialPatchResult
 from flangeway.cases.summary import RunResult
 from flangeway.contact.patch.patch_body import Axis, PatchBody, cast, points_along
@@ -119,32 +119,13 @@ class SpatialCase(RunnableCase):
     name = "spatial"
     title = "Two prisms or bodies of revolution in contact in three dimensions"
     essential = ("force_kN",)
-    example: ClassVar[Mapping[str, Any]] = {
-        "force_kN": 30.0,
-        "bodies": [
-            {
-                "name": "bar",
-                "disc": {"radius_mm": 50.0, "centre_mm": [0.0, -50.0], "half": "upper"},
-                "order": 2,
-                "contact_edges": "rim",
-                "held_edges": "cut",
-            },
-            {
-                "name": "wheel",
-                "rectangle": {"width_mm": 60.0, "height_mm": 50.0, "centre_mm": [0.0, 25.0]},
-                "order": 2,
-                "contact_edges": "bottom",
-                "held_edges": "top",
-                "axis_mm": [0.0, 200.0],
-            },
-        ],
-    }
+    example = example_of(name)
 
-    force_kN: float | None = Field(None, gt=0.0)
+    force_kN: Positive | None = None
     """force on the upper body, downwards"""
-    approach_mm: float | None = Field(None, gt=0.0)
+    approach_mm: Positive | None = None
     """approach after first touch, instead of force_kN"""
-    cell_mm: float | None = Field(None, gt=0.0)
+    cell_mm: Positive | None = None
     """size of square cells (default: 26 across the patch)"""
     window_mm: Pair | None = None
     """width and length along z of the grid, with cell_mm"""

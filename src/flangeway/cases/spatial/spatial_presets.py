@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import PresetCase
+from flangeway.cases.case import ElementOrder, PoissonRatio, Positive, PresetCase
 from flangeway.cases.spatial.spatial_case import SpatialCase
 from flangeway.errors import InputError
 
@@ -14,13 +14,13 @@ from flangeway.errors import InputError
 class SpatialPreset(PresetCase):
     """Two steel bodies with a few inputs."""
 
-    young_MPa: float = Field(210e3, gt=0.0)
+    young_MPa: Positive = 210e3
     """Young's modulus of both bodies"""
-    poisson: float = Field(0.3, gt=-1.0, lt=0.5)
+    poisson: PoissonRatio = 0.3
     """Poisson's ratio of both bodies"""
     method: Literal["fem", "vem"] = "fem"
     """fem is triangles, vem is polygons with virtual elements"""
-    order: int = Field(2, ge=1, le=2)
+    order: ElementOrder = 2
     """order of the elements"""
 
     def general(self) -> SpatialCase:
@@ -68,15 +68,15 @@ class CraneWheelCase(SpatialPreset):
     title = "A crane wheel on a crowned rail, in three dimensions"
     essential = ("force_kN", "wheel_radius_mm", "crown_radius_mm", "tread_width_mm")
 
-    force_kN: float = Field(100.0, gt=0.0)
+    force_kN: Positive = 100.0
     """wheel load"""
-    wheel_radius_mm: float = Field(200.0, gt=0.0)
+    wheel_radius_mm: Positive = 200.0
     """radius of the tread"""
-    crown_radius_mm: float = Field(400.0, gt=0.0)
+    crown_radius_mm: Positive = 400.0
     """radius of the rail's head"""
-    tread_width_mm: float = Field(75.0, gt=0.0)
+    tread_width_mm: Positive = 75.0
     """width of the tread and of the rail's head"""
-    rim_mm: float = Field(50.0, gt=0.0)
+    rim_mm: Positive = 50.0
     """thickness of the rim, and height of the head, that are modelled"""
     yaw_deg: float = Field(0.0, ge=-5.0, le=5.0)
     """skew of the wheel"""
@@ -96,19 +96,19 @@ class RollerCase(SpatialPreset):
     title = "A crowned roller on the inner or outer race of a bearing, in three dimensions"
     essential = ("force_kN", "roller_radius_mm", "crown_radius_mm", "race_radius_mm", "race")
 
-    force_kN: float = Field(5.0, gt=0.0)
+    force_kN: Positive = 5.0
     """force on the roller"""
-    roller_radius_mm: float = Field(10.0, gt=0.0)
+    roller_radius_mm: Positive = 10.0
     """radius of the roller at its middle"""
-    roller_length_mm: float = Field(20.0, gt=0.0)
+    roller_length_mm: Positive = 20.0
     """length of the roller, and width of the race"""
-    crown_radius_mm: float = Field(100.0, gt=0.0)
+    crown_radius_mm: Positive = 100.0
     """radius of the roller's crown"""
-    race_radius_mm: float = Field(50.0, gt=0.0)
+    race_radius_mm: Positive = 50.0
     """radius of the race"""
     race: Literal["inner", "outer"] = "inner"
     """inner race, convex, or outer race, hollow"""
-    ring_mm: float = Field(10.0, gt=0.0)
+    ring_mm: Positive = 10.0
     """thickness of the ring"""
 
     def tables(self) -> dict[str, Any]:
@@ -136,11 +136,11 @@ class CrossedCylindersCase(SpatialPreset):
     title = "Two cylinders whose axes cross at an angle, in three dimensions"
     essential = ("force_kN", "lower_radius_mm", "upper_radius_mm", "angle_deg")
 
-    force_kN: float = Field(10.0, gt=0.0)
+    force_kN: Positive = 10.0
     """force on the upper cylinder"""
-    lower_radius_mm: float = Field(40.0, gt=0.0)
+    lower_radius_mm: Positive = 40.0
     """radius of the lower cylinder, whose axis is z"""
-    upper_radius_mm: float = Field(40.0, gt=0.0)
+    upper_radius_mm: Positive = 40.0
     """radius of the upper cylinder"""
     angle_deg: float = Field(90.0, ge=45.0, le=90.0)
     """angle between both axes"""

@@ -19,7 +19,7 @@ from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.contact.patch.patch_contact import PatchContact
 from flangeway.exact import PointContact
 from flangeway.post.patch_stresses import DepthProfile
-from flangeway.quantities import Quantity
+from flangeway.quantities import Quantities, Quantity
 from flangeway.types import Floats
 
 
@@ -76,7 +76,7 @@ class SpatialBodyResult:
 LOAD: Quantity[PatchContact] = Quantity("load", "force", lambda c: float(c.force[1]), "kN", ".5g", factor=1e-3)
 """The force as it is given; the summary has its components."""
 APPROACH: Quantity[PatchContact] = Quantity("approach", "approach from first touch", "approach", "mm", ".5g")
-CONTACT: tuple[Quantity[PatchContact], ...] = (
+CONTACT: Quantities[PatchContact] = (
     Quantity("force", "force on the upper body", "force", "N", "z.1f", ("x", "y")),
     APPROACH,
     Quantity(
@@ -87,7 +87,7 @@ CONTACT: tuple[Quantity[PatchContact], ...] = (
     Quantity("gap_error", "", "closed_error", meaning="gap under pressure over the approach"),
     Quantity("overlap_error", "", "overlap", meaning="overlap outside of the patch over the approach"),
 )
-PATCH: tuple[Quantity[SpatialPatchResult], ...] = (
+PATCH: Quantities[SpatialPatchResult] = (
     Quantity("force", "force", lambda p: p.ellipse.force, "N", "z.1f", ("x", "y")),
     Quantity("centre", "centre of pressure", lambda p: p.ellipse.centre, "mm", "z.3f", ("x", "y", "z")),
     MAX_PRESSURE,
@@ -106,7 +106,7 @@ MAX_VON_MISES: Quantity[SpatialBodyResult] = Quantity(
     ".1f",
     meaning="on the normal below the centre of the first patch",
 )
-BODY: tuple[Quantity[SpatialBodyResult], ...] = (
+BODY: Quantities[SpatialBodyResult] = (
     Quantity("name", "", "name"),
     Quantity("elements", "elements", lambda body: body.sizes[0], form=","),
     Quantity("unknowns", "unknowns", lambda body: body.sizes[1], form=","),

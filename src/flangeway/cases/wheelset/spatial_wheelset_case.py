@@ -2,14 +2,15 @@
 
 import time
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.case import Progress, RunnableCase
-from flangeway.cases.rolling.friction_inputs import MAX_FRICTION, FrictionInputs
+from flangeway.cases.case import ElementOrder, NotNegative, Positive, Progress, RunnableCase
+from flangeway.cases.rolling.friction_inputs import MAX_FRICTION, FrictionCoefficient, FrictionInputs
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import ROLLING_KEYS, WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes
@@ -71,7 +72,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     """rail: 60E1, 60E2, 54E1, 49E1, 136RE, or a file that `flangeway profile` reads"""
     wheel: str = "S1002"
     """wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file"""
-    gauge_mm: float = Field(1435.0, gt=0.0)
+    gauge_mm: Positive = 1435.0
     """track gauge, between the rails' heads"""
     wheel_radius_mm: float = Field(460.0, ge=150.0)
     """rolling radius at the position wheel_radius_at"""
@@ -79,7 +80,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     """where wheel_radius_mm is measured"""
     axle_load_kN: float = Field(200.0, gt=0.0, le=1e5)
     """axle load, weight on both rails"""
-    superelevation_base_mm: float | None = Field(None, gt=0.0)
+    superelevation_base_mm: Positive | None = None
     """width over which superelevation is measured (default: the gauge and 65 mm)"""
     yaw_mrad: float = Field(0.0, ge=-200.0, le=200.0)
     """yaw of the axle, positive where the right wheel is ahead"""
@@ -89,20 +90,20 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     """prescribed vertical position (default: computed)"""
     roll_rad: float | None = None
     """prescribed roll, counter-clockwise (default: computed)"""
-    friction: float | None = Field(None, ge=0.0, le=MAX_FRICTION)
+    friction: FrictionCoefficient | None = None
     """coefficient of friction: the wheelset rolls at speed_km_h with creep forces (default, and 0: without
     friction)"""
     friction_file: str | None = None
     """CSV file of the coefficient along the track, instead of friction: distance_m, friction, linear in between"""
     distance_m: float = 0.0
     """distance of the wheelset along the track, at which friction_file is read"""
-    flange_friction: float | None = Field(None, ge=0.0, le=MAX_FRICTION)
+    flange_friction: FrictionCoefficient | None = None
     """coefficient on the gauge face, steeper than 45 degrees (default: friction)"""
     rolling_theory: Theory = "exact"
     """creep forces: exact theory, fastsim, fastrip, polach or linear theory"""
     torque_kNm: float = 0.0
     """torque on the axle: positive drives, negative brakes, 0 rolls freely"""
-    yaw_stiffness_kNm_per_mrad: float | None = Field(None, ge=0.0)
+    yaw_stiffness_kNm_per_mrad: NotNegative | None = None
     """stiffness that guides the axle to yaw_mrad, 0: none; the yaw is then found (default: yaw_mrad is prescribed)"""
     yaw_rate_mrad_per_s: float = 0.0
     """yaw rate relative to the track, counter-clockwise from above; the curve adds its own"""
@@ -114,23 +115,23 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     """distance of the sleepers"""
     sleeper_position: float = Field(RailSupport.position, ge=0.0, lt=1.0)
     """distance of the wheelset from the last sleeper over the spacing: 0 over it, 0.5 between two"""
-    seat_vertical_kN_per_mm: float = Field(RailSupport.vertical_kN_per_mm, gt=0.0)
+    seat_vertical_kN_per_mm: Positive = RailSupport.vertical_kN_per_mm
     """vertical stiffness of rail seat, sleeper and ballast"""
-    seat_lateral_kN_per_mm: float = Field(RailSupport.lateral_kN_per_mm, gt=0.0)
+    seat_lateral_kN_per_mm: Positive = RailSupport.lateral_kN_per_mm
     """their lateral stiffness"""
-    seat_longitudinal_kN_per_mm: float = Field(RailSupport.longitudinal_kN_per_mm, gt=0.0)
+    seat_longitudinal_kN_per_mm: Positive = RailSupport.longitudinal_kN_per_mm
     """their longitudinal stiffness"""
-    seat_roll_kNm_per_rad: float = Field(RailSupport.roll_kNm_per_rad, gt=0.0)
+    seat_roll_kNm_per_rad: Positive = RailSupport.roll_kNm_per_rad
     """their stiffness against roll of the rail"""
     wheel_section: Literal["rim", "whole"] = "rim"
     """rim held at its cut, or whole wheel with an assumed web and hub, held at the bore"""
     axle: Literal["elastic", "rigid"] = "elastic"
     """elastic: an AAR class F axle that bends between its journals"""
-    yield_MPa: float | None = Field(None, gt=0.0)
+    yield_MPa: Positive | None = None
     """yield strength, for the shakedown position of patches (default: 510 MPa, rail steel)"""
     method: Method = "fem"
     """fem is triangles, vem is polygons with virtual elements"""
-    order: int = Field(2, ge=1, le=2)
+    order: ElementOrder = 2
     """order of the elements"""
     size_scale: float = Field(1.0, ge=0.05, le=10.0)
     """factor on all element sizes"""
@@ -262,7 +263,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     def _rolls(self) -> bool:
         return self.coefficient is not None
 
-    @property
+    @cached_property
     def coefficient(self) -> float | None:
         """Coefficient of friction where the wheelset is; beyond the ends of the file that of its end."""
         if self.friction_file is None:

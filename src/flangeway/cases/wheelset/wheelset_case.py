@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.case import ElementOrder, Fraction, PoissonRatio, Positive, Progress, RunnableCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
@@ -46,49 +46,49 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     """prescribed vertical position (default: computed)"""
     roll_rad: float | None = None
     """prescribed roll, counter-clockwise (default: computed)"""
-    wheel_young_MPa: float | None = Field(None, gt=0.0)
+    wheel_young_MPa: Positive | None = None
     """Young's modulus of the wheels (default: young_MPa)"""
-    wheel_poisson: float | None = Field(None, gt=-1.0, lt=0.5)
+    wheel_poisson: PoissonRatio | None = None
     """Poisson's ratio of the wheels (default: poisson)"""
-    rail_young_MPa: float | None = Field(None, gt=0.0)
+    rail_young_MPa: Positive | None = None
     """Young's modulus of the rails (default: young_MPa)"""
-    rail_poisson: float | None = Field(None, gt=-1.0, lt=0.5)
+    rail_poisson: PoissonRatio | None = None
     """Poisson's ratio of the rails (default: poisson)"""
-    yield_MPa: float | None = Field(None, gt=0.0)
+    yield_MPa: Positive | None = None
     """yield strength, for a warning (default: 510 MPa, rail steel)"""
     method: Method = Discretisation.method
     """fem is triangles, vem is polygons with virtual elements"""
-    order: int = Field(Discretisation.order, ge=1, le=2)
+    order: ElementOrder = Discretisation.order
     """order of the elements: FO2 is fem of order 2"""
     wheel_method: Method | None = None
     """method of the wheels (default: method)"""
     rail_method: Method | None = None
     """method of the rails (default: method)"""
-    wheel_order: int | None = Field(None, ge=1, le=2)
+    wheel_order: ElementOrder | None = None
     """order of the elements of the wheels (default: order)"""
-    rail_order: int | None = Field(None, ge=1, le=2)
+    rail_order: ElementOrder | None = None
     """order of the elements of the rails (default: order)"""
     size_scale: float = Field(Discretisation.size_scale, ge=0.05, le=20.0)
     """factor on all element sizes"""
-    contact_size_mm: float = Field(Discretisation.contact_size_mm, gt=0.0)
+    contact_size_mm: Positive = Discretisation.contact_size_mm
     """element size in contact, doubled for order 2"""
-    wheel_contact_size_mm: float | None = Field(None, gt=0.0)
+    wheel_contact_size_mm: Positive | None = None
     """element size of the wheels in contact (default: contact_size_mm)"""
-    rail_contact_size_mm: float | None = Field(None, gt=0.0)
+    rail_contact_size_mm: Positive | None = None
     """element size of the rails in contact (default: contact_size_mm)"""
-    body_size_mm: float = Field(Discretisation.body_size_mm, gt=0.0)
+    body_size_mm: Positive = Discretisation.body_size_mm
     """element size elsewhere, doubled for order 2"""
-    growth: float = Field(Discretisation.growth, gt=0.0, le=1.0)
+    growth: Fraction = Discretisation.growth
     """growth of the element size per distance"""
     pairing: PairingName = Discretisation.pairing
     """contact discretisation"""
     enforcement: EnforcementName = Discretisation.enforcement
     """constraint enforcement"""
-    penalty_factor: float = Field(Discretisation.penalty_factor, gt=0.0)
+    penalty_factor: Positive = Discretisation.penalty_factor
     """penalty (pressure per penetration) over the contact modulus per mm"""
-    nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0)
+    nodal_penalty_N_per_mm: Positive | None = None
     """penalty of node-to-segment as force per penetration at a node (default: from penalty_factor)"""
-    penetration_mm: float = Field(Discretisation.penetration_mm, gt=0.0)
+    penetration_mm: Positive = Discretisation.penetration_mm
     """tolerated penetration of augmented-lagrange"""
     primary: Choice = Discretisation.primary
     """primary surface; auto: chosen, and the reason is reported"""

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import Case
+from flangeway.cases.case import Case, NotNegative, PoissonRatio, Positive
 from flangeway.cases.rolling.friction_inputs import FRICTION_KEYS
 from flangeway.cases.wheelset.wheelset_profiles import position_key, rail_named, wheel_named
 from flangeway.cases.wheelset.wheelset_quantities import MOTION, PLANE_PATCH_ROW, PLANE_ROW, WheelResult, row_columns
@@ -50,7 +50,7 @@ class WheelsetInputs(Case):
 
     rail: str = "136RE"
     """rail: 136RE, 60E1, 60E2, 54E1, 49E1, S-519-A, or a file that `flangeway profile` reads"""
-    crown_radius_in: float | None = Field(None, gt=0.0)
+    crown_radius_in: Positive | None = None
     """radius of the crown of a 136RE: 8, 10 or 14 in (default: 10)"""
     wheel: str = "AAR-1B"
     """wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file"""
@@ -91,9 +91,9 @@ class WheelsetInputs(Case):
     nearest)"""
     wheel_body: str | None = None
     """bundled wheel with the rim for a file's running surface, or plain (default: as for rail_body)"""
-    gauge_mm: float = Field(Track.gauge_mm, gt=0.0)
+    gauge_mm: Positive = Track.gauge_mm
     """track gauge, between the rails' heads"""
-    gauge_depth_mm: float | None = Field(None, gt=0.0)
+    gauge_depth_mm: Positive | None = None
     """depth below the tops above which the gauge is measured (default: at the closest points)"""
     rail_inclination: float = Field(Track.rail_inclination, ge=-0.2, le=0.2)
     """inclination of the rails as a slope; 1:40 is 0.025"""
@@ -113,29 +113,29 @@ class WheelsetInputs(Case):
     """height of the car's centre of gravity above the axle"""
     axle_load_kN: float = Field(300.0, gt=0.0, le=1e5)
     """axle load, weight on both rails"""
-    car_mass_t: float | None = Field(None, gt=0.0)
+    car_mass_t: Positive | None = None
     """mass of the car, shared by n_axles, instead of axle_load_kN"""
     n_axles: int = Field(N_AXLES, ge=1)
     """wheelsets that share car_mass_t"""
     lateral_force_kN: float = 0.0
     """horizontal force at the centre of gravity, to the right: centrifugal force of a curve to the left"""
-    speed_km_h: float | None = Field(None, ge=0.0)
+    speed_km_h: NotNegative | None = None
     """speed; with curve_radius_m it gives the centrifugal force for lateral_force_kN"""
     curve_radius_m: float | None = None
     """radius of the curve, positive to the left, negative to the right; needs speed_km_h"""
     superelevation_mm: float | Literal["from-speed"] = 0.0
     """superelevation, outer rail of the curve over the inner one, negative: adverse cant; without curve_radius_m of
     the right rail over the left one; from-speed: equilibrium superelevation of speed and radius"""
-    cant_deficiency_mm: float = Field(0.0, ge=0.0)
+    cant_deficiency_mm: NotNegative = 0.0
     """equilibrium superelevation less the superelevation from-speed"""
-    superelevation_base_mm: float | None = Field(None, gt=0.0)
+    superelevation_base_mm: Positive | None = None
     """width over which superelevation is measured, 1500 mm between the running circles on standard gauge (default:
     the gauge)"""
-    thickness_mm: float = Field(WheelsetProblem.thickness_mm, gt=0.0)
+    thickness_mm: Positive = WheelsetProblem.thickness_mm
     """length of the bodies along the track"""
-    young_MPa: float = Field(210e3, gt=0.0)
+    young_MPa: Positive = 210e3
     """Young's modulus of wheels and rails"""
-    poisson: float = Field(0.3, gt=-1.0, lt=0.5)
+    poisson: PoissonRatio = 0.3
     """Poisson's ratio of wheels and rails"""
 
     position_keys: ClassVar[tuple[str, ...]] = (*POSITION_KEYS, *CURVE_KEYS, "yaw_mrad", *PLACE_KEYS, *ROLLING_KEYS)

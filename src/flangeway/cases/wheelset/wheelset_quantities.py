@@ -23,7 +23,7 @@ from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.exact import PointContact
 from flangeway.post.patch_stresses import DepthProfile, StressField
 from flangeway.problems import LinearBody
-from flangeway.quantities import Quantity, column_names, of_part
+from flangeway.quantities import Quantities, Quantity, column_names, of_part
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.track.wheelset_load import WheelsetLoad
@@ -243,12 +243,12 @@ LATERAL: Quantity[AnyResult] = Quantity(
     "lateral", "lateral position of the axle", lambda r: r.equilibrium.position.lateral_mm, "mm", "z.3f"
 )
 APPROACH: Quantity[AnyResult] = Quantity("approach", "approach after first touch", "approach_mm", "mm", "z.4f")
-MOTION: tuple[Quantity[AnyResult], ...] = (
+MOTION: Quantities[AnyResult] = (
     LATERAL,
     Quantity("vertical", "vertical position", lambda r: r.equilibrium.position.vertical_mm, "mm", "z.4f"),
     Quantity("roll", "roll", lambda r: r.equilibrium.position.roll_rad, "mrad", "z.3f", factor=1e3),
 )
-POSITION: tuple[Quantity[AnyResult], ...] = (
+POSITION: Quantities[AnyResult] = (
     *MOTION,
     APPROACH,
     Quantity("horizontal_in_space", "", lambda r: r.position_in_space.lateral_mm, "mm"),
@@ -256,7 +256,7 @@ POSITION: tuple[Quantity[AnyResult], ...] = (
     Quantity("stable", "", lambda r: r.equilibrium.stable, meaning="whether it comes back after a small push"),
     Quantity("reference", "", lambda _: REFERENCE),
 )
-LOAD: tuple[Quantity[WheelsetLoad], ...] = (
+LOAD: Quantities[WheelsetLoad] = (
     Quantity("vertical", "", "vertical_N", "kN", factor=1e-3, meaning="weight in space"),
     Quantity("lateral", "", "lateral_N", "kN", factor=1e-3, meaning="horizontal force in space"),
     Quantity("tilt", "", "tilt_rad", "rad", meaning="tilt of the track"),
@@ -265,7 +265,7 @@ LOAD: tuple[Quantity[WheelsetLoad], ...] = (
         "lateral_in_track", "load parallel to the track plane", lambda f: f.in_track[0], "kN", "z.3f", factor=1e-3
     ),
 )
-RESIDUAL: tuple[Quantity[RelativeResiduals], ...] = (
+RESIDUAL: Quantities[RelativeResiduals] = (
     Quantity("equilibrium", "equilibrium residual", "equilibrium_residual", form=".1e"),
     Quantity("vertical", "  vertical", "vertical_residual", form=".1e"),
     Quantity("lateral", "  lateral", "lateral_residual", form=".1e"),
@@ -277,7 +277,7 @@ RESIDUAL: tuple[Quantity[RelativeResiduals], ...] = (
 SIDE: Quantity[AnyPatch] = Quantity("side", "", lambda p: p.patch.side)
 REGION: Quantity[AnyPatch] = Quantity("region", "", lambda p: p.patch.region)
 NORMAL: Quantity[AnyPatch] = Quantity("normal_force", "normal force", "normal_force", "kN", ".2f", factor=1e-3)
-FORCES: tuple[Quantity[AnyPatch], ...] = (
+FORCES: Quantities[AnyPatch] = (
     NORMAL,
     Quantity("lateral_force", "lateral force on the wheel", lambda p: p.force[0], "kN", "z.3f", factor=1e-3),
     Quantity("vertical_force", "vertical force on the wheel", lambda p: p.force[1], "kN", "z.3f", factor=1e-3),
@@ -298,7 +298,7 @@ HALF_WIDTH: Quantity[PlanePatchResult] = Quantity(
 )
 
 
-def _line(role: Role, name: str, label: str, number: int) -> tuple[Quantity[PlanePatchResult], ...]:
+def _line(role: Role, name: str, label: str, number: int) -> Quantities[PlanePatchResult]:
     """A stress on the normal below a plane contact, and its depth."""
     key = f"in_{role}_{name}"
     return (
@@ -307,7 +307,7 @@ def _line(role: Role, name: str, label: str, number: int) -> tuple[Quantity[Plan
     )
 
 
-PLANE_MAIN: tuple[Quantity[PlanePatchResult], ...] = (
+PLANE_MAIN: Quantities[PlanePatchResult] = (
     *FORCES,
     PRESSURE,
     Quantity("hertz_pressure", "  Hertz", lambda p: p.patch.hertz and p.patch.hertz.max_pressure, "MPa", ".1f"),
@@ -317,7 +317,7 @@ PLANE_MAIN: tuple[Quantity[PlanePatchResult], ...] = (
     ON_RAIL,
     ON_WHEEL,
 )
-PLANE_FURTHER: tuple[Quantity[PlanePatchResult], ...] = (
+PLANE_FURTHER: Quantities[PlanePatchResult] = (
     Quantity("track_position", "position in the track", lambda p: p.patch.pressure.centre, "mm", "z.2f", XY),
     Quantity("pressure_oscillation", "pressure oscillation", lambda p: p.patch.pressure.oscillation, form=".2%"),
     Quantity("nodes", "nodes in contact", lambda p: len(p.patch.pressure.normal_forces), form="d"),
@@ -333,7 +333,7 @@ PLANE_FURTHER: tuple[Quantity[PlanePatchResult], ...] = (
 """PLANE_MAIN, PLANE_FURTHER: numbers of a contact of a plane wheelset; the first ones for the table of results."""
 
 
-def _volume(role: Role, name: str) -> tuple[Quantity[PatchResult], ...]:
+def _volume(role: Role, name: str) -> Quantities[PatchResult]:
     """A maximum stress in the volume below a patch, its depth and its point, for programs."""
     key = f"in_{role}_{name}"
     return (
@@ -343,9 +343,7 @@ def _volume(role: Role, name: str) -> tuple[Quantity[PatchResult], ...]:
     )
 
 
-def _greater(
-    key: str, label: str, of: Callable[[PatchResult, Role], tuple[Any, ...]]
-) -> tuple[Quantity[PatchResult], ...]:
+def _greater(key: str, label: str, of: Callable[[PatchResult, Role], tuple[Any, ...]]) -> Quantities[PatchResult]:
     """The greater of a stress in rail and wheel, and its depth."""
 
     def most(patch: PatchResult) -> tuple[Any, ...]:
@@ -376,7 +374,7 @@ SHAKEDOWN: Quantity[PatchResult] = Quantity(
 ROLLING_RADIUS: Quantity[PatchResult] = Quantity(
     "rolling_radius", "rolling radius", lambda p: p.patch.rolling_radius_mm, "mm", ".3f"
 )
-CREEP_MAIN: tuple[Quantity[PatchResult], ...] = tuple(
+CREEP_MAIN: Quantities[PatchResult] = tuple(
     map(
         _creep,
         (
@@ -388,7 +386,7 @@ CREEP_MAIN: tuple[Quantity[PatchResult], ...] = tuple(
         ),
     )
 )
-CREEP_FURTHER: tuple[Quantity[PatchResult], ...] = (
+CREEP_FURTHER: Quantities[PatchResult] = (
     *map(_creep, (SPIN_MOMENT, *T_GAMMAS[1:])),
     Quantity("frictional_power", "frictional power", "power", "W", ".1f"),
     *map(_creep, FIELDS),
@@ -397,7 +395,7 @@ CREEP_FURTHER: tuple[Quantity[PatchResult], ...] = (
 MAX_VON_MISES, MAX_VON_MISES_DEPTH = _greater(
     "max_von_mises", "maximum von Mises stress", lambda p, role: p.maximum(role, "max_von_mises")
 )
-SPATIAL_MAIN: tuple[Quantity[PatchResult], ...] = (
+SPATIAL_MAIN: Quantities[PatchResult] = (
     NORMAL,
     PRESSURE,
     HERTZ_PRESSURE,
@@ -411,7 +409,7 @@ SPATIAL_MAIN: tuple[Quantity[PatchResult], ...] = (
     MAX_VON_MISES,
     MAX_VON_MISES_DEPTH,
 )
-SPATIAL_FURTHER: tuple[Quantity[PatchResult], ...] = (
+SPATIAL_FURTHER: Quantities[PatchResult] = (
     *FORCES[1:],
     POSITION_ALONG,
     *_greater("von_mises_below_centre", "von Mises stress below the centre", lambda p, role: p.below_centre(role)),
@@ -431,15 +429,15 @@ SPATIAL_FURTHER: tuple[Quantity[PatchResult], ...] = (
     ),
 )
 """SPATIAL_MAIN, SPATIAL_FURTHER: numbers of a patch, those of the table of results and further ones."""
-PATCH: tuple[Quantity[PatchResult], ...] = (
+PATCH: Quantities[PatchResult] = (
     SIDE, REGION, *SPATIAL_MAIN, REMARK, *SPATIAL_FURTHER, *CREEP_MAIN, *CREEP_FURTHER,
 )  # fmt: skip
-PLANE_PATCH: tuple[Quantity[PlanePatchResult], ...] = (SIDE, REGION, *PLANE_MAIN, REMARK, *PLANE_FURTHER)
+PLANE_PATCH: Quantities[PlanePatchResult] = (SIDE, REGION, *PLANE_MAIN, REMARK, *PLANE_FURTHER)
 
 # Wheels
 
 RATIO: Quantity[WheelResult] = Quantity("lateral_over_vertical", "L/V", "lateral_over_vertical", form="z.4f")
-WHEEL: tuple[Quantity[WheelResult], ...] = (
+WHEEL: Quantities[WheelResult] = (
     Quantity("n_patches", "patches", lambda w: len(w.patches), form="d"),
     Quantity("normal_force", "normal force", lambda w: w.total(lambda p: p.normal_force), "kN", ".3f", factor=1e-3),
     Quantity(
@@ -461,7 +459,7 @@ WHEEL: tuple[Quantity[WheelResult], ...] = (
     RATIO,
 )
 GAUGE: Quantity[WheelResult] = Quantity("gauge_outward", "gauge-face deflection", lambda w: w.head[3], "mm", "z.3f")
-HEAD: tuple[Quantity[WheelResult], ...] = (
+HEAD: Quantities[WheelResult] = (
     Quantity("head_lateral", "railhead lateral displacement", lambda w: w.head[0], "mm", "z.3f"),
     Quantity("head_vertical", "  up", lambda w: w.head[1], "mm", "z.3f"),
     Quantity("head_roll", "  roll", lambda w: w.head[2], "mrad", "z.3f", factor=1e3),
@@ -470,7 +468,7 @@ HEAD: tuple[Quantity[WheelResult], ...] = (
 NADAL_FRACTION: Quantity[WheelResult] = Quantity(
     "share_of_nadal_limit", "  L/V over the limit", "nadal_fraction", form=".0%"
 )
-NADAL: tuple[Quantity[WheelResult], ...] = (
+NADAL: Quantities[WheelResult] = (
     Quantity("nadal_limit", "  Nadal's limit", "nadal_limit", form=".3f"),
     NADAL_FRACTION,
 )
@@ -485,29 +483,29 @@ def _sum(quantity: Quantity[Any]) -> Quantity[WheelResult]:
     return replace(quantity, of=lambda wheel: wheel.total(quantity.value), factor=1.0)
 
 
-_ELLIPSE: tuple[Quantity[Any], ...] = (AXES, ANGLE, LONGITUDINAL, ROLLING_RADIUS)
-_POINTS: tuple[Quantity[Any], ...] = (CONTACT_ANGLE, ON_RAIL, ON_WHEEL)
+_ELLIPSE: Quantities[Any] = (AXES, ANGLE, LONGITUDINAL, ROLLING_RADIUS)
+_POINTS: Quantities[Any] = (CONTACT_ANGLE, ON_RAIL, ON_WHEEL)
 _HIGHEST = tuple(of_part(lambda wheel: wheel.highest, quantity) for quantity in (PRESSURE, REMARK))
-PLANE_ROW: tuple[Quantity[WheelResult], ...] = (
+PLANE_ROW: Quantities[WheelResult] = (
     *WHEEL,
     *_HIGHEST,
     *(_most_loaded(quantity) for quantity in (HALF_WIDTH, *_POINTS)),
 )
-SPATIAL_ROW: tuple[Quantity[WheelResult], ...] = (
+SPATIAL_ROW: Quantities[WheelResult] = (
     *WHEEL,
     *_HIGHEST,
     *(_most_loaded(quantity) for quantity in (*_ELLIPSE, *_POINTS)),
     *HEAD,
 )
-ROLLING_ROW: tuple[Quantity[WheelResult], ...] = (
+ROLLING_ROW: Quantities[WheelResult] = (
     *SPATIAL_ROW,
     *map(_most_loaded, (*CREEP_MAIN[:3], CREEP_MAIN[5])),
     *map(_sum, (*CREEP_MAIN[3:5], CREEP_MAIN[6], CREEP_FURTHER[3])),
     NADAL_FRACTION,
 )
 """PLANE_ROW, SPATIAL_ROW, ROLLING_ROW: numbers of a wheel in a row of a campaign: sums and the most loaded patch."""
-PLANE_PATCH_ROW: tuple[Quantity[PlanePatchResult], ...] = (SIDE, REGION, *PLANE_MAIN, REMARK)
-SPATIAL_PATCH_ROW: tuple[Quantity[PatchResult], ...] = (
+PLANE_PATCH_ROW: Quantities[PlanePatchResult] = (SIDE, REGION, *PLANE_MAIN, REMARK)
+SPATIAL_PATCH_ROW: Quantities[PatchResult] = (
     SIDE, REGION, *FORCES, PRESSURE, REMARK, HERTZ_PRESSURE, HERTZ_AXES, LOAD_FACTOR, *_ELLIPSE, *_POINTS,
 )  # fmt: skip
 ROLLING_PATCH_ROW = (*SPATIAL_PATCH_ROW, *CREEP_MAIN, CREEP_FURTHER[3])
@@ -535,7 +533,7 @@ def _frequency(result: SpatialResult) -> float | None:
     return None if length is None or motion is None else 1e3 * motion.speed_m_s / length
 
 
-ROLLING: tuple[Quantity[SpatialResult], ...] = (
+ROLLING: Quantities[SpatialResult] = (
     Quantity("rate", "rotation", _rolled(lambda at: at.rate_rad_s), "rad/s", ".4f"),
     Quantity("yaw", "yaw", _rolled(lambda at: 1e3 * at.yaw_rad), "mrad", "z.3f"),
     Quantity(
@@ -569,7 +567,7 @@ ROLLING: tuple[Quantity[SpatialResult], ...] = (
 )
 
 
-MESH: tuple[Quantity[LinearBody], ...] = (
+MESH: Quantities[LinearBody] = (
     Quantity("name", "", "name"),
     Quantity("unknowns", "unknowns", lambda body: body.stiffness.n, form=","),
     Quantity("elements", "elements", lambda body: body.space.mesh.n_cells, form=","),

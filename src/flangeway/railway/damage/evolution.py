@@ -19,9 +19,7 @@ from flangeway.railway.damage.surface_wear import PatchDamage, patch_damage, row
 from flangeway.railway.damage.wear_laws import WearLaw
 from flangeway.railway.damage.worn_surface import FILTER_MM, SPACING_MM, WornSurface
 from flangeway.railway.track.discretisation import Role
-from flangeway.railway.track.placements import Side
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
-from flangeway.railway.wheelset.side_contact import SideSurfaces
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.system.disk_cache import Cache
@@ -33,6 +31,8 @@ MAX_COMPLIANCE_WEAR_MM = 1.0
 """Depth up to which the compliance of the new bodies is kept; beyond it is made anew from the worn body.
 
 Hollows of 1 mm in S1002 and 60E1: p0 of the greatest patch changes by 0.16 %, that of a lesser one by 0.9 %."""
+OVER_PIECES = ("rates", "damage", "damage_rates")
+"""Numbers of a step by the pieces of its surfaces."""
 SAFETY, GROWTH = 0.9, 2.0
 """Next step over the one that the estimated error allows, and over the one before, at most."""
 
@@ -216,7 +216,7 @@ class Evolution:
                 key: WornSurface(profile, spacing_mm=self.settings.spacing_mm) for key, profile in profiles.items()
             }
             none = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
-            steps.append(self._evaluated(0.0, surfaces, none, progress))
+            steps.append(self._evaluated(0, 0.0, surfaces, none, progress))
             if store:
                 store.add(self._row_of(steps[-1]))
         while steps[-1].position < self.settings.end and not steps[-1].reached:
@@ -245,7 +245,7 @@ class Evolution:
             # the end exactly, so that a run to it ends there
             end = settings.end if last.position + way >= settings.end * (1.0 - 1e-12) else last.position + way
             predicted = {key: each.worn_by(way * last.rates[key]) for key, each in last.surfaces.items()}
-            there = self._evaluated(end, predicted, last.damage, progress)
+            there = self._evaluated(len(steps), end, predicted, last.damage, progress)
             error = max(0.5 * way * float(np.abs(there.rates[key] - last.rates[key]).max()) for key in last.rates)
             if error <= settings.max_error_mm:
                 break
@@ -258,7 +258,7 @@ class Evolution:
         damage = {
             key: each + half * (last.damage_rates[key] + there.damage_rates[key]) for key, each in last.damage.items()
         }
-        found = self._evaluated(end, surfaces, damage, progress)
+        found = self._evaluated(len(steps), end, surfaces, damage, progress)
         # what did not converge on the way is reported as well
         both = zip(found.states, there.states, strict=True)
         states = tuple(replace(state, message=state.message or other.message) for state, other in both)
@@ -276,27 +276,28 @@ class Evolution:
 
     def _evaluated(
         self,
+        number: int,
         position: float,
         surfaces: Mapping[SurfaceKey, WornSurface],
         damage: Mapping[SurfaceKey, Floats],
         progress: Callable[[str], None],
     ) -> EvolutionStep:
-        """Solve all states on worn profiles."""
+        """Solve all states of the step with a number on worn profiles."""
         deep = any(surface.depth.max() > MAX_COMPLIANCE_WEAR_MM for surface in surfaces.values())
         profiles = {key: surface.worn_body if deep else surface.worn for key, surface in surfaces.items()}
         if self.collective.is_symmetric:
             profiles = {(role, side): profiles[role, "right"] for role, side in profiles}
         rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
         damage_rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
-        bodies: list[tuple[tuple[Any, ...], dict[Side, SideSurfaces]]] = []
+        made: list[SpatialWheelset] = []
         states, t_gamma, solved = [], 0.0, 0.0
-        for number, state in enumerate(self.collective.states, 1):
+        drawn, end = self.collective.of_step(number), self.settings.end
+        for count, state in enumerate(drawn, 1):
             share = state.share
-            end = self.settings.end
-            progress(f"{position:.4g} of {end:.4g} {self.unit}, state {number} of {len(self.collective.states)}")
+            progress(f"{position:.4g} of {end:.4g} {self.unit}, state {count} of {len(drawn)}")
             problem = self.collective.problem_with(state, profiles)
             try:
-                result = _solved(SpatialWheelset(problem, {}, state.model), bodies)
+                result = _solved(SpatialWheelset(problem, {}, state.model), made)
             except InputError as reason:
                 states.append(StateDamage(state.name, (), reason.given))
                 continue
@@ -339,9 +340,11 @@ class Evolution:
         settings = {key: value for key, value in asdict(self.settings).items() if key not in ("end", "limits")}
         parts = [
             versions()["flangeway"],
+            repr(OVER_PIECES),
             repr(sorted(settings.items())),
             repr([(role, law.name) for role, law in self.laws.items()]),
             repr(self.collective.separate),
+            repr(self.collective.drawn is None),
             *(f"{state.share!r} {state.problem!r} {state.model!r}" for state in self.collective.states),
         ]
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()
@@ -353,40 +356,45 @@ class Evolution:
             "t_gamma_N": step.t_gamma_N,
             "error_mm": step.error_mm,
             "states": [asdict(each) for each in step.states],
-            "surfaces": {
-                f"{role} {side}": [
-                    surface.depth.tolist(),
-                    *(each[role, side].tolist() for each in (step.rates, step.damage, step.damage_rates)),
-                ]
-                for (role, side), surface in step.surfaces.items()
+            "depth": {" ".join(key): surface.depth.tolist() for key, surface in step.surfaces.items()},
+            **{
+                name: {" ".join(key): each.tolist() for key, each in getattr(step, name).items()}
+                for name in OVER_PIECES
             },
         }
 
     def _restored(self, row: Mapping[str, Any]) -> EvolutionStep:
         profiles = self.collective.profiles(tuple(self.laws))
-        stored = {key: [np.array(each) for each in row["surfaces"][" ".join(key)]] for key in profiles}
-        surfaces = {key: WornSurface(profiles[key], stored[key][0], self.settings.spacing_mm) for key in profiles}
+
+        def stored(name: str) -> dict[SurfaceKey, Floats]:
+            return {key: np.array(row[name][" ".join(key)]) for key in profiles}
+
+        depths = stored("depth")
+        surfaces = {key: WornSurface(each, depths[key], self.settings.spacing_mm) for key, each in profiles.items()}
         states = tuple(
             StateDamage(each["name"], tuple(PatchDamage(**patch) for patch in each["patches"]), each["message"])
             for each in row["states"]
         )
-        rates, damage, damage_rates = ({key: stored[key][number] for key in profiles} for number in (1, 2, 3))
-        position, t_gamma, error, limits = (
-            *(row[key] for key in ("position", "t_gamma_N", "error_mm")),
-            self._limits_of(surfaces),
+        return EvolutionStep(
+            position=row["position"],
+            surfaces=surfaces,
+            states=states,
+            t_gamma_N=row["t_gamma_N"],
+            reached=self._limits_of(surfaces),
+            error_mm=row["error_mm"],
+            **{name: stored(name) for name in OVER_PIECES},
         )
-        return EvolutionStep(position, surfaces, rates, damage, damage_rates, states, t_gamma, limits, error)
 
 
-def _solved(wheelset: SpatialWheelset, bodies: list[tuple[tuple[Any, ...], dict[Side, SideSurfaces]]]) -> SpatialResult:
-    """Solve a state; running surfaces of equal bodies are made once."""
+def _solved(wheelset: SpatialWheelset, made: list[SpatialWheelset]) -> SpatialResult:
+    """Solve a state; bodies and rigid geometry of equal wheelsets on equal tracks are made once."""
     problem, model = wheelset.problem, wheelset.model
-    key = (problem.track, problem.wheelset, problem.material, problem.discretisation, model.support, model.disc)
-    surfaces = next((made for other, made in bodies if other == key), None)
-    if surfaces is None:
-        surfaces = running_surfaces(problem, model, cache=Cache.of_user())
-        bodies.append((key, surfaces))
-    return solve_position(replace(wheelset, surfaces=surfaces), {})
+    for bodies in made:
+        found = bodies.at(problem.load, problem.prescribed, model.yaw_rad, model.rolling)
+        if (found.problem, found.model) == (problem, model):
+            return solve_position(found, {})
+    made.append(replace(wheelset, surfaces=running_surfaces(problem, model, cache=Cache.of_user())))
+    return solve_position(made[-1], {})
 
 
 class StepStore:

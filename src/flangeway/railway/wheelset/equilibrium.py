@@ -21,6 +21,34 @@ TOLERANCE = 1e-9
 MAX_STEP = np.array([0.3, 0.3, 3e-4])
 """Step limits in mm, mm and rad: the lateral stiffness jumps when a flange touches."""
 
+BACK, LESS = 0.3, 0.7
+"""The next step limit over the last step where the sense of the steps has changed, and the largest one over that
+before."""
+ALL_OF_IT = 0.999
+"""Part of the limit from which on a step has reached it."""
+
+
+@dataclass
+class Reach:
+    """Step limit of one unknown: it shrinks where the sense of its steps changes, and grows where they reach it.
+
+    - `limit`: of the next step.
+    - `longest`: beyond which it does not grow.
+    - `last`: last step.
+    """
+
+    limit: float
+    longest: float
+    last: float = 0.0
+
+    def limit_of(self, step: float, *, halved: bool) -> float:
+        """Limit of a step that is wanted; `halved`: whether the last step has lowered the residual much."""
+        if step * self.last < 0.0 and abs(step) > 0.5 * abs(self.last) and not halved:
+            self.limit, self.longest = BACK * abs(self.last), LESS * self.longest
+        elif abs(self.last) >= ALL_OF_IT * self.limit:
+            self.limit = min(2.0 * self.limit, self.longest)
+        return self.limit
+
 
 @dataclass(frozen=True, eq=False)
 class AxleLoads:

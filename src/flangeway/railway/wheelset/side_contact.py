@@ -253,6 +253,10 @@ class SideGrid:
         ends[[0, -1]] = True
         return rows[:, None] | ends
 
+    def cuts(self, forces: Floats) -> bool:
+        """Whether a patch of forces (n, n_z) comes to an end of the cells."""
+        return bool(((forces > 0.0) & self.at_edge).any())
+
 
 @dataclass(frozen=True, eq=False)
 class SideState:

@@ -247,14 +247,6 @@ def solve_position(
         for patch in patches
         if patch.ellipse.area < NO_ELLIPSE * np.pi * np.prod(patch.ellipse.semi_axes)
     ]
-    sides = equilibrium.state.sides.items()
-    cut = [side for side, state in sides if (state.forces > 0.0)[state.grid.grid.at_edge].any()]
-    if cut and status.converged:
-        status = Status(
-            False,
-            f"the {' and '.join(cut)} contact reaches the end of the running surface; check the profiles and the load",
-            status.iterations,
-        )
     rolling = _rolling(wheelset, equilibrium.state, patches) if status.converged else ()
     result = SpatialResult(status, wheelset, equilibrium, tuple(patches), timings, tuple(warnings), None, rolling)
     return replace(result, warnings=(*warnings, *_of_yielding(result), *_of_rolling(result)))

@@ -14,6 +14,7 @@ from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import (
     MAX_STEP,
     Equilibrium,
+    Reach,
     is_stable,
     loads_of,
     with_loads,
@@ -60,6 +61,11 @@ class SpatialState:
             sum(one.iterations for one in each),
         )
 
+    @property
+    def grids(self) -> dict[Side, GriddedSide]:
+        """Cells of both sides."""
+        return {side: each.grid for side, each in self.sides.items()}
+
     def insides(self, side: Side) -> list[Bools] | None:
         """Cells of patches that roll by themselves, (n, n_z) each; None without friction, or by the exact theory."""
         insides = None if self.rolled is None else self.rolled.creep[side].insides
@@ -91,9 +97,8 @@ FINE_RESIDUAL = 1e-8
 FINE_TILT_RAD = 1e-9
 FINE_FORCES = 1e-7
 """Change of the forces of a step over their sum."""
-MAX_GROWTH, BACK, LESS, HALVED = 4.0, 0.3, 0.7, 0.25
-"""Largest step across the track over its limit; the next one over the last where the push has changed sides, and the
-largest one over that before; and the part to which a step lowers the residual that goes well."""
+MAX_GROWTH, HALVED = 4.0, 0.25
+"""Largest step across the track over its limit; the part to which a step lowers the residual that goes well."""
 SADDLE = 1e-6
 """Push across the track over the stiffness of the rest, in mm, that is round-off."""
 LEAST_STIFFNESS = 1e-6
@@ -103,34 +108,12 @@ ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.1, 1e-2, 1e-3
 cells give an equilibrium."""
 MAX_COARSER = 2.5
 """Strips over those of other cells up to which derivatives of creep forces serve there too."""
-MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
-"""Step limits of the rate of rotation over itself, and of the yaw."""
-ALL_OF_IT = 0.999
-"""Part of the limit from which on a step has reached it."""
+DIRECT = 4.0
+"""See `_steers`."""
+MAX_YAW_RAD = 1e-3
+"""Step limit of the yaw."""
 RATE, YAW = 5, 6
 """Numbers of the unknowns that friction adds behind position and tilts: the rate of rotation, and the yaw."""
-
-
-@dataclass
-class Reach:
-    """Step limit of one unknown: it shrinks where the sense of its steps changes, and grows where they reach it.
-
-    - `limit`: of the next step.
-    - `longest`: beyond which it does not grow.
-    - `last`: last step.
-    """
-
-    limit: float
-    longest: float
-    last: float = 0.0
-
-    def limit_of(self, step: float, *, halved: bool) -> float:
-        """Limit of a step that is wanted; `halved`: whether the last step has lowered the residual much."""
-        if step * self.last < 0.0 and abs(step) > 0.5 * abs(self.last) and not halved:
-            self.limit, self.longest = BACK * abs(self.last), LESS * self.longest
-        elif abs(self.last) >= ALL_OF_IT * self.limit:
-            self.limit = min(2.0 * self.limit, self.longest)
-        return self.limit
 
 
 class WheelsetNewton:
@@ -178,8 +161,7 @@ class WheelsetNewton:
             if self.sides[side].grid.grid.strip <= MAX_COARSER * grids[side].grid.strip
         }
         self.across = Reach(float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0]))
-        # surfaces that slip everywhere have no slope that leads back
-        self.turning_rate = None if self.creep is None else Reach(*self._limits[[RATE, RATE]].tolist())
+        self.steers: bool | None = None  # not known yet on these cells, see `_steers`
         for number, (side, grid) in enumerate(grids.items()):
             pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
             if near is None:
@@ -193,8 +175,13 @@ class WheelsetNewton:
                 transferred_creep(before, grid),
                 0.0 if raised is None else interpolated(raised, before.grid.grid.middles, grid.grid.middles),
             )
-        if self.creep is not None and near is not None and near.rolled is not None:
-            self.creep.before = near.rolled.creep
+        if self.creep is not None:
+            self.creep.restart({} if near is None or near.rolled is None else near.rolled.creep)
+
+    @property
+    def yaw_stiffness(self) -> float:
+        """Stiffness of the guidance of a yaw that is found, N mm per rad."""
+        return 0.0 if self.creep is None else 1e3 * (self.creep.motion.yaw_stiffness_Nm_per_rad or 0.0)
 
     @property
     def bends(self) -> bool:
@@ -204,7 +191,7 @@ class WheelsetNewton:
     @property
     def reaches_an_end(self) -> bool:
         """Whether a patch has come to an end of its cells."""
-        return any(bool(((each.forces > 0.0) & each.grid.grid.at_edge).any()) for each in self.sides.values())
+        return any(each.grid.grid.cuts(each.forces) for each in self.sides.values())
 
     @property
     def _is_halved(self) -> bool:
@@ -288,10 +275,9 @@ class WheelsetNewton:
         self.yaw_moment = float(self.creep_now[4]) + self.turning
         weight, arm = float(loads_of(problem).weight), problem.wheelset.back_to_back_mm / 2.0
         driven, guided = self.torque + 1e3 * motion.torque_Nm, 0.0
-        if motion.yaw_stiffness_Nm_per_rad is not None:
-            stiffness = 1e3 * motion.yaw_stiffness_Nm_per_rad
-            guided = self.yaw_moment - stiffness * (self.yaw - self.guided_yaw)
-            self.jacobian[YAW, YAW] -= stiffness
+        if motion.yaw_is_free:
+            guided = self.yaw_moment - self.yaw_stiffness * (self.yaw - self.guided_yaw)
+            self.jacobian[YAW, YAW] -= self.yaw_stiffness
         self.missed = np.append(self.missed, [driven, guided])
         self.relative = replace(
             self.relative,
@@ -303,32 +289,35 @@ class WheelsetNewton:
     def _limits(self) -> Floats:
         """Step limits."""
         limits = [*MAX_STEP, MAX_STEP[2], MAX_STEP[2]]
-        return np.array(limits if self.creep is None else [*limits, MAX_CREEPAGE * self.creep.rate_rad_s, MAX_YAW_RAD])
+        return np.array(limits if self.creep is None else [*limits, np.inf, MAX_YAW_RAD])
 
     def _step(self) -> Floats:
         """Newton's step, limited so that the wheelset goes where it is pushed.
 
         The rest of the unknowns is eliminated: what is left of the equation across the track at a fixed lateral
         position is the slope of the energy along it, and its sign is the direction in which the wheelset moves.
-        With friction and a free yaw that is the yaw moment instead: yaw then balances the lateral force by creepage,
-        and the moment turns the wheelset to the rolling line, from wherever it is.
+        With friction and a free yaw that is the yaw moment instead, unless the flange holds the wheelset (`_steers`):
+        yaw then balances the lateral force by creepage, and the moment turns the wheelset to the rolling line, from
+        wherever it is.
         """
         n, across = len(self.free), bool(self.free[0])
         limits = self._limits
         columns, rows = self.free.copy(), self.free.copy()
         columns[0] = False
-        guided = across and n > YAW and bool(self.free[YAW])
-        row, sense = (YAW, -1.0) if guided else (0, 1.0)
+        jacobian = self.jacobian.copy()
+        jacobian[[0, 1, 2], [0, 1, 2]] -= self._least
+        if self.steers is None:
+            steers = across and n > YAW and bool(self.free[YAW])
+            self.steers = steers and _steers(jacobian, self.free, self.yaw_stiffness)
+        row, sense = (YAW, -1.0) if self.steers else (0, 1.0)
         if across:
             rows[row] = False
         step, by_x = np.zeros(n), np.zeros(n)
-        jacobian = self.jacobian.copy()
-        jacobian[[0, 1, 2], [0, 1, 2]] -= self._least
         matrix = jacobian[np.ix_(rows, columns)]
         right = -np.stack((self.missed, self.jacobian[:, 0]), axis=1)[rows]
         step[columns], by_x[columns] = np.linalg.solve(matrix, right).T
-        if self.turning_rate:
-            limits[RATE] = self.turning_rate.limit_of(float(step[RATE]), halved=self._is_halved)
+        if self.creep is not None:
+            limits[RATE] = self.creep.reach.limit_of(float(step[RATE]), halved=self._is_halved)
         excess = float((np.abs(step) / limits).max())
         if excess > 1.0 or not across:
             return step / max(excess, 1.0)
@@ -360,9 +349,9 @@ class WheelsetNewton:
         tilted = float(np.abs(self.tilts - self.bent).max()) > share * FINE_TILT_RAD
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))
         self.tilts = self.tilts + step[3:5]
-        if self.creep is not None and self.turning_rate:
-            self.creep.rate_rad_s += float(step[RATE])
-            self.turning_rate.last = float(step[RATE])
+        if self.creep is not None:
+            self.creep.reach.last = float(step[RATE])
+            self.creep.rate_rad_s += self.creep.reach.last
             self.yaw += float(step[YAW])
         return error <= tolerance and change <= most and not (tilted or moving)
 
@@ -379,6 +368,22 @@ class WheelsetNewton:
             stable = is_stable(self.problem, whole)
         state = SpatialState(states, rolled)
         return Equilibrium(status, self.position, self.relative, state, self.residual, stable)
+
+
+def _steers(jacobian: Floats, free: Bools, yaw_stiffness: float) -> bool:
+    """Whether yaw balances lateral forces better than a displacement across does, and this the yaw moment.
+
+    By the derivatives of both by both where the other unknowns follow: unless the flange holds the wheelset across and
+    its guidance the yaw, and the product of their stiffnesses is larger than that of the other derivatives. Where both
+    products are alike (`DIRECT`) the tangent is nearly singular, and the wheelset turns to the rolling line by the sign
+    of the moment. Creep forces alone hold no yaw: they are limited.
+    """
+    both, rest = [0, YAW], np.flatnonzero(free)
+    rest = rest[(rest != 0) & (rest != YAW)]
+    follow = np.linalg.solve(jacobian[np.ix_(rest, rest)], jacobian[np.ix_(rest, both)])
+    (by_x, by_yaw), (moment_by_x, _) = jacobian[np.ix_(both, both)] - jacobian[np.ix_(both, rest)] @ follow
+    direct = max(-by_x, 0.0) * yaw_stiffness
+    return not -direct < by_yaw * moment_by_x < direct / DIRECT
 
 
 def signs_of_creep(side: Side) -> Floats:

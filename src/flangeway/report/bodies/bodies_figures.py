@@ -75,9 +75,8 @@ def pressure_figure(run: BodiesRun) -> Figure:
         label = f"{run.pairs[patch.contact].name}: maximum {maximum}"
         axes.plot(patch.along, patch.pressures, label=label, **style)
     if run.theory is not None:
-        x = run.theory.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))
         label = f"Hertz, same force: maximum {measured(run.theory.max_pressure, 'MPa', units)}"
-        axes.plot(x, run.theory.pressure(x), color=GREY, label=label, **HERTZ)
+        axes.plot(*run.theory.curve, color=GREY, label=label, **HERTZ)
     axes.set_ylim(0.0, 1.05 * float(axes.dataLim.y1))
     words = "length along the surface from the centre of pressure"
     name_axes(axes, (words, "mm"), ("contact pressure", "MPa"))

@@ -32,7 +32,6 @@ from flangeway.units import Units
 LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES = (
     *("contact-locus.png", "max-pressure-map.png", "max-pressure.png", "lateral-over-vertical.png", "forces.png"),
 )
-NAMES = (LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES)
 Column = tuple[str, str, str]
 """Name of a result behind that of the side, words and unit."""
 OF_SIDES: dict[str, tuple[str, tuple[Column, ...]]] = {

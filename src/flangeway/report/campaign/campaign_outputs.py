@@ -9,21 +9,19 @@ from statistics import median
 from typing import Any
 
 from flangeway.campaign import CampaignProgress, CampaignTable
-from flangeway.campaign.database import FORMATS, export_writers
+from flangeway.campaign.database import export_writers
 from flangeway.quantities import Quantity, measured
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.campaign.campaign_figures import FORCES, LOCUS, PRESSURE, PRESSURE_MAP, RATIO, campaign_figures
-from flangeway.report.campaign.campaign_figures import NAMES as PICTURES
 from flangeway.report.figures.drawing import named
 from flangeway.report.page.case_text import input_rows
-from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
+from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable
-from flangeway.system.output_folder import refuse_unwritable, write_together
+from flangeway.system.output_folder import write_together
 from flangeway.system.versions import versions
 from flangeway.units import NUMBER, Units
 
 DATABASE = "campaign.sqlite"
-TABLES = tuple(f"{name}.{kind}" for kind in FORMATS for name in ("results", "patches"))
 MAX_REASONS, MAX_WARNINGS = 10, 3  # reasons and lines of the table of results, and warnings
 FIRST = ("_max_pressure_MPa", "_lateral_over_vertical", "_normal_force_kN", "_contact_angle_deg")
 SHOWN = {
@@ -38,11 +36,6 @@ LARGER_UNITS = {"N": ("kN", 1e-3), "rad": ("mrad", 1e3)}
 """Units in which the page has forces and angles, with their factors."""
 ROUND_OFF = 1e-9  # a column of lengths, forces, pressures or angles below it is zero
 MAX_DECIMALS = 7
-
-
-def check_campaign_folder(folder: Path) -> None:
-    """Refuse a folder that cannot take a campaign's files (`flangeway.system.output_folder.refuse_unwritable`)."""
-    refuse_unwritable(folder, (DATABASE, *TABLES, *PICTURES, REPORT, SUMMARY))
 
 
 def write_export(table: CampaignTable, folder: Path, kind: str, units: Units = "metric") -> list[Path]:
@@ -95,7 +88,6 @@ def campaign_record(
             "versions": versions(),
         },
         again=Again(command, files=f"A campaign goes on where it stopped; {files}."),
-        versions=versions(),
         units=units,
         warnings=_warnings(failures, warned),
         pictures=[Picture(name, draw, f"{SHOWN[name]}.") for name, draw in campaign_figures(table, units).items()],

@@ -82,7 +82,6 @@ def damage_record(
         again=Again(
             command, files="`steps.csv` has all numbers, `worn-*.csv` the worn profiles, `damage.sqlite` all steps."
         ),
-        versions=versions(),
         units=units,
         warnings=list(dict.fromkeys(unconverged)),
         assumptions=_assumptions(inputs),

@@ -57,7 +57,6 @@ def strategies_record(
             "versions": versions(),
         },
         again=Again(command, files=f"`{STEPS_CSV}` has all steps; the folder of a strategy has its own report."),
-        versions=versions(),
         units=units,
         warnings=[f"{strategy}: {text}" for strategy, record in records.items() for text in record.warnings],
         assumptions=_assumptions(records),

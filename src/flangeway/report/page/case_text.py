@@ -10,7 +10,6 @@ from typing import Any
 from flangeway.cases.case import OF_REPORT, Case, Run, RunnableCase, table_in
 from flangeway.cases.case_file import FORMAT
 from flangeway.cases.case_template import toml_value, write_case_file
-from flangeway.cases.section.section_run import TorsionCase
 from flangeway.checks import is_number
 from flangeway.quantities import measured
 from flangeway.report.page.record import Again, Record
@@ -36,7 +35,6 @@ def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any
         "message": run.status.message,
         "summary": summary,
         "again": Again(f"flangeway run {file}" if file else command_line(case), case_text(case), file, about_files),
-        "versions": summary["versions"],
         "units": case.units,
         "inputs": inputs_tables(case),
         "details": [*filter(None, (case.project, case.author)), case.date or date.today().isoformat()],
@@ -141,42 +139,14 @@ OPTIONS = {
     "crown_radius_in": "--crown-radius",
 }
 """Inputs of a case with an option of their own; all others go through ``--set``."""
-SECTION_OPTIONS = {
-    "units": "--units",
-    "size": "--size",
-    "order": "--order",
-    "method": "--method",
-    "poisson": "--poisson",
-    "unit": "--unit",
-    "half": "--mirror",
-}
-"""Options of ``flangeway section`` by the inputs of a case of torsion."""
 
 
 def command_line(case: RunnableCase) -> str:
     """Return the command that runs a case, with what differs from the defaults; cases with tables have none."""
     words = ["flangeway", "run", case.name]
-    for key, text in _changed(case).items():
-        words += [OPTIONS[key], text] if key in OPTIONS else ["--set", f"{key}={text}"]
-    return shlex.join(words)
-
-
-def section_command(case: TorsionCase) -> str:
-    """Return the command that computes the same section with ``flangeway section``."""
-    words = ["flangeway", "section", case.section]
-    for key, text in _changed(case).items():
-        if key == "half":
-            words.append(SECTION_OPTIONS[key])
-        elif key != "section":
-            words += [SECTION_OPTIONS[key], text]
-    return shlex.join(words)
-
-
-def _changed(case: RunnableCase) -> Mapping[str, str]:
-    """Values that are not the defaults, as text with all digits."""
-    found = {}
     for key, field in type(case).model_fields.items():
         value = getattr(case, key)
         if value != field.default:
-            found[key] = value if isinstance(value, str) else toml_value(value)
-    return found
+            text = value if isinstance(value, str) else toml_value(value)
+            words += [OPTIONS[key], text] if key in OPTIONS else ["--set", f"{key}={text}"]
+    return shlex.join(words)

@@ -1,13 +1,12 @@
 """Report of ``flangeway converge``: a case with its sizes and with half of them."""
 
 from flangeway.cases import Convergence
-from flangeway.report.page.record import REPORT, Again, Record
+from flangeway.report.page.record import Again, Record
 from flangeway.report.page.tables import SummaryTable
 from flangeway.results import ResultTable
 from flangeway.units import shown
 
 SUMMARY = "converge.json"
-NAMES = (REPORT, SUMMARY)
 
 
 def convergence_record(name: str, convergence: Convergence, command: str) -> Record:
@@ -27,7 +26,6 @@ def convergence_record(name: str, convergence: Convergence, command: str) -> Rec
         summary_file=SUMMARY,
         again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
         units=case.units,
-        versions=runs[0].summary["versions"],
         warnings=[f"{part}: {text}" for part, run in zip(parts, runs, strict=True) for text in case.warnings_of(run)],
         timings_s={part: sum(run.summary["timings_s"].values()) for part, run in zip(parts, runs, strict=True)},
     )

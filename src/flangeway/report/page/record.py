@@ -10,6 +10,7 @@ from rich.console import Console
 from flangeway.report.page.tables import SummaryTable, print_notices, print_table
 from flangeway.report.viewer import Scene
 from flangeway.system.output_folder import Writer
+from flangeway.system.versions import versions
 from flangeway.units import Units, in_us_units
 
 REPORT, SUMMARY = "report.html", "summary.json"
@@ -53,7 +54,7 @@ class Record:
     summary: Mapping[str, Any]  # the numbers for programs
     summary_file: str = SUMMARY
     again: Again  # how to compute it again
-    versions: Mapping[str, str]  # versions of what it was made with, by name
+    versions: Mapping[str, str] = field(default_factory=versions)  # versions of what it was made with, by name
     units: Units = "metric"  # units of tables, pictures and CSV files
     sentences: Sequence[str] = ()  # further sentences of the summary
     warnings: Sequence[str] = ()

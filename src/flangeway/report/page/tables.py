@@ -20,13 +20,12 @@ class SummaryTable:
     header: tuple[str, ...]  # names of the columns with their units
     rows: tuple[tuple[str, ...], ...]  # the first cell of each row names it
     of_words: bool = False  # whether the cells are words rather than numbers, and are aligned on the left
-    note: str = ""  # what limits the use of its numbers
 
     @property
     def remarks(self) -> list[str]:
-        """Why the approximate values are so, and what limits the use of the numbers."""
+        """Why the approximate values are so."""
         found = dict.fromkeys(cell.remark for row in self.rows for cell in row if isinstance(cell, About))
-        return [*(f"≈ {remark}" for remark in found), *([self.note] if self.note else [])]
+        return [f"≈ {remark}" for remark in found]
 
     def markdown(self) -> str:
         """Return its lines, without the caption."""
@@ -35,11 +34,11 @@ class SummaryTable:
 
 
 def table_of(
-    caption: str, objects: Iterable[Any], quantities: Iterable[Quantity[Any]], note: str = "", units: Units = "metric"
+    caption: str, objects: Iterable[Any], quantities: Iterable[Quantity[Any]], units: Units = "metric"
 ) -> SummaryTable:
     """Return a table with a row for each object and a number in each cell; missing values are dashes."""
     heads, columns = _columns(quantities, list(objects), units)
-    return SummaryTable(caption, tuple(heads), tuple(zip(*columns, strict=True)), note=note)
+    return SummaryTable(caption, tuple(heads), tuple(zip(*columns, strict=True)))
 
 
 def table_across(
@@ -47,13 +46,12 @@ def table_across(
     names: Iterable[str],
     objects: Sequence[Any],
     quantities: Iterable[Quantity[Any]],
-    note: str = "",
     units: Units = "metric",
 ) -> SummaryTable:
     """Return a table with a column for each object, headed by its name, and a row for each number of a quantity."""
     heads, columns = _columns(quantities, objects, units)
     rows = tuple((head, *cells) for head, cells in zip(heads, columns, strict=True))
-    return SummaryTable(caption, ("", *names), rows, note=note)
+    return SummaryTable(caption, ("", *names), rows)
 
 
 def _columns(

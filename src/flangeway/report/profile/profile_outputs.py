@@ -8,38 +8,30 @@ from flangeway.cases.profile.profile_folder import FOLDER_QUANTITIES, ProfileFol
 from flangeway.cases.profile.profile_run import MEASURES, QUANTITIES, ProfileRun, converted
 from flangeway.errors import InputError
 from flangeway.quantities import Quantity, columns, measured, values
-from flangeway.report.page.record import REPORT, Again, Picture, Record
+from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, table_across, table_of
 from flangeway.report.profile.profile_figures import curvature_figure, join_figure, overlay_figure, shape_figure
 from flangeway.system.output_folder import refuse_unwritable
-from flangeway.system.versions import versions
 from flangeway.units import Units
 
-SUMMARY, SHAPE, CURVATURE, JOIN = "profile.json", "profile.png", "curvature.png", "joined.png"
-NAMES = (SHAPE, CURVATURE, JOIN, REPORT, SUMMARY)
+SUMMARY = "profile.json"
 TABLE, OVERLAY, BATCH_SUMMARY = "profiles.csv", "profiles.png", "profiles.json"
-BATCH_NAMES = (TABLE, OVERLAY, REPORT, BATCH_SUMMARY)
 BATCH = ("format", "points", "length", "minimum_convex_radius", "minimum_concave_radius", "noise")  # of all in CSV
-SHAPE_SHOWN = "The profile with its points, lines and arcs."
-CURVATURE_SHOWN = "Curvature along the profile."
 OVERLAY_SHOWN = "All profiles, and the distance of each from the first."
-JOIN_SHOWN = "The profile joined to the body of the nominal one."
 
 
-def check_profile_folder(run: ProfileRun, folder: Path, to: Path | None) -> str:
-    """Refuse what cannot be written, before anything is; return the text of the conversion.
+def checked_conversion(run: ProfileRun, to: Path | None) -> str:
+    """Return the text of a profile's file in the format of another one, if there is one, before anything is written.
 
-    It is an `InputError` if the folder or the conversion's file cannot be written, its format is unknown, of the other
-    kind, or holds no whole outline, or the file has no name.
+    It is an `InputError` if the file cannot be written or has no name, its format is unknown, of the other kind, or
+    holds no whole outline.
     """
-    text = ""
-    if to is not None:
-        if not to.name:
-            raise InputError(f"--to {to}", "the name of a file", "give a file with an ending")
-        text = converted(run, to.suffix.lower())
-    refuse_unwritable(folder, NAMES)
-    if to is not None:
-        refuse_unwritable(to.parent, (to.name,))
+    if to is None:
+        return ""
+    if not to.name:
+        raise InputError(f"--to {to}", "the name of a file", "give a file with an ending")
+    text = converted(run, to.suffix.lower())
+    refuse_unwritable(to.parent, (to.name,))
     return text
 
 
@@ -47,11 +39,16 @@ def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Re
     """Return what was read and measured of a profile; `command` reads it again."""
     summary, join = run.summary, run.join
     pictures = [
-        Picture(SHAPE, lambda: shape_figure(run, units), SHAPE_SHOWN),
-        Picture(CURVATURE, lambda: curvature_figure(run, units), CURVATURE_SHOWN),
+        Picture("profile.png", lambda: shape_figure(run, units), "The profile with its points, lines and arcs."),
+        Picture("curvature.png", lambda: curvature_figure(run, units), "Curvature along the profile."),
     ]
     if join is not None:
-        pictures.insert(1, Picture(JOIN, lambda: join_figure(join, units), JOIN_SHOWN))
+        pictures.insert(
+            1,
+            Picture(
+                "joined.png", lambda: join_figure(join, units), "The profile joined to the body of the nominal one."
+            ),
+        )
     there = [quantity for quantity in QUANTITIES if quantity.value(run) is not None]
     return Record(
         name=run.profile.title,
@@ -66,7 +63,6 @@ def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Re
         summary_file=SUMMARY,
         again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
         units=units,
-        versions=summary["versions"],
         notes=[
             *run.notices,
             *(f"{key.capitalize()}: {summary[key]}" for key in ("certainty", "source") if summary[key]),
@@ -93,7 +89,6 @@ def profiles_record(runs: Sequence[ProfileRun], command: str, units: Units = "me
         summary_file=BATCH_SUMMARY,
         again=Again(command, files=f"The table is in `{TABLE}`, all numbers of each profile are in `{BATCH_SUMMARY}`."),
         units=units,
-        versions=runs[0].summary["versions"],
         notes=_notes(runs),
         pictures=[Picture(OVERLAY, lambda: overlay_figure(runs, units), OVERLAY_SHOWN)],
         files=lambda: {TABLE: columns((title, kind, *chosen, *MEASURES), runs, units).to_csv},
@@ -140,7 +135,6 @@ def folder_record(folder: ProfileFolder, name: str, command: str, units: Units =
         summary_file=BATCH_SUMMARY,
         again=Again(command, files=f"The table is in `{TABLE}`."),
         units=units,
-        versions=versions(),
         warnings=folder.refused,
         notes=[row.notice for row in rows if row.notice],
         pictures=[Picture(OVERLAY, lambda: overlay_figure(runs, units), OVERLAY_SHOWN)],

@@ -11,25 +11,21 @@ from flangeway.cases.rigid.rigid_run import (
     ConicityRun,
     GeometryRun,
 )
-from flangeway.quantities import Quantity, columns, of_part
+from flangeway.quantities import Quantities, Quantity, columns, of_part
 from flangeway.railway.rigid.rigid_locus import ContactJump
 from flangeway.report.page.case_text import input_rows
-from flangeway.report.page.record import REPORT, Again, Picture, Record
+from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, rows_of, table_across, table_of, with_whole
 from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure, pairs_figure
 from flangeway.units import Units
 
 TABLE, CONICITY, SUMMARY = "table.csv", "conicity.csv", "geometry.json"
-LOCUS_PICTURE, CONICITY_PICTURE = "contact_locus.png", "conicity.png"
-NAMES = (LOCUS_PICTURE, CONICITY_PICTURE, TABLE, CONICITY, REPORT, SUMMARY)
-CONICITY_NAMES = (CONICITY_PICTURE, CONICITY, REPORT, SUMMARY)
-BATCH_TABLE, BATCH_PICTURE, BATCH_SUMMARY = "geometries.csv", "geometries.png", "geometries.json"
-BATCH_NAMES = (BATCH_TABLE, BATCH_PICTURE, REPORT, BATCH_SUMMARY)
+CONICITY_PICTURE = "conicity.png"
+BATCH_TABLE, BATCH_SUMMARY = "geometries.csv", "geometries.json"
 LOCUS_SHOWN = (
     "Contact points at each millimetre, rolling radius difference and contact angles over the lateral position"
 )
 CONICITY_SHOWN = "Equivalent conicity over the amplitude"
-PAIRS_SHOWN = "Rolling radius difference and equivalent conicity of all pairs."
 AXES = {
     "lateral, vertical": "of the axle in space, to the right and up, from the middle of the track",
     "x": "on the wheel from the tape line, on the rail from its middle, away from the middle of the track",
@@ -41,7 +37,7 @@ ASSUMPTIONS = (
 )
 
 
-PAIR_QUANTITIES: tuple[Quantity[Any], ...] = (
+PAIR_QUANTITIES: Quantities[Any] = (
     Quantity("wheel", "wheel", lambda run: Path(run.case.wheel).name),
     Quantity("rail", "rail", lambda run: Path(run.case.rail).name),
     *CONICITY_QUANTITIES,
@@ -52,7 +48,7 @@ PAIR_QUANTITIES: tuple[Quantity[Any], ...] = (
 """Numbers of a pair of profiles."""
 
 
-JUMP: tuple[Quantity[ContactJump], ...] = (
+JUMP: Quantities[ContactJump] = (
     Quantity("side", "side", "side"),
     Quantity("lateral", "lateral displacement", lambda jump: jump.motion.lateral_mm, "mm", ".3f"),
     Quantity(
@@ -77,7 +73,7 @@ def geometry_record(run: GeometryRun, command: str) -> Record:
         results=_results(run),
         assumptions=ASSUMPTIONS,
         pictures=[
-            Picture(LOCUS_PICTURE, lambda: locus_figure(run), f"{LOCUS_SHOWN}."),
+            Picture("contact_locus.png", lambda: locus_figure(run), f"{LOCUS_SHOWN}."),
             Picture(CONICITY_PICTURE, lambda: conicity_figure(run, units), f"{CONICITY_SHOWN}."),
         ],
         tables=[jumps] if run.jumps else [],
@@ -104,7 +100,13 @@ def geometries_record(runs: Sequence[GeometryRun], command: str) -> Record:
         message="",
         results=table_of("Pairs of profiles", runs, [PAIR_QUANTITIES[at] for at in (0, 1, 2, 4, 7, 8)], units=units),
         assumptions=ASSUMPTIONS,
-        pictures=[Picture(BATCH_PICTURE, lambda: pairs_figure(runs), PAIRS_SHOWN)],
+        pictures=[
+            Picture(
+                "geometries.png",
+                lambda: pairs_figure(runs),
+                "Rolling radius difference and equivalent conicity of all pairs.",
+            )
+        ],
         axes=AXES,
         files=lambda: {BATCH_TABLE: columns(PAIR_QUANTITIES, runs, units).to_csv},
     )
@@ -143,7 +145,6 @@ def _common(summary: dict[str, Any], command: str, units: Units, files: tuple[st
         "summary": summary,
         "summary_file": SUMMARY,
         "again": Again(command, files=f"Numbers for programs and spreadsheets: {', '.join(f'`{f}`' for f in files)}."),
-        "versions": summary["versions"],
         "units": units,
         "notes": summary["notices"],
         "timings_s": summary["timings_s"],

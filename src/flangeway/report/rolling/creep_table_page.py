@@ -6,20 +6,18 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from flangeway.quantities import Quantity, measured
+from flangeway.quantities import Quantities, Quantity, measured
 from flangeway.report.figures.drawing import GREY, name_axes, panels, sequence_colours
 from flangeway.report.page.case_text import inputs_tables
-from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
+from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, table_of
 from flangeway.system.output_folder import Writer
 from flangeway.tables import CreepTable, TableRequest
 from flangeway.tables.creep_table import AXES
-from flangeway.tables.table_outputs import FORCES, NAMES, PATCHES, README, TABLE
+from flangeway.tables.table_outputs import FORCES, PATCHES, README, TABLE
 from flangeway.types import Floats
 from flangeway.units import Units
 
-PICTURE = "creep-forces.png"
-ALL_NAMES = (*NAMES, PICTURE, REPORT, SUMMARY)
 FRICTION, MAX_PERCENT, MAX_CURVES = 0.3, 1.0, 5
 """Coefficient of friction, creepage at the end and number of lateral positions in the picture."""
 CAPTION = (
@@ -28,7 +26,7 @@ CAPTION = (
     "and over the lateral one with the spin of the contact angle."
 )
 
-JUMP: tuple[Quantity[Mapping[str, Any]], ...] = (
+JUMP: Quantities[Mapping[str, Any]] = (
     Quantity("side", "side", lambda jump: jump["side"]),
     Quantity("lateral", "lateral position", lambda jump: jump["lateral_mm"], "mm", ".3f"),
     Quantity("width", "within", lambda jump: jump["width_mm"], "mm", ".3f"),
@@ -44,7 +42,10 @@ def creep_table_record(table: CreepTable, request: TableRequest, command: str, f
     """
     checks, problem = table.metadata["checks"], request.case.problem()
     converged, failed = checks["within_tolerance"], checks["not_converged"]
-    message = f"errors {'within' if converged else 'above'} the tolerance of {checks['tolerance']:.2%}"
+    message = (
+        f"error of {checks['claimed_error']:.2%} {'within' if converged else 'above'} the tolerance of "
+        f"{checks['tolerance']:.2%}"
+    )
     jumps, units = checks["jumps"], request.case.units
     axes = [
         (name, str(len(axis)), f"{axis[0]:g}", f"{axis[-1]:g}") for name, axis in zip(AXES, table.axes, strict=True)
@@ -70,8 +71,10 @@ def creep_table_record(table: CreepTable, request: TableRequest, command: str, f
         units=units,
         versions=table.metadata["versions"],
         warnings=[f"{failed} of {checks['exact_solutions']} exact solutions did not converge"] if failed else [],
-        notes=[f"in {len(jumps)} intervals patches jump: there the nearest position counts"] if jumps else [],
-        pictures=[Picture(PICTURE, lambda: forces_figure(table, units), CAPTION)],
+        notes=[f"in {len(jumps)} intervals patches jump: there forces go over from those of one position to another"]
+        if jumps
+        else [],
+        pictures=[Picture("creep-forces.png", lambda: forces_figure(table, units), CAPTION)],
         tables=[
             SummaryTable("Positions", ("", "points", "from", "to"), tuple(axes)),
             *([table_of("Patches jump", jumps, JUMP, units=units)] if jumps else []),
@@ -95,9 +98,11 @@ def _results(table: CreepTable) -> SummaryTable:
         ("  not converged", str(checks["not_converged"])),
         ("intervals with a contact-point jump", str(len(checks["jumps"]))),
     ]
-    for kind in ("creepages", "positions"):
-        found = checks[f"between_{kind}"]
-        rows.append((f"error between {kind}: points", str(found["n"])))
+    rows.append(("claimed error, % of the limit of friction", _percent(checks["claimed_error"])))
+    kinds = ("at random points", "between_positions"), ("where patches jump", "where_patches_jump")
+    for words, kind in (*kinds, ("between creepages", "between_creepages")):
+        found = checks[kind]
+        rows.append((f"error {words}: points", str(found["n"])))
         for name, key in (("maximum", "max"), ("root mean square", "rms")):
             rows.append((f"  {name}, % of the limit of friction", _percent(found[key])))
     return SummaryTable("Table and its errors beside exact solutions", ("", "value"), tuple(rows))

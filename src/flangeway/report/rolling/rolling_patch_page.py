@@ -13,7 +13,6 @@ from flangeway.cases.rolling.rolling_patch_case import (
     MAX_PRESSURE,
     PATCH,
     STATE,
-    RollingPatchCase,
     RollingPatchRun,
 )
 from flangeway.cases.rolling_quantities import (
@@ -27,7 +26,6 @@ from flangeway.cases.rolling_quantities import (
     T_GAMMA,
     TRACTION,
 )
-from flangeway.contact.rolling.theories import WITH_TRACTIONS
 from flangeway.errors import InputError
 from flangeway.formats import write_vtu
 from flangeway.quantities import columns, present
@@ -72,12 +70,6 @@ FAR = 1.3
 ROUND_OFF = 1e-6
 """Force over the limit of friction, and moment over this times the semi-axis along, that is none and not drawn."""
 DIGITS = 6
-
-
-def names(case: RollingPatchCase) -> tuple[str, ...]:
-    """Names of the files of a run."""
-    fields = (MAPS, SECTION) if case.rolling_theory in WITH_TRACTIONS else ()
-    return *fields, *((CURVE, CURVE_TABLE) if case.has_curve else ()), CELLS, PATCH_FILE
 
 
 def rolling_patch_record(run: RollingPatchRun) -> Record:
@@ -225,10 +217,7 @@ def _fields(run: RollingPatchRun) -> dict[str, Floats]:
 
 
 def _scene(run: RollingPatchRun) -> Scene:
-    grid = run.contact.grid
-    z: Floats = grid.middle + grid.strip * (np.arange(grid.n_strips + 1, dtype=np.float64) - grid.n_strips / 2.0)
-    n = len(grid.bounds)
-    mesh = strip_mesh(grid.bounds, z, np.stack((np.arange(n - 1), np.arange(1, n)), axis=1))
+    mesh = strip_mesh(run.contact.grid.bounds, _shown(run).edges[1])
     fields, arrays = shown_fields(_fields(run))
     part = ShownPart("patch", mesh, cell_arrays={name: each.reshape(-1, 1) for name, each in arrays.items()})
     note = (

@@ -1,7 +1,7 @@
 """Report, files and terminal summary of a section under torsion."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from flangeway.cases.section.section_run import STEEL_KG_M3, SectionRun, TorsionCase
+from flangeway.cases.section.section_run import STEEL_KG_M3, SectionRun
 from flangeway.formats import write_vtu
 from flangeway.post import corner_shear_stresses
 from flangeway.quantities import Quantity, measured, present
@@ -35,27 +35,20 @@ AXES = {
 }
 
 
-def section_record(
-    run: SectionRun,
-    case: TorsionCase,
-    *,
-    command: str,
-    summary: Mapping[str, Any] | None = None,
-    summary_file: str = SUMMARY,
-) -> Record:
+def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -> Record:
     """Return what was found of a section; its first page is one to pass on.
 
     - `command`: computes it again.
-    - `summary`, `summary_file`: the numbers for programs, those of the section if left out, and their file.
+    - `summary_file`: file of the numbers for programs.
     """
-    found, units, unit = run.summary, case.units, run.drawn.unit
+    found, case, units, unit = run.summary, run.case, run.case.units, run.drawn.unit
     kind = "triangles" if case.method == "fem" else "polygons, virtual elements"
     quantities = section_quantities(run, units)
     return Record(
         name=run.drawn.title,
         title=run.drawn.title,
         subtitle=f"Constants of a section; {run.space.mesh.n_cells:,} {kind} of order {case.order}, size "
-        f"{measured(found['mesh'][f'size_{unit}'], unit, units)}, {run.space.n_dofs:,} unknowns",
+        f"{measured(run.size, unit, units)}, {run.space.n_dofs:,} unknowns",
         converged=True,
         success="solved",
         message="by both formulations of torsion",
@@ -63,7 +56,7 @@ def section_record(
         results=SummaryTable(
             "Constants of the section", ("", "value"), tuple(rows_of(present(quantities, run), run, units))
         ),
-        summary=found if summary is None else summary,
+        summary=found,
         summary_file=summary_file,
         again=Again(
             command,
@@ -71,7 +64,6 @@ def section_record(
             files=f"The same numbers, for programs, are in `{summary_file}`; the fields are in `section.vtu`, for "
             "ParaView.",
         ),
-        versions=found["versions"],
         units=units,
         notes=[
             *found["notices"],
@@ -88,68 +80,58 @@ def section_record(
     )
 
 
-FACTS = ("area", "ixx", "iyy", "mass_per_metre", "torsion_constant", "warping_constant", "max_shear_stress_per_torque")
+FACTS = (
+    *("area_{u}2", "second_moments_{u}4 xx", "second_moments_{u}4 yy", "mass_per_metre_kg_m"),
+    *("torsion_constant_{u}4", "warping_constant_{u}6", "max_shear_stress_per_torque_per_{u}3"),
+)
 """Keys of the numbers at the top of the page."""
 
 
 def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRun]]:
-    """Return the constants of a section, in its unit of length."""
-    unit, constants, found = run.drawn.unit, run.constants, run.summary
-    size = found[f"boundary_length_{unit}"]
+    """Return the constants of a section, in its unit of length; round-off, which looks like a result, is zero."""
+    unit, constants, poisson = run.drawn.unit, run.constants, run.poisson
+    steel = f"steel of {measured(STEEL_KG_M3, 'kg/m³', units)}"
     bounds = ("lower bound (Prandtl)", "upper bound (warping)")
     if not constants.bounds_certain:
         bounds = ("from Prandtl's function", "from the warping function")
+    shown = (
+        ("area_{u}2", "area", "{u}²", ".7g"),
+        ("mass_per_metre_kg_m", f"mass per length, {steel}", "kg/m", ".4g"),
+        ("centroid_{u}", "centroid {}", "{u}", ".6g"),
+        ("second_moments_{u}4", "second moment I{} about the centroid", "{u}⁴", ".7g"),
+        ("principal_moments_{u}4", "principal moment I{}", "{u}⁴", ".7g"),
+        ("principal_angle_deg", "angle of principal axis 1 from x, degrees", "", ".5g"),
+        ("radii_of_gyration_{u}", "radius of gyration about {0[0]}", "{u}", ".6g"),
+        ("section_moduli_{u}3", "section modulus, {}", "{u}³", ".6g"),
+        ("torsion_constant_{u}4", "torsion constant J", "{u}⁴", ".7g"),
+        ("torsion_constant_prandtl_{u}4", f"  {bounds[0]}", "{u}⁴", ".7g"),
+        ("torsion_constant_warping_{u}4", f"  {bounds[1]}", "{u}⁴", ".7g"),
+        ("half_gap", "  half their difference, relative", "", ".1e"),
+        ("shear_centre_{u}", f"shear centre{f' for ν = {poisson:g}' * bool(poisson)} {{}}", "{u}", ".6g"),
+        *([("shear_centre_trefftz_{u}", "shear centre by Trefftz {}", "{u}", ".6g")] if poisson else []),
+        ("warping_constant_{u}6", "warping constant", "{u}⁶", ".7g"),
+        ("max_shear_stress_per_torque_per_{u}3", "maximum shear stress per torque", "{u}⁻³", ".5g"),
+    )
+    (ixx, iyy, _), (low, high) = constants.second_moments, constants.torsion_bounds
+    found = run.summary | {
+        "principal_angle_deg": round(run.summary["principal_angle_deg"], 7) + 0.0,  # not -0
+        "half_gap": 0.5 * abs(high - low) / constants.torsion_constant,
+    }
+    least = {"{u}": 1e-7 * found[f"boundary_length_{unit}"], "{u}⁴": 1e-9 * math.sqrt(ixx * iyy)}
+    quantities: list[Quantity[SectionRun]] = []
+    for key, label, of, form in shown:
+        value = found.get(key.format(u=unit))
+        if isinstance(value, list):
+            value = dict(zip("12" if key.startswith("principal") else "xy", value, strict=True))
+        for part, number in value.items() if isinstance(value, dict) else (("", value),):
+            shown_value = None if number is None else number * (abs(number) >= least.get(of, 0.0))
+            words, name = label.format(part), f"{key} {part}".strip()
+            quantities.append(Quantity(name, words, partial(_same, shown_value), of.format(u=unit), form))
+    return quantities
 
-    def number(key: str, label: str, value: Any, power: str = "", form: str = ".7g") -> Quantity[SectionRun]:
-        return Quantity(key, label, lambda _: value, f"{unit}{power}" if power != "-" else "", form)
 
-    def point(key: str, label: str, at: Sequence[float]) -> list[Quantity[SectionRun]]:
-        # round-off would look like a result
-        values = [0.0 if abs(value) < 1e-7 * size else value for value in at]
-        return [number(f"{key}_{x}", f"{label} {x}", value, form=".6g") for x, value in zip("xy", values, strict=True)]
-
-    steel = f"steel of {measured(STEEL_KG_M3, 'kg/m³', units)}"
-    ixx, iyy, ixy = constants.second_moments
-    moments = {"Ixx": ixx, "Iyy": iyy, "Ixy": 0.0 if abs(ixy) < 1e-9 * math.sqrt(ixx * iyy) else ixy}
-    angle, torsion = found["principal_angle_deg"], constants.torsion_constant
-    low, high = constants.torsion_bounds
-    poisson, maximum = found["poisson"], found[f"max_shear_stress_per_torque_per_{unit}3"]
-    centre = f"shear centre for ν = {poisson:g}" if poisson else "shear centre"
-    return [
-        number("area", "area", constants.area, "²"),
-        Quantity("mass_per_metre", f"mass per length, {steel}", lambda _: found["mass_per_metre_kg_m"], "kg/m"),
-        *point("centroid", "centroid", constants.centroid),
-        *(
-            number(name.lower(), f"second moment {name} about the centroid", value, "⁴")
-            for name, value in moments.items()
-        ),
-        *(
-            number(f"i{place}", f"principal moment I{place}", value, "⁴")
-            for place, value in enumerate(constants.principal_moments, 1)
-        ),
-        number(
-            "principal_angle",
-            "angle of principal axis 1 from x, degrees",
-            0.0 if abs(angle) < 1e-7 else angle,
-            "-",
-            ".5g",
-        ),
-        *(
-            number(f"radius_{axis}", f"radius of gyration about {axis[0]}", value, form=".6g")
-            for axis, value in found[f"radii_of_gyration_{unit}"].items()
-        ),
-        *(
-            number(f"modulus_{side}", f"section modulus, {side}", value, "³", ".6g")
-            for side, value in found.get(f"section_moduli_{unit}3", {}).items()
-        ),
-        number("torsion_constant", "torsion constant J", torsion, "⁴"),
-        *(number(name, f"  {name}", value, "⁴") for name, value in zip(bounds, (low, high), strict=True)),
-        number("half_gap", "  half their difference, relative", 0.5 * abs(high - low) / torsion, "-", ".1e"),
-        *point("shear_centre", centre, constants.shear_centre),
-        *(point("shear_centre_trefftz", "shear centre by Trefftz", constants.shear_centre_trefftz) if poisson else []),
-        number("warping_constant", "warping constant", constants.warping_constant, "⁶"),
-        number("max_shear_stress_per_torque", "maximum shear stress per torque", maximum, "⁻³", ".5g"),
-    ]
+def _same(value: float | None, _: SectionRun) -> float | None:
+    return value
 
 
 def weights_sentences(summary: Mapping[str, Any]) -> list[str]:
@@ -170,7 +152,6 @@ PICTURES: dict[str, tuple[Callable[[SectionRun, Units], Figure], str]] = {
     "prandtl.png": (prandtl_figure, "Prandtl's function, whose contour lines are lines of shear flow"),
 }
 """Functions that draw the pictures, the most important first, and what they show, by the files' names."""
-NAMES = (*PICTURES, FIELDS)
 
 
 def _write_fields(run: SectionRun, path: Path) -> None:

@@ -78,7 +78,7 @@ class PatchMap:
 def draw_pressures(axes: Axes, shown: PatchMap, highest: float) -> ScalarMappable:
     """Draw pressures from above, outlines of the patches, and Hertz's ellipses; return the colours, from 0 MPa."""
     cells, scale = shown.cells, Normalize(0.0, highest)
-    z = np.append(cells.z - cells.strip / 2.0, cells.z[-1] + cells.strip / 2.0)
+    z = strip_ends(cells)
     for run in shown.runs:
         ends, pressures = cells.cells[run], cells.pressures[run]
         places = shown.across(np.append(ends[:, 0], ends[-1, 1]))
@@ -139,12 +139,22 @@ def draw_depths(axes: Axes, profile: DepthProfile) -> None:
 def surface_mesh(cells: CellForces) -> tuple[Floats, Floats, PolyMesh]:
     """Ends of cells along the surface (k,) and of strips (m,), and a mesh of k times m points (length, z)."""
     nodes, numbers = np.unique(cells.cells, return_inverse=True)
-    z = np.append(cells.z - cells.strip / 2.0, cells.z[-1] + cells.strip / 2.0)
+    z = strip_ends(cells)
     return nodes, z, strip_mesh(nodes, z, numbers.reshape(-1, 2).astype(np.int64))
 
 
-def strip_mesh(nodes: Floats, z: Floats, rows: Ints) -> PolyMesh:
-    """Mesh of k times m points (length, z), with cells between pairs of nodes (n, 2) and neighbours along z."""
+def strip_ends(cells: CellForces) -> Floats:
+    """Ends of the strips of cells along z, shape (m,)."""
+    return np.append(cells.z - cells.strip / 2.0, cells.z[-1] + cells.strip / 2.0)
+
+
+def strip_mesh(nodes: Floats, z: Floats, rows: Ints | None = None) -> PolyMesh:
+    """Mesh of k times m points (length, z), with cells between pairs of nodes and neighbours along z.
+
+    - `rows`: pairs of nodes (n, 2); neighbours if left out.
+    """
+    if rows is None:
+        rows = np.stack((np.arange(len(nodes) - 1), np.arange(1, len(nodes))), axis=1)
     points = np.stack(np.meshgrid(nodes, z, indexing="ij"), axis=-1).reshape(-1, 2)
     first, last = (rows[:, end, None] * len(z) + np.arange(len(z) - 1) for end in (0, 1))
     quads = np.stack((first, last, last + 1, first + 1), axis=-1).astype(np.int32)

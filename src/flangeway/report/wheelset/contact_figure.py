@@ -130,13 +130,11 @@ def _draw_patch(axes: Axes, patch: WheelRailPatch, colour: str, name: str) -> No
     axes.plot(pressure.points[:, 0], pressure.pressures, color=colour, label=label, **NODES)
     if hertz is None:
         return
-    along = hertz.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))
+    along, pressures = hertz.curve
     # lengths along the surface, which is normal to the force, as lengths across the track
     force = patch.force_on_wheel_N / np.linalg.norm(patch.force_on_wheel_N)
     label = f"Hertz, same force: {_extremes(axes, hertz.max_pressure, hertz.half_width)}"
-    axes.plot(
-        pressure.centre[0] + along * force[1], hertz.pressure(along), color=colour, alpha=0.6, label=label, **HERTZ
-    )
+    axes.plot(pressure.centre[0] + along * force[1], pressures, color=colour, alpha=0.6, label=label, **HERTZ)
 
 
 def _extremes(axes: Axes, pressure: float, half_width: float, remark: str | None = None) -> str:

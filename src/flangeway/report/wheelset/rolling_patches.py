@@ -8,7 +8,6 @@ from flangeway.cases.wheelset.wheelset_quantities import patch_name
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import Rolling
-from flangeway.contact.rolling.theories import WITH_TRACTIONS, Theory
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.report.page.record import Picture
@@ -32,11 +31,6 @@ AXES = {
     "T-gamma": "energy that friction dissipates over the distance rolled: its power over the speed; N is J/m. Without "
     "and with spin: creep forces times creepages at the centre of the patch, and spin moment times spin",
 }
-
-
-def rolling_names(theory: Theory) -> tuple[str, ...]:
-    """Names of the pictures of patches that roll by a theory."""
-    return (*((MAPS,) if theory in WITH_TRACTIONS else ()), CURVES, SHAKEDOWN)
 
 
 def shown_patches(result: SpatialResult) -> list[ShownRolling]:

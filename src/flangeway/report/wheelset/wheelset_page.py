@@ -7,8 +7,6 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_quantities import (
     APPROACH,
     CREEP_FURTHER,
@@ -51,7 +49,7 @@ from flangeway.report.wheelset.contact_figure import contact_figure, pressure_fi
 from flangeway.report.wheelset.pressure_scene import pressure_scene
 from flangeway.report.wheelset.rails_along_track import rails_csv, rails_figure, rails_table
 from flangeway.report.wheelset.rolling_patches import AXES as ROLLING_AXES
-from flangeway.report.wheelset.rolling_patches import rolling_names, rolling_pictures
+from flangeway.report.wheelset.rolling_patches import rolling_pictures
 from flangeway.report.wheelset.running_surface_files import (
     DIGITS,
     PARTS,
@@ -139,13 +137,7 @@ COLLECTION, PATCHES, BELOW, RAILS, CONTACT = "wheelset.pvd", "patches.csv", "sub
 SURFACES = {f"{role}-{side}": (side, role) for side, role in PARTS}
 STRESSES = {f"stresses-{name}": part for name, part in SURFACES.items()}
 SECTIONS = {f"section-{name}": part for name, part in SURFACES.items()}
-NAMES = (
-    *(name for name, *_ in (*PICTURES, RAILS_PICTURE)),
-    *(f"{name}.vtu" for name in (*SURFACES, *SECTIONS, *STRESSES)),
-    *(COLLECTION, PATCHES, BELOW, RAILS),
-)
 PLANE_PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
-PLANE_NAMES = (*(f"{part}.vtu" for part in PLANE_PARTS), CONTACT, COLLECTION, *(name for name, *_ in PLANE_PICTURES))
 FILES = (
     "The same numbers, for programs, are in `summary.json`; a row for each patch, for a spreadsheet, in `patches.csv`; "
     "the stresses below the patches in `subsurface.csv`; the rails along the track in `rails.csv`; pressures "
@@ -185,13 +177,6 @@ AXES = TRACK_AXES | {
     "yields, in each passage",
     "stresses": "tension positive; maxima are those of the whole volume below a patch",
 }
-
-
-def names(case: SpatialWheelsetCase | WheelsetCase) -> tuple[str, ...]:
-    """Names of the files of a run."""
-    if isinstance(case, WheelsetCase) or case.model == "plane":
-        return PLANE_NAMES
-    return *NAMES, *(rolling_names(case.rolling_theory) if case.coefficient else ())
 
 
 def wheelset_record(run: WheelsetRun) -> Record:

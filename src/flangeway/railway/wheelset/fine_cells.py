@@ -1,0 +1,206 @@
+"""Cells of a side that are fine enough for its patches."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flangeway.contact.patch.contact_ellipse import separate_patches
+from flangeway.railway.wheelset.running_surfaces import PATCH_CELLS
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState
+from flangeway.types import Bools, Floats, Ints
+
+COARSER = 1.3
+"""Size of cells over the one that is wanted, at most."""
+SIZES = 8
+"""Sizes of cells from one to its double."""
+FLAT = 1e-3
+"""Fall of the pressure beside a local maximum, over it, below which that is no narrow peak."""
+PEAK, MAX_DIVISION = 0.3, 4.0
+"""Cells across half a narrow peak of the pressure over those across a patch, and parts of a cell there, at most."""
+MARGIN = 0.2
+"""Width of the window beyond a patch on each side over the patch."""
+BROAD_MARGIN = 0.6
+"""The same for a patch that has come to the end of its window."""
+LENGTHENED = 6.0
+"""Longer side over shorter side of a cell, at most."""
+LONGEST = 1.8
+"""Strips along the longest patch over those wanted along the shortest, at most."""
+MOST_ON_A_SIDE, MORE_ON_A_SIDE = 5000, 2.0
+"""Cells in the windows of a side, at most, and the factor on them where more cells across a patch are wanted."""
+MAIN = 0.05
+"""Share of a side's force above which a patch has its cells counted."""
+
+
+@dataclass(frozen=True)
+class _Window:
+    """A patch on a grid.
+
+    - `ends`, `planes`: along the rail's surface and along z.
+    - `across`, `along`: widths of the ellipse by the second moments of the pressure, which do not jump between cells.
+    - `share`: of the side's force.
+    - `rows`: its rows of cells.
+    - `peaks`: where the maximum pressure of rows has its local maxima, and half the widths of the parabolas through
+      these, each (m, 2).
+    """
+
+    ends: tuple[float, float]
+    planes: tuple[float, float]
+    across: float
+    along: float
+    share: float
+    rows: Ints
+    peaks: Floats
+
+    def sizes(self, cells: Floats, size: float, n_across: int) -> Floats:
+        """Widths that cells (n, 2) should have where those of the patch have a size: smaller at narrow peaks."""
+        wanted = np.full(len(cells), size)
+        for middle, half in self.peaks:
+            near = (cells[:, 1] > middle - half) & (cells[:, 0] < middle + half)
+            wanted[near] = np.minimum(wanted[near], max(half / (PEAK * n_across), size / MAX_DIVISION))
+        return wanted
+
+
+def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]:
+    """One for each patch."""
+    grid, pressures = state.grid.grid, state.cells.pressures
+    windows: list[_Window] = []
+    for patch in state.cells.patches(insides):
+        rows, columns = (np.flatnonzero(patch.inside.any(axis=axis)) for axis in (1, 0))
+        highest = np.where(patch.inside, pressures, 0.0).max(axis=1)
+        windows.append(
+            _Window(
+                (float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])),
+                (float(grid.z[columns[0]]) - grid.strip / 2.0, float(grid.z[columns[-1]]) + grid.strip / 2.0),
+                *patch.widths,
+                float(state.forces[patch.inside].sum() / state.forces.sum()),
+                rows,
+                _peaks(grid.stations, highest, float(grid.widths[rows].max())),
+            )
+        )
+    return windows
+
+
+def _nearby(state: SideState, within: float) -> list[_Window]:
+    """Windows where gaps are small, without force."""
+    grid, windows = state.grid.grid, list[_Window]()
+    for inside in separate_patches((state.gaps < within) & (within > 0.0)):
+        rows, columns = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
+        ends = float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])
+        planes = tuple((grid.z[columns[[0, -1]]] + grid.strip / 2.0 * np.array([-1.0, 1.0])).tolist())
+        windows.append(_Window(ends, planes, ends[1] - ends[0], planes[1] - planes[0], 0.0, rows, np.zeros((0, 2))))
+    return windows
+
+
+def _peaks(stations: Floats, values: Floats, size: float) -> Floats:
+    """Local maxima above half of the maximum, and half the widths of the parabolas through them, (m, 2).
+
+    - `size`: distance of the values that such a parabola goes through, the same on cells that were divided.
+    """
+    inner = values[1:-1]
+    at = 1 + np.flatnonzero((inner > values[:-2]) & (inner >= values[2:]) & (inner > 0.5 * values.max()))
+    middle = stations[at]
+    # v (1 - x^2 / a^2) falls by v (h / a)^2 at the distance h
+    falls = values[at] - (np.interp(middle - size, stations, values) + np.interp(middle + size, stations, values)) / 2.0
+    return np.column_stack((middle, size * np.sqrt(values[at] / np.maximum(falls, FLAT * values[at]))))
+
+
+def finer(
+    state: SideState,
+    n_across: int = PATCH_CELLS,
+    insides: Sequence[Bools] | None = None,
+    coarse: SideState | None = None,
+    within: float = 0.0,
+) -> GriddedSide:
+    """Grid with enough cells across each patch and room around it; the same grid if it is one already.
+
+    Cells end at multiples of their size along the rail's surface and along z, and sizes are powers of one number: so
+    the cells at a position do not depend on how it was reached. At narrow peaks of the pressure, as at jumps of a
+    profile's curvature, cells are divided.
+
+    - `n_across`: cells across a patch, and along it.
+    - `insides`: cells of the patches, (n, n_z) each; left out: those that are apart.
+    - `coarse`: contact on coarse cells; what touches there has cells too, whether it is loaded here or not.
+    - `within`: gap in mm on coarse cells up to which it has some too.
+    """
+    old, grid = state.grid, state.grid.grid
+    loaded = state.forces > 0.0
+    if not loaded.any():
+        return old
+    windows = _windows(state, insides)
+    for window in () if coarse is None else _windows(coarse, None) + _nearby(coarse, within):
+        if all(window.ends[1] < other.ends[0] or window.ends[0] > other.ends[1] for other in windows):
+            windows.append(replace(window, share=0.0, rows=np.zeros(0, dtype=np.int64), peaks=np.zeros((0, 2))))
+    windows.sort(key=lambda window: window.ends)
+    middles = np.array([np.mean(window.ends) for window in windows])
+    all_within = ((grid.cells[:, :1] <= middles) & (grid.cells[:, 1:] >= middles)).any(axis=0).all()
+    main = [window for window in windows if window.share > MAIN]
+    longest = max(window.along for window in main)
+    strip = max(min(window.along for window in main) / n_across, longest / (n_across * LONGEST))
+    sizes = [min(max(window.across / n_across, strip / LENGTHENED), LENGTHENED * strip) for window in windows]
+    at_edge = grid.cuts(state.forces)
+    enough = grid.strip <= COARSER * strip and all(
+        (grid.widths[window.rows] <= COARSER * window.sizes(grid.cells[window.rows], size, n_across)).all()
+        for window, size in zip(windows, sizes, strict=True)
+        if window.share > MAIN
+    )
+    if enough and all_within and not at_edge:
+        return old
+    margin = BROAD_MARGIN if at_edge else MARGIN
+    spans: list[list[float]] = []
+    reached = -np.inf
+    for window, size in zip(windows, sizes, strict=True):
+        (first, last), before = window.ends, spans[-1] if spans else None
+        more = max(margin * (last - first), 0.6 * float(grid.widths[window.rows].max(initial=0.0)))
+        low, high = first - more, last + more
+        if before is not None and first < reached:
+            before[1:] = max(before[1], high), min(before[2], size)
+        else:
+            if before is not None and low < before[1]:  # each patch has its own cells, up to the middle between them
+                low = before[1] = (first + reached) / 2.0
+            spans.append([low, high, size])
+        reached = max(last, reached)
+    first, last = min(window.planes[0] for window in windows), max(window.planes[1] for window in windows)
+    more = max(margin * (last - first), 0.6 * grid.strip)
+    # as many cells as a factorisation takes
+    strips = sum(window.planes[1] - window.planes[0] for window in windows) / len(windows) / strip
+    most = min(max(n_across / PATCH_CELLS, 1.0) ** 2, MORE_ON_A_SIDE) * MOST_ON_A_SIDE
+    many = np.sqrt(max(sum((high - low) / size for low, high, size in spans) * strips / most, 1.0))
+    strip = _rounded(many * strip)
+    limits = np.sort(old.surfaces.rail_stations[[0, -1], 1])
+    parts, end = [], limits[0]
+    for low, high, size in spans:
+        ends = _multiples(_rounded(many * size), low, high)
+        ends = ends[(ends >= limits[0]) & (ends <= limits[1])]
+        if ends[0] < end:  # beside another patch's cells: one of another width fills what is between
+            ends = np.append(end, ends[ends > end + 0.5 * size])
+        if len(ends) < 2:  # the other patch's cells hold all of it
+            continue
+        end = ends[-1]
+        cells = np.stack((ends[:-1], ends[1:]), axis=1)
+        wanted = np.min([window.sizes(cells, many * size, n_across) for window in windows], axis=0)
+        parts.append(_divided(cells, wanted))
+    planes = np.arange(int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip)) + 1)
+    return GriddedSide(old.surfaces, SideGrid(np.concatenate(parts), strip, planes), state.pose)
+
+
+def _rounded(size: float) -> float:
+    """The closest one of the sizes that cells may have."""
+    return float(2.0 ** (np.round(np.log2(size) * SIZES) / SIZES))
+
+
+def _multiples(size: float, low: float, high: float) -> Floats:
+    """Multiples of a size about an interval."""
+    return size * np.arange(np.floor(low / size), np.ceil(high / size) + 1.0)
+
+
+def _divided(cells: Floats, sizes: Floats) -> Floats:
+    """Cells (n, 2), halved until they are not wider than sizes (n,)."""
+    halvings = np.ceil(np.log2(np.diff(cells, axis=1)[:, 0] / (COARSER * sizes)))
+    counts = 2 ** np.maximum(halvings, 0).astype(int)
+    ends = [
+        np.linspace(low, high, count, endpoint=False)
+        for (low, high), count in zip(cells.tolist(), counts.tolist(), strict=True)
+    ]
+    limits = np.append(np.concatenate(ends), cells[-1, 1])
+    return np.stack((limits[:-1], limits[1:]), axis=1)
