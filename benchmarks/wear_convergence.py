@@ -25,7 +25,7 @@ VARIANTS = ("as it is", "half the steps", "half the spacing", "half the cells")
 
 def halved(states: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Two states for each, a quarter of the way to both of its neighbours, so that their mean is it."""
-    both = zip(*(moved(states, [offset] * len(states)) for offset in (-0.25, 0.25)), strict=True)
+    both = zip(*(moved(states, offset) for offset in (-0.25, 0.25)), strict=True)
     return [{**state, SHARE: state[SHARE] / 2.0} for pair in both for state in pair]
 
 

@@ -20,17 +20,16 @@ def test_drawn_offsets_fill_each_part_evenly(n_parts: int) -> None:
     """Offsets of any number of steps lie in their part, and their share of each tenth of it is 0.1 to 0.02."""
     for part in range(n_parts):
         low = part / n_parts - 0.5
-        offsets = np.array([drawn(step, part, n_parts, 4) for step in range(200)])
+        offsets = np.array([drawn(step, part, n_parts) for step in range(200)])
+        assert offsets[0] == pytest.approx(low + 0.5 / n_parts)
         assert (offsets >= low).all()
         assert (offsets < low + 1.0 / n_parts).all()
-        for state in offsets.T:
-            counts = np.histogram(state, 10, (low, low + 1.0 / n_parts))[0]
-            assert counts == pytest.approx(20, abs=4)
+        assert np.histogram(offsets, 10, (low, low + 1.0 / n_parts))[0] == pytest.approx(20, abs=4)
 
 
 def test_states_move_to_halfway_of_their_neighbours() -> None:
     """Two states of a hand meet at the middle of their curvatures, those on straight track at that of their gauges."""
-    up, down = (moved(STATES, [offset] * len(STATES)) for offset in (0.5, -0.5))
+    up, down = (moved(STATES, offset) for offset in (0.5, -0.5))
     assert up[1]["gauge_mm"] == pytest.approx(1436.5)
     assert down[3] == pytest.approx(up[1] | {"share": 0.2})
     assert 1.0 / up[2]["curve_radius_m"] == pytest.approx(1.5 / 3000.0)  # no curve beyond half of its curvature
@@ -38,7 +37,7 @@ def test_states_move_to_halfway_of_their_neighbours() -> None:
     assert 1.0 / down[0]["curve_radius_m"] == pytest.approx(0.5 * (1.0 / 600.0 + 1.0 / 3000.0))
     assert down[0]["speed_km_h"] == pytest.approx(100.0)
     assert up[4] == STATES[4]  # no neighbour of its hand
-    assert moved(STATES, [0.0] * len(STATES)) == [pytest.approx(state) for state in STATES]
+    assert moved(STATES, 0.0) == [pytest.approx(state) for state in STATES]
 
 
 def test_a_file_draws_other_states_in_each_step(tmp_path) -> None:

@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 
+from flangeway.campaign.damage_campaign import DamageCampaign
 from flangeway.cases.damage.damage_file import DamageFile
 from flangeway.errors import InputError
 from flangeway.railway.profiles.profile_file import read_profile
@@ -141,3 +142,47 @@ def test_bundled_collective_refuses_inputs_that_its_states_have(written) -> None
     )
     with pytest.raises(InputError, match="friction"):
         DamageFile.read(file).damage()
+
+
+AT_ONCE = ("end = 100", "end = 100\n[limits]\nmin_flange_thickness_mm = 50")
+"""A limit that is reached before the first step."""
+
+
+def test_a_campaign_with_damage_runs_all_combinations(written, tmp_path, call) -> None:
+    """Each combination of the values that vary is a strategy beside the file as it is, in a folder of its name."""
+    written(AT_ONCE)
+    file, out = tmp_path / "harder.toml", tmp_path / "out"
+    file.write_text('damage = "line.toml"\n[vary.inputs]\nfriction = [0.2]\n[vary.wear.wheel]\nconstant = [0.2, 0.3]\n')
+    strategies = DamageCampaign.read(file).strategies()
+    assert list(strategies) == ["line", "friction 0.2, constant 0.2", "friction 0.2, constant 0.3"]
+    for constant, inputs in zip((0.2, 0.3), list(strategies.values())[1:], strict=True):
+        assert inputs.evolution.laws["wheel"].constant == constant
+        assert inputs.evolution.collective.states[0].model.rolling.friction.limits[0] == 0.2
+    assert call("campaign", str(file), "--out", str(out), "--no-pictures", "--quiet")[0] == 0
+    found = json.loads((out / "summary.json").read_text())["strategies"]
+    assert list(found) == list(strategies)
+    energies = [each["t_gamma_N"] for each in found.values()]
+    assert energies[0] > energies[1] == energies[2] > 0.0
+    assert (out / "friction 0.2, constant 0.3" / "steps.csv").is_file()
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "words"),
+    [
+        ('damage = "line.toml"\n', (), ("nothing varies",)),
+        ('damage = "line.toml"\n[vary.inputs]\nfriction = 0.2\n', (), ("line 3", "vary.inputs.friction", "a list")),
+        ('damage = "line.toml"\n[vary.inputs]\nfrictoin = [0.2]\n', (), ("frictoin",)),
+        ('damage = "line.toml"\n[inputs]\nfriction = 0.2\n', (), ("line 2", "inputs", "damage, vary")),
+        ('damage = "no.toml"\n[vary.inputs]\nfriction = [0.2]\n', (), ("no.toml",)),
+        ('damage = "line.toml"\n[vary.inputs]\nfriction = [0.2]\n', ("--workers", "2"), ("--workers", "leave out")),
+    ],
+)
+def test_wrong_campaigns_with_damage_are_refused(written, tmp_path, call, text, options, words) -> None:
+    """Keys that do not belong there, values that do not vary, and options without effect are errors."""
+    written()
+    file = tmp_path / "sweep.toml"
+    file.write_text(text)
+    status, _, error = call("campaign", str(file), "--out", str(tmp_path / "out"), *options)
+    assert status != 0
+    for word in words:
+        assert word in error

@@ -20,6 +20,13 @@ from flangeway.units import Units, us_key
 
 RESULTS = ("columns",)
 KEYS = ("case", "table", "inputs", "vary", "results")
+CAMPAIGN_FILE = TomlKind(
+    name="campaign",
+    instead="",
+    get_one="correct the name",
+    lines='lines such as case = "wheelset-tangent", tables such as [vary]',
+    too_large="give many rows as a range, or as a table in a CSV file",
+)
 
 ROWS_OF_A_CHUNK = 48
 """Maximum number of positions in a chunk. Fixed: a table depends neither on workers nor on interruptions."""
@@ -162,13 +169,7 @@ class Campaign:
 class _CampaignText(TomlFile):
     """A campaign's file."""
 
-    kind = TomlKind(
-        name="campaign",
-        instead="",
-        get_one="correct the name",
-        lines='lines such as case = "wheelset-tangent", tables such as [vary]',
-        too_large="give many rows as a range, or as a table in a CSV file",
-    )
+    kind = CAMPAIGN_FILE
 
     def campaign(self, units: Units | None) -> Campaign:
         self._refuse_unknown()

@@ -11,6 +11,7 @@ import typer
 from flangeway.cli.app import app
 from flangeway.cli.common import (
     INTERRUPTED,
+    Fresh,
     Out,
     Show,
     choices,
@@ -21,11 +22,11 @@ from flangeway.cli.common import (
     show_progress,
     shows_results,
 )
+from flangeway.cli.damage_command import run_strategies
+from flangeway.errors import InputError
 
 if TYPE_CHECKING:
     from flangeway.campaign import CampaignProgress
-
-Fresh = Annotated[bool, typer.Option("--fresh", help="Drop the results that are there, and compute all anew.")]
 
 LINE_EVERY_S = 5.0
 
@@ -60,8 +61,9 @@ def campaign(
     *,
     show: Show,
 ) -> bool:
-    """Run a case over many inputs: results row by row in one SQLite file, tables, pictures (out/FILE)."""
+    """Run a case, or a damage file, over many inputs: results in SQLite files, tables, pictures (out/FILE)."""
     from flangeway.campaign import Campaign, results, run_campaign  # noqa: PLC0415
+    from flangeway.campaign.damage_campaign import DamageCampaign  # noqa: PLC0415
     from flangeway.campaign.database import refuse_format  # noqa: PLC0415
     from flangeway.report.campaign.campaign_outputs import (  # noqa: PLC0415
         DATABASE,
@@ -69,6 +71,11 @@ def campaign(
         write_export,
     )
 
+    if "damage" in (given := DamageCampaign.read(file)).data:
+        for option, value in (("--workers", workers), ("--scheduler", scheduler), ("--export", export)):
+            if value is not None:
+                raise InputError(f"{option} with damage", "steps one after the other, in CSV", f"leave out {option}")
+        return run_strategies(given.strategies(), results_folder(out, file.stem), show, fresh=fresh)
     if export is not None:
         refuse_format(export)
     wanted = Campaign.from_file(file, units=show.units)

@@ -60,6 +60,7 @@ Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Folder for the results.", parser=path_given),
 ]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Drop the results that are there, and compute all anew.")]
 Unit = Annotated[
     str | None,
     typer.Option("--unit", help="Unit of a file that names none.", **choices("mm", "cm", "m", "in", "ft")),

@@ -3,14 +3,14 @@
 import time
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.campaign_command import Fresh
 from flangeway.cli.common import (
     INTERRUPTED,
+    Fresh,
     Out,
     Show,
     command_typed,
@@ -19,6 +19,9 @@ from flangeway.cli.common import (
     results_folder,
     shows_results,
 )
+
+if TYPE_CHECKING:
+    from flangeway.cases.damage.damage_file import DamageInputs
 
 STEPS_FILE = "damage.sqlite"
 
@@ -41,11 +44,16 @@ def damage(
 ) -> bool:
     """Let the profiles of wheels and rails wear over a collective of states: depths, limits, fatigue (out/FILE)."""
     from flangeway.cases.damage.damage_file import DamageFile  # noqa: PLC0415
+
+    return run_strategies(DamageFile.read(file).strategies(), results_folder(out, file.stem), show, fresh=fresh)
+
+
+def run_strategies(strategies: "dict[str, DamageInputs]", folder: Path, show: Show, *, fresh: bool) -> bool:
+    """Let profiles wear by all strategies and show what was found; whether all states converged."""
     from flangeway.report.damage.damage_record import damage_record  # noqa: PLC0415
     from flangeway.report.damage.strategies_record import strategies_record  # noqa: PLC0415
 
-    strategies = DamageFile.read(file).strategies()
-    folder, units, runs = results_folder(out, file.stem), show.units or "metric", {}
+    units, runs = show.units or "metric", {}
     for name, inputs in strategies.items():
         into = results_folder(folder / name if len(strategies) > 1 else folder, name)
         store = into / STEPS_FILE

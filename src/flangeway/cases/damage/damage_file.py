@@ -24,7 +24,7 @@ from flangeway.types import Key
 LAWS: dict[str, type[Any]] = {"archard": ArchardLaw, "usfd": UsfdLaw, "energy": EnergyLaw}
 
 
-STRATEGY_NAME = re.compile(r"[\w -]+")
+STRATEGY_NAME = re.compile(r"[\w-][\w ,.-]*")
 """Names of strategies are those of folders as well."""
 
 
@@ -119,7 +119,7 @@ class DamageFile(TomlFile):
             if not STRATEGY_NAME.fullmatch(other) or other == name:
                 raise InputError(
                     f"{self.place(('strategies', other))}the strategy {other!r}",
-                    f"letters, digits, spaces, - and _, and not {name}, which is the file as it is",
+                    f"letters, digits, spaces and - _ , . and not {name}, which is the file as it is",
                     "give it another name: it is that of its folder",
                 )
             data = _merged(self.data, {key: value for key, value in changes.items() if key != "inputs"})
@@ -163,8 +163,8 @@ class DamageFile(TomlFile):
             """States of a step."""
             given, found = [values for _, values, _ in entries], []
             for part in range(max(tables.spread, 1)):
-                offsets = drawn(step, part, tables.spread, len(given)) if tables.spread else [0.0] * len(given)
-                for (name, _, number), values in zip(entries, moved(given, offsets), strict=True):
+                there = moved(given, drawn(step, part, tables.spread)) if tables.spread else given
+                for (name, _, number), values in zip(entries, there, strict=True):
                     found.append(self._state(name, {**inputs, **values}, number, max(tables.spread, 1)))
             return found
 

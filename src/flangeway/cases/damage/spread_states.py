@@ -8,12 +8,12 @@ import numpy as np
 RADIUS, SHARE = "curve_radius_m", "share"
 
 
-def moved(states: Sequence[Mapping[str, Any]], offsets: Sequence[float]) -> list[dict[str, Any]]:
+def moved(states: Sequence[Mapping[str, Any]], offset: float) -> list[dict[str, Any]]:
     """Return the inputs of states (n,) towards their neighbours, with their shares as they are.
 
     Neighbours are next in gauge and yaw on straight track, and next in curvature in curves of one hand. All inputs that
-    these have as numbers move together, by offsets (n,) in the mean distance of both neighbours, along curvature and
-    not radius. Offsets up to 1/2 lead no curve beyond half of its curvature.
+    these have as numbers move together, by an offset in the mean distance of both neighbours, along curvature and not
+    radius. An offset up to 1/2 leads no curve beyond half of its curvature.
     """
     found = [dict(state) for state in states]
     groups: dict[float, list[int]] = {}
@@ -30,7 +30,7 @@ def moved(states: Sequence[Mapping[str, Any]], offsets: Sequence[float]) -> list
             if hand and slope[linear.index(RADIUS)]:
                 at = linear.index(RADIUS)
                 share = min(1.0, abs(row[at] / slope[at]))
-            inputs = (row + offsets[number] * share * slope).tolist()
+            inputs = (row + offset * share * slope).tolist()
             found[number] |= {key: _linear(key, value) for key, value in zip(linear, inputs, strict=True)}
     return found
 
@@ -48,12 +48,11 @@ def _linear(key: str, value: float) -> float:
     return 1.0 / value if key == RADIUS else float(value)
 
 
-def drawn(step: int, part: int, n_parts: int, n_states: int) -> list[float]:
-    """Return offsets of states (n_states,) in a step, in one part of the interval from -1/2 to 1/2.
+def drawn(step: int, part: int, n_parts: int) -> float:
+    """Return the offset of all states in a step, in one part of the interval from -1/2 to 1/2: its middle in step 0.
 
     Multiples of the golden ratio, which fill a part evenly for every number of steps (Niederreiter, 1992, Random Number
-    Generation and Quasi-Monte Carlo Methods, chapter 3). States and parts begin apart, by the square root of 2.
+    Generation and Quasi-Monte Carlo Methods, chapter 3).
     """
-    golden = 0.5 * (np.sqrt(5.0) - 1.0)
-    within = (step * golden + np.sqrt(2.0) * (part + n_parts * np.arange(n_states))) % 1.0
-    return ((part + within) / n_parts - 0.5).tolist()
+    within = (0.5 + 0.5 * (np.sqrt(5.0) - 1.0) * step) % 1.0
+    return float((part + within) / n_parts - 0.5)
