@@ -6,7 +6,7 @@ import numpy as np
 
 from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
-from studies.study import Limit, Row, Run, Study, published_rows
+from studies.study import Limit, Row, Run, published_rows
 
 COMBINATIONS: dict[str, tuple[str, str, float]] = {
     "E1": ("A", "A", 0.0), "E2": ("B", "B", 0.0), "E3": ("H", "H", 0.0), "E4": ("I", "I", 0.0),
@@ -70,6 +70,3 @@ def rows(run: Run) -> Iterator[Row]:
             yield Row("EN 15302, K", place, "conicity", "", float(conicity[at]), float(known[at]), limit)
         run.curve("conicity", code, "EN 15302", amplitudes, known, ".")
         run.curve("conicity", code, "computed", amplitudes, conicity)
-
-
-CONICITY = Study("conicity", rows)

@@ -19,7 +19,7 @@ from flangeway.contact import ContactSolution
 from flangeway.materials import Elastic
 from flangeway.post import corner_stresses
 from studies.hertz import largest_patch
-from studies.study import Limit, Row, Run, Study
+from studies.study import Limit, Row, Run
 
 PUBLISHED = -1125.0  # uniform vertical stress of (6.1) in kN/cm^2
 WIDTH, HEIGHT, APPROACH = 2.0, 1.0, 0.1
@@ -150,6 +150,3 @@ def _cases() -> Iterator[tuple[tuple[str, str], int, bool, dict[str, Any]]]:
     for sides in MIXED:
         yield sides, 1, False, {}
         yield sides, 1, False, rotated
-
-
-CONTACT_PATCH = Study("contact-patch", rows)

@@ -21,7 +21,7 @@ from flangeway.space import Space
 from flangeway.types import Floats
 from studies.elasticity import CYLINDER, HELD, MATERIAL, PLATE, kirsch_plate, plate_traction, ring_sector
 from studies.hertz import rms_from_hertz
-from studies.study import Limit, Row, Run, Study
+from studies.study import Limit, Row, Run
 
 ELEMENTS: dict[str, Element] = {f"V{k}": Virtual(k) for k in (1, 2, 3, 4)} | {f"F{k}": Lagrange(k) for k in (2, 3)}
 LEVELS = (8, 16, 32, 64)  # cells across the wall; the last for order 2, which needs more until chords show
@@ -176,6 +176,3 @@ def rows(run: Run) -> Iterator[Row]:
         run.require(
             arcs[1] < 0.5 * chords[1], f"V{order}: pressures oscillate by {arcs[1]:.2g}, {chords[1]:.2g} on chords"
         )
-
-
-CURVED = Study("curved", rows)

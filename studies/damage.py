@@ -12,7 +12,7 @@ from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, UsfdLaw, W
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.wheelset.spatial_result import solve_spatial
 from flangeway.types import Floats
-from studies.study import Limit, Row, Run, Study
+from studies.study import Limit, Row, Run
 
 A_MM, B_MM, FORCE_N, FRICTION, CREEPAGE, SPEED_m_s = 6.0, 4.0, 1e5, 0.3, 0.01, 30.0
 """Hertz's ellipse in full slip, 2 a along rolling."""
@@ -147,6 +147,3 @@ def rows(run: Run) -> Iterator[Row]:
     yield from fatigue_rows()
     yield from rolling_rows(run)
     yield from wheelset_rows(run)
-
-
-DAMAGE = Study("damage", rows)

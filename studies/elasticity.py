@@ -26,7 +26,7 @@ from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Tra
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Floats
-from studies.study import Limit, Row, Run, Study, published_rows
+from studies.study import Limit, Row, Run, published_rows
 
 PATCH_METHODS = ("FD", "VD", "VV", "HE")
 """Lagrange triangles, virtual triangles, virtual polygons, and Lagrange triangles inside with virtual quadrilaterals
@@ -202,6 +202,3 @@ def _lame_rows(code: str, solution: ElasticitySolution, poisson: float) -> Itera
     limit, note = (LAME_LIMIT, "closed form") if poisson == POISSON else (SOFT_STRESS_LIMIT, SOFT_NOTE)
     wanted = float(CYLINDER.hoop_stress(radii[:1])[0])
     yield Row("Lamé", code, "hoop stress at the inner wall", "stress", value, wanted, limit, note)
-
-
-ELASTICITY = Study("elasticity", rows)

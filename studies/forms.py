@@ -34,7 +34,7 @@ from flangeway.solve import StepSettings, solve_nonlinear
 from flangeway.space import Space
 from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
-from studies.study import Limit, Row, Run, Study
+from studies.study import Limit, Row, Run
 
 Function = Callable[[Floats], Floats]
 KINDS = ("triangles", "duals", "not convex")
@@ -400,6 +400,3 @@ def rows(run: Run) -> Iterator[Row]:
     """All problems."""
     for part in (corners, fields, stokes_rows, plates, cylinder, cook):
         yield from part(run)
-
-
-FORMS = Study("forms", rows)

@@ -18,7 +18,7 @@ from flangeway.exact import LineContact
 from flangeway.post import pressure_patches
 from flangeway.post.pressure import PressurePatch
 from flangeway.types import Floats
-from studies.study import Row, Run, Study, published_rows
+from studies.study import Row, Run, published_rows
 
 CODES = ("FDO1", "VVO1", "FDO2", "VVO2", "VDO2", "HEO2")
 """Method, cells and order: finite, virtual, hybrid; Delaunay, Voronoi, edge-refined (Table 8)."""
@@ -173,6 +173,3 @@ def _rows(run: Run, code: str, level: int, variant: str) -> Iterator[Row]:
         ("oscillation of the pressure", "over p0", oscillation(patch.pressures), 0.0, 0.005),
     ):
         yield Row("Hertz", name, quantity, unit, value, published, limit if level >= FINE else None)
-
-
-HERTZ = Study("hertz", rows)

@@ -1,37 +1,29 @@
 """What ``flangeway reproduce`` can compute, in the order of the page of validation."""
 
-from studies.conicity import CONICITY
-from studies.contact_patch import CONTACT_PATCH
-from studies.curved import CURVED
-from studies.damage import DAMAGE
-from studies.elasticity import ELASTICITY
-from studies.forms import FORMS
-from studies.friction.friction_study import FRICTION
-from studies.hertz import HERTZ
-from studies.rolling.rolling_study import ROLLING
-from studies.spatial.spatial_study import SPATIAL
+from studies import conicity, contact_patch, curved, damage, elasticity, forms, hertz, torsion, vem_contact
+from studies.friction import friction_study
+from studies.rolling import rolling_study
+from studies.spatial import spatial_study
 from studies.study import Study
-from studies.torsion import TORSION
-from studies.vem_contact import VEM_CONTACT
-from studies.wheel_rail.wheel_rail_study import WHEEL_RAIL
-from studies.wheelset3d.wheelset3d_study import WHEELSET3D
+from studies.wheel_rail import wheel_rail_study
+from studies.wheelset3d import wheelset3d_study
 
-STUDIES: dict[str, Study] = {
-    study.name: study
-    for study in (
-        TORSION,
-        ELASTICITY,
-        HERTZ,
-        CONTACT_PATCH,
-        WHEEL_RAIL,
-        SPATIAL,
-        ROLLING,
-        WHEELSET3D,
-        CONICITY,
-        CURVED,
-        FRICTION,
-        VEM_CONTACT,
-        FORMS,
-        DAMAGE,
-    )
+STUDIES = {
+    name: Study(name, module.rows)
+    for name, module in {
+        "torsion": torsion,
+        "elasticity": elasticity,
+        "hertz": hertz,
+        "contact-patch": contact_patch,
+        "wheel-rail": wheel_rail_study,
+        "spatial": spatial_study,
+        "rolling": rolling_study,
+        "wheelset3d": wheelset3d_study,
+        "conicity": conicity,
+        "curved": curved,
+        "friction": friction_study,
+        "vem-contact": vem_contact,
+        "forms": forms,
+        "damage": damage,
+    }.items()
 }

@@ -1,6 +1,6 @@
 """What a study of ``flangeway reproduce`` is, and what becomes of it: ``table.csv``, report, chapter of a page.
 
-A study is a function that yields rows, and a text in ``studies/text/NAME.md``::
+A study is a function that yields rows, a text in ``studies/text/NAME.md``, and a line of `studies.registry.STUDIES`::
 
     def rows(run: Run) -> Iterator[Row]:
         run.progress("disc of 16 cells")
@@ -9,8 +9,6 @@ A study is a function that yields rows, and a text in ``studies/text/NAME.md``::
         run.curve("pressure", "16 cells", "computed", x, found.pressures, "o")
         yield Row("Hertz", "16 cells", "force", "N", found.force, exact_force, 0.01)        # within 1 %
 
-    STUDY = Study("disc", rows)
-
 The text is Markdown: the title in its first line after ``# ``, what is compared with which source, and ``{{table}}``
 where the verdict and the largest deviations go. ``{{limit TABLE: QUANTITY}}`` is replaced by the limits of the rows of
 that table whose quantity begins so. Pictures are its last lines, with the labels of both axes, ``| logarithmic`` if
@@ -18,8 +16,7 @@ these are::
 
     ![Pressures on Hertz's curve](pressure.png "x in mm | pressure in MPa")
 
-Published numbers are in ``studies/data``; see `published_rows`. The list of all
-studies is `studies.registry.STUDIES`.
+Published numbers are in ``studies/data``; see `published_rows`.
 """
 
 import re

@@ -14,7 +14,7 @@ from flangeway.problems import Torsion
 from flangeway.problems.torsion_problem import Formulation, Load
 from flangeway.solve import TorsionSolution, solve_torsion
 from flangeway.space import Space
-from studies.study import Row, Run, Study, published_rows
+from studies.study import Row, Run, published_rows
 
 TRIANGLE = EquilateralTriangle(2.0 / 3.0**0.25)
 SECTIONS = {
@@ -98,6 +98,3 @@ def rows(run: Run) -> Iterator[Row]:
     for (table, label), points in errors.items():
         x, y = zip(*points, strict=True)
         run.curve("torsion", TITLES[table], label, x, y, "o-")
-
-
-TORSION = Study("torsion", rows)

@@ -14,7 +14,7 @@ from flangeway.mesh import insert_nodes, match_boundaries
 from flangeway.problems import Body, Part
 from studies.contact_patch import LAWS, ROTATION_DEG, patch_test
 from studies.hertz import SLACK, largest_patch, published_case, rms_from_hertz
-from studies.study import Row, Run, Study
+from studies.study import Row, Run
 
 CODES = ("VVO1", "VVO2", "VDO2", "FDO2")
 """Polygons of order 1 and 2; triangles with virtual and with finite elements of order 2, those with inserted nodes
@@ -119,6 +119,3 @@ def rows(run: Run) -> Iterator[Row]:
             yield Row("Hertz", name, quantity, "1", force / plain_force, 1.0, SAME_FORCE)
             quantity = "error of the pressure over that without short edges"
             yield Row("Hertz", name, quantity, "1", rms_short / plain_rms, 1.0, SAME_ERROR)
-
-
-VEM_CONTACT = Study("vem-contact", rows)

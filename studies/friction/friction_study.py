@@ -29,7 +29,7 @@ from studies.friction.loaded_bodies import loaded_body_rows
 from studies.friction.punch_with_friction import punch_rows
 from studies.friction.revolved_contact import revolved_rows
 from studies.friction.sliding_bodies import sliding_rows
-from studies.study import Row, Run, Study
+from studies.study import Row, Run
 
 YOUNG_MPA, POISSON, MU = 210e3, 0.3, 0.3
 RADIUS_MM = 1000.0  # relative radius of the cylinders; their contact is about 2 mm wide
@@ -141,6 +141,3 @@ def _sliding_punch_row(mu: float, solutions: list[ContactSolution]) -> Row:
     exact = -2.0 * np.arctan(mu * (1.0 - 2.0 * POISSON) / (2.0 * (1.0 - POISSON))) / np.pi
     quantity = "centre of pressure over the half-width"
     return Row("Flat punch", f"friction {mu:g}", quantity, "1", (centre - middle) / PUNCH_MM, exact, PUNCH_LIMIT)
-
-
-FRICTION = Study("friction", rows)

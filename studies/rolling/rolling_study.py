@@ -20,7 +20,7 @@ from studies.rolling.rolling_cases import (
     sphere_numbers,
 )
 from studies.rolling.rolling_rollers import falling_numbers, free_numbers, onset_numbers, warm_numbers
-from studies.study import Row, Run, Study
+from studies.study import Row, Run
 from studies.wheelset3d.manchester import benchmark_positions
 
 CURVE = tuple(np.linspace(0.0, 0.004, 17).tolist())
@@ -64,6 +64,3 @@ def rows(run: Run) -> Iterator[Row]:
                 run.curve("creep_curves", f"across, {words}", name, 1e3 * np.array(CURVE), across)
     yield energy.row()
     yield from found
-
-
-ROLLING = Study("rolling", rows)

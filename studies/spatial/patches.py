@@ -123,7 +123,8 @@ def patch_body(
 ) -> PatchBody:
     """Mesh a body that is held at its sides ``held...`` and touched at ``surface...``."""
     mesh = triangulate(outline, size=sizes[1], refinements=[Refinement(zone, sizes[0], 0.3)])
-    touched, held = ([each for each in outline.names if each.startswith(what)] for what in ("surface", "held"))
+    names = dict.fromkeys(outline.names)
+    touched, held = ([each for each in names if each.startswith(what)] for what in ("surface", "held"))
     body = Elasticity(Space(mesh, Lagrange(2)), material, name=name)
     edges = np.vstack([mesh.edge_set(each) for each in touched]).astype(np.int64)
     return PatchBody(Harmonic(body, held=dict.fromkeys(held, "xyz")), edges, outline.part(touched), axis=axis)

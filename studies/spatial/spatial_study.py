@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from studies.spatial.cosine_loads import ELEMENTS, bar_rows, plane_strain_row, revolution_numbers
 from studies.spatial.patches import conforming_rows, hertz_rows
 from studies.spatial.point_loads import rail_rows, square_numbers
-from studies.study import Row, Run, Study
+from studies.study import Row, Run
 
 
 def rows(run: Run) -> Iterator[Row]:
@@ -22,6 +22,3 @@ def rows(run: Run) -> Iterator[Row]:
     yield from rail_rows()
     yield from hertz_rows(run)
     yield from conforming_rows(run)
-
-
-SPATIAL = Study("spatial", rows)

@@ -16,7 +16,7 @@ from flangeway.materials import Elastic
 from flangeway.railway.profiles.flange_root import IDENTIFIED
 from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
-from studies.study import Limit, Row, Run, Study
+from studies.study import Limit, Row, Run
 from studies.wheel_rail.variations import (
     DIVISORS,
     FACTORS,
@@ -153,6 +153,3 @@ def _refined(run: Run, curve: WheelsetCurveCase) -> Iterator[Row]:
             wanted, note = before.get((name, quantity), math.nan), "reference: the coarser mesh"
             yield Row("refinement", code, f"{quantity}, {name}", unit, value, wanted, REFINED[quantity], note)
         before = found
-
-
-WHEEL_RAIL = Study("wheel-rail", rows)

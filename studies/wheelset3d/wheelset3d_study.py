@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from studies.spatial.profile_blocks import pressed_profiles, profile_numbers
-from studies.study import Row, Run, Study
+from studies.study import Row, Run
 from studies.wheelset3d.element_methods import DIRECT, direct_numbers, method_rows
 from studies.wheelset3d.manchester import benchmark_numbers, benchmark_positions
 
@@ -26,6 +26,3 @@ def rows(run: Run) -> Iterator[Row]:
         yield from direct_numbers(name)
     run.progress("one position beside CalculiX")
     yield from profile_numbers(pressed_profiles())
-
-
-WHEELSET3D = Study("wheelset3d", rows)

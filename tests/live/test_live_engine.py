@@ -120,5 +120,5 @@ def test_a_bad_file_has_the_message_of_the_command(engine, tmp_path):
         read_profile(tmp_path / "bad.whl")
     with pytest.raises(InputError) as given:
         engine.add_profile("bad.whl", content, {})
-    assert (given.value.allowed, given.value.advice) == (expected.value.allowed, expected.value.advice)
+    assert str(given.value) == str(expected.value).replace(f"{tmp_path}/", "")
     assert "bad.whl" not in engine.files

@@ -80,8 +80,35 @@ def test_a_bad_file_shows_its_message(page, tmp_path):
     chosen = page.input_value("#wheel")
     page.set_input_files("#files", tmp_path / "bad.whl")
     page.wait_for_function("!$('file-error').hidden", timeout=60_000)
-    assert "bad.whl" in page.inner_text("#file-error")
+    assert page.inner_text("#file-error").startswith("bad.whl: a file without points\n")
     assert page.input_value("#wheel") == chosen
+
+
+def test_the_stress_below_the_patches_is_shown(page):
+    """The chooser has the fields of the report's viewer, and the picture has their maximum."""
+    page.wait_for_function(STANDS, timeout=120_000)
+    page.select_option("#shown", label="von Mises stress, largest at any depth")
+    pixels = "$('patches').toDataURL()"
+    largest = page.evaluate(pixels)
+    page.select_option("#shown", label="von Mises stress, at a depth of 3 mm")
+    assert page.evaluate(pixels) != largest
+    most = page.evaluate(
+        "Math.max(...state.elastic.patches.left.stresses['von Mises stress, largest at any depth'].flat())"
+    )
+    rows = page.locator("#tables tr").evaluate_all("rows => rows.map(row => [...row.children].map(c => c.textContent))")
+    stated = next(float(row[1]) for row in rows if row[0].strip() == "maximum von Mises stress, MPa")
+    assert most == pytest.approx(stated, rel=0.02)
+
+
+def test_moved_while_curves_fill_in_is_computed_afterwards(page):
+    """A sweep that is stopped leaves the position of the slider, not an old one."""
+    page.wait_for_function(STANDS, timeout=120_000)
+    page.click("#sweep")
+    page.wait_for_function("state.sweep.length > 0", timeout=120_000)
+    page.evaluate("shift(1.5)")
+    page.click("#stop")
+    page.wait_for_function(f"state.elastic.lateral_mm === 1.5 && {STANDS}", timeout=120_000)
+    assert "positions" in page.inner_text("#progress-text")
 
 
 def test_keys_move_the_wheelset(page):

@@ -4,6 +4,7 @@ The same inputs go through the same case as ``flangeway run wheelset``, so that 
 digit. Sections and their compliance are kept between positions, as in a campaign.
 """
 
+import os
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -28,6 +29,7 @@ from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.case_text import case_text, command_line
 from flangeway.report.page.html_page import report_page
+from flangeway.report.wheelset.pressure_scene import below_fields, stresses_below
 from flangeway.report.wheelset.wheelset_page import results_table, wheelset_facts
 from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.system.latest_values import LatestValues
@@ -95,10 +97,11 @@ class LiveEngine:
             self.files[base].write_bytes(content)
         try:
             measured = read_profile(self._path(base), ReadOptions(**options))
-        except InputError:
+        except InputError as reason:
             if content:
                 del self.files[base]
-            raise
+            given = reason.given.replace(f"{self.folder}{os.sep}", "")
+            raise InputError(given, reason.allowed, reason.advice) from reason
         surface = measured.surface.sampled(max_deviation=OUTLINE_MM)
         return {
             "name": base,
@@ -226,7 +229,7 @@ def _geometry(case: SpatialWheelsetCase) -> dict[str, Any]:
 
 
 def _patches(run: WheelsetRun) -> dict[str, Any]:
-    """Pressures of the cells of both sides from above, with their places to the right and ahead, in mm."""
+    """Pressures on the cells of both sides and stresses below from above, with places to the right and ahead, in mm."""
     found: dict[str, Any] = {}
     for side in SIDES:
         shown, cells = patch_map(run.space, side), run.space.equilibrium.state.sides[side].cells
@@ -236,11 +239,13 @@ def _patches(run: WheelsetRun) -> dict[str, Any]:
         rows, strips = (np.flatnonzero(loaded.any(axis=axis)) for axis in (1, 0))
         part = slice(max(rows[0] - 1, 0), rows[-1] + 2), slice(max(strips[0] - 1, 0), strips[-1] + 2)
         tractions = run.space.tractions_of(side)
+        below = stresses_below(run.space, side)
         found[side] = {
             "across": _rounded(shown.across(cells.cells[part[0]])),
             "along": _rounded(cells.z[part[1]]),
             "strip": cells.strip,
             "pressures": _rounded(cells.pressures[part], 1),
+            "stresses": {each.name: _rounded(below[each.array][part], 1) for each in below_fields(run.case.units)},
             # along the rail's surface to the right, and ahead
             "tractions": None
             if tractions is None

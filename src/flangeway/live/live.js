@@ -139,7 +139,7 @@ async function loadGeometry() {
     const low = rigid.lateral[0], high = rigid.lateral.at(-1);
     Object.assign($("lateral"), { min: low, max: high });
     state.lateral = Math.min(Math.max(state.lateral, low), high);
-    $("pair").textContent = `${rigid.sides.right.titles.wheel} on ${rigid.sides.right.titles.rail}`;
+    $("pair").textContent = `Wheel: ${rigid.sides.right.titles.wheel}. Rail: ${rigid.sides.right.titles.rail}.`;
     $("error").hidden = true;
     moved();
   } catch (error) {
@@ -323,22 +323,25 @@ function conicity(table) {
 
 function drawPatches() {
   const { context, width, height } = fresh($("patches")), sides = state.elastic.patches;
-  const names = Object.keys(sides);
+  const names = Object.keys(sides), select = $("shown");
   if (!names.length) return;
-  const highest = Math.max(...names.map(side => Math.max(...sides[side].pressures.flat())));
+  const fields = Object.keys(sides[names[0]].stresses);
+  if (select.length === 1) select.append(...fields.map(name => new Option(name, name)));
+  const field = select.value, valuesOf = side => field ? sides[side].stresses[field] : sides[side].pressures;
+  const highest = Math.max(...names.map(side => Math.max(...valuesOf(side).flat())));
   const boxes = names.map(side => [span(sides[side].across.flat()), span(sides[side].along)]);
-  const scale = Math.min(...boxes.map(([[a, b], [c, d]]) => Math.min((width / 2 - 30) / (b - a), (height - 50) / (d - c))));
+  const scale = Math.min(...boxes.map(([[a, b], [c, d]]) => Math.min((width / 2 - 30) / (b - a), (height - 66) / (d - c))));
   names.forEach((side, k) => {
     const { across, along, strip, pressures, tractions } = sides[side], [[a, b], [c, d]] = boxes[k];
     const x = v => width * (side === "left" ? 0.25 : 0.75) + scale * (v - (a + b) / 2);
-    const y = v => height / 2 + 5 - scale * (v - (c + d) / 2);
+    const y = v => height / 2 - 3 - scale * (v - (c + d) / 2);
     for (const [first, last] of runs(across)) {
-      const image = picture(pressures.slice(first, last), highest, across[0][0] < across[1][0]);
+      const image = picture(valuesOf(side).slice(first, last), highest, across[0][0] < across[1][0]);
       const [left, right] = [x(across[first][0]), x(across[last - 1][1])].sort((u, v) => u - v);
       const low = y(along[0] - strip / 2), high = y(along.at(-1) + strip / 2);
       context.drawImage(image, left, high, right - left, low - high);
     }
-    if (tractions) {
+    if (tractions && !field) {
       const most = Math.max(...tractions.flat().map(t => Math.hypot(t[0], t[1]))) || 1;
       const every = Math.max(1, Math.round(pressures.length / 12));
       tractions.forEach((row, i) => row.forEach((t, j) => {
@@ -351,8 +354,9 @@ function drawPatches() {
     context.fillText(`${side} rail, ${(b - a).toFixed(1)} × ${(d - c).toFixed(1)} mm`, (side === "left" ? 0 : width / 2) + 8, 14);
   });
   context.fillStyle = colour("--soft");
-  context.fillText(`pressure from above, ahead is up; maximum ${highest.toFixed(0)} MPa`
-    + (names.some(side => sides[side].tractions) ? "; lines: tractions on the wheel" : ""), 8, height - 6);
+  context.fillText(`${field || "pressure"}, maximum ${highest.toFixed(0)} MPa`, 8, height - 22);
+  context.fillText("from above, ahead is up"
+    + (!field && names.some(side => sides[side].tractions) ? "; lines: tractions on the wheel" : ""), 8, height - 6);
 }
 
 // rows of cells without gaps between them
@@ -428,18 +432,19 @@ function drawCurves() {
 
 // ---- positions one after the other ---------------------------------------------------------------------------------
 async function sweep() {
+  const begun = geometryNumber;
   state.sweeping = true;
   state.sweep = [];
   $("sweep").disabled = true;
   $("stop").disabled = $("progress").hidden = false;
   const reach = Math.min(-state.rigid.lateral[0], state.rigid.lateral.at(-1), 6), n = 25;
-  for (let k = 0; k < n && state.sweeping; k += 1) {
+  for (let k = 0; k < n && state.sweeping && begun === geometryNumber; k += 1) {
     const lateral = Number((-reach + 2 * reach * k / (n - 1)).toFixed(3));
     $("progress").value = k / n;
     $("progress-text").textContent = `${lateral.toFixed(2)} mm, ${k} of ${n}`;
     try {
       const found = await ask("position", inputsNow({ lateral_mm: String(lateral) }));
-      if (found.converged && state.sweeping) state.sweep.push(found);
+      if (found.converged && state.sweeping && begun === geometryNumber) state.sweep.push(found);
     } catch (error) { if (error.status === 409) break; }
     drawCurves();
   }
@@ -447,6 +452,7 @@ async function sweep() {
   $("sweep").disabled = $("progress").hidden = false;
   $("stop").disabled = $("progress").hidden = true;
   $("progress-text").textContent = `${state.sweep.length} positions`;
+  if ($("facts").classList.contains("stale")) loadPosition();  // moved meanwhile
 }
 
 // ---- what can be run again ------------------------------------------------------------------------------------------
@@ -467,6 +473,7 @@ function listen() {
   $("lateral").addEventListener("input", () => { state.lateral = Number($("lateral").value); $("free").checked = state.free = false; moved(); });
   $("yaw").addEventListener("input", () => { state.yaw = Number($("yaw").value); moved(); });
   $("yaw").addEventListener("change", loadGeometry);
+  $("shown").addEventListener("change", redraw);
   $("free").addEventListener("change", () => { state.free = $("free").checked; moved(); });
   for (const id of ["wheel", "rail", "other-wheel", "other-rail"]) $(id).addEventListener("change", loadGeometry);
   const view = $("view");

@@ -166,9 +166,8 @@ def results_table(run: BodiesRun) -> SummaryTable:
 
 
 STEPS = "steps"  # folder of the earlier load steps
-COLLECTION, CONTACT = "bodies.pvd", "contact.vtu"
+CONTACT = "contact.vtu"
 MIN_DRAWN_ITERATIONS = 3  # of fewer the table says all
-STRESSES, PRESSURE, TRACTION, CONVERGENCE = "stresses.png", "pressure.png", "traction.png", "convergence.png"
 
 
 def _files(run: BodiesRun, steps: BodySteps) -> dict[str, Writer]:
@@ -191,7 +190,7 @@ def _files(run: BodiesRun, steps: BodySteps) -> dict[str, Writer]:
             writers[file] = partial(write_contacts, system=run.contact.system, state=state, starts=starts)
             entries.append((float(number), "contact", file))
     if len(entries) > 1:
-        writers[COLLECTION] = lambda path: write_collection(path, entries)
+        writers["bodies.pvd"] = lambda path: write_collection(path, entries)
     return writers
 
 
@@ -201,16 +200,16 @@ def _pictures(run: BodiesRun) -> list[Picture]:
     theory = ", beside Hertz's theory for the same force" if run.theory is not None else ""
     steps = load_steps(contact) if contact is not None else []
     described = [
-        (STRESSES, True, partial(stress_figure, run), f"Von Mises stress on the deformed bodies{near}."),
-        (PRESSURE, run.patches, partial(pressure_figure, run), f"Contact pressure along the surface{theory}."),
+        ("stresses.png", True, partial(stress_figure, run), f"Von Mises stress on the deformed bodies{near}."),
+        ("pressure.png", run.patches, partial(pressure_figure, run), f"Contact pressure along the surface{theory}."),
         (
-            TRACTION,
+            "traction.png",
             run.patches and run.rubbing,
             partial(traction_figure, run),
             "Tangential traction along the surface (solid) between the limits of friction (dashed).",
         ),
         (
-            CONVERGENCE,
+            "convergence.png",
             sum(len(state.history) for _, state in steps) >= MIN_DRAWN_ITERATIONS,
             partial(newton_figure, steps),
             "Convergence: residual of the forces and change of the displacements in each iteration.",

@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import BarycentricInterpolator
 
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
@@ -68,13 +69,8 @@ class Display:
 
 def edge_weights(order: int, pieces: int) -> Floats:
     """Weights of an edge's nodes at its equal pieces' ends, (pieces + 1, order + 1): Lagrange's polynomials."""
-    nodes = gauss_lobatto(order + 1)[0]
-    at = np.arange(pieces + 1) / pieces
-    weights = np.ones((pieces + 1, order + 1))
-    for i, node in enumerate(nodes):
-        for other in np.delete(nodes, i):
-            weights[:, i] *= (at - other) / (node - other)
-    return weights
+    lagrange = BarycentricInterpolator(gauss_lobatto(order + 1)[0], np.eye(order + 1))
+    return np.asarray(lagrange(np.arange(pieces + 1) / pieces))
 
 
 def display(space: Space, pieces: int | None = None) -> Display:

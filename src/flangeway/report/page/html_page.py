@@ -20,10 +20,8 @@ from flangeway.results import ResultTable
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 from flangeway.system.workbook import csv_tables, write_workbook
 
-WORKBOOK = "tables.xlsx"
 SHOWN_SIZE = 0.55  # pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures
 NUMBER_CELL = re.compile(r"–|yes|no||[-+(\d.,) e/–%]+")
-INSTEAD = "The figures above and the figures below show the most important fields."
 Drawn = Sequence[tuple[Picture, bytes]]  # pictures and the contents of their PNG files
 
 
@@ -38,7 +36,12 @@ def report_page(record: Record, drawn: Drawn = (), timings_s: Mapping[str, float
         record=record,
         drawn=drawn,
         tables=[*record.tables, *([timings_table(times)] if times else [])],
-        viewer=Markup(field_viewer(record.scene().in_units(record.units), INSTEAD if drawn else ""))
+        viewer=Markup(
+            field_viewer(
+                record.scene().in_units(record.units),
+                "The figures above and the figures below show the most important fields." if drawn else "",
+            )
+        )
         if record.scene
         else "",
         program=Markup((files("flangeway.report.page") / "page.js").read_text(encoding="utf-8")),
@@ -71,7 +74,7 @@ def write_record(
     if xlsx:
         summary = ResultTable.of_numbers(record.summary)
         rows = [[*summary.columns], *summary.rows()]
-        writers[WORKBOOK] = lambda path: write_workbook(path, {"summary": rows, **csv_tables(path.parent)})
+        writers["tables.xlsx"] = lambda path: write_workbook(path, {"summary": rows, **csv_tables(path.parent)})
     writers[REPORT] = text_writer(report_page(record, drawn, timings_s))
     writers[record.summary_file] = text_writer(summary_text(record.summary))
     return write_together(folder, writers)

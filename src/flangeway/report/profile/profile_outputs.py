@@ -14,13 +14,10 @@ from flangeway.report.profile.profile_figures import curvature_figure, join_figu
 from flangeway.system.output_folder import refuse_unwritable
 from flangeway.units import Units
 
-SUMMARY, SHAPE, CURVATURE, JOIN = "profile.json", "profile.png", "curvature.png", "joined.png"
+SUMMARY = "profile.json"
 TABLE, OVERLAY, BATCH_SUMMARY = "profiles.csv", "profiles.png", "profiles.json"
 BATCH = ("format", "points", "length", "minimum_convex_radius", "minimum_concave_radius", "noise")  # of all in CSV
-SHAPE_SHOWN = "The profile with its points, lines and arcs."
-CURVATURE_SHOWN = "Curvature along the profile."
 OVERLAY_SHOWN = "All profiles, and the distance of each from the first."
-JOIN_SHOWN = "The profile joined to the body of the nominal one."
 
 
 def checked_conversion(run: ProfileRun, to: Path | None) -> str:
@@ -42,11 +39,16 @@ def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Re
     """Return what was read and measured of a profile; `command` reads it again."""
     summary, join = run.summary, run.join
     pictures = [
-        Picture(SHAPE, lambda: shape_figure(run, units), SHAPE_SHOWN),
-        Picture(CURVATURE, lambda: curvature_figure(run, units), CURVATURE_SHOWN),
+        Picture("profile.png", lambda: shape_figure(run, units), "The profile with its points, lines and arcs."),
+        Picture("curvature.png", lambda: curvature_figure(run, units), "Curvature along the profile."),
     ]
     if join is not None:
-        pictures.insert(1, Picture(JOIN, lambda: join_figure(join, units), JOIN_SHOWN))
+        pictures.insert(
+            1,
+            Picture(
+                "joined.png", lambda: join_figure(join, units), "The profile joined to the body of the nominal one."
+            ),
+        )
     there = [quantity for quantity in QUANTITIES if quantity.value(run) is not None]
     return Record(
         name=run.profile.title,

@@ -20,13 +20,12 @@ from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure, 
 from flangeway.units import Units
 
 TABLE, CONICITY, SUMMARY = "table.csv", "conicity.csv", "geometry.json"
-LOCUS_PICTURE, CONICITY_PICTURE = "contact_locus.png", "conicity.png"
-BATCH_TABLE, BATCH_PICTURE, BATCH_SUMMARY = "geometries.csv", "geometries.png", "geometries.json"
+CONICITY_PICTURE = "conicity.png"
+BATCH_TABLE, BATCH_SUMMARY = "geometries.csv", "geometries.json"
 LOCUS_SHOWN = (
     "Contact points at each millimetre, rolling radius difference and contact angles over the lateral position"
 )
 CONICITY_SHOWN = "Equivalent conicity over the amplitude"
-PAIRS_SHOWN = "Rolling radius difference and equivalent conicity of all pairs."
 AXES = {
     "lateral, vertical": "of the axle in space, to the right and up, from the middle of the track",
     "x": "on the wheel from the tape line, on the rail from its middle, away from the middle of the track",
@@ -74,7 +73,7 @@ def geometry_record(run: GeometryRun, command: str) -> Record:
         results=_results(run),
         assumptions=ASSUMPTIONS,
         pictures=[
-            Picture(LOCUS_PICTURE, lambda: locus_figure(run), f"{LOCUS_SHOWN}."),
+            Picture("contact_locus.png", lambda: locus_figure(run), f"{LOCUS_SHOWN}."),
             Picture(CONICITY_PICTURE, lambda: conicity_figure(run, units), f"{CONICITY_SHOWN}."),
         ],
         tables=[jumps] if run.jumps else [],
@@ -101,7 +100,13 @@ def geometries_record(runs: Sequence[GeometryRun], command: str) -> Record:
         message="",
         results=table_of("Pairs of profiles", runs, [PAIR_QUANTITIES[at] for at in (0, 1, 2, 4, 7, 8)], units=units),
         assumptions=ASSUMPTIONS,
-        pictures=[Picture(BATCH_PICTURE, lambda: pairs_figure(runs), PAIRS_SHOWN)],
+        pictures=[
+            Picture(
+                "geometries.png",
+                lambda: pairs_figure(runs),
+                "Rolling radius difference and equivalent conicity of all pairs.",
+            )
+        ],
         axes=AXES,
         files=lambda: {BATCH_TABLE: columns(PAIR_QUANTITIES, runs, units).to_csv},
     )

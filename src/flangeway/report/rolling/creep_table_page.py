@@ -18,7 +18,6 @@ from flangeway.tables.table_outputs import FORCES, PATCHES, README, TABLE
 from flangeway.types import Floats
 from flangeway.units import Units
 
-PICTURE = "creep-forces.png"
 FRICTION, MAX_PERCENT, MAX_CURVES = 0.3, 1.0, 5
 """Coefficient of friction, creepage at the end and number of lateral positions in the picture."""
 CAPTION = (
@@ -75,7 +74,7 @@ def creep_table_record(table: CreepTable, request: TableRequest, command: str, f
         notes=[f"in {len(jumps)} intervals patches jump: there forces go over from those of one position to another"]
         if jumps
         else [],
-        pictures=[Picture(PICTURE, lambda: forces_figure(table, units), CAPTION)],
+        pictures=[Picture("creep-forces.png", lambda: forces_figure(table, units), CAPTION)],
         tables=[
             SummaryTable("Positions", ("", "points", "from", "to"), tuple(axes)),
             *([table_of("Patches jump", jumps, JUMP, units=units)] if jumps else []),

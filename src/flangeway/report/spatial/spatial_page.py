@@ -31,7 +31,7 @@ PICTURES: dict[str, tuple[Callable[[SpatialRun], Figure], str]] = {
     "pressure.png": (pressure_figure, "The pressure across and along z through its maximum, beside Hertz's"),
     "depth.png": (depth_figure, "Stresses below the centre of the patch in both bodies"),
 }
-COLLECTION, SURFACE = "bodies.pvd", "surface.vtu"
+SURFACE = "surface.vtu"
 SECTIONS = ("section-lower.vtu", "section-upper.vtu")
 NEAR = 6.0
 """Width of the view of a patch over its longer semi-axis."""
@@ -105,7 +105,7 @@ def _files(run: SpatialRun, corners: list[SpatialStresses]) -> dict[str, Writer]
     for number, (name, section, stresses) in enumerate(zip(SECTIONS, run.sections, corners, strict=True)):
         writers[name] = partial(_write_section, section, stresses, number)
     files = [(0.0, Path(file).stem, file) for file in (*SECTIONS, SURFACE)]
-    writers[COLLECTION] = lambda path: write_collection(path, files)
+    writers["bodies.pvd"] = lambda path: write_collection(path, files)
     return writers
 
 

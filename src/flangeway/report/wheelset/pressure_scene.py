@@ -77,7 +77,7 @@ def _part(
     later = np.ones(shape)
     later[window] = 0.0
     fields, found = shown_fields({PRESSURE: cells.pressures} | friction_fields(result, side, "rail"))
-    fields, found = fields + below_fields(units), found | _below(result, side)
+    fields, found = fields + below_fields(units), found | stresses_below(result, side)
     arrays = {name: np.zeros(shape) for name in found}
     for name, values in found.items():
         arrays[name][window] = values
@@ -107,7 +107,7 @@ def below_fields(units: Units) -> list[ShownField]:
     ]
 
 
-def _below(result: SpatialResult, side: Side) -> dict[str, Floats]:
+def stresses_below(result: SpatialResult, side: Side) -> dict[str, Floats]:
     """Arrays of `below_fields` on the cells of a side, (n, n_z)."""
     grid = result.equilibrium.state.sides[side].grid.grid
     total = np.zeros((len(BELOW_MM) + 1, len(grid.stations), len(grid.z)))
