@@ -336,8 +336,8 @@ class _Cells:
         elif self.n_grids < MAX_GRIDS:
             self.n_grids += 1
             grids, _ = self._fine(state)
-            if grids == state.grids and self.last:
-                beyond = self.wheelset.beyond(found)
+            beyond = self.wheelset.beyond(found) if grids == state.grids and self.last else {}
+            if beyond:
                 self.touching = {**self.touching, **beyond}
                 grids, state = self._fine(SpatialState({**state.sides, **beyond}))
         if grids == found.state.grids:
