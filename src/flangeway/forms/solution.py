@@ -59,12 +59,6 @@ def solve(
 
     """
     given = np.asarray(load)
-    if matrix.shape != (given.size, given.size):
-        raise InputError(
-            f"a matrix of shape {matrix.shape} and a load of shape {given.shape}",
-            "as many rows as the load has numbers",
-            "use the same space and the same number of components for both",
-        )
     return Factor(matrix, fixed, 1 if given.ndim == 1 else given.shape[1]).solve(given, values)
 
 
