@@ -45,7 +45,7 @@ def as_numbers(what: str, values: object, allowed: str = "numbers", advice: str 
         if not isinstance(values, np.ndarray):  # a list of numbers and truth values becomes numbers
             kinds |= {"b" for value in np.asarray(values, dtype=object).flat if isinstance(value, bool | np.bool_)}
         if not kinds <= set("iuf"):
-            raise TypeError("texts, truth values or objects")
+            raise TypeError("complex numbers" if kinds == {"c"} else "texts, truth values or objects")
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as reason:
         raise InputError(f"{what} that are not numbers: {reason}", allowed, advice) from reason

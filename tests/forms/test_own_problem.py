@@ -5,7 +5,20 @@ import pytest
 
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError
-from flangeway.forms import convergence, error_norms, interpolate, load, mass, modes, solve, stiffness
+from flangeway.forms import (
+    bilinear,
+    buckling,
+    convergence,
+    error_norms,
+    interpolate,
+    load,
+    mass,
+    modes,
+    newton,
+    solve,
+    stiffness,
+    theta_steps,
+)
 from flangeway.geometry import square
 from flangeway.materials import Elastic
 from flangeway.mesh import dual, rectangle_grid, triangulate
@@ -144,6 +157,11 @@ def test_the_boundary_is_found_by_name_and_by_place():
     assert len(space.boundary_dofs("left")) == 7
 
 
+def advection(space):
+    """Not symmetric."""
+    return bilinear(space, lambda u, v, w: 9.0 * u.gradient[:, 0] * v.value)
+
+
 WRONG = {
     "not symmetric": lambda s: stiffness(s, [[1.0, 2.0], [0.0, 1.0]]),
     "not positive": lambda s: stiffness(s, [[1.0, 2.0], [2.0, 1.0]]),
@@ -162,6 +180,11 @@ WRONG = {
     "other arguments": lambda s: stiffness(s, lambda x, y: x + y),
     "complex": lambda s: load(s, lambda p: 1j * p[:, 0]),
     "gives shape": lambda s: load(s, lambda p: 1.0),
+    "not real and symmetric": lambda s: modes(s, stiffness(s) + advection(s), mass(s), 2, s.boundary_dofs("left")),
+    "mass is not positive": lambda s: modes(s, stiffness(s), -mass(s), 2, s.boundary_dofs("left")),
+    "an eigenproblem": lambda s: buckling(s, stiffness(s) + advection(s), -mass(s), 2, s.boundary_dofs("left")),
+    "a start of shape": lambda s: list(theta_steps(mass(s), stiffness(s), np.zeros(3), 0.1, 1)),
+    "complex numbers": lambda s: newton(s, lambda u, v, w: u.value * v.value, 1j * np.ones(s.n_dofs)),
 }
 
 

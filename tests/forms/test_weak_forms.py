@@ -14,6 +14,7 @@ from flangeway.forms import (
     linear,
     load,
     mass,
+    modes,
     newmark_steps,
     newton,
     solve,
@@ -195,8 +196,6 @@ def test_radiation_along_an_edge_balances_the_source():
 @pytest.mark.parametrize("space", SPACES)
 def test_heat_of_one_mode_decays_by_the_factor_of_crank_and_nicolson(space):
     """In time the discrete mode is exact: ``((1 - z / 2) / (1 + z / 2))^n`` with its own discrete eigenvalue."""
-    from flangeway.forms import modes  # noqa: PLC0415
-
     K, M, fixed = stiffness(space), mass(space), space.boundary_dofs()
     (value,), (mode,) = modes(space, K, M, 1, fixed)
     steps = list(theta_steps(M, K, mode, 0.01, 20, fixed=fixed))
@@ -220,6 +219,22 @@ def test_newmarks_method_keeps_the_energy_and_generalised_alpha_damps(space):
     np.testing.assert_allclose(energies, first, rtol=1e-10)
     damped = [energy(u, v) for _, u, v in newmark_steps(M, K, start, 0.0 * start, 1.0, 30, radius=0.0, fixed=fixed)]
     assert damped[-1] < 1e-6 * first
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_schroedingers_equation_keeps_the_norm_of_complex_fields(space):
+    """``u' = -i K u`` by Crank and Nicolson's method: its own factor of each mode, and the norm of any start."""
+    K, M, fixed = stiffness(space), mass(space), space.boundary_dofs()
+    (value,), (mode,) = modes(space, K, M, 1, fixed)
+    *_, (_, u) = theta_steps(M, 1j * K, 1j * mode, 0.01, 20, fixed=fixed)
+    np.testing.assert_allclose(u, 1j * mode * ((1.0 - 0.005j * value) / (1.0 + 0.005j * value)) ** 20, atol=1e-11)
+    start = interpolate(space, lambda p: np.exp(-30.0 * ((p - 0.4) ** 2).sum(axis=1))) * (1.0 + 2.0j)
+    start[fixed] = 0.0
+    *_, (_, u) = theta_steps(M, 1j * K, start, 0.01, 20, fixed=fixed)
+    assert np.vdot(u, M @ u).real == pytest.approx(np.vdot(start, M @ start).real, rel=1e-11)
+    *_, (_, wave, _) = newmark_steps(M, K, start, 0.0 * start, 0.01, 20, fixed=fixed)
+    *_, (_, real, _) = newmark_steps(M, K, start.real, 0.0 * start.real, 0.01, 20, fixed=fixed)
+    np.testing.assert_allclose(wave, (1.0 + 2.0j) * real, atol=1e-11)
 
 
 def test_generalised_alpha_has_second_order():
@@ -252,10 +267,11 @@ def test_mixed_orders_couple_two_spaces():
     np.testing.assert_allclose(coupling @ u.ravel(), wanted, atol=1e-13)
 
 
-def test_a_column_buckles_at_eulers_load():
+@pytest.mark.parametrize("order", [2, 4])
+def test_a_column_buckles_at_eulers_load(order):
     """A cantilever of slenderness 20 under pressure at its end: ``pi^2 E I / (2 L)^2`` to 2 % (shear and width)."""
     length, height = 20.0, 1.0
-    space = Space(dual(triangulate(rectangle(length, height), size=0.5)), Virtual(2))
+    space = Space(dual(triangulate(rectangle(length, height), size=0.5)), Virtual(order))
     material = Elastic(1000.0, 0.0)
     fixed = space.boundary_dofs("left")
 

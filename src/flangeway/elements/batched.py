@@ -6,12 +6,13 @@ from flangeway.types import Floats
 
 
 def cholesky(matrices: Floats) -> Floats:
-    """Lower Cholesky factors of matrices of shape (n, n, n_cells)."""
+    """Lower Cholesky factors of matrices of shape (n, n, n_cells), NaN where one is not positive definite."""
     n = matrices.shape[0]
     factor = np.zeros_like(matrices)
     for j in range(n):
         row = factor[j, :j]
-        factor[j, j] = np.sqrt(matrices[j, j] - np.einsum("ke,ke->e", row, row))
+        pivot = matrices[j, j] - np.einsum("ke,ke->e", row, row)
+        factor[j, j] = np.sqrt(np.where(pivot > 0.0, pivot, np.nan))
         if j + 1 < n:
             below = matrices[j + 1 :, j] - np.einsum("ike,ke->ie", factor[j + 1 :, :j], row)
             factor[j + 1 :, j] = below / factor[j, j]

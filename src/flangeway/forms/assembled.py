@@ -14,6 +14,7 @@ from flangeway.checks import as_numbers
 from flangeway.elements import Function, Reconstruction, missed_mass, monomials
 from flangeway.errors import InputError
 from flangeway.forms.weak import PointValues, bilinear, linear
+from flangeway.problems.strains import strain_operators
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, Space, load_vector
 from flangeway.space.functions import cell_quadrature, quadrature_degree
 from flangeway.types import Floats
@@ -53,12 +54,10 @@ def stiffness(space: Space, coefficient: Coefficient = 1.0, *, degree: int | Non
 
     def matrices(batch: CellBatch, reconstruction: Reconstruction, blocks: Floats) -> Floats | None:
         energetic = reconstruction.for_energy
-        tensor, weighted = _weighted_mass(given, batch, energetic, energetic.order - 1, degree)
-        gradient = energetic.gradient
+        tensor, product = _gradient_products(given, batch, energetic, degree)
         for i, a, j, b in np.argwhere(np.abs(tensor).any(axis=(-2, -1))):
             if (i, a) <= (j, b):
-                right = np.einsum("pqe,qne->pne", weighted(i, a, j, b), gradient[:, b])
-                block = np.einsum("pme,pne->mne", gradient[:, a], right)
+                block = product(i, a, j, b)
                 blocks[i, j] += block
                 if (i, a) != (j, b):
                     blocks[j, i] += block.swapaxes(0, 1)
@@ -114,6 +113,24 @@ def mass(
                 blocks[i, j] += missed * tensor[i, j].mean(axis=0)
 
     return _assembled(space, given.n_components, matrices)
+
+
+def _gradient_products(
+    given: CellCoefficient, batch: CellBatch, energetic: Reconstruction, degree: int | None
+) -> tuple[Floats, Callable[..., Floats]]:
+    """Coefficient of cells, and a function: integrals of its entry times derivatives of local functions."""
+    if given.function is None:
+        tensor = given.at(batch, np.empty((1, 2, 0)))
+        strains = strain_operators(batch, energetic, axisymmetric=False)
+        return tensor, lambda i, a, j, b: strains.products(a, b) * tensor[i, a, j, b, 0]
+    tensor, weighted = _weighted_mass(given, batch, energetic, energetic.order - 1, degree)
+    gradient = energetic.gradient
+
+    def product(i: int, a: int, j: int, b: int) -> Floats:
+        right = np.einsum("pqe,qne->pne", weighted(i, a, j, b), gradient[:, b])
+        return np.asarray(np.einsum("pme,pne->mne", gradient[:, a], right))
+
+    return tensor, product
 
 
 def _weighted_mass(

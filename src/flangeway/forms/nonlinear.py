@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
+from flangeway.checks import as_numbers
 from flangeway.errors import InputError
 from flangeway.forms.weak import (
     Field,
@@ -102,11 +103,12 @@ def newton(
     Raises
     ------
     InputError
-        If the tangent is not the derivative, or a linear system is singular.
+        If the tangent is not the derivative, a linear system is singular, or the start or the load is not real.
 
     """
-    problem = _Problem(space, form, np.asarray(start, dtype=np.float64), fields or {}, boundary or {}, tangent, degree)
-    u, given = problem.start.copy(), np.broadcast_to(np.asarray(load, dtype=np.float64), problem.start.shape)
+    first = as_numbers("first unknowns", start, "real numbers")
+    problem = _Problem(space, form, first, fields or {}, boundary or {}, tangent, degree)
+    u, given = problem.start.copy(), np.broadcast_to(as_numbers("a load", load, "real numbers"), problem.start.shape)
     residual, norms = problem.residual(u) - given, []
     for iteration in range(max_iterations + 1):
         matrix = problem.tangent(u)

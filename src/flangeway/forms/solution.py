@@ -12,6 +12,8 @@ from flangeway.errors import InputError
 from flangeway.solve.factor import Factor, free_unknowns
 from flangeway.types import Bools, Floats
 
+MAX_EIGEN_RESIDUAL = 1e-9
+"""Residual of eigenvectors relative to the magnitudes of its terms, above their round-off."""
 EIGEN_SHIFT = 1e-6
 """Shift of eigenvalues relative to the ratio of the traces, so that free bodies are no exception."""
 
@@ -57,12 +59,6 @@ def solve(
 
     """
     given = np.asarray(load)
-    if matrix.shape != (given.size, given.size):
-        raise InputError(
-            f"a matrix of shape {matrix.shape} and a load of shape {given.shape}",
-            "as many rows as the load has numbers",
-            "use the same space and the same number of components for both",
-        )
     return Factor(matrix, fixed, 1 if given.ndim == 1 else given.shape[1]).solve(given, values)
 
 
@@ -91,6 +87,11 @@ def modes(
     tuple of Floats
         Eigenvalues (number,) in rising order, and modes (number, n_dofs) or (number, n_dofs, m), ``u . M u = 1``.
 
+    Raises
+    ------
+    InputError
+        If a matrix is complex or not symmetric, or the mass not positive.
+
     """
     m, free = _components(space, stiffness, fixed, number, "modes")
     shift = -EIGEN_SHIFT * stiffness.trace() / mass.trace()
@@ -100,6 +101,7 @@ def modes(
     values, vectors = eigsh(
         parts[0], number, parts[1], sigma=shift, OPinv=inverse, v0=np.ones(len(parts[0].indptr) - 1)
     )
+    _check_residuals(parts[0], parts[1], values, vectors)
     return _sorted(values, vectors, free, space, m)
 
 
@@ -134,7 +136,7 @@ def buckling(
     Raises
     ------
     InputError
-        If the stiffness is singular, or fewer load factors are positive.
+        If the stiffness is singular, a matrix complex or not symmetric, or fewer load factors are positive.
 
     """
     m, free = _components(space, stiffness, fixed, number, "buckling")
@@ -150,6 +152,7 @@ def buckling(
             "stresses with as much pressure as buckling needs",
             "check the sign of the load, or ask for fewer",
         )
+    _check_residuals(destabilising, elastic, inverse_factors, vectors)
     return _sorted(1.0 / inverse_factors, vectors, free, space, m)
 
 
@@ -161,6 +164,18 @@ def _components(
     free = free_unknowns(fixed, (space.n_dofs,) if m == 1 else (space.n_dofs, m))
     check_integer(where, "number", number, 1, int(free.sum()) - 1)
     return m, free
+
+
+def _check_residuals(left: sp.csr_array, right: sp.csr_array, values: Floats, vectors: Floats) -> None:
+    """Raise `InputError` unless ``left v = value right v``, as Lanczos' method finds of symmetric matrices only."""
+    residuals = left @ vectors - (right @ vectors) * values
+    terms = abs(left) @ np.abs(vectors) + (abs(right) @ np.abs(vectors)) * np.abs(values)
+    if not (np.linalg.norm(residuals, axis=0) <= MAX_EIGEN_RESIDUAL * np.linalg.norm(terms, axis=0)).all():
+        raise InputError(
+            "an eigenproblem whose matrices are not real and symmetric, or whose mass is not positive",
+            "symmetric matrices, a positive mass, and a positive stiffness for buckling",
+            "take scipy.sparse.linalg.eigs for others",
+        )
 
 
 def _sorted(values: Floats, vectors: Floats, free: Bools, space: Unknowns, m: int) -> tuple[Floats, Floats]:

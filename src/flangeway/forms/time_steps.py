@@ -7,8 +7,10 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.checks import check_integer, check_positive, is_finite, refused
+from flangeway.errors import InputError
+from flangeway.forms.weak import Values
 from flangeway.solve.factor import Factor
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools
 
 InTime = ArrayLike | Callable[[float], ArrayLike]
 """An array, or a function of the time that gives one."""
@@ -17,7 +19,7 @@ InTime = ArrayLike | Callable[[float], ArrayLike]
 def theta_steps(
     mass: sp.sparray,
     stiffness: sp.sparray,
-    start: Floats,
+    start: ArrayLike,
     step: float,
     number: int,
     *,
@@ -25,7 +27,7 @@ def theta_steps(
     load: InTime = 0.0,
     fixed: NDArray[np.integer] | Bools | None = None,
     values: InTime | None = None,
-) -> Iterator[tuple[float, Floats]]:
+) -> Iterator[tuple[float, Values]]:
     """Integrate ``M u' + K u = f(t)``: yields the time and the unknowns after every step.
 
     ``(M + theta dt K) u1 = (M - (1 - theta) dt K) u0 + dt (theta f1 + (1 - theta) f0)``; 1/2 is Crank and Nicolson's
@@ -34,9 +36,9 @@ def theta_steps(
     Parameters
     ----------
     mass, stiffness
-        Matrices (m n_dofs, m n_dofs), symmetric or not.
+        Matrices (m n_dofs, m n_dofs), symmetric or not, real or complex.
     start
-        Unknowns at time zero, (n_dofs,) or (n_dofs, m).
+        Unknowns at time zero, (n_dofs,) or (n_dofs, m), real or complex.
     step, number
         Length and number of the steps.
     theta
@@ -49,13 +51,12 @@ def theta_steps(
     Raises
     ------
     InputError
-        If the step is not positive, theta out of its range, or the matrix singular.
+        If the step is not positive, theta out of its range, the start of another size, or the matrix singular.
 
     """
-    _check(step, number)
+    (u,), m = _checked(step, number, mass, start)
     if not (is_finite(theta) and 0.5 <= theta <= 1.0):
         raise refused("theta_steps", "theta", theta, "0.5 to 1", "take 0.5 for second order")
-    u, m = np.asarray(start, dtype=np.float64), 1 if start.ndim == 1 else start.shape[1]
     factor = Factor(sp.csr_array(mass + theta * step * stiffness), fixed, m)
     explicit = sp.csr_array(mass - (1.0 - theta) * step * stiffness)
     before = _at(load, 0.0, u)
@@ -71,8 +72,8 @@ def theta_steps(
 def newmark_steps(
     mass: sp.sparray,
     stiffness: sp.sparray,
-    start: Floats,
-    velocity: Floats,
+    start: ArrayLike,
+    velocity: ArrayLike,
     step: float,
     number: int,
     *,
@@ -80,7 +81,7 @@ def newmark_steps(
     radius: float | None = None,
     load: InTime = 0.0,
     fixed: NDArray[np.integer] | Bools | None = None,
-) -> Iterator[tuple[float, Floats, Floats]]:
+) -> Iterator[tuple[float, Values, Values]]:
     """Integrate ``M u'' + C u' + K u = f(t)``: yields time, unknowns and their velocities after every step.
 
     Newmark's method (1959) of average acceleration keeps the energy of a free vibration; the generalised alpha method
@@ -90,9 +91,9 @@ def newmark_steps(
     Parameters
     ----------
     mass, stiffness, damping
-        Matrices (m n_dofs, m n_dofs).
+        Matrices (m n_dofs, m n_dofs), real or complex.
     start, velocity
-        Unknowns and velocities at time zero, (n_dofs,) or (n_dofs, m).
+        Unknowns and velocities at time zero, (n_dofs,) or (n_dofs, m), real or complex.
     step, number
         Length and number of the steps.
     radius
@@ -106,23 +107,22 @@ def newmark_steps(
     Raises
     ------
     InputError
-        If the step is not positive, the radius out of its range, or a matrix singular.
+        If the step is not positive, the radius out of its range, the start of another size, or a matrix singular.
 
     """
-    _check(step, number)
+    (u, v), m = _checked(step, number, mass, start, velocity)
     if radius is not None and not (is_finite(radius) and 0.0 <= radius <= 1.0):
         raise refused("newmark_steps", "radius", radius, "0 to 1", "leave it out for Newmark's method")
     of_mass, of_rest = (0.0, 0.0) if radius is None else ((2 * radius - 1) / (radius + 1), radius / (radius + 1))
     gamma, beta = 0.5 - of_mass + of_rest, 0.25 * (1.0 - of_mass + of_rest) ** 2
-    u, v = (np.asarray(given, dtype=np.float64) for given in (start, velocity))
-    m, shape = 1 if u.ndim == 1 else u.shape[1], u.shape
+    shape = u.shape
     damping = sp.csr_array(mass.shape) if damping is None else damping
     implicit = (1.0 - of_mass) * mass + (1.0 - of_rest) * (gamma * step * damping + beta * step**2 * stiffness)
     factor = Factor(sp.csr_array(implicit), fixed, m)
     v = np.where(factor.free.reshape(shape), v, 0.0)
 
-    def forces(displacements: Floats, velocities: Floats) -> Floats:
-        return (stiffness @ displacements.ravel() + damping @ velocities.ravel()).reshape(shape)
+    def forces(displacements: Values, velocities: Values) -> Values:
+        return np.asarray(stiffness @ displacements.ravel() + damping @ velocities.ravel()).reshape(shape)
 
     a = Factor(mass, fixed, m).solve(_at(load, 0.0, u) - forces(u, v))
     for i in range(number):
@@ -135,11 +135,20 @@ def newmark_steps(
         yield time, u, v
 
 
-def _check(step: float, number: int) -> None:
+def _checked(step: float, number: int, mass: sp.sparray, *start: ArrayLike) -> tuple[list[Values], int]:
+    """Arrays at time zero, real or complex, and their number of components."""
     check_positive("time steps", "step", step)
     check_integer("time steps", "number", number, 1)
+    arrays: list[Values] = [np.asarray(given) for given in start]
+    shapes = {array.shape for array in arrays}
+    if len(shapes) > 1 or arrays[0].dtype.kind not in "iufc" or arrays[0].size != mass.shape[0] or arrays[0].ndim > 2:
+        raise InputError(
+            f"a mass of shape {mass.shape}, and a start of shape {' and '.join(map(str, shapes))}",
+            "as many rows as the start has numbers: (n_dofs,) or (n_dofs, m)",
+            "use the same space and the same number of components for all",
+        )
+    return arrays, 1 if arrays[0].ndim == 1 else arrays[0].shape[1]
 
 
-def _at(given: InTime, time: float, like: Floats) -> Floats:
-    values = np.asarray(given(time) if callable(given) else given, dtype=np.float64)
-    return np.broadcast_to(values, like.shape)
+def _at(given: InTime, time: float, like: Values) -> Values:
+    return np.broadcast_to(np.asarray(given(time) if callable(given) else given), like.shape)

@@ -230,7 +230,7 @@ class Factor:
             return f"a constant displacement along {short(np.round(direction, 6) + 0.0)} has no energy"
         at = int(np.abs(null[:, 0]).argmax()) // m
         number = "one motion has" if n_motions == 1 else f"{n_motions} motions have"
-        shape = "" if constants.shape[1] == n_motions else ", not constant (such as a rotation)"
+        shape = "" if m == 1 or constants.shape[1] == n_motions else ", not constant (such as a rotation)"
         return f"{number} no energy{shape}; the largest value is at unknown {at}"
 
 

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.damage import collective
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings, EvolutionStep, limit_positions
 from flangeway.railway.damage.profile_limits import reached, worn_measures
 from flangeway.railway.damage.surface_wear import patch_damage, patch_loads, row_wear
-from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw
+from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, UsfdLaw
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.wheelset.spatial_result import solve_spatial
@@ -174,6 +175,15 @@ def test_curves_of_both_hands_wear_both_sides_alike() -> None:
     assert (left == right).all()
     assert right.max() > 1e-6
     assert right == pytest.approx(mean.rates["wheel", "right"], abs=1e-4 * right.max())
+
+
+@pytest.mark.ci
+def test_all_states_of_the_mixed_line_have_an_equilibrium() -> None:
+    """Eleven free states by the exact theory converge on new profiles."""
+    at_once = settings(1.0, limits={"min_flange_thickness_mm": 50.0})
+    (step,) = Evolution(collective(), {"wheel": UsfdLaw()}, at_once).run()
+    assert len(step.states) == 11
+    assert step.unconverged == ()
 
 
 @pytest.mark.ci

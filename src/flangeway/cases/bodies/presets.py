@@ -45,11 +45,6 @@ class BodiesPreset(PresetCase, BodiesCase):
     """A case that fills in the tables of the general case."""
 
 
-def max_pressure_of(run: BodiesRun) -> float:
-    """Maximum pressure of all contacts, MPa; 0 where nothing touches."""
-    return max((float(patch.pressures.max()) for patch in run.patches), default=0.0)
-
-
 def _fullest(run: BodiesRun) -> PressurePatch:
     """Region with the maximum force."""
     return max(run.patches, key=lambda patch: float(patch.normal_forces.sum()))

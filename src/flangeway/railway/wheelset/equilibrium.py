@@ -33,20 +33,23 @@ class Reach:
     """Step limit of one unknown: it shrinks where the sense of its steps changes, and grows where they reach it.
 
     - `limit`: of the next step.
-    - `longest`: beyond which it does not grow.
+    - `most`: beyond which it never grows; `longest`: beyond which it does not grow now.
     - `last`: last step.
     """
 
     limit: float
-    longest: float
+    most: float
+    longest: float = np.inf
     last: float = 0.0
 
     def limit_of(self, step: float, *, halved: bool) -> float:
         """Limit of a step that is wanted; `halved`: whether the last step has lowered the residual much."""
         if step * self.last < 0.0 and abs(step) > 0.5 * abs(self.last) and not halved:
-            self.limit, self.longest = BACK * abs(self.last), LESS * self.longest
+            self.limit, self.longest = BACK * abs(self.last), LESS * min(self.longest, self.most)
         elif abs(self.last) >= ALL_OF_IT * self.limit:
-            self.limit = min(2.0 * self.limit, self.longest)
+            if self.limit == self.longest:  # several steps of one sense
+                self.longest /= LESS
+            self.limit = min(2.0 * self.limit, self.longest, self.most)
         return self.limit
 
 

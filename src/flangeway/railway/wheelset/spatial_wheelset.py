@@ -193,14 +193,17 @@ class SpatialWheelset:
         message = f"{kind} in {last.status.iterations} steps: {cause}; {advice}"
         return Status(False, message, last.status.iterations)
 
-    def beyond(self, found: Equilibrium[SpatialState]) -> dict[Side, SideState]:
+    def beyond(self, found: Equilibrium[SpatialState], touching: Mapping[Side, SideState]) -> dict[Side, SideState]:
         """Contact on coarse cells of the sides where wheel and rail overlap outside of the fine cells.
 
         The forces of the fine cells stay: a contact anew on coarse cells would carry more.
+
+        - `touching`: contact on coarse cells before, whose cells serve where they reach as far.
         """
         sides: dict[Side, SideState] = {}
+        grids = self.whole(found.position, found.state, {side: each.grid for side, each in touching.items()})
         for side, fine in found.state.sides.items():
-            whole, inner = self._coarse(side, found.position, found.state), fine.grid.grid
+            whole, inner = grids[side], fine.grid.grid
             forces, creep = transferred(fine, whole), transferred_creep(fine, whole)
             deformed = whole.deformed(fine.pose, forces, None, None if creep is None else creep[:, 0])
             cells, z, strip = whole.grid.cells, whole.grid.z, whole.grid.strip
@@ -336,8 +339,8 @@ class _Cells:
         elif self.n_grids < MAX_GRIDS:
             self.n_grids += 1
             grids, _ = self._fine(state)
-            if grids == state.grids and self.last:
-                beyond = self.wheelset.beyond(found)
+            beyond = self.wheelset.beyond(found, self.touching) if grids == state.grids and self.last else {}
+            if beyond:
                 self.touching = {**self.touching, **beyond}
                 grids, state = self._fine(SpatialState({**state.sides, **beyond}))
         if grids == found.state.grids:

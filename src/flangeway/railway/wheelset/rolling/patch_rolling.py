@@ -233,12 +233,6 @@ class RollingPatch:
         return self.forces.t_gamma
 
     @property
-    def products_N(self) -> tuple[float, float]:  # noqa: N802
-        """T-gamma of creep forces and creepages at the origin of `contact`, without and with spin, N."""
-        without, by_spin = self.forces.products(self.creepages)
-        return without, without + by_spin
-
-    @property
     def power_W(self) -> float:  # noqa: N802
         """Power that friction dissipates, W."""
         return self.speed_m_s * self.forces.t_gamma
