@@ -25,7 +25,7 @@ def test_the_page_runs_from_top_to_bottom(follow, small, tmp_path, monkeypatch):
 
 
 def test_the_output_that_is_shown_has_the_rows_of_a_table_and_its_own_tolerance(small):
-    """Each row that is shown is one of any table's, and what is claimed is not below what was found at random points."""
+    """Each row that is shown is one of any table's; the claim is not below what was found at random points."""
     text = PAGE.read_text(encoding="utf-8")
     first, _, *shown = re.search(r"```text\n(creep-table: .*?)```", text, flags=re.DOTALL)[1].splitlines()
     request = SimpleNamespace(case=COARSE)
