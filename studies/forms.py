@@ -25,7 +25,7 @@ from flangeway.forms import (
     stokes_matrix,
     theta_steps,
 )
-from flangeway.forms.weak import PointValues
+from flangeway.forms.weak import PointValues, Values
 from flangeway.geometry import polygon, rectangle, square
 from flangeway.materials import Elastic, J2Plasticity, NeoHooke
 from flangeway.mesh import PolyMesh, agglomerated, doerfler_marking, dual, rectangle_grid, refined, triangulate
@@ -152,7 +152,7 @@ def at_least(table: str, code: str, quantity: str, rate: float, optimal: float) 
     return Row(table, code, quantity, "1", rate, optimal, Limit(f">= {OPTIMAL * optimal:g}", rate >= OPTIMAL * optimal))
 
 
-def l2_error(space: Space, dofs: Floats, exact: Function) -> float:
+def l2_error(space: Space, dofs: Values, exact: Function) -> float:
     """Relative error in L2."""
     points, weights, found = Field(space, dofs).at_quadrature()
     wanted = exact(points)
