@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.campaign import Campaign, results, run_campaign, workers
+from flangeway.campaign import Campaign, results, run_campaign
 from flangeway.campaign.chunk import Chunk, compute
 from flangeway.errors import InputError, MissingLibraryError
+from flangeway.system import workers
 
 pytestmark = [pytest.mark.ci, pytest.mark.filterwarnings("ignore")]  # warnings: of the libraries of the cluster
 

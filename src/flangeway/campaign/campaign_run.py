@@ -10,10 +10,10 @@ from flangeway.campaign.campaign import Campaign, Row
 from flangeway.campaign.chunk import Chunk, Outcome, compute
 from flangeway.campaign.columns import RowResult
 from flangeway.campaign.database import WAITING, CampaignDatabase
-from flangeway.campaign.workers import ClusterWorkers, LocalWorkers, Workers, computed
 from flangeway.errors import InputError
 from flangeway.system.operating_system import number_of_cores
 from flangeway.system.versions import versions
+from flangeway.system.workers import ClusterWorkers, LocalWorkers, Workers, computed
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.campaign.workers import LocalWorkers, LostWorkerError, computed
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import CURVE_KEYS
 from flangeway.errors import InputError
@@ -17,6 +16,7 @@ from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.system.disk_cache import Cache
 from flangeway.system.operating_system import number_of_cores
 from flangeway.system.versions import versions
+from flangeway.system.workers import LocalWorkers, LostWorkerError, computed
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_table import AXES, FORMAT, OF_PATCH, SIDES, CreepTable
 from flangeway.tables.table_positions import FRICTION, Arrays, PositionTask, compute_position

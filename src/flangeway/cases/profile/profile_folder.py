@@ -1,7 +1,8 @@
 """All profiles of a folder: gauge measures, wear against the nearest bundled profile, conicity with a partner."""
 
 import math
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -21,6 +22,8 @@ from flangeway.railway.profiles.profile_file import FORMATS, frame_origin, read_
 from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM, RollingRadiusDifference
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.results import Result, ResultTable
+from flangeway.system.operating_system import number_of_cores
+from flangeway.system.workers import LocalWorkers, LostWorkerError, computed
 
 PARTNERS: dict[Kind, tuple[str, str]] = {"rail": ("S1002", "AAR-1B"), "wheel": ("60E1", "136RE")}
 """Partner of a European profile, and of an American one."""
@@ -31,6 +34,7 @@ SIGNS: dict[Kind, dict[str, tuple[str, float]]] = {
 }
 """Measure that wear changes, and the sign of its change, by the name of the wear; see `WEAR`."""
 REACH_MM, STEP_MM = 7.0, 0.1  # lateral displacements of the conicity
+FILES_A_WORKER = 10  # a file takes half a second, a worker three until it has begun
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,22 +115,52 @@ def run_folder(folder: Path, partner: str | None = None, progress: Progress = la
         raise InputError(f"folder {folder}", "a folder with files of profiles", "give the folder, not a file of it")
     files = sorted(file for file in folder.iterdir() if file.suffix.lower() in FORMATS)
     profiles, refused = [], []
-    for number, file in enumerate(files, 1):
-        progress(f"reading {file.name}, {number} of {len(files)}")
-        try:
-            profiles.append(_profile(file, partner))
-        except InputError as reason:
-            refused.append(f"{reason.given}; allowed is {reason.allowed}")
+    for number, found in enumerate(_each([(file, partner) for file in files]), 1):
+        progress(f"{number} of {len(files)} files")
+        if isinstance(found, FolderProfile):
+            profiles.append(found)
+        else:
+            refused.append(f"{found.given}; allowed is {found.allowed}")
     if not profiles:
         raise InputError(
             f"folder {folder} with {len(files)} files of profiles, none of which can be read",
             f"files with the endings {', '.join(FORMATS)}",
             f"look at one: {refused[0]}" if refused else "check the name of the folder",
         )
-    return ProfileFolder(tuple(sorted(profiles, key=lambda row: (-row.worst_mm, row.file))), tuple(refused))
+    profiles.sort(key=lambda row: (-row.worst_mm, row.file))
+    return ProfileFolder(tuple(profiles), tuple(sorted(refused)))
 
 
-def _profile(file: Path, partner: str | None) -> FolderProfile:
+Work = tuple[Path, str | None]
+"""A file, and its partner."""
+
+
+def _each(works: list[Work]) -> Iterator[FolderProfile | InputError]:
+    """Profiles or reasons why files are refused, in any order: by all cores where there are many files."""
+    n_workers = min(number_of_cores(), math.ceil(len(works) / FILES_A_WORKER))
+    if n_workers < 2:
+        yield from map(_profile, works)
+        return
+    workers: LocalWorkers[Work, FolderProfile | InputError] = LocalWorkers(n_workers, _profile)
+    try:
+        for (file, _), found in computed(workers, deque(works)):
+            if isinstance(found, LostWorkerError):
+                yield InputError(f"{file.name}: {found}", "a file that fits into memory", "give it alone")
+            else:
+                yield found
+    finally:
+        workers.stop()
+
+
+def _profile(work: Work) -> FolderProfile | InputError:
+    """Profile of a file, or why it is refused."""
+    try:
+        return _read(*work)
+    except InputError as reason:
+        return reason
+
+
+def _read(file: Path, partner: str | None) -> FolderProfile:
     run = ProfileRun(read_profile(file))
     profile, kind = run.profile, run.profile.kind
     gaps = {name: gap for name in USUAL_BODIES[kind] if (gap := body_distance_mm(profile, name)) is not None}
@@ -164,6 +198,8 @@ def _conicity(run: ProfileRun, partner: str) -> float:
         wheelset = replace(wheelset, wheel=body, radius_mm=radius)
     geometry = RigidGeometry.of(track, wheelset)
     locus = geometry.scanned(REACH_MM, STEP_MM)
+    if len(locus.lateral_mm) < 2:
+        raise InputError("contact in the middle of the track alone", "contact on both sides of it", "look at the pair")
     conicities = conicities_of(RollingRadiusDifference.of(locus), REFERENCE_AMPLITUDE_MM)
     conicity = (conicities.at_reference() or {}).get("integration", math.nan)
     if math.isnan(conicity):

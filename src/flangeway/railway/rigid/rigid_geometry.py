@@ -111,7 +111,10 @@ class RigidGeometry:
             Yaw of the axle about its middle, counter-clockwise seen from above: the right wheel is ahead.
         """
         refuse_misfit(track, wheelset)
-        left, right = (RigidSide.of(track, wheelset, side, yaw_rad) for side in SIDES)
+        right = RigidSide.of(track, wheelset, "right", yaw_rad)
+        # sides are seen from their own gauge: those of a symmetric pair are one
+        alike = track.is_symmetric and wheelset.is_symmetric and yaw_rad == 0.0
+        left = right if alike else RigidSide.of(track, wheelset, "left", yaw_rad)
         return cls(left, right, wheelset.tape_radius_mm, wheelset.centre_of_gravity_height_mm)
 
     def side(self, side: Side) -> RigidSide:
