@@ -220,6 +220,7 @@ def n_done(database):
         return connection.execute("SELECT count(*) FROM rows WHERE status != 'waiting'").fetchone()[0]
 
 
+@pytest.mark.ci
 def test_the_command_is_killed_refused_interrupted_and_goes_on(synthetic, tmp_path, interruptible):
     """Workers die with a killed coordinator; a second one is refused; Ctrl-C keeps what is done; then all is done."""
     file, database = tmp_path / "c.toml", tmp_path / "out" / "c" / "campaign.sqlite"

@@ -73,6 +73,7 @@ def test_files_hold_what_was_computed(written, tmp_path, call) -> None:
     assert (out / "damage.sqlite").stat().st_mtime_ns == stamp
 
 
+@pytest.mark.ci
 def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> None:
     """A strategy has the numbers of a file of its own with the same changes, and the page has all of them."""
     changes = {

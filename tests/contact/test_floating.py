@@ -230,7 +230,7 @@ def test_random_wedges_are_in_equilibrium(seed) -> None:
     np.testing.assert_allclose(image.forces * [-1.0, 1.0], solution.forces, atol=(0.05 if free else 1e-6) * force)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.ci), *range(1, 6)])
 def test_random_wedges_with_friction_are_in_equilibrium(seed) -> None:
     """Forces and moments are in equilibrium, within the cone, and friction dissipates."""
     solution, roller, force = wedged(seed, mirrored=False, friction=0.25)

@@ -253,7 +253,7 @@ def test_wrong_friction_along_the_track_is_refused(tmp_path, text, inputs, words
         coarse_case(speed_km_h=80.0, **inputs).check()
 
 
-@pytest.mark.parametrize("theory", ["exact", "fastsim"])
+@pytest.mark.parametrize("theory", [pytest.param("exact", marks=pytest.mark.ci), "fastsim"])
 def test_friction_that_falls_with_the_flash_temperature(theory):
     """The wheelset is in equilibrium, has a flash temperature, and less friction than without."""
     inputs = {**ROLLS, "speed_km_h": 120.0, "yaw_mrad": 8.0, "lateral_mm": 0.0, "rolling_theory": theory}

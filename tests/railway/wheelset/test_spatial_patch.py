@@ -32,6 +32,7 @@ def patches() -> dict[str, PatchContact]:
     return {"fem": patch_of("fem", 2, 0.25), "vem": patch_of("vem", 1, 0.5)}
 
 
+@pytest.mark.ci
 def test_finite_and_virtual_elements_agree(patches) -> None:
     """Maximum pressure, semi-axes and centre of triangles of order 2 and polygons of order 1 agree to 0.3 %."""
     (fem,), (vem,) = patches["fem"].patches, patches["vem"].patches
