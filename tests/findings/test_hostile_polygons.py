@@ -141,7 +141,7 @@ def random_polygon(random):
     return points @ turn * 10.0 ** random.uniform(-3.0, 3.0)
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(10))
 def test_an_error_above_1e_4_in_a_random_polygon_is_said(seed):
     """No other exception than a refusal; an answer of fewer than four digits says so, or has not converged."""
     points = random_polygon(np.random.default_rng(seed))
@@ -153,7 +153,7 @@ def test_an_error_above_1e_4_in_a_random_polygon_is_said(seed):
         assert error < 1e-4 or "digits" in solution.status.message
 
 
-@pytest.mark.parametrize("seed", range(24, 48))
+@pytest.mark.parametrize("seed", range(24, 32))
 def test_forms_say_an_error_above_1e_4_in_a_random_polygon(seed):
     """The same of `forms.solve`, which warns or refuses."""
     points = random_polygon(np.random.default_rng(seed))
