@@ -143,8 +143,8 @@ def turned_belt(thickness: float, cells: int, strain: float = BELT_STRAIN, mu: f
     belt = Part("belt", Body("belt", belt_mesh, Lagrange(2), steel, {"left": "xy", "right": "xy"}))
     drum = Part("drum", Body("drum", drum_mesh, Lagrange(2), replace(steel, young=RIGID * YOUNG_MPA), "bottom"))
     edges = belt_mesh.edge_sets["bottom"]
-    touching = edges[belt_mesh.points[edges].mean(axis=1)[:, 1] > 0.0]
-    sides = Surface(belt, touching), Surface(drum, drum_mesh.edge_sets["top"])
+    wound = edges[belt_mesh.points[edges].mean(axis=1)[:, 1] > 0.0]
+    sides = Surface(belt, wound), Surface(drum, drum_mesh.edge_sets["top"])
     contact = touching(*sides, mu)
     up = strain * (arc[-1] + 2.0 * SPAN_MM) / 2.0
     turn = {drum: Placement.about((0.0, up), -2.5 * up / DRUM_MM)}

@@ -20,7 +20,7 @@ def defect(*_, **__):
     raise ZeroDivisionError("one over nothing")
 
 
-def test_c_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call, monkeypatch):
+def test_c_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call, monkeypatch, tmp_path):
     """Each command ends with status 2 and one line; ``--debug``, before or behind the command, shows the traceback."""
     for place in (
         "flangeway.cases.bodies.cook.CookCase.run",
@@ -41,6 +41,7 @@ def test_c_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call,
         "schema",
         "reproduce torsion",
     )
+    (tmp_path / "c.toml").write_text('case = "hertz"\n')
     for command in commands:
         status, out, err = call(*command.split())
         said = err.splitlines()[-1]
