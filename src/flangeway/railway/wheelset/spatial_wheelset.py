@@ -308,24 +308,29 @@ class _Cells:
         - `at_end`: whether a patch has come to an end of its cells.
         """
         settled, state = found.status.converged, found.state
-        if _is_far(found.position, self.place) or (at_end if self.touching else settled):
+        far = _is_far(found.position, self.place)
+        if far or (at_end if self.touching else settled):
             self.place = found.position
             grids = self.wheelset.whole(self.place, state, {} if self.touching else state.grids)
             if self.touching:
-                return self._anew(grids, found)
+                return self._anew(grids, found, far=far)
             if grids != state.grids:
                 return grids, state
         return self._refined(found) if settled else (state.grids, state)
 
-    def _anew(self, whole: Mapping[Side, GriddedSide], found: Equilibrium[SpatialState]) -> Placed:
-        """Fine cells by the contact on coarse ones at the same poses, with the same creep forces."""
+    def _anew(self, whole: Mapping[Side, GriddedSide], found: Equilibrium[SpatialState], *, far: bool) -> Placed:
+        """Fine cells by the contact on coarse ones at the same poses, with the same creep forces.
+
+        Where the wheelset is not far from the place of its cells, a patch that came to their end has wider ones about
+        itself: coarse cells may end at the same place again.
+        """
         for side, each in found.state.sides.items():
             forces, creep = transferred(each, whole[side]), transferred_creep(each, whole[side])
             self.touching = {**self.touching, side: solve_side(whole[side], each.pose, forces, creep=creep)}
         if found.status.converged and any(each.grid.grid.cuts(each.forces) for each in self.touching.values()):
             self.status = Status(False, AT_END, found.status.iterations)
         self.last = False
-        return self._fine(SpatialState(self.touching), NEAR_MM)
+        return self._fine(SpatialState(self.touching) if far else found.state, NEAR_MM)
 
     def _refined(self, found: Equilibrium[SpatialState]) -> Placed:
         """Cells of the next stage, or better ones for the equilibrium of the last one."""
