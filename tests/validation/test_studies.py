@@ -11,7 +11,7 @@ from studies.registry import STUDIES
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 SMALL = re.compile(r"< (1e-10|0\.001 %)")  # round-off, whose size is another one on each processor, zero among it
-ROUNDED = "order of the energy error on curved edges"
+ROUNDED = "torsion: order of the energy error on curved edges | V4 |"
 """An order of errors so small at order 4 that the processor's rounding decides it: 4.66 to 5.12."""
 SECONDS = ("torsion", "conicity")  # the others take up to a minute each
 

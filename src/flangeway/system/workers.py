@@ -7,7 +7,7 @@ import signal
 import threading
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -151,6 +151,25 @@ class LocalWorkers(Workers[Work, Found]):
     def _started(self, work: Callable[..., Any], *arguments: Any) -> "Future[Any]":
         with _environment():  # a process may begin here
             return self._pool.submit(work, *arguments)
+
+
+def computed_here(
+    works: Sequence[Work], compute: Callable[[Work], Found], n_workers: int
+) -> Iterator[tuple[Work, Found | LostWorkerError]]:
+    """Have works computed by processes of this machine, as `computed` does, or by this one if one is enough.
+
+    - `compute`: a function of a module.
+    - `n_workers`: number of processes, at most.
+    """
+    n_workers = min(n_workers, len(works))
+    if n_workers < 2:
+        yield from ((work, compute(work)) for work in works)
+        return
+    workers = LocalWorkers(n_workers, compute)
+    try:
+        yield from computed(workers, deque(works))
+    finally:
+        workers.stop()
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 import itertools
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -16,7 +15,7 @@ from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.system.disk_cache import Cache
 from flangeway.system.operating_system import number_of_cores
 from flangeway.system.versions import versions
-from flangeway.system.workers import LocalWorkers, LostWorkerError, computed
+from flangeway.system.workers import LostWorkerError, computed_here
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_table import AXES, FORMAT, OF_PATCH, SIDES, CreepTable
 from flangeway.tables.table_positions import FRICTION, Arrays, PositionTask, compute_position
@@ -222,19 +221,12 @@ class _Build:
         return max(position, (0.0 - lateral, 0.0 - yaw, load)) if self.symmetric else position
 
     def _results(self, tasks: list[PositionTask]) -> Iterable[tuple[PositionTask, Arrays]]:
-        if self.n_workers == 1 or len(tasks) < 2:
-            yield from ((task, compute_position(task)) for task in tasks)
-            return
-        workers: LocalWorkers[PositionTask, Arrays] = LocalWorkers(min(self.n_workers, len(tasks)), compute_position)
-        try:
-            for task, found in computed(workers, deque(tasks)):
-                if isinstance(found, LostWorkerError):
-                    raise InputError(
-                        f"position {task.position}: {found}", "a machine with enough memory", "give fewer workers"
-                    )
-                yield task, found
-        finally:
-            workers.stop()
+        for task, found in computed_here(tasks, compute_position, self.n_workers):
+            if isinstance(found, LostWorkerError):
+                raise InputError(
+                    f"position {task.position}: {found}", "a machine with enough memory", "give fewer workers"
+                )
+            yield task, found
 
     def _locate_jumps(self) -> None:
         """Add the lateral positions on both sides of each jump of the patches."""
@@ -381,15 +373,15 @@ def _differences(table: CreepTable, position: Position, exact: Arrays) -> list[d
     """
     contacts, found = table.contacts(*position), []
     for side, name in enumerate(SIDES):
-        mine, here = exact["side"] == side, contacts["normal_force_N"][0, side]
-        normal = float(exact["normal_force_N"][mine].sum())
-        forces = exact["exact"][mine].sum(axis=0)
-        for creepages, force in zip(exact["creepages"][mine][0], forces, strict=True):
+        of_side, here = exact["side"] == side, contacts["normal_force_N"][0, side]
+        normal = float(exact["normal_force_N"][of_side].sum())
+        forces = exact["exact"][of_side].sum(axis=0)
+        for creepages, force in zip(exact["creepages"][of_side][0], forces, strict=True):
             error = table.forces(*position, creepages, friction=FRICTION)[0, side].sum(axis=0) - force
             found.append(
                 {
                     "side": name,
-                    "jump": bool(mine.sum() != (here > 0.0).sum()),
+                    "jump": bool(of_side.sum() != (here > 0.0).sum()),
                     "force": float(np.hypot(error[0], error[1])) / (FRICTION * normal),
                     "normal_force": float(np.abs(here.sum() - normal)) / normal,
                 }

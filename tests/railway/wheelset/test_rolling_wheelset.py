@@ -184,7 +184,7 @@ def test_a_flange_pushed_up_its_rail_ends_with_a_message(wheelset):
     model = one.spatial_model()
     found = solve_position(wheelset.at(one.load(), Prescribed(), model.yaw_rad, model.rolling), {})
     assert not found.status.converged
-    assert "its rail" in found.status.message
+    assert any(words in found.status.message for words in ("up its rail", "climbs its rail"))
 
 
 def test_with_a_large_yaw_it_rests_on_the_flange(wheelset):

@@ -1,7 +1,6 @@
 """All profiles of a folder: gauge measures, wear against the nearest bundled profile, conicity with a partner."""
 
 import math
-from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -23,7 +22,7 @@ from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM, RollingRadi
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.results import Result, ResultTable
 from flangeway.system.operating_system import number_of_cores
-from flangeway.system.workers import LocalWorkers, LostWorkerError, computed
+from flangeway.system.workers import LostWorkerError, computed_here
 
 PARTNERS: dict[Kind, tuple[str, str]] = {"rail": ("S1002", "AAR-1B"), "wheel": ("60E1", "136RE")}
 """Partner of a European profile, and of an American one."""
@@ -138,18 +137,11 @@ Work = tuple[Path, str | None]
 def _each(works: list[Work]) -> Iterator[FolderProfile | InputError]:
     """Profiles or reasons why files are refused, in any order: by all cores where there are many files."""
     n_workers = min(number_of_cores(), math.ceil(len(works) / FILES_A_WORKER))
-    if n_workers < 2:
-        yield from map(_profile, works)
-        return
-    workers: LocalWorkers[Work, FolderProfile | InputError] = LocalWorkers(n_workers, _profile)
-    try:
-        for (file, _), found in computed(workers, deque(works)):
-            if isinstance(found, LostWorkerError):
-                yield InputError(f"{file.name}: {found}", "a file that fits into memory", "give it alone")
-            else:
-                yield found
-    finally:
-        workers.stop()
+    for (file, _), found in computed_here(works, _profile, n_workers):
+        if isinstance(found, LostWorkerError):
+            yield InputError(f"{file.name}: {found}", "a file that fits into memory", "give it alone")
+        else:
+            yield found
 
 
 def _profile(work: Work) -> FolderProfile | InputError:
