@@ -83,7 +83,7 @@ def test_inputs_in_us_units_vary(tmp_path):
         ("gauge_in = 10\n[vary]\naxle_load_kip = [30, 45]", "gauge_in = 10 without back_to_back_in", "56.5, 59.84"),
         ("[vary]\naxle_load_kip = [30, -45]", "row 2: axle_load_kip = -45", "up to 22480.9"),
         ("gage = 2\n[vary]\nlateral_in = [0, 1]", "no input called 'gage'", "wheel_radius_in"),
-        ('[vary]\nlateral_in = [0, 1]\n[results]\ncolumns = ["force"]', "with 'force'", "left_max_pressure_ksi"),
+        ('[vary]\nlateral_in = [0, 1]\n[results]\ncolumns = ["force"]', "= 'force'", "left_max_pressure_ksi"),
         ('[vary]\nlateral_in = [0, 1]\nunits = ["us"]', "units that vary", "one system of units for all rows"),
     ],
 )
