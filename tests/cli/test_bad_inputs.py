@@ -135,9 +135,11 @@ PUNCH = """case = "two-bodies"
 [[bodies]]
 name = "punch"
 rectangle = { width_mm = 10.0, height_mm = 10.0, centre_mm = [0.0, 5.0] }
+size_mm = 4.0
 [[bodies]]
 name = "block"
 rectangle = { width_mm = 40.0, height_mm = 20.0, centre_mm = [0.0, -10.0] }
+size_mm = 6.0
 [[supports]]
 body = "block"
 edges = "bottom"
