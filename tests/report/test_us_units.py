@@ -27,7 +27,7 @@ INPUTS = {
         "speed_km_h": 50.0,
         "size_scale": 8.0,
         "order": 1,
-        "patch_cells": 8,
+        "patch_cells": 10,
     },
     "wheelset-tangent": {"size_scale": 8.0},
     "stack": {},
