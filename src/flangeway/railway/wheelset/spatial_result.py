@@ -234,10 +234,8 @@ def solve_position(
     lateral, position = problem.prescribed.lateral_mm, equilibrium.position
     rise = wheelset.rise(position)
     if rise > CLIMBED_MM and (status.converged or lateral is not None):
-        reason = (
-            f"derailed, the axle {rise:.1f} mm higher than in the middle of the track at {position.lateral_mm:.1f} mm"
-        )
-        reason += ", a flange on its rail or the other wheel in the air"
+        reason = f"derailed, at {position.lateral_mm:.1f} mm the axle is {rise:.1f} mm higher than in the middle of the"
+        reason += " track, a flange on its rail or the other wheel in the air"
         if lateral is not None:
             raise InputError(
                 f"lateral_mm = {lateral:g}: {reason}",
