@@ -10,9 +10,10 @@ import numpy as np
 from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE, shakedown_state
+from flangeway.post.patch_stresses import StressField
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
 from flangeway.railway.rigid.elastic_start import CLIMBED_MM
-from flangeway.railway.track.discretisation import ROLES
+from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import (
     RUNNING_CIRCLES_MM,
     SIDE_SIGN,
@@ -91,6 +92,13 @@ class SpatialResult:
         """Tractions (t, z) by friction on the wheel's cells of a side, (n, n_z, 2); None: the theory has none."""
         found = [each.tractions for each in self.rolling if each.patch.side == side and each.tractions is not None]
         return sum(found[1:], found[0]) if found else None
+
+    @cached_property
+    def stress_fields(self) -> dict[SpatialPatch, dict[Role, StressField]]:
+        """Stresses in the volumes below the patches of both bodies, by the tractions of all cells of a side."""
+        return {
+            patch: {role: patch.field(role, self.tractions_of(patch.side)) for role in ROLES} for patch in self.patches
+        }
 
     @property
     def approach_mm(self) -> float:
