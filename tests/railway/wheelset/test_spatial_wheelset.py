@@ -112,7 +112,7 @@ def test_the_lateral_force_does_the_work_that_the_energy_changes_by(wheelset):
 
 
 @pytest.mark.ci
-def test_a_wheelset_is_moved_to_a_lateral_position_where_rails_give_way_and_refused_where_a_wheel_lifts(wheelset):
+def test_a_wheelset_is_moved_to_a_lateral_position_where_rails_deflect_and_refused_where_a_wheel_lifts(wheelset):
     """Between 16 and 22 mm the force that holds it grows evenly; 35 mm ends where it has derailed, in a few steps."""
     held = [-solved(wheelset, lateral_mm=lateral).equilibrium.residual[0] for lateral in (16.0, 18.0, 20.0, 22.0)]
     np.testing.assert_allclose(np.diff(held), 39.1e3, rtol=0.02)
