@@ -119,9 +119,9 @@ def test_positions_share_their_bodies_and_plane_rows_are_those_of_plane_wheelset
 
 
 def test_a_position_that_cannot_be_reached_fails_alone(tmp_path):
-    """A row beside the rails reports the reason, in its own row."""
-    campaign = read(tmp_path, FILE.replace("[-1.0, 1.0]", "[0.0, 25.0]").replace("[0.0, 5.0]", "[0.0]"))
+    """A row beyond the rails reports the reason, in its own row."""
+    campaign = read(tmp_path, FILE.replace("[-1.0, 1.0]", "[0.0, 90.0]").replace("[0.0, 5.0]", "[0.0]"))
     ((first, rows),) = campaign.chunks
     good, bad = compute(Chunk(rows, first)).results
     assert (good.status, bad.status) == ("converged", "failed")
-    assert "lateral_mm = 25: derailed" in bad.message
+    assert "lateral displacement of 90 mm" in bad.message

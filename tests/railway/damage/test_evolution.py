@@ -88,8 +88,8 @@ def settings(end: float = 3000.0, depth: float = 0.05, **more: object) -> Evolut
 class Fading(Evolution):
     """Wear without contact, whose rate falls with the depth: ``c exp(-depth / d)``; depth ``d ln(1 + c s / d)``."""
 
-    def _evaluated(self, number, position, surfaces, damage, progress):
-        progress(f"step {number}")
+    def _evaluated(self, position, surfaces, damage, progress):
+        progress(f"at {position}")
         rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 90.0)
                  for key, surface in surfaces.items()}  # fmt: skip
         return EvolutionStep(position, surfaces, rates, damage, damage, (), 0.0)

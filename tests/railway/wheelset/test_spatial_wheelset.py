@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.sweep import energy_sweep, moved_to, noise, pressures_and_areas
+from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset import fine_cells, spatial_wheelset
@@ -107,6 +108,17 @@ def test_the_lateral_force_does_the_work_that_the_energy_changes_by(wheelset):
     assert not sweep.failures
     assert sweep.error < 1e-3
     assert moved_to(rigid, 8.5).equilibrium.residual[0] < -40e3
+
+
+@pytest.mark.ci
+def test_a_wheelset_is_moved_to_a_lateral_position_where_rails_deflect_and_refused_where_a_wheel_lifts(wheelset):
+    """Between 16 and 22 mm the force that holds it grows evenly; 35 mm ends where it has derailed, in a few steps."""
+    held = [-solved(wheelset, lateral_mm=lateral).equilibrium.residual[0] for lateral in (16.0, 18.0, 20.0, 22.0)]
+    np.testing.assert_allclose(np.diff(held), 39.1e3, rtol=0.02)
+    steps, beside = [], wheelset.at(wheelset.problem.load, Prescribed(35.0), 0.0)
+    with pytest.raises(InputError, match=r"lateral_mm = 35: derailed, at 2\d\.\d mm"):
+        solve_position(beside, {}, steps.append)
+    assert len(steps) < 60
 
 
 def test_the_middle_of_straight_track_is_symmetric(wheelset):
