@@ -106,7 +106,7 @@ def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
         """What a user does."""
 
     def stop(sentence: str) -> None:
-        if sentence == "step 2":
+        if sentence == f"at {whole[-1].position}":
             raise StoppedError
 
     with pytest.raises(StoppedError):
