@@ -45,7 +45,7 @@ def test_a_range_by_step_ends_at_its_end(tmp_path):
     assert by_step.rows[-1].varied["lateral_mm"] == -1.0
 
 
-@pytest.mark.parametrize("separator", [",", ";", "\t"])
+@pytest.mark.parametrize("separator", [",", ";"])
 def test_a_table_gives_a_row_each_and_is_combined_with_lists(tmp_path, separator):
     """Lines of a CSV table are rows, each with all values of the lists; it may be named in the last table as well."""
     table = "lateral_mm,rail\n-1.5,136RE\n\n2,60E1\n".replace(",", separator)
@@ -81,9 +81,7 @@ def test_inputs_in_us_units_vary(tmp_path):
     ("lines", "given", "allowed"),
     [
         ("gauge_in = 10\n[vary]\naxle_load_kip = [30, 45]", "gauge_in = 10 without back_to_back_in", "56.5, 59.84"),
-        ("[vary]\naxle_load_kip = [30, -45]", "row 2: axle_load_kip = -45", "up to 22480.9"),
         ("gage = 2\n[vary]\nlateral_in = [0, 1]", "no input called 'gage'", "wheel_radius_in"),
-        ('[vary]\nlateral_in = [0, 1]\n[results]\ncolumns = ["force"]', "with 'force'", "left_max_pressure_ksi"),
         ('[vary]\nlateral_in = [0, 1]\nunits = ["us"]', "units that vary", "one system of units for all rows"),
     ],
 )

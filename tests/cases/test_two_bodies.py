@@ -78,8 +78,7 @@ def sliding(gap, turned, loads):
     return TwoBodiesCase.from_values({**values, "loads": [{"body": "upper", **load} for load in loads]})
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.4])
-@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("gap", "turned"), [(0.0, False), (0.4, True)])
 def test_a_box_that_slides_rests_on_the_contact(gap, turned):
     """A box under pressure, held by nothing along its way, rests on the other: p is uniform and its top comes down."""
     run = sliding(gap, turned, [{"edges": "top", "pressure_MPa": 20.0}]).run()
@@ -91,17 +90,6 @@ def test_a_box_that_slides_rests_on_the_contact(gap, turned):
     height, fall = (-nodes[:, 0], motion[:, 0]) if turned else (nodes[:, 1], -motion[:, 1])
     shorter = 20.0 * (UPPER * (1.0 - UPPER_POISSON**2) / 1000.0 + LOWER * (1.0 - LOWER_POISSON**2) / 3000.0)
     assert fall[height > gap + UPPER - 1e-9] == pytest.approx(gap + shorter, rel=1e-6)
-
-
-def test_a_weight_that_slides_is_borne_by_the_contact():
-    """The force of contact is the weight of the box that slides, and its supports bear none of it."""
-    summary = sliding(0.1, False, [{"body_force_N_mm3": [0.0, -2.5]}]).run().summary
-    weight = 2.5 * UPPER * WIDTH * 2.0
-    upper, results = summary["forces"][0], summary["results"]
-    assert results["sliding_body"] == "upper"
-    assert results["slid_mm"][1] < -0.1
-    assert upper["contact_N"][1] == pytest.approx(weight, rel=1e-6)
-    assert upper["supports_N"][1] == pytest.approx(0.0, abs=1e-5)
 
 
 @pytest.mark.parametrize("supports", [[{"at_x_mm": -3.0, "hold": "x"}], [{"point_mm": [-3.0, 2.0], "hold": "x"}], []])
@@ -134,7 +122,7 @@ def test_a_turned_stack_gives_the_same():
     assert forces[1] == pytest.approx(forces[0], rel=0.01)
 
 
-@pytest.mark.parametrize("n_steps", [1, 3])
+@pytest.mark.parametrize("n_steps", [3])
 def test_loads_deform_bodies_before_they_touch(n_steps):
     """A hanging column under body force b meets a standing one: their pressure is b h / 4, for equal columns."""
     h, b = 3.0, 40.0
@@ -159,18 +147,6 @@ def test_loads_deform_bodies_before_they_touch(n_steps):
     depth = h - nodes[:, 1]
     exact = (-b * (h * depth - depth**2 / 2.0) + b * h / 4.0 * depth) / 500.0
     assert field.displacements[: len(nodes), 1] == pytest.approx(exact, abs=1e-8)
-
-
-def test_given_displacements_are_the_same_as_motions():
-    """Supports displaced by numbers and supports moved as a rigid line give the same pressure."""
-    moved = stack(motions=[{"body": "upper", "shift_mm": [0.0, -0.02]}]).run()
-    values = stack().model_dump()
-    values["supports"][0]["y_mm"] = -0.02
-    given = TwoBodiesCase.from_values(values).run()
-    assert given.contact.forces == pytest.approx(moved.contact.forces, rel=1e-9)
-    assert pressures(given) == pytest.approx(pressures(moved), rel=1e-9)
-    maximum = [run.summary["bodies"][0]["max_displacement_mm"] for run in (given, moved)]
-    assert maximum[0] == pytest.approx(maximum[1], rel=1e-9)
 
 
 @pytest.mark.parametrize("load", ["pressure", "traction", "force", "point", "support"])
@@ -205,7 +181,6 @@ def test_one_body_without_contact_is_plane_elasticity(load):
 @pytest.mark.parametrize(
     ("keys", "pressure", "width"),
     [
-        ({}, 0.02, 0.05),
         ({"lower": "block", "force_N": 2e4, "lower_method": "vem"}, 0.02, 0.05),
         ({"order": 2, "lower_young_MPa": 70e3, "size_mm": 0.15, "force_N": 2e4}, 0.02, 0.05),
     ],
@@ -235,8 +210,7 @@ def test_the_contact_patch_case_passes_with_segments_and_fails_with_nodes():
     assert nodes["maximum_difference"] > 0.01
 
 
-@pytest.mark.parametrize("method", ["fem", "vem"])
-@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize(("method", "order"), [("fem", 2), ("vem", 1)])
 def test_node_to_node_cases_get_the_nodes_that_they_need(method, order):
     """Boxes of different meshes pass to round-off, turned too; only triangles with more nodes become virtual."""
     keys = {
@@ -250,17 +224,6 @@ def test_node_to_node_cases_get_the_nodes_that_they_need(method, order):
     if method == "fem":
         assert set(body.element) == {"triangles", "polygons"}
         assert len(body.mesh.cell_sets["triangles"]) > len(body.mesh.cell_sets["polygons"]) > 0
-
-
-def test_a_push_that_meets_nothing_ends_and_says_so():
-    """A force that pulls the bodies apart is no error of the program: the run ends as not converged, with a reason."""
-    run = stack(motions=[{"body": "upper", "push_N": [0.0, 240.0]}]).run()
-    assert not run.status.converged
-    assert "no contact holds a load: `upper` can slide in y" in run.status.message
-    assert run.summary["status"]["converged"] is False
-    loads = [{"body": "upper", "body_force_N_mm3": [0.0, 1000.0]}]
-    pulled = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}], loads=loads).run()
-    assert "no contact holds a load" in pulled.status.message
 
 
 def test_a_push_is_found_where_corrections_make_the_resistance_jump():
@@ -298,13 +261,6 @@ def test_a_push_is_found_where_corrections_make_the_resistance_jump():
     assert run.status.converged
     assert run.contact.forces[0, 1] == pytest.approx(200.0, rel=1e-6)
     assert run.contact.state.status.iterations < 10
-
-
-def test_a_pushed_body_hands_its_loads_on():
-    """The contact carries the push and the weight of the pushed body together."""
-    loads = [{"body": "upper", "body_force_N_mm3": [0.0, -2.0]}]
-    run = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}], loads=loads).run()
-    assert run.contact.forces[0, 1] == pytest.approx(240.0 + 2.0 * UPPER * WIDTH * 2.0, rel=1e-6)
 
 
 def test_supports_tell_what_they_bear():

@@ -46,7 +46,7 @@ def test_order_1_is_written_as_polygons_with_stresses_that_jump(tmp_path):
     np.testing.assert_array_equal(read.point_data["displacement"][:, :2], moved)
 
 
-@pytest.mark.parametrize(("order", "pieces"), [(2, None), (3, None), (1, 4)])
+@pytest.mark.parametrize(("order", "pieces"), [(2, None), (3, None)])
 def test_higher_orders_are_cut_into_triangles(tmp_path, order, pieces):
     """Sides are cut into as many pieces as the order; values at middles of triangles are near to post's."""
     solution = bent(order)
@@ -119,14 +119,3 @@ def test_wrong_corner_data_are_refused(tmp_path, points, corners, word):
     """Corner data of another length are refused."""
     with pytest.raises(InputError, match=word):
         write_vtu(tmp_path / "a.vtu", MESH, points, corner_data=corners)
-
-
-def test_one_name_at_points_and_corners_is_refused(tmp_path):
-    """A name cannot be both at points and at corners."""
-    with pytest.raises(InputError, match="points and corners"):
-        write_vtu(
-            tmp_path / "a.vtu",
-            MESH,
-            {"s": np.zeros(MESH.n_points)},
-            corner_data={"s": np.zeros(len(MESH.cell_points))},
-        )

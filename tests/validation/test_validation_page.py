@@ -147,12 +147,6 @@ def test_the_command_writes_page_pictures_and_a_summary(call, made_up, tmp_path)
     assert [(row["computed"], row["limit"], row["within"]) for row in rows] == [("2.02", "5 %", "True"), ("4", "", "")]
 
 
-def test_one_study_is_a_page_of_one_chapter(call, made_up, tmp_path):
-    """A page with one NAME has its chapter, and its status is that of the study."""
-    assert call("reproduce", "one", "--page", "mine.md")[0] == 0
-    assert re.findall("^## (.+)$", (tmp_path / "mine.md").read_text(encoding="utf-8"), re.MULTILINE) == ["One"]
-
-
 @pytest.mark.parametrize(
     ("name", "options"),
     [
@@ -170,9 +164,3 @@ def test_what_cannot_be_written_is_refused_first(call, made_up, tmp_path, name, 
     (tmp_path / "blocked" / "two").write_text("")
     assert call("reproduce", name, *options)[0] == 2
     assert made_up == []
-
-
-def test_a_limit_that_no_row_has_is_an_error(made_up):
-    """A text that names a limit of no row is not written."""
-    with pytest.raises(KeyError, match="Table 7: depth"):
-        registry.STUDIES["one"].compute().__class__(registry.STUDIES["one"], (), (), (), 0.0).text  # noqa: B018

@@ -131,12 +131,8 @@ def test_per_patch_differs_from_local_only_where_the_constant_varies() -> None:
     ("make", "word"),
     [
         (lambda: ArchardLaw(HARDNESS, 0.0), "k"),
-        (lambda: ArchardLaw(0.0), "hardness_MPa"),
         (lambda: ArchardLaw(HARDNESS, level=2.0), "level"),
-        (lambda: EnergyLaw(0.02, ""), "unit"),
         (lambda: EnergyLaw(0.02, "mm3"), "unit"),
-        (lambda: EnergyLaw(0.0, "mm3/J"), "constant"),
-        (lambda: OwnLaw(lambda p, s, q: p, ""), "unit"),
         (lambda: UsfdLaw("smooth"), "branch"),
         (lambda: OwnLaw(lambda p, s, q: -p, "mm/m").rates(patch(0.01, 4)), "own law"),
     ],

@@ -134,18 +134,6 @@ def test_the_page_of_a_case_shows_what_its_files_hold(open_page, folders, name):
     assert opened.page.locator(".viewer-parts").is_visible() == (name == "two-bodies")
 
 
-def test_a_body_is_drawn_as_deformed_as_the_slider_says(open_page, folders):
-    """Without its displacement the membrane has its first shape, and the values read there are the same ones."""
-    opened = open_page(folders("cook") / "report.html")
-    first = opened.shot()
-    opened.page.fill("#viewer-factor", "0")
-    assert opened.changed(first) > 0.02
-    opened.choose("displacement_mm:y")
-    box = opened.canvas.bounding_box()
-    found = opened.point(0.5 * box["width"], 0.5 * box["height"])
-    check_reading(folders("cook") / "membrane.vtu", "displacement_mm:y", found)
-
-
 def test_the_page_of_bodies_in_contact_in_a_narrow_dark_window(open_page, folders):
     """It does not scroll sideways with all its tables, and the button of the contact shows both bodies there."""
     opened = open_page(folders("two-bodies") / "report.html", "dark", 400)

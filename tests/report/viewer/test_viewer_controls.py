@@ -64,20 +64,6 @@ def test_the_range_of_colours_can_be_chosen(opened):
     assert page.get_attribute("#viewer-high", "aria-invalid") == "true"
 
 
-def test_noise_of_rounding_has_one_colour(open_page, page_of):
-    """A stress that is zero but for rounding, beside another of 1000 MPa, is drawn in one colour."""
-    points = np.array([[0.0, 0.0], [5.0, 0.0], [10.0, 0.0], [10.0, 5.0], [5.0, 5.0], [0.0, 5.0]])
-    mesh = PolyMesh(points, np.array([0, 4, 8]), np.array([0, 1, 4, 5, 1, 2, 3, 4]))
-    stresses = Stresses(np.array([[1000.0, 2e-13, 0.0, 300.0], [900.0, -1e-13, 0.0, 200.0]]))
-    opened = open_page(page_of([PartFields("plate", "left", mesh, points, np.zeros((6, 2)), stresses)]))
-    box = opened.canvas.bounding_box()
-    both = [(int(0.5 * box["height"]), int(share * box["width"])) for share in (0.4, 0.6)]
-    for key, alike in (("stress_xx_MPa", False), ("stress_yy_MPa", True)):
-        opened.choose(key)
-        picture = opened.shot()
-        assert (np.abs(picture[both[0]] - picture[both[1]]).max() < 0.01) == alike
-
-
 def test_mouse_moves_and_zooms(opened):
     """Dragging takes the part along with the pointer; the wheel with Ctrl zooms and keeps what is under it."""
     opened.fly("right contact")

@@ -69,15 +69,6 @@ def check_reading(folder, key, found):
     assert found["value"] == pytest.approx(wanted, rel=1e-6, abs=1e-6 * scale)
 
 
-def test_the_report_reads_what_the_files_beside_it_hold(open_page, folder):
-    """In the report that a run leaves, the value under the pointer is that of the run's own VTU file."""
-    opened = open_page(folder / "report.html")
-    opened.fly("left contact")
-    box = opened.canvas.bounding_box()
-    for share in (0.3, 0.7):
-        check_reading(folder, "von_mises_MPa", opened.point(0.5 * box["width"], share * box["height"]))
-
-
 def test_coordinates_are_those_of_the_pointer(opened, runs):
     """The contact is in the middle of its view, and pixels times the length of the scale bar are millimetres."""
     contact = next(c for c in runs["vem"].summary["patches"] if c["side"] == "right")

@@ -239,14 +239,15 @@ def solve_position(
         for patch in patches
         if patch.remark
     ]
-    start, lateral = wheelset.start, problem.prescribed.lateral_mm
-    rise = equilibrium.position.vertical_mm - float(start.geometry.locus([0.0]).vertical_mm[0])
+    lateral, position = problem.prescribed.lateral_mm, equilibrium.position
+    rise = wheelset.rise(position)
     if rise > CLIMBED_MM and (status.converged or lateral is not None):
-        reason = f"derailed, the axle {rise:.1f} mm higher than in the middle of the track, a flange on its rail"
+        reason = f"derailed, at {position.lateral_mm:.1f} mm the axle is {rise:.1f} mm higher than in the middle of the"
+        reason += " track, a flange on its rail or the other wheel in the air"
         if lateral is not None:
             raise InputError(
                 f"lateral_mm = {lateral:g}: {reason}",
-                f"a position at which no flange climbs, rigid ones up to {start.motion.lateral_mm:.1f} mm",
+                f"a position at which no flange climbs, rigid ones up to {wheelset.start.motion.lateral_mm:.1f} mm",
                 "give a smaller lateral_mm",
             )
         status = Status(False, f"{reason}; check what is prescribed and the load", status.iterations)
