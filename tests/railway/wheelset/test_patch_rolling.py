@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fast_theories import polach
-from flangeway.contact.rolling.fastsim import fastsim
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
 from flangeway.contact.rolling.rolling_result import Rolling
@@ -19,12 +17,12 @@ from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from studies.wheelset3d.one_wheel import as_half_spaces
-
-CASE = SpatialWheelsetCase.from_values({"size_scale": 6.0, "order": 1, "rail_support": "continuous"})
+from tests.railway.wheelset.conftest import coarse_case
 
 
 def solved(half_spaces=False, **changes):
-    problem, model = replace(CASE.problem(), **changes), CASE.spatial_model()
+    case = coarse_case()
+    problem, model = replace(case.problem(), **changes), case.spatial_model()
     surfaces = running_surfaces(problem, model)
     if half_spaces:
         surfaces = {side: as_half_spaces(each) for side, each in surfaces.items()}
@@ -32,9 +30,9 @@ def solved(half_spaces=False, **changes):
 
 
 @pytest.fixture(scope="module")
-def bodies():
+def bodies(wheelset):
     """A wheelset in the middle of the track on a continuous foundation."""
-    return solved()
+    return solve_position(wheelset, {})
 
 
 def test_the_normal_part_is_that_of_normal_contact_and_forces_are_reciprocal(bodies):
@@ -64,7 +62,7 @@ def test_half_spaces_on_a_tread_are_flat_half_spaces():
     assert one.moment == pytest.approx(other.moment, rel=0.02)
 
 
-@pytest.mark.parametrize("theory", [roll, fastsim, polach])
+@pytest.mark.parametrize("theory", [roll, polach])
 def test_creep_forces_in_the_axes_of_the_track(bodies, theory):
     """Mirrored wheels: equal forces ahead, opposite ones to the right, spin counter-clockwise on the right one.
 

@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
+from flangeway.railway.rigid.elastic_start import CLIMBED_MM, RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_load import WheelsetLoad
@@ -102,7 +102,7 @@ class SpatialWheelset:
         With friction from the equilibrium without, and on few cells between both.
         """
         start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM - self._sinking))
-        kept = self.problem.prescribed.components
+        kept = None, *self.problem.prescribed.components[1:]  # the wheelset is moved to a lateral position
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
         motion, cells = self.model.rolling, self.model.patch_cells
         newton = self._newton(position, None, None)
@@ -152,9 +152,23 @@ class SpatialWheelset:
                 return replace(found, status=cells.status)
             if grids != found.state.grids:
                 newton.place(grids, state)
-            if (np.abs(np.subtract(newton.position.components, self.start.motion.components)) > MAX_WAY).any():
+            if self._is_off(newton.position):
                 break
         return replace(found, status=self._none(found, None if newton.creep is None else newton.creep.motion))
+
+    def rise(self, position: WheelsetPosition) -> float:
+        """How much higher the axle is at a position than rigid in the middle of the track, mm."""
+        return position.vertical_mm - self._middle_mm
+
+    @cached_property
+    def _middle_mm(self) -> float:
+        """Height of the rigid axle in the middle of the track."""
+        return float(self.start.geometry.locus([0.0]).vertical_mm[0])
+
+    def _is_off(self, position: WheelsetPosition) -> bool:
+        """Whether the wheelset has left the track, or a flange has climbed on the way to a lateral position."""
+        far = bool((np.abs(np.subtract(position.components, self.start.motion.components)) > MAX_WAY).any())
+        return far or (self.problem.prescribed.lateral_mm is not None and self.rise(position) > CLIMBED_MM)
 
     def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:
         """No equilibrium: what is not balanced where the search ended, and what would hold it."""
