@@ -77,7 +77,11 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
     added = sum(springs, sp.csc_array((condensed.matrix.n, condensed.matrix.n)))
     matrix = condensed.matrix.plus(added) if springs else condensed.matrix
     product = DifferenceProduct(
-        condensed.matrix, constraints.transform, axisymmetric=problem.axisymmetric, springs=added
+        condensed.matrix,
+        constraints.transform,
+        axisymmetric=problem.axisymmetric,
+        springs=added,
+        nodes=None if problem.axisymmetric or problem.prestressed else problem.space.nodes,
     )
     mechanical = problem.load_vector()
     thermal = problem.thermal_load_vector()

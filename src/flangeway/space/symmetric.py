@@ -1,5 +1,6 @@
 """Symmetric sparse matrices, stored as their lower triangle by columns."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -7,6 +8,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.types import Floats
+
+EPS = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +133,10 @@ class DifferenceProduct:
         Whether a displacement in x strains the body, so that the rows' sums over x are kept.
     springs
         Stiffness that is added at the nodes, whose rows have no zero sum.
+    nodes
+        Places of the nodes (n_nodes, 2) of a plane body without initial stress, of which a rotation strains nothing
+        either: its forces measure the round-off of the entries, which `magnitudes` then takes into account. Those of
+        virtual elements of high order on thin cells are off by many times the last bit.
 
     """
 
@@ -140,6 +147,7 @@ class DifferenceProduct:
         *,
         axisymmetric: bool,
         springs: sp.sparray | None = None,
+        nodes: Floats | None = None,
     ) -> None:
         columns, rows = np.repeat(np.arange(matrix.n), np.diff(matrix.indptr)), matrix.indices.astype(np.int64)
         other = rows // 2 != columns // 2
@@ -153,6 +161,15 @@ class DifferenceProduct:
             radial = np.arange(matrix.n) % 2 == 0
             sums, every = matrix.times(radial.astype(np.float64)), np.arange(matrix.n)
             self._added = self._added + sp.csc_array((sums, (every, every // 2 * 2)), shape=self._added.shape)
+        self._round_off = np.ones(matrix.n)
+        """Round-off of the rows' entries over that of the last bit."""
+        if nodes is not None:
+            arms = nodes - nodes.mean(axis=0)
+            rotation = np.stack((-arms[:, 1], arms[:, 0]), axis=1).ravel()
+            forces, terms = self._sums(self._values, rotation), self._sums(np.abs(self._values), rotation, np.abs)
+            # the rotation itself is rounded, which is no error of the entries
+            beyond = np.abs(forces) - EPS * matrix.magnitudes(rotation)
+            self._round_off += np.maximum(beyond, 0.0) / np.maximum(EPS * terms, np.finfo(np.float64).tiny)
 
     def times(self, vector: Floats) -> Floats:
         """Forces on the free unknowns from their values, (n_free,)."""
@@ -161,20 +178,23 @@ class DifferenceProduct:
 
     def at_nodes(self, vector: Floats) -> Floats:
         """Forces at the nodes from displacements there, (2 n_nodes,)."""
-        along, across = self._differences(vector)
-        result: Floats = self._added @ vector
-        result += np.bincount(self._rows, self._values * along, len(vector))
-        result -= np.bincount(self._columns, self._values * across, len(vector))
+        result: Floats = self._added @ vector + self._sums(self._values, vector)
         return result
 
     def magnitudes(self, vector: Floats) -> Floats:
-        """See `SymmetricMatrix.magnitudes`: here ``g_i = sum_j |K_ij| |u_j - u_i|``."""
+        """See `SymmetricMatrix.magnitudes`: here ``g_i = sum_j |K_ij| |u_j - u_i|``, times the entries' round-off."""
         nodal = self._transform @ vector
-        along, across = (np.abs(self._values * each) for each in self._differences(nodal))
-        terms = np.bincount(self._rows, along, len(nodal)) + np.bincount(self._columns, across, len(nodal))
+        terms = self._round_off * self._sums(np.abs(self._values), nodal, np.abs)
         result: Floats = abs(self._transform).T @ (terms + abs(self._added) @ np.abs(nodal))
         return result
 
-    def _differences(self, vector: Floats) -> tuple[Floats, Floats]:
-        """Each entry's column node's displacement minus its row node's, in its column's component and in its row's."""
-        return vector[self._columns] - vector[self._row_nodes], vector[self._column_nodes] - vector[self._rows]
+    def _sums(self, values: Floats, vector: Floats, of: Callable[[Floats], Floats] = np.asarray) -> Floats:
+        """Sums of values times a function of the differences of their column node's and row node's displacement.
+
+        The displacements are in the column's component for the row, and the reverse for the column.
+        """
+        along = of(vector[self._columns] - vector[self._row_nodes])
+        across = of(vector[self._rows] - vector[self._column_nodes])
+        result: Floats = np.bincount(self._rows, values * along, len(vector))
+        result += np.bincount(self._columns, values * across, len(vector))
+        return result
