@@ -167,8 +167,9 @@ class DifferenceProduct:
             arms = nodes - nodes.mean(axis=0)
             rotation = np.stack((-arms[:, 1], arms[:, 0]), axis=1).ravel()
             forces, terms = self._sums(self._values, rotation), self._sums(np.abs(self._values), rotation, np.abs)
-            # the rotation itself is rounded, which is no error of the entries
-            beyond = np.abs(forces) - EPS * matrix.magnitudes(rotation)
+            # the places and the rotation are rounded, which is no error of the entries
+            rounded = np.abs(rotation) + np.abs(nodes[:, ::-1]).ravel()
+            beyond = np.abs(forces) - EPS * matrix.magnitudes(rounded)
             self._round_off += np.maximum(beyond, 0.0) / np.maximum(EPS * terms, np.finfo(np.float64).tiny)
 
     def times(self, vector: Floats) -> Floats:
@@ -195,6 +196,6 @@ class DifferenceProduct:
         """
         along = of(vector[self._columns] - vector[self._row_nodes])
         across = of(vector[self._rows] - vector[self._column_nodes])
-        result: Floats = np.bincount(self._rows, values * along, len(vector))
+        result = np.bincount(self._rows, values * along, len(vector)).astype(np.float64)
         result += np.bincount(self._columns, values * across, len(vector))
         return result
