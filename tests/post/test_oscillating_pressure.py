@@ -74,16 +74,6 @@ def test_an_oscillating_pressure_is_printed_with_its_mark(tmp_path: Path) -> Non
     assert f"≈ {remark}" in page
 
 
-def test_a_smooth_pressure_has_no_mark() -> None:
-    """With the finer block as secondary surface the same punch has smooth pressures, which are printed as they are."""
-    roles = {"secondary": "block", "secondary_edges": "top", "primary": "punch", "primary_edges": "bottom"}
-    run = punch(**roles, pairing="node-to-segment", enforcement="multiplier").run()
-    (contact,) = run.summary["contacts"]
-    assert contact["max_pressure_remark"] is None
-    (shown,) = (text for name, text in results_table(run).rows if "maximum pressure" in name)
-    assert shown == f"{contact['max_pressure_MPa']:.6g}"
-
-
 def test_too_few_segments_are_a_mark() -> None:
     """A contact of a few segments has its number beside the pressure, in the results of the Hertz case too."""
     run = HertzCase.from_values({"size_mm": 1.0}).run()
