@@ -20,7 +20,7 @@ from flangeway.mesh import (
     triangulate,
     voronoi,
 )
-from flangeway.mesh.kernel import kernel_centre, star_parts
+from flangeway.mesh.kernel import kernel_centre
 from flangeway.mesh.refine import cell_sides
 from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
 from flangeway.solve import solve_elasticity
@@ -199,14 +199,6 @@ def test_diameters_of_any_polygons_halve_and_roundness_stays(kind):
     assert (mesh.cell_areas / mesh.cell_diameters**2).min() > floor
 
 
-def test_star_parts_of_a_convex_polygon_are_itself():
-    """Nothing is cut that need not be."""
-    polygon = np.arange(6, dtype=np.int32)
-    points = np.array([[np.cos(t), np.sin(t)] for t in np.arange(6) * np.pi / 3])
-    (part,) = star_parts(polygon, points)
-    assert part.tolist() == polygon.tolist()
-
-
 @pytest.mark.parametrize("size", [0.5, 1.5])
 @pytest.mark.parametrize("kind", ["triangles", "polygons"])
 def test_points_on_arcs_make_the_area_converge(kind, size):
@@ -241,14 +233,6 @@ def test_wrong_cells_to_refine_are_refused(cells, options, word):
     """Numbers out of range, numbers that are none, masks of another length, and a limit of zero are refused."""
     with pytest.raises(InputError, match=word):
         refined(rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals"), cells, **options)
-
-
-def test_refining_no_cell_changes_nothing_but_the_first_point_of_cells():
-    """An empty choice gives a mesh of the same points and areas."""
-    mesh = BASES["polygons"]
-    same = refined(mesh, [])
-    assert np.array_equal(same.points, mesh.points)
-    np.testing.assert_allclose(same.cell_areas, mesh.cell_areas, rtol=1e-13)
 
 
 @given(
