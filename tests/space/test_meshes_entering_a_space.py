@@ -53,14 +53,6 @@ def test_an_edge_set_in_any_order_knows_its_body():
         assert np.array_equal(pressed(turned), right)
 
 
-def test_interior_edges_are_no_edge_set():
-    """A set with an edge inside the body, given in either direction, or with a diagonal of a cell, is refused."""
-    inner = next(pair for pair in GRID.edges.tolist() if pair not in np.sort(GRID.boundary_edges).tolist())
-    for wrong in ([inner], [inner[::-1]], [[0, GRID.n_points - 1]]):
-        mesh = mesh_of(GRID.points, cells_of(GRID), edge_sets={**GRID.edge_sets, "cut": wrong})
-        refused(mesh, "edge set 'cut'")
-
-
 BLOCK = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 
 
@@ -145,17 +137,6 @@ def test_a_crack_with_named_faces_and_bodies_that_share_a_point_are_meant():
     assert Space(mesh, Virtual(1), cracks=["one", "other"]).n_dofs == 18
     points = [[0, 0], [1, 0], [1, 1], [0, 1], [2, 1], [2, 2], [1, 2]]
     Space(mesh_of(points, [[0, 1, 2, 3], [2, 4, 5, 6]]), Virtual(1))
-
-
-@pytest.mark.parametrize("cells", ["triangles", "quadrilaterals"])
-def test_clockwise_flat_and_unused_are_refused(cells):
-    """Clockwise and flat cells and points of no cell are refused, with the cell or point in the message."""
-    grid = rectangle_grid(4.0, 2.0, 4, 2, cells=cells)
-    rows = cells_of(grid)
-    refused(mesh_of(grid.points, [row[::-1] for row in rows]), "cell 0 near .* with area -")
-    refused(mesh_of(grid.points, [*rows[:-1], rows[-1][::-1]]), f"cell {len(rows) - 1} near .* with area -")
-    refused(mesh_of(np.column_stack([grid.points[:, 0], 0.0 * grid.points[:, 0]]), rows), "with area|cross|same place")
-    refused(mesh_of([*grid.points, (9.0, 9.0)], rows), r"\(9, 9\) of no cell")
 
 
 def random_mesh(seed):
