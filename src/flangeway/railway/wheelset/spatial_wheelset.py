@@ -98,8 +98,8 @@ class SpatialWheelset:
     def solve(self, progress: Callable[[str], None] = lambda _: None) -> Equilibrium[SpatialState]:
         """Find the equilibrium, first on coarse cells over the whole running surfaces, then on fine ones.
 
-        With friction from the equilibrium without on coarse cells, first on fewer fine cells: on coarse ones creep forces
-        jump with each cell that comes into contact.
+        With friction from the equilibrium without on coarse cells, first on fewer fine cells: on coarse ones creep
+        forces jump with each cell that comes into contact.
         """
         start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM - self._sinking))
         kept = None, *self.problem.prescribed.components[1:]  # the wheelset is moved to a lateral position
@@ -128,7 +128,7 @@ class SpatialWheelset:
     def _search(
         self, newton: WheelsetNewton, cells: "_Cells", progress: Callable[[str], None]
     ) -> Equilibrium[SpatialState]:
-        """Equilibrium by `WheelsetNewton` from the cells that it has, the coarse ones of whole running surfaces or fine ones.
+        """Equilibrium by `WheelsetNewton` from the cells that it has, coarse ones of whole running surfaces or fine ones.
 
         Fine cells suffice for the patches, and hold all of them. Where a patch comes to the end of these, or the
         wheelset leaves the position that they are for, they are chosen by the contact on coarse cells.
