@@ -128,7 +128,7 @@ class SpatialWheelset:
     def _search(
         self, newton: WheelsetNewton, cells: "_Cells", progress: Callable[[str], None]
     ) -> Equilibrium[SpatialState]:
-        """Equilibrium by `WheelsetNewton` from the cells that it has, coarse ones of whole running surfaces or fine ones.
+        """Equilibrium by `WheelsetNewton` from its cells, coarse ones of whole running surfaces or fine ones.
 
         Fine cells suffice for the patches, and hold all of them. Where a patch comes to the end of these, or the
         wheelset leaves the position that they are for, they are chosen by the contact on coarse cells.
