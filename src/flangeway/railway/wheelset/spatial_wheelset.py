@@ -48,7 +48,7 @@ NEARBY = 5.0
 """Way over the step limits within which cells still fit."""
 GRID_RESIDUAL = 1e-3
 """Residual at which the cells are chosen."""
-FEWER_ACROSS, NESTED_RESIDUAL = 0.5, 2e-3
+FEWER_ACROSS, NESTED_RESIDUAL = 0.35, 2e-3
 """Cells across a patch over the final ones while creep forces are sought, and the residual on them."""
 MAX_GRIDS = 6
 """Fine grids that are made near the equilibrium, also to add patches outside of them."""
@@ -113,7 +113,7 @@ class SpatialWheelset:
         last = FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
         stages = (round(FEWER_ACROSS * across), NESTED_RESIDUAL), (across, last)
         cells = _Cells(self, free.position, stages, free.state.sides)
-        grids, _ = cells.fine(free.state, NEAR_MM)
+        grids, _ = cells.fine(free.state)
         creep = WheelsetCreep(motion, rate_of(motion, free.state.sides), motion.theory, MAX_BENT_MM)
         newton = WheelsetNewton(self.problem, grids, free.position, yaw, tilts, free.state, creep)
         return self._search(newton, cells, progress)
