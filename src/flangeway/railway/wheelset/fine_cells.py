@@ -63,17 +63,23 @@ class _Window:
         return wanted
 
 
+def _span(intervals: Floats, inside: Bools, axis: int) -> tuple[float, float]:
+    """From the first to the last of the intervals (n, 2) of an axis in which some cells are."""
+    first, last = np.flatnonzero(inside.any(axis=1 - axis))[[0, -1]]
+    return float(intervals[first, 0]), float(intervals[last, 1])
+
+
 def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]:
     """One for each patch."""
     grid, pressures = state.grid.grid, state.cells.pressures
     windows: list[_Window] = []
     for patch in state.cells.patches(insides):
-        rows, columns = (np.flatnonzero(patch.inside.any(axis=axis)) for axis in (1, 0))
+        rows = np.flatnonzero(patch.inside.any(axis=1))
         highest = np.where(patch.inside, pressures, 0.0).max(axis=1)
         windows.append(
             _Window(
-                (float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])),
-                (float(grid.z[columns[0]]) - grid.strip / 2.0, float(grid.z[columns[-1]]) + grid.strip / 2.0),
+                _span(grid.cells, patch.inside, 0),
+                _span(grid.strip_ends, patch.inside, 1),
                 *patch.widths,
                 float(state.forces[patch.inside].sum() / state.forces.sum()),
                 rows,
@@ -95,9 +101,7 @@ def _further(state: SideState, within: float, windows: Sequence[_Window]) -> lis
     for inside in separate_patches(((state.forces > 0.0) | (state.gaps < within)) & apart[:, None]):
         least = float(state.gaps[inside].min())
         close = (state.forces > 0.0) | (state.gaps <= least + SHORTER * max(within - least, 0.0))
-        rows, columns = np.flatnonzero(inside.any(axis=1)), np.flatnonzero((inside & close).any(axis=0))
-        ends = float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])
-        planes = tuple((grid.z[columns[[0, -1]]] + grid.strip / 2.0 * np.array([-1.0, 1.0])).tolist())
+        ends, planes = _span(grid.cells, inside, 0), _span(grid.strip_ends, inside & close, 1)
         none = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
         found.append(_Window(ends, planes, ends[1] - ends[0], planes[1] - planes[0], 0.0, *none))
     return found
