@@ -14,7 +14,7 @@ from flangeway.campaign.varying import VALUES_ALLOWED, flattened, grid, read_tab
 from flangeway.cases.case import RunnableCase, Table, require_known
 from flangeway.cases.case_file import CASE_FILES, is_case_file, read_case, resolved
 from flangeway.cases.case_identity import bodies_key, case_content, hash_of
-from flangeway.errors import InputError, short
+from flangeway.errors import InputError, located, short
 from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.system.versions import versions
 from flangeway.units import Units, us_key
@@ -230,10 +230,8 @@ class _CampaignText(TomlFile):
     def _case_name(self, name: str) -> str:
         if name not in CASE_FILES and (is_case_file(name) or is_case_file(self.file.parent / name)):
             name = str((self.file.parent / name).resolve())
-        try:
+        with located(self.place(("case",))):
             read_case(name)
-        except InputError as reason:
-            raise self._placed(reason, self._line("", "case")) from reason
         return name
 
     def _varied(self, tables: CampaignTables) -> tuple[tuple[str, ...], list[dict[str, Any]]]:
@@ -268,26 +266,22 @@ class _CampaignText(TomlFile):
             return read_case(name, inputs | resolved(self, varied, self.file.parent.resolve(), ("vary",)))
         except InputError as reason:
             key = next((key for key in (*varied, *inputs) if _is_reported(key, reason.given)), "")
-            in_list = self._has("vary", key)
-            place = self._line("vary" if in_list else "inputs", key)
-            if key in varied and not in_list:
+            place = self._line("vary" if key in varied else "inputs", key)
+            if key in varied and key not in flattened(self.data.get("vary", {})):
                 place = f"{self.file}, table: "
             row = f"row {number}: " if key in varied else ""
-            raise self._placed(reason, f"{place}{row}") from reason
+            raise InputError(f"{place}{row}{reason.given}", reason.allowed, reason.advice) from reason
 
     def _check(self, rows: list[Row]) -> None:
         """Check more than single values: whole cases once for all rows of the same bodies, loads of each."""
         seen: set[str] = set()
         for row in rows:
-            try:
-                with row.case.errors_as_written():
-                    if row.bodies not in seen:
-                        row.case.check()
-                    else:
-                        row.case.check_position()
-            except InputError as reason:
-                given = ", ".join(f"{key} = {short(value)}" for key, value in row.varied.items())
-                raise self._placed(reason, f"{self.file}, row {row.number} ({given}): ") from reason
+            given = ", ".join(f"{key} = {short(value)}" for key, value in row.varied.items())
+            with located(f"{self.file}, row {row.number} ({given}): "), row.case.errors_as_written():
+                if row.bodies not in seen:
+                    row.case.check()
+                else:
+                    row.case.check_position()
             seen.add(row.bodies)
 
     def _columns(self, kind: type[RunnableCase], rows: Sequence[Row], columns: Sequence[str]) -> tuple[str, ...]:
@@ -304,19 +298,9 @@ class _CampaignText(TomlFile):
             require_known(f"{place}results.columns", name, known)
         return tuple(columns)
 
-    @staticmethod
-    def _placed(reason: InputError, place: str) -> InputError:
-        return InputError(f"{place}{reason.given}", reason.allowed, reason.advice)
-
     def _line(self, table: str, key: str) -> str:
-        """File and line of a key in a table, or at the top; the file alone if the key is not there."""
-        if not self._has(table, key):
-            return f"{self.file}: "
-        return self.place((*([table] if table else []), *key.split(".")))
-
-    def _has(self, table: str, key: str) -> bool:
-        names = flattened(self.data.get(table, {}) if table else self.data)
-        return any(name == key or name.startswith(f"{key}.") for name in names)
+        """File and line of a key in a table."""
+        return self.place((table, *key.split(".")))
 
 
 def _is_reported(key: str, message: str) -> bool:

@@ -16,7 +16,7 @@ from flangeway.cases.spatial.spatial_case import SpatialCase
 from flangeway.cases.spatial.spatial_presets import CraneWheelCase, CrossedCylindersCase, RollerCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCurveCase, WheelsetTangentCase
-from flangeway.errors import InputError, short
+from flangeway.errors import InputError, located, short
 from flangeway.system.file_content import is_file
 from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.system.versions import versions
@@ -187,10 +187,8 @@ class CaseText(TomlFile):
                     f"`flangeway {command} {self.file}` computes it",
                 )
         name, values = self.name_and_values()
-        try:
+        with located(self.place(("case",))):
             return find_case(name if isinstance(name, str) else short(name)), values
-        except InputError as reason:
-            raise InputError(f"{self.place(('case',))}{reason.given}", reason.allowed, reason.advice) from reason
 
     def name_and_values(self) -> tuple[Any, dict[str, Any]]:
         """Value of the key ``case`` (``model = "spatial"`` is the case of this name), and the inputs."""
