@@ -151,7 +151,12 @@ class SpatialWheelset:
 
     def rise(self, position: WheelsetPosition) -> float:
         """How much higher the axle is at a position than rigid in the middle of the track, mm."""
-        return position.vertical_mm - float(self.start.geometry.locus([0.0]).vertical_mm[0])
+        return position.vertical_mm - self._middle_mm
+
+    @cached_property
+    def _middle_mm(self) -> float:
+        """Height of the rigid axle in the middle of the track."""
+        return float(self.start.geometry.locus([0.0]).vertical_mm[0])
 
     def _is_off(self, position: WheelsetPosition) -> bool:
         """Whether the wheelset has left the track, or a flange has climbed on the way to a lateral position."""
