@@ -245,8 +245,8 @@ class Gravity(Load):
 
 def _add(forces: Floats, batch: CellBatch, local: Floats) -> None:
     """Add forces of cells (2, n_local, n_cells) to those of all unknowns."""
-    for total, own in zip(forces.T, local, strict=True):
-        total += np.bincount(batch.dofs.ravel(), own.ravel(), minlength=len(forces))
+    for component, own in enumerate(local):
+        forces[:, component] += np.bincount(batch.dofs.ravel(), own.ravel(), minlength=len(forces))
 
 
 def _volume_forces(problem: LoadedProblem, value: Vector, factors: Floats) -> Floats:
