@@ -26,7 +26,10 @@ DATA = sorted(
 
 def resources_named(module: Path) -> set[str]:
     """File names in a module that reads files of the package."""
-    tree = ast.parse(module.read_text(encoding="utf-8"))
+    text = module.read_text(encoding="utf-8")
+    if "importlib.resources" not in text:
+        return set()
+    tree = ast.parse(text)
     reads = any(isinstance(node, ast.ImportFrom) and node.module == "importlib.resources" for node in ast.walk(tree))
     words = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)}
     return {word for word in words if re.fullmatch(r"[\w./]+\.(csv|css|html|js|txt)", word)} if reads else set()

@@ -87,6 +87,9 @@ def test_many_positions_together_are_each_as_computed_alone(sweep, tmp_path):
         assert found.rows[name][7] == pytest.approx(alone.values[name], rel=0.08), name
     for name in ("left_vertical_force_kN", "right_vertical_force_kN"):
         assert found.rows[name][7] == pytest.approx(alone.values[name], rel=5e-3), name
+    of_segments = [text for text in alone.warnings if "segments wide" in text]
+    assert len(of_segments) == 2
+    assert [each for each in json.loads(found.rows["warnings"][7]) if "segments wide" in each] == of_segments
 
 
 def test_other_workers_find_bodies_in_the_users_cache(tmp_path, monkeypatch):
@@ -101,16 +104,6 @@ def test_other_workers_find_bodies_in_the_users_cache(tmp_path, monkeypatch):
     monkeypatch.setattr(wheelset_mesh, "triangulate", None)
     after = compute(Chunk(rows[:2], first)).results
     assert [result.values for result in after] == [result.values for result in before]
-
-
-def test_rows_computed_together_report_unreliable_pressures(sweep):
-    """A coarse mesh is reported in every row, of both contacts, in the words of a row computed alone."""
-    campaign, found = sweep
-    (alone,) = compute(Chunk((campaign.rows[7],))).results
-    of_segments = [text for text in alone.warnings if "segments wide" in text]
-    assert len(of_segments) == 2
-    for text in found.rows["warnings"]:
-        assert [each for each in json.loads(text) if "segments wide" in each] == of_segments
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
@@ -147,24 +140,13 @@ def test_chosen_columns_alone_are_exported_and_the_database_keeps_all(tmp_path):
 
 def test_other_cases_give_all_single_numbers_of_their_summary(tmp_path):
     """A Hertz case varies like a wheelset; its columns are the numbers of its summary; there is no picture."""
-    _, found = computed(tmp_path, 'case = "torsion"\n[inputs]\nsection = "60E1"\n[vary]\norder = [1, 2]\n')
+    _, found = computed(tmp_path, 'case = "torsion"\n[inputs]\nsection = "60E1"\nsize = 20\n[vary]\norder = [1, 2]\n')
     assert found.rows["status"] == ["converged", "converged"], found.rows["message"]
     numbers = [name for name in found.rows if "torsion_constant" in name]
     assert numbers
     first, second = found.numbers(numbers[0])
     assert first == pytest.approx(second, rel=0.05)
     assert campaign_figures(found) == {}
-
-
-def test_ranges_are_in_words_and_numbers(sweep):
-    """The table of ranges has words, units and plain numbers, of which round-off is zero; JSON has keys and numbers."""
-    record = record_of(*sweep)
-    rows = {name: numbers for name, *numbers in (row for each in (record.results, *record.tables) for row in each.rows)}
-    assert {"left: maximum pressure, MPa", "right: L/V", "left: normal force, kN", "roll, mrad"} <= set(rows)
-    assert not [name for name in rows if "_" in name]
-    assert not [text for numbers in rows.values() for text in numbers if "e" in text]
-    force = record.summary["ranges"]["left_normal_force_kN"]
-    assert force["maximum"] == pytest.approx(float(rows["left: normal force, kN"][2]), rel=1e-4)
 
 
 @pytest.mark.ci
@@ -187,12 +169,12 @@ def test_pictures_are_chosen_by_what_varies(sweep, tmp_path):
 def test_two_inputs_give_a_map_with_each_pressure_in_its_place(tmp_path):
     """A grid of two inputs is drawn as a map whose cells are the rows' pressures."""
     text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\n'
-    text += "lateral_mm = { from = -1, to = 1, n = 4 }\naxle_load_kN = [100, 200, 300]\n"
+    text += "lateral_mm = { from = -1, to = 1, n = 2 }\naxle_load_kN = [100, 200]\n"
     _, found = computed(tmp_path, text)
     figure = campaign_figures(found)["max-pressure-map.png"]()
     drawn = figure.axes[0].collections[0].get_array()
-    pressures = found.numbers("left_max_pressure_MPa").reshape(4, 3)
-    assert np.asarray(drawn).reshape(3, 4) == pytest.approx(pressures.T)
+    pressures = found.numbers("left_max_pressure_MPa").reshape(2, 2)
+    assert np.asarray(drawn).reshape(2, 2) == pytest.approx(pressures.T)
 
 
 def test_failures_are_grouped_by_reason(tmp_path):
@@ -303,14 +285,3 @@ def test_a_finished_campaign_prints_its_numbers_as_json_with_an_export(sweep, ca
     assert status == 0, err
     assert json.loads(out)["rows"] == len(sweep[0].rows) == 12
     assert (tmp_path / "out" / "c" / "results.csv").is_file()
-
-
-def test_a_campaign_in_a_notebook_has_its_rows_and_its_first_picture(sweep):
-    """The table has a row for each position; the picture is the first one of the report."""
-    found = sweep[1]
-    assert list(found.table.columns) == list(found.rows)
-    assert len(found.table) == 12
-    assert "12 rows" not in repr(found)
-    assert "<table>" in found._repr_html_()
-    wanted = next(iter(campaign_figures(found).values()))()
-    assert found.plot()._suptitle.get_text() == wanted._suptitle.get_text()

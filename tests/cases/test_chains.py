@@ -19,7 +19,7 @@ def coarse(name: str, n_bodies: int, fine_mm: float) -> dict[str, float]:
     return sizes
 
 
-@pytest.mark.parametrize("enforcement", ["multiplier", "penalty", "augmented-lagrange"])
+@pytest.mark.parametrize("enforcement", ["multiplier", "augmented-lagrange"])
 def test_a_stack_slides_where_friction_is_least(enforcement: str) -> None:
     """The push is carried through; the limit of the lower interface is the shifting force; work is force times slip."""
     changes = {f"contacts.{number}.enforcement": enforcement for number in (1, 2)} | coarse("stack", 3, 8.0)
@@ -36,7 +36,7 @@ def test_a_stack_slides_where_friction_is_least(enforcement: str) -> None:
 
 def test_a_roller_rolls_by_half_of_the_way(tmp_path) -> None:
     """Its middle moves by half of the plate's shift and turns by that over its radius; files have the tractions."""
-    run = load_case("roller-between-plates", **coarse("roller-between-plates", 3, 0.12)).run()
+    run = load_case("roller-between-plates", **coarse("roller-between-plates", 3, 0.15)).run()
     assert run.status.converged, run.status.message
     placement = run.bodies["roller"].placement
     assert placement.points([(0.0, 20.0)])[0, 0] == pytest.approx(0.25, rel=0.01)
@@ -55,6 +55,7 @@ def test_a_roller_rolls_by_half_of_the_way(tmp_path) -> None:
     assert "leg 2: 100 %" in page
 
 
+@pytest.mark.ci
 def test_rollers_of_a_bearing_share_the_load() -> None:
     """Without interference the two lower rollers carry the force each, by statics; with it all three carry."""
     sizes = coarse("bearing-ring", 5, 0.25)
@@ -69,14 +70,13 @@ def test_rollers_of_a_bearing_share_the_load() -> None:
     np.testing.assert_allclose(on_rollers.sum(axis=0), [0.0, 10e3], atol=1.0)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.2])
-def test_a_shrink_fit_has_lames_pressure(friction: float) -> None:
+def test_a_shrink_fit_has_lames_pressure() -> None:
     """The mean pressure within 0.5 % of that of two tubes (Timoshenko and Goodier, Theory of elasticity, 28)."""
     (bore, fit, rim), modulus, ratio = (10.0, 25.0, 50.0), 210e3 / (1.0 - 0.3**2), 0.3 / 0.7
     hub, shaft = (rim**2 + fit**2) / (rim**2 - fit**2) + ratio, (fit**2 + bore**2) / (fit**2 - bore**2) - ratio
     lame = modulus * 0.02 / (fit * (hub + shaft))
     run, bare = (
-        load_case("shrink-fit", **{"contacts.1.friction": friction}, **more).run()
+        load_case("shrink-fit", **{"contacts.1.friction": 0.2}, **more).run()
         for more in ({}, {"contacts.1.interference": False})
     )
     assert run.status.converged, run.status.message

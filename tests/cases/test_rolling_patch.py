@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from flangeway.campaign import Campaign, results, run_campaign
 from flangeway.cases import load_case
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
@@ -84,22 +83,15 @@ def test_rolling_backwards_turns_the_patch_round():
     assert (other.states == one.states[:, ::-1]).mean() > 0.98
 
 
-@pytest.mark.parametrize("theory", ["exact", "fastsim", "fastrip", "polach", "linear"])
+@pytest.mark.parametrize("theory", ["exact", "polach"])
 def test_without_friction_there_is_no_force_by_any_theory(theory):
     """A coefficient of 0 is contact without friction: no force, no power, no curve."""
     found = run(friction=0.0, rolling_theory=theory, curve="longitudinal")
     assert found.status.converged
     assert not found.curve
+    assert len(found.theories) > 3
     for each in found.theories:
         assert (each.forces.along, each.forces.across, each.forces.moment) == (0.0, 0.0, 0.0)
-
-
-def test_unusual_numbers_are_said():
-    """A coefficient above 1 and creepages above 0.1, perhaps percent by mistake, are warnings of every theory."""
-    for theory in ("exact", "fastsim", "polach"):
-        notices = " ".join(run(friction=1.5, longitudinal_creepage=0.2, rolling_theory=theory).notices)
-        assert "friction of 1.5 is above 1" in notices
-        assert "creepage of 0.2 is above 0.1: creepages are ratios, not percent" in notices
 
 
 def test_the_curve_has_all_theories_from_zero_to_the_limit():
@@ -163,17 +155,6 @@ def test_pressures_from_a_file_are_those_of_the_run_that_wrote_it(tmp_path):
     half = SimpleNamespace(**load_case(tmp_path / "patch.toml").run().summary)
     assert half.force_kN == pytest.approx(40.0, rel=1e-5)
     assert half.semi_axis_across_mm < 0.7 * found.semi_axis_across_mm
-
-
-def test_a_campaign_varies_it(tmp_path):
-    """A campaign over friction gives rows with forces, and without friction none."""
-    file = tmp_path / "patch.toml"
-    inputs = "".join(f"{key} = {value!r}\n" for key, value in SMALL.items())
-    file.write_text(f'case = "rolling-patch"\n[inputs]\n{inputs}[vary]\nfriction = [0.0, 0.1, 0.3]\n'.replace("'", '"'))
-    run_campaign(Campaign.from_file(file), tmp_path / "patch.sqlite", workers=1)
-    forces = results(tmp_path / "patch.sqlite").table.columns["longitudinal_force_kN"]
-    assert forces[0] == 0.0
-    assert 0.0 > forces[1] > forces[2]
 
 
 def test_flash_temperature_and_reduced_slope_reach_the_summary():

@@ -58,13 +58,6 @@ def looped():
     return np.vstack((points[:middle], loop, points[middle:]))
 
 
-def with_line(number, text):
-    """A tread with another text in one of its lines."""
-    rows = lines(tread()).splitlines()
-    rows[number - 1] = text
-    return "\n".join(rows)
-
-
 def without(first, last):
     """A tread without what is between two places."""
     points = tread()
@@ -76,23 +69,13 @@ MADE = {
     "head.txt": lambda: lines(head()),
     "inch-head.csv": lambda: "\n".join(f"{x:.7f},{y:.7f}" for x, y in head() / 25.4),
     "tread.txt": lambda: lines(tread()),
-    "s1002.txt": lambda: lines(wheel("S1002").running_surface.sampled(spacing=0.3)),
     "mirrored.txt": lambda: lines(tread() * [-1.0, 1.0]),
-    "inches.txt": lambda: lines(tread() / 25.4),
     "looped.txt": lambda: lines(looped()),
     "gap.txt": lambda: without(-45.0, -15.0),
     "flange.txt": lambda: "# kind: wheel\n# origin: tape\n" + lines(tread()[tread()[:, 0] < -41.0]),
-    "doubled.txt": lambda: lines(np.repeat(tread(), 2, axis=0)),
-    "nan.txt": lambda: with_line(51, "-40.0 nan"),
-    "words.txt": lambda: with_line(61, "-20.5 abc"),
-    "binary.txt": lambda: bytes(range(256)) * 20,
     "one.txt": lambda: "".join(f"{x:.4f}\n" for x in tread()[:, 0]),
-    "few.txt": lambda: lines(tread()[::120]),
     "novel.csv": lambda: "name,type,x0_mm,y0_mm,x1_mm,y1_mm\n" + "a,line," + "9" * 150_001 + "\n",
     "latin.toml": lambda: 'case = "h\xe9rtz"'.encode("latin-1"),
-    "zero.toml": lambda: "\0",
-    "deep.toml": lambda: "a = " + "[" * 5000,
-    "digits.toml": lambda: 'case = "hertz"\nradius_mm = ' + "9" * 5000,
     "large.toml": lambda: "# a comment\n" * 500_000,
 }
 
@@ -131,8 +114,8 @@ def test_what_is_wrong_is_told(about, row, with_files, tmp_path):
         parts[1:] = parts[:0:-1]
     assert parts[1].startswith("allowed: ")
     assert parts[2].startswith("what to do: ")
-    for part, key in ((parts[0], "given"), (parts[2], "advice")):
-        for words in row[key]:
+    for part, key in zip(parts, ("given", "allowed", "advice"), strict=True):
+        for words in row.get(key, []):
             assert is_said(words, part), (words, part)
     assert len(err) < 4000
     assert out == ""
@@ -152,9 +135,11 @@ PUNCH = """case = "two-bodies"
 [[bodies]]
 name = "punch"
 rectangle = { width_mm = 10.0, height_mm = 10.0, centre_mm = [0.0, 5.0] }
+size_mm = 4.0
 [[bodies]]
 name = "block"
 rectangle = { width_mm = 40.0, height_mm = 20.0, centre_mm = [0.0, -10.0] }
+size_mm = 6.0
 [[supports]]
 body = "block"
 edges = "bottom"
@@ -169,7 +154,6 @@ body = "punch"
 """
 NO_CONTACT = {
     "a push away from the other body": ("push_N = [0.0, 100.0]", 1, "no contact holds a load: `punch` can slide in y"),
-    "a push past the other body": ("push_N = [100.0, 0.0]", 1, "check its direction and its size"),
     "a push that drives one body through the other": ("push_N = [0.0, -1e12]", 1, "check its direction and its size"),
     "a shift that leaves a gap": ("shift_mm = [0.0, 5.0]", 0, "nothing touches"),
 }
@@ -178,23 +162,17 @@ NO_CONTACT = {
 @pytest.mark.parametrize(("motion", "wanted", "told"), NO_CONTACT.values(), ids=NO_CONTACT)
 def test_contact_that_cannot_happen_is_a_result_that_says_so(motion, wanted, told, with_files):
     """Bodies that cannot bear a push: status 1 and the reason in the first line; no touch without a push: status 0."""
-    status, out, err, _ = with_files("run case.toml", {"case.toml": PUNCH + motion + "\n"})
+    status, out, err, _ = with_files("run case.toml --no-pictures", {"case.toml": PUNCH + motion + "\n"})
     assert status == wanted, err
     assert told in out.splitlines()[0]
     assert ("NOT converged" in out) == (wanted == 1)
     assert "Traceback" not in err
 
 
-ASSUMED = [
-    ("a mirrored wheel is turned round", "mirrored.txt", "left-hand wheel; it is mirrored"),
-    ("a unit is assumed", "tread.txt", "The unit mm is assumed; --unit gives another one."),
-    ("doubled points are left out", "doubled.txt", "points nearer than 0.01 mm to the one before are left out"),
-]
-
-
-@pytest.mark.parametrize(("file", "notice"), [row[1:] for row in ASSUMED], ids=[row[0] for row in ASSUMED])
-def test_what_was_assumed_is_said(file, notice, with_files):
-    """A file that can be read with an assumption is read, and the assumption is printed as a note."""
-    status, out, err, _ = with_files(f"profile {file}", {})
+def test_what_was_assumed_is_said(with_files):
+    """A mirrored wheel without a unit is read, and what was assumed is printed as notes."""
+    status, out, err, _ = with_files("profile mirrored.txt --no-pictures", {})
     assert status == 0, err
-    assert notice in " ".join(line for line in out.splitlines() if line.startswith("Note: "))
+    notes = " ".join(line for line in out.splitlines() if line.startswith("Note: "))
+    assert "it is mirrored" in notes
+    assert "unit mm is assumed" in notes

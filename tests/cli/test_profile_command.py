@@ -11,7 +11,7 @@ from matplotlib.image import imread
 from flangeway.cases.profile.profile_run import run_profile
 from flangeway.geometry import Placement
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.profiles.profile_file import read_profile
+from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
 from flangeway.report.profile.profile_figures import deviations
 
 FILES = {"profile.png", "curvature.png", "report.html", "profile.json"}
@@ -53,32 +53,22 @@ def test_a_measured_head_on_a_rail(call, files, tmp_path):
     assert again.profile.kind == "rail"
 
 
-@pytest.mark.parametrize("ending", ["prw", "whl", "txt", "csv"])
-def test_conversion_keeps_the_smoothed_wheel(ending, call, files, tmp_path):
+def test_conversion_keeps_the_smoothed_wheel(call, files):
     """A noisy wheel, smoothed and converted, is read back within a micrometre, without being smoothed again."""
-    status, out, err = call("profile", "tread.txt", "--smooth", 6, "--to", f"tread2.{ending}")
+    status, out, err = call("profile", "tread.txt", "--smooth", 6, "--to", "tread2.prw", "--no-pictures")
     assert status == 0, err
     assert "wheel, two columns" in out
-    assert f"tread2.{ending}" in out
-    first = run_profile("tread.txt", _options(smooth_mm=6.0)).profile
-    again = read_profile(f"tread2.{ending}", _options(smooth_mm=0.0))
+    assert "tread2.prw" in out
+    first = run_profile("tread.txt", ReadOptions(smooth_mm=6.0)).profile
+    again = read_profile("tread2.prw", ReadOptions(smooth_mm=0.0))
     assert np.abs(again.surface.closest(first.smoothing.points)[2]).max() < 1e-3
-
-
-def _options(**given):
-    from flangeway.railway.profiles.profile_file import ReadOptions  # noqa: PLC0415
-
-    return ReadOptions(**given)
 
 
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("S1002", "flange height Sh, mm 28.000"),
         ("heavy-haul", "tape line is"),
-        ("aar-1b", "An approximation"),
         ("60E1", "head width at 14 mm"),
-        ("136re-8", "crown radius 8 in"),
     ],
 )
 def test_bundled_profiles_are_shown_with_their_certainty(name, words, call, tmp_path):
@@ -93,11 +83,11 @@ def test_bundled_profiles_are_shown_with_their_certainty(name, words, call, tmp_
 
 @pytest.mark.parametrize(
     ("name", "ending"),
-    [("S1002", "whl"), ("S1002", "prw"), ("AAR-1B", "whl"), ("60E1", "ban"), ("136RE", "prr"), ("60E1", "txt")],
+    [("S1002", "whl"), ("60E1", "prr")],
 )
 def test_bundled_profiles_are_converted(name, ending, call):
     """A bundled running surface, written for another program, lies within a micrometre of the nominal one."""
-    assert call("profile", name, "--to", f"n.{ending}")[0] == 0
+    assert call("profile", name, "--to", f"n.{ending}", "--no-pictures")[0] == 0
     found = read_profile(f"n.{ending}")
     nominal = run_profile(name)
     surface = nominal.profile.surface

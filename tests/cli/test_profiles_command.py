@@ -16,9 +16,10 @@ from flangeway.railway.profiles.formats.two_column import write_two_column
 FLANGE_MM, TREAD_MM, SIDE_MM, TOP_MM = 2.5, 1.5, 4.0, 3.0
 
 
-@pytest.fixture
-def folder(tmp_path):
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
     """New wheel and rail, a thin flange, a worn tread, a head narrowed and lowered, and a file of something else."""
+    tmp_path = tmp_path_factory.mktemp("worn")
     tread = wheel("S1002").running_surface.sampled(spacing=0.25)
     head = rail("60E1").running_surface.sampled(spacing=0.25) - [0.0, 172.0]
     thin = tread - np.interp(tread[:, :1], (-62.0, -50.0, -37.0, -25.0), (0.0, 1.0, 1.0, 0.0)) * [FLANGE_MM, 0.0]
@@ -34,9 +35,14 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_wear_is_what_was_taken_away(folder):
+@pytest.fixture(scope="module")
+def done(folder):
+    """What is found in the folder."""
+    return run_folder(folder)
+
+
+def test_wear_is_what_was_taken_away(done):
     """Each wear is what the file was made with, 0 of new profiles, and the most worn comes first."""
-    done = run_folder(folder)
     rows = {row.file: row for row in done.profiles}
     assert [row.file for row in done.profiles[:2]] == ["narrow.txt", "thin.txt"]
     assert rows["new.whl"].wear_mm == pytest.approx({"tread_wear": 0.0, "flange_wear": 0.0}, abs=0.02)
@@ -49,11 +55,11 @@ def test_wear_is_what_was_taken_away(folder):
     assert "empty.txt" in refused
 
 
-def test_conicity_is_that_of_the_geometry(folder):
+def test_conicity_is_that_of_the_geometry(done):
     """A new wheel and a new rail have the conicity that `flangeway geometry` has of the pair, from their files."""
     pair = run_geometry("s1002-60e1", find_geometry_case("s1002-60e1", {"step_mm": 0.1}))
     wanted = pair.conicities.at_reference()["integration"]
-    for row in run_folder(folder).profiles:
+    for row in done.profiles:
         if row.file in ("new.whl", "head.ban"):
             assert row.conicity == pytest.approx(wanted, rel=0.02)
 

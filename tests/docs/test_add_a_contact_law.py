@@ -27,6 +27,7 @@ def scripts(tmp_path, monkeypatch):
         sys.modules.pop(name, None)
 
 
+@pytest.mark.ci
 def test_the_scripts_print_what_the_page_shows(scripts, capsys):
     """Both scripts run with the saved files and print the numbers of the page."""
     assert len(scripts) == 2
@@ -47,41 +48,3 @@ def test_the_rough_pressure_is_that_of_the_closed_form(scripts):
     gap = brentq(lambda g: YOUNG * (APPROACH - g) / (2.0 * HEIGHT) - coefficient * g**2, 0.0, APPROACH)
     found = pressures(SegmentToSegment(), RoughSurfaces(coefficient, 2.0, 1e-3))
     np.testing.assert_allclose(found, coefficient * gap**2, atol=0.01)
-
-
-def test_the_tangent_of_the_new_pairing_is_the_derivative_of_its_gaps(scripts):
-    """Gradients and curvatures of Gauss-point pairs agree with differences of their gaps to 1e-6."""
-    assert scripts
-    from blocks import HEIGHT, block, side  # noqa: PLC0415 (saved from the page)
-    from gauss_points import GaussPointsToSegment  # noqa: PLC0415
-
-    secondary, primary = side(block("upper", 3, HEIGHT, 0.0)), side(block("lower", 2, -HEIGHT, -HEIGHT))
-    draw = np.random.default_rng(0)
-    points, other = (
-        each.part.body.space.nodes[each.nodes] + 0.3 * draw.standard_normal((len(each.nodes), 2))
-        for each in (secondary, primary)
-    )
-    kept = np.full(len(GaussPointsToSegment().key_nodes(secondary)), -1)
-
-    def pairs(change):
-        first, second = points + change[: len(points)], other + change[len(points) :]
-        return GaussPointsToSegment().pair(secondary, primary, first, second[primary.edge_places], kept)
-
-    now = pairs(np.zeros((len(points) + len(other), 2)))
-    forces = draw.random(len(now.keys))
-    members = np.concatenate((now.secondary_members, len(points) + primary.edge_places[now.primary_edges]), axis=1)
-
-    def gradient(found):
-        total = np.zeros((len(points) + len(other), 2))
-        np.add.at(total, members, forces[:, None, None] * found.gradients[:, 0])
-        return total
-
-    way = draw.standard_normal((len(points) + len(other), 2))
-    step = 1e-6
-    ahead, behind = pairs(step * way), pairs(-step * way)
-    rate = forces @ (ahead.gaps - behind.gaps) / (2.0 * step)
-    assert (gradient(now) * way).sum() == pytest.approx(rate, rel=1e-6)
-    loaded, second = now.curvatures(forces)
-    local = way[members[loaded]].reshape(len(loaded), -1)
-    bending = np.einsum("mi,mij,mj->", local, second, local)
-    assert bending == pytest.approx(((gradient(ahead) - gradient(behind)) * way).sum() / (2.0 * step), rel=1e-5)

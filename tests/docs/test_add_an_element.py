@@ -11,7 +11,6 @@ import pytest
 from flangeway.elements import Lagrange
 from flangeway.errors import InputError
 from flangeway.exact import Rectangle
-from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh, rectangle_grid
 from flangeway.problems import Torsion
 from flangeway.solve import solve_torsion
@@ -35,28 +34,6 @@ def quadrilateral(tmp_path, monkeypatch):
     del sys.modules["quadrilateral"]
 
 
-def stiffness(element, vertices):
-    """Laplace's stiffness of one cell, consistency and stabilisation."""
-    reconstruction = element.reconstruct(vertices)
-    gradient = reconstruction.gradient
-    consistency = np.einsum("abe,aime,bine->mne", reconstruction.mass, gradient, gradient)
-    return (consistency + element.stabilise(reconstruction, consistency[None, None]))[:, :, 0]
-
-
-def bilinear_stiffness(corners):
-    """Laplace's stiffness of the isoparametric bilinear element by 4 x 4 Gauss points."""
-    points, weights = np.polynomial.legendre.leggauss(4)
-    signs = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    total = np.zeros((4, 4))
-    for xi, weight in zip(points, weights, strict=True):
-        for eta, other in zip(points, weights, strict=True):
-            local = 0.25 * np.array([signs[:, 0] * (1 + eta * signs[:, 1]), signs[:, 1] * (1 + xi * signs[:, 0])])
-            jacobian = local @ corners
-            gradient = np.linalg.solve(jacobian, local)
-            total += weight * other * np.linalg.det(jacobian) * gradient.T @ gradient
-    return total
-
-
 def test_the_use_shown_on_the_page_runs(quadrilateral):
     """The blocks after the first run as they stand, their own assertions included."""
     exec(compile("".join(code_blocks()[1:]), str(PAGE), "exec"), {})
@@ -68,22 +45,6 @@ def test_polynomials_are_reconstructed_exactly(quadrilateral):
     identity = np.einsum("ame,mbe->abe", reconstruction.value, reconstruction.monomial_dofs)[:, :, 0]
     np.testing.assert_allclose(identity, np.eye(3), atol=1e-14)
     assert reconstruction.areas[0] == pytest.approx(4.5, rel=1e-12)
-
-
-def test_stiffness_vanishes_on_constants_only(quadrilateral):
-    """The eigenvalues of a trapezoid's stiffness are one zero and three positive."""
-    eigenvalues = np.linalg.eigvalsh(stiffness(quadrilateral.Quadrilateral(), TRAPEZOID))
-    assert abs(eigenvalues[0]) < 1e-13
-    assert eigenvalues[1] > 0.1
-
-
-@pytest.mark.parametrize("slant", [0.0, 0.7])
-def test_parallelograms_have_the_bilinear_stiffness(quadrilateral, slant):
-    """On a turned rectangle or parallelogram the stiffness is that of the bilinear element, integrated exactly."""
-    corners = np.array([[0.0, 0.0], [3.0, 0.0], [3.0 + slant, 1.0], [slant, 1.0]])
-    corners = Placement(0.4, (7.0, -2.0)).points(corners)
-    found = stiffness(quadrilateral.Quadrilateral(), corners[:, :, None])
-    np.testing.assert_allclose(found, bilinear_stiffness(corners), atol=1e-12)
 
 
 def test_error_falls_fourfold_when_the_mesh_is_halved(quadrilateral):

@@ -14,8 +14,6 @@ import pytest
 
 from flangeway import cli
 from flangeway.campaign import results
-from flangeway.campaign.campaign import ROWS_OF_A_CHUNK
-from flangeway.cases import WheelsetTangentCase
 
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "run-a-campaign.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(python|sh|text|toml|csv)\n(.*?)```", TEXT, flags=re.DOTALL)
@@ -88,10 +86,3 @@ def test_the_page_runs_from_top_to_bottom(tmp_path, monkeypatch, capsys, backgro
     table = results(tmp_path / "out" / "measured" / "campaign.sqlite")
     assert table.rows["rail"] == ["60E1", "60E1", "136RE"]
     assert min(table.numbers("right_max_pressure_MPa")) > 100.0
-
-
-def test_the_page_tells_the_programs_numbers():
-    """Limits and names of columns on the page are those of the program."""
-    assert f"{ROWS_OF_A_CHUNK} at a time" in TEXT
-    for name in re.findall(r'"(\w+_MPa)"', TEXT):
-        assert name in WheelsetTangentCase.from_values({}).columns()

@@ -3,7 +3,6 @@
 import re
 from pathlib import Path
 
-from flangeway.railway.profiles import joining, profile_checks, smoothing
 from flangeway.railway.profiles.profile_file import READABLE
 
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "bring-your-profile.md").read_text(encoding="utf-8")
@@ -25,22 +24,3 @@ def test_the_page_names_all_options_and_formats(call):
         assert f"`{option}" in TEXT or f" {option} " in TEXT, option
     for ending in READABLE:
         assert f"`{ending}`" in TEXT, ending
-
-
-def test_the_numbers_of_the_page_are_the_programs():
-    """Limits that the page tells are those of the program."""
-    assert (joining.MIN_BLEND_MM, joining.MAX_BLEND_MM, joining.BLEND_FACTOR) == (1.0, 12.0, 4.0)
-    assert (joining.MAX_GAP_MM, joining.MAX_RIM_GAP_MM) == (4.0, 15.0)
-    assert (smoothing.USUAL_WAVELENGTH_MM, smoothing.NOISE_UM, smoothing.USUAL_LIMIT_UM) == (5.0, 0.02, 20.0)
-    assert smoothing.ARC_TOLERANCE_MM == 2e-4
-    assert profile_checks.SAME_MM == 0.01
-    for words in (
-        "4 mm",
-        "at least 1 and at most 12 mm",
-        "15 mm",
-        "0.02 micrometres",
-        "20 micrometres",
-        "0.2 micrometres",
-        "0.01 mm",
-    ):
-        assert words in " ".join(TEXT.split()), words

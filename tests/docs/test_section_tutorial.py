@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.cases.section.section_run import run_section
+from flangeway.cases.section.section_run import TorsionCase, run_section
 from flangeway.formats import read_section
 
 TEXT = (Path(__file__).parents[2] / "docs" / "tutorials" / "section.md").read_text(encoding="utf-8")
@@ -25,14 +25,9 @@ def saved(tmp_path):
     return tmp_path
 
 
-def test_the_page_has_its_files():
-    """The page shows the five files that these tests use."""
-    assert set(FILES) == {"girder.toml", "slit.toml", "wrong.toml", "concrete.toml", "half.toml"}
-
-
 def test_the_girder_prints_what_the_page_says(call, saved):
     """Each line of the page is printed, with the same constants to 1e-4; the mesh may differ a little."""
-    status, out, _ = call("section", "girder.toml")
+    status, out, _ = call("section", "girder.toml", "--no-pictures")
     assert status == 0
     printed = [" ".join(line.split()) for line in out.splitlines()]
     for line in OUTPUTS[0].splitlines()[1:]:
@@ -41,12 +36,15 @@ def test_the_girder_prints_what_the_page_says(call, saved):
         found = next(other for other in printed if other.startswith(label))
         if "gap" not in label:
             assert numbers(found) == pytest.approx(numbers(words), rel=1e-3 if "stress" in label else 1e-4), label
-    assert {path.name for path in (saved / "out" / "section-girder").iterdir()} >= {"mesh.png", "section.json"}
 
 
+@pytest.mark.ci
 def test_the_slit_girder_is_as_the_page_says(saved):
     """Cut open, the girder has about a two-hundredth of its torsion constant, and its shear centre above the top."""
-    closed, cut = (run_section(read_section(saved / name)).constants for name in ("girder.toml", "slit.toml"))
+    closed, cut = (
+        run_section(read_section(saved / name), TorsionCase(size=3.0)).constants
+        for name in ("girder.toml", "slit.toml")
+    )
     assert 150.0 < closed.torsion_constant / cut.torsion_constant < 250.0
     assert cut.shear_centre[1] > 180.0
 
@@ -61,7 +59,7 @@ def test_the_mistake_gives_the_message_of_the_page(call):
 
 def test_two_materials_and_the_path_are_read(call, saved):
     """The composite section is weighted and says so; the half disc has its area."""
-    status, out, _ = call("section", "concrete.toml", "--size", "10")
+    status, out, _ = call("section", "concrete.toml", "--size", "10", "--no-pictures")
     assert status == 0
     assert "several Poisson's ratios" in out
     assert "References: E =" in out

@@ -36,10 +36,10 @@ def test_the_page_is_what_the_quantities_say(script):
 @pytest.mark.parametrize(
     ("name", "inputs"),
     [
-        ("hertz", {}),
+        ("hertz", {"size_mm": 1.0}),
         ("rolling-patch", {"cells_along": 8, "cells_across": 8, "curve_points": 3}),
         ("wheelset-tangent", {"size_scale": 8.0}),
-        ("crane-wheel", {}),
+        ("crane-wheel", {"order": 1}),
     ],
 )
 def test_every_key_of_a_run_is_on_the_page(script, name, inputs):

@@ -6,9 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.cases import WheelsetCurveCase
-from flangeway.railway.track.wheelset_load import curve_force_N
-
 DOCS = Path(__file__).parents[2] / "docs"
 
 
@@ -68,18 +65,6 @@ def test_the_life_of_a_profile_is_as_the_page_says(follow, tmp_path):
     assert file.with_name("wheel-strategies.toml").read_text(encoding="utf-8").endswith(strategies)
     shutil.copytree(file.parent, tmp_path / "examples")
     assert follow(page, tolerance=0.02) == {"python": 1, "sh": 2, "text": 3, "toml": 3}
-
-
-def test_numbers_in_the_text_are_the_curves():
-    """Load, radius, speed, force and superelevation that the text names are the cases' own."""
-    text = (DOCS / "tutorials" / "wheelset-in-a-curve.md").read_text(encoding="utf-8")
-    case = WheelsetCurveCase.from_values({})
-    assert (case.axle_load_kN, case.lateral_force_kN, case.superelevation_mm) == (300.0, 28.4, 30.0)
-    assert curve_force_N(300e3, 70.0, 400.0) == pytest.approx(28.4e3, rel=0.02)
-    assert case.rail_inclination == pytest.approx(1.0 / 40.0)
-    assert f"{curve_force_N(200e3, 80.0, 500.0) / 1e3:.1f} kN acts to the right" in text.replace("\n", " ")
-    for words in ("300 kN", "400 m", "70 km/h", "30 mm", "28.4 kN", "1:40", "136RE", "AAR-1B"):
-        assert words in text, words
 
 
 def test_the_contact_is_as_the_page_says(follow):

@@ -1,13 +1,14 @@
 """A live page on a free port of this machine, with coarse bodies, and profiles that a user could drop."""
 
-import subprocess
-import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
+from flangeway.cases.profile.profile_run import run_profile
 from flangeway.live import LiveServer
+from flangeway.railway.profiles.profile_file import profile_text
 
 
 @pytest.fixture(scope="session")
@@ -15,8 +16,7 @@ def profiles(tmp_path_factory):
     """MiniProf files of an S1002 and a 60E1, as an instrument writes them."""
     folder = tmp_path_factory.mktemp("profiles")
     for name, file in (("S1002", "my-wheel.whl"), ("60E1", "my-rail.ban")):
-        command = [sys.executable, "-m", "flangeway", "profile", name, "--to", str(folder / file)]
-        subprocess.run(command, check=True, capture_output=True)
+        (folder / file).write_text(profile_text(run_profile(name).profile, Path(file).suffix), encoding="utf-8")
     return folder
 
 

@@ -13,9 +13,8 @@ from flangeway.live.engine import LiveEngine, SupersededError
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.report.wheelset.wheelset_page import results_table
 
-COARSE = {"size_scale": "3", "wheel": "S1002", "rail": "60E1"}
+COARSE = {"size_scale": "6", "order": "1", "rail_support": "continuous", "wheel": "S1002", "rail": "60E1"}
 STATES = [
-    {"lateral_mm": "2.5"},
     {"lateral_mm": "-1", "yaw_mrad": "3", "axle_load_kN": "160"},
     {"friction": "0.3", "speed_km_h": "80", "rolling_theory": "fastsim"},
 ]
@@ -29,19 +28,16 @@ def engine(tmp_path_factory):
 
 @pytest.mark.parametrize("state", STATES)
 def test_a_position_has_the_numbers_of_a_run(engine, state):
-    """The table of the page is that of ``flangeway run wheelset`` to the last digit, with bodies of other states."""
+    """The table of the page is that of ``flangeway run wheelset`` to the last digit, with bodies of other states.
+
+    Pressures times areas of the cells that are drawn sum to the normal forces.
+    """
     found = engine.position(COARSE | state)
     run = load_case("wheelset", **engine.case(COARSE | state).model_dump(exclude_unset=True)).run()
     assert found["converged"]
     assert found["table"]["rows"] == results_table(run).rows
     assert found["max_pressure_MPa"] == max(patch.ellipse.max_pressure for patch in run.result.patches)
     assert found["lateral_mm"] == run.result.equilibrium.position.lateral_mm
-
-
-def test_patches_of_the_picture_carry_the_load(engine):
-    """Pressures times areas of the cells that are drawn sum to the normal forces."""
-    found = engine.position(COARSE | STATES[0])
-    run = load_case("wheelset", size_scale=3.0, lateral_mm=2.5).run()
     for side, patch in found["patches"].items():
         widths = np.abs(np.diff(patch["across"], axis=1))
         force = float(np.sum(np.array(patch["pressures"]) * widths) * patch["strip"])
@@ -103,7 +99,7 @@ def test_a_newer_position_stops_the_one_before(engine):
     assert sum(answer is not None for answer in answers.values()) == 1
 
 
-@pytest.mark.parametrize("name", ["../secret.whl", "/etc/passwd", "other.prr", "a/b.ban"])
+@pytest.mark.parametrize("name", ["../secret.whl", "/etc/passwd"])
 def test_only_files_that_were_given_are_read(engine, name):
     """A path that the user did not give is refused before anything is opened."""
     with pytest.raises(InputError, match=r"wheel|file"):

@@ -75,7 +75,7 @@ def test_a_failure_and_notices_are_marked(hertz):
     [
         ("cook", {"poisson": 0.1 + 0.2, "method": "mixed", "level": 2}),
         ("hertz", {"force_N": 1e5 / 3.0, "lower": "block"}),
-        ("contact-patch", {}),
+        ("wheelset-tangent", {"size_scale": 0.1 + 0.2, "rail_inclination": 1 / 30, "crown_radius_in": 14.0}),
         ("torsion", {"size": 1.0 / 3.0, "half": True, "poisson": 0.25}),
     ],
 )
@@ -87,7 +87,7 @@ def test_the_command_and_the_case_file_give_the_same_case(tmp_path, name, values
     assert read_case(file) == case
     words = shlex.split(command_line(case))
     assert words[:3] == ["flangeway", "run", name]
-    keys = {"--method": "method", "--order": "order"}
+    keys = {"--method": "method", "--order": "order", "--size-scale": "size_scale", "--crown-radius": "crown_radius_in"}
     pairs = zip(words[3::2], words[4::2], strict=True)
     given = dict(value.split("=") if option == "--set" else (keys[option], value) for option, value in pairs)
     assert CASES[name].from_values({key: GivenText(text) for key, text in given.items()}) == case
@@ -116,18 +116,6 @@ def test_the_history_has_every_iteration_of_every_step(hertz):
     assert load_steps(failed)[-1][0] == "not converged"
 
 
-def test_only_the_sides_of_cells_are_mesh_lines(hertz):
-    """Of the triangles that cells of order 2 are cut into, the sides between rim places are the edges in pieces."""
-    for each in bodies_fields(hertz):
-        mesh = hertz.bodies[each.name].field.problem.space.mesh
-        assert len(np.unique(each.shown.places)) == each.shown.places.max() + 1 > each.shown.n_rim_places
-        assert each.shown.n_rim_places == mesh.n_points + mesh.n_edges
-        corners = each.shown.places[each.shown.mesh.cell_points].reshape(-1, 3)
-        sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
-        lines = np.unique(sides[(sides < each.shown.n_rim_places).all(axis=1)], axis=0)
-        assert len(lines) == 2 * mesh.n_edges
-
-
 def test_very_many_points_are_shown_as_whole_cells(hertz, hertz_steps, monkeypatch):
     """Beyond the largest number of points the page shows each cell once, with the values at its corners."""
     assert all(part.cells is not None for part in scenes.bodies_scene(hertz, hertz_steps).parts)
@@ -145,25 +133,6 @@ def test_very_many_points_are_shown_as_whole_cells(hertz, hertz_steps, monkeypat
     with_points = body_fields("upper", upper, shown_cells(upper.field.problem.space, 2))
     at_corners = body_fields("upper", upper, shown_cells(upper.field.problem.space, 1))
     assert with_points.stresses.von_mises.max() >= at_corners.stresses.von_mises.max() * (1.0 - 1e-9)
-
-
-def test_the_page_tells_what_the_supports_bear():
-    """A block that stands on two supports under 60 N has them in a table, and they bear the 60 N together."""
-    case = CASES["two-bodies"].from_values({
-        "bodies": [{"name": "block", "rectangle": {"width_mm": 6.0, "height_mm": 2.0}, "size_mm": 1.0}],
-        "supports": [
-            {"body": "block", "edges": "left", "hold": "x"}, {"body": "block", "edges": "bottom", "hold": "y"},
-        ],
-        "loads": [{"body": "block", "edges": "top", "traction_MPa": (0.0, -10.0)}],
-        "contacts": [],
-    })  # fmt: skip
-    run = case.run()
-    page = bodies_record(run)
-    (table,) = (table for table in page.tables if table.caption == "Supports")
-    assert [row[:2] for row in table.rows] == [("1", "block"), ("2", "block")]
-    assert table.header[2:] == ("force on it, x, N", "force on it, y, N")
-    forces = [[float(value) for value in row[2:]] for row in table.rows]
-    assert np.sum(forces, axis=0) == pytest.approx([0.0, 60.0], abs=1e-6)
 
 
 def test_a_section_in_another_unit(tmp_path):

@@ -44,10 +44,9 @@ def test_cells_and_values_come_back(runs, method, tmp_path):
             assert np.allclose(read.point_data["von_mises_MPa"][corners], stresses.von_mises)
 
 
-@pytest.mark.parametrize("primary", ["wheel", "rail"])
-def test_pressures_along_the_surface_carry_the_load(primary, tmp_path):
+def test_pressures_along_the_surface_carry_the_load(tmp_path):
     """Integrated along the lines, pressures are the contact forces; gaps close there; the surface lies on its body."""
-    run = WheelsetTangentCase.from_values({"size_scale": 3.0, "primary": primary}).run()
+    run = WheelsetTangentCase.from_values({"size_scale": 3.0, "primary": "wheel"}).run()
     result = run.result
     write_contacts(tmp_path / "a.vtu", result.model.system, result.equilibrium.state, result.placements)
     read = meshio.read(tmp_path / "a.vtu")
@@ -55,7 +54,7 @@ def test_pressures_along_the_surface_carry_the_load(primary, tmp_path):
     pressures, gaps = (read.point_data[name] for name in ("pressure_MPa", "gap_mm"))
     lengths = np.linalg.norm(np.diff(read.points[lines], axis=1)[:, 0], axis=1)
     for side in SIDES:
-        name = f"{'rail' if primary == 'wheel' else 'wheel'}-{side}"
+        name = f"rail-{side}"
         mine = bodies == list(result.placements).index(name)
         force = (pressures[lines[mine]].mean(axis=1) * lengths[mine]).sum() * result.model.problem.thickness_mm
         assert force == pytest.approx(np.linalg.norm(result.force_on_wheel_N(side)), rel=0.02)

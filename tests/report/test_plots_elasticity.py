@@ -5,14 +5,14 @@ import pytest
 from matplotlib.collections import TriMesh
 from matplotlib.figure import Figure
 
-from flangeway.elements import Lagrange, Virtual
+from flangeway.elements import Virtual
 from flangeway.errors import InputError
 from flangeway.geometry import circle, rectangle
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, refined, triangulate
 from flangeway.post import corner_stresses, displacements_at, stresses_at
 from flangeway.problems import Elasticity, Traction, fixed
-from flangeway.report.figures.display import NO_EDGE, display, displayed_stresses, edge_weights
+from flangeway.report.figures.display import NO_EDGE, display, displayed_stresses
 from flangeway.report.figures.plots import (
     plot_deformed,
     plot_displacement,
@@ -34,19 +34,18 @@ MESHES = {
 }
 
 
-def pulled(mesh: PolyMesh, order: int, element: type = Virtual) -> ElasticitySolution:
+def pulled(mesh: PolyMesh, order: int) -> ElasticitySolution:
     """The plate with a hole, held at the left and pulled to the right."""
     problem = Elasticity(
-        Space(mesh, element(order)), Elastic(70.0, 0.3), loads=[Traction("right", (1.0, 0.2))], supports=[fixed("left")]
+        Space(mesh, Virtual(order)), Elastic(70.0, 0.3), loads=[Traction("right", (1.0, 0.2))], supports=[fixed("left")]
     )
     return solve_elasticity(problem)
 
 
-@pytest.mark.parametrize("pieces", [1, 2, 5])
 @pytest.mark.parametrize("kind", sorted(MESHES))
-def test_triangles_fill_the_cells(kind, pieces):
+def test_triangles_fill_the_cells(kind):
     """The small triangles are counter-clockwise, have the area of their cells, and share places across edges."""
-    mesh = MESHES[kind]
+    mesh, pieces = MESHES[kind], 3
     shown = display(Space(mesh, Virtual(2)), pieces)
     corners = shown.points[shown.triangles]
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -94,21 +93,11 @@ def test_displacements_are_continuous_and_stresses_those_of_the_cells(kind):
     assert np.sort(stresses[corners], axis=0) == pytest.approx(np.sort(own, axis=0), abs=1e-10)
 
 
-def test_edge_weights_reproduce_polynomials():
-    """The weights of an edge's nodes add up to one, and are those of a cubic for order 3."""
-    weights = edge_weights(3, 6)
-    nodes = np.array([0.0, 0.5 - np.sqrt(0.05), 0.5 + np.sqrt(0.05), 1.0])
-    at = np.arange(7) / 6
-    for power in range(4):
-        np.testing.assert_allclose(weights @ nodes**power, at**power, atol=1e-14)
-
-
-@pytest.mark.parametrize("element", [Virtual, Lagrange])
-def test_pictures_show_the_values_and_say_the_units(element):
+def test_pictures_show_the_values_and_say_the_units():
     """The drawn values are the quantity's, the bar names it with its unit, limits are kept, and no state is left."""
     import matplotlib.pyplot as plt  # noqa: PLC0415
 
-    solution = pulled(TRIANGLES, 2, element)
+    solution = pulled(TRIANGLES, 2)
     for quantity in ("von_mises", "xx", "zz", "in_plane_shear", "principal_1", "principal_3"):
         axes = plot_stress(solution, quantity, unit="MPa", length_unit="mm", limits=(0.0, 2.0), factor="auto")
         (drawn,) = [c for c in axes.collections if isinstance(c, TriMesh)]

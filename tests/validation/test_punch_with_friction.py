@@ -13,6 +13,7 @@ sqrt(a^2 - x^2)) exp(i g ln((a + x) / (a - x)))``, ``g = ln(3 - 4 nu) / 2 pi`` (
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import pytest
@@ -55,6 +56,7 @@ class PressedHalf:
         return float(self.widths @ self.tractions)
 
 
+@cache
 def pressed_punch(friction: float, *, ratio: float = RATIO, coupled: bool = True) -> PressedHalf:
     """Solution of the integral equations of the flat punch, without the effect of q on p if not coupled."""
 

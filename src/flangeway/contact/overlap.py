@@ -9,11 +9,13 @@ import numpy as np
 import shapely
 
 from flangeway.contact.kinematics import shape_functions
+from flangeway.contact.linearisation import ContactLinearisation
+from flangeway.contact.newton import ContactState
 from flangeway.contact.surface import CORNER, sagittas_of
-from flangeway.contact.system import MAX_OVERLAP, ROUND_OFF, ContactLinearisation, ContactSystem
+from flangeway.contact.system import MAX_OVERLAP, ROUND_OFF, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.problems import Part
-from flangeway.solve import BodyResponse, ContactState
+from flangeway.solve import BodyResponse
 from flangeway.types import Floats, Ints
 
 SAMPLES = np.linspace(0.0, 1.0, 6)[:, None]
@@ -235,8 +237,6 @@ def body_overlaps(
 
     """
     lin = state.linearisation
-    if not isinstance(lin, ContactLinearisation):
-        raise TypeError("a state of another system of constraints")
     if fields is None:
         fields = response.fields(response.rotations(state.placements), state.nodal_forces)
     boundaries = deformed_boundaries(system, response, state, fields)
@@ -307,7 +307,6 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
 
 def _press(system: ContactSystem, state: ContactState, one: Part, other: Part) -> bool:
     lin = state.linearisation
-    assert isinstance(lin, ContactLinearisation)
     return any(
         state.forces[lin.starts[number] : lin.starts[number + 1]].any()
         for number, each in enumerate(system.contacts)

@@ -10,9 +10,10 @@ import numpy as np
 
 from flangeway.checks import are_finite, refused
 from flangeway.contact.contact_pair import Contact
+from flangeway.contact.newton import ContactState, solve_contact
 from flangeway.contact.overlap import BodyOverlap, body_overlaps, passages
 from flangeway.contact.solution_checks import check_solution
-from flangeway.contact.system import ContactLinearisation, ContactSystem
+from flangeway.contact.system import ContactSystem
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.problems import ElasticField, Part
@@ -20,7 +21,6 @@ from flangeway.results import Result, ResultTable
 from flangeway.solve import (
     BodyResponse,
     CondensedBodies,
-    ContactState,
     Handle,
     NewtonSettings,
     SparseBodies,
@@ -28,7 +28,6 @@ from flangeway.solve import (
     StepSettings,
     condensed_bytes,
     follow,
-    solve_contact,
 )
 from flangeway.solve.body_loads import BodyLoad, loads_on
 from flangeway.types import Floats
@@ -142,7 +141,6 @@ class ContactSolution(Result):
         Of bodies of revolution y is the force along the axis; x and the moment are sums of what acts radially.
         """
         lin = self.state.linearisation
-        assert isinstance(lin, ContactLinearisation)
         result = np.zeros((len(self.system.contacts), 2, 3))
         positions = lin.points(self.state.positions)
         for number, (pairs, terms) in enumerate(zip(lin.pairs, lin.term_points, strict=True)):
@@ -165,7 +163,6 @@ class ContactSolution(Result):
         secondary, positive along the primary's edges, whose body is on their left.
         """
         lin, friction = self.state.linearisation, self.state.friction
-        assert isinstance(lin, ContactLinearisation)
         closed = self.state.forces > 0.0
         numbers = np.repeat(np.arange(len(lin.pairs)), np.diff(lin.starts))
         points = np.zeros((len(closed), 2))
@@ -194,7 +191,6 @@ class ContactSolution(Result):
         total = np.zeros(len(self.system.contacts))
         for step in self.steps:
             lin, friction = step.state.linearisation, step.state.friction
-            assert isinstance(lin, ContactLinearisation)
             if friction is not None:
                 at = np.repeat(np.arange(len(total)), np.diff(lin.starts))
                 total += np.bincount(at, friction.works, len(total))

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Surface
+from flangeway.contact import Contact, ContactState, ContactSystem, Surface
 from flangeway.contact.pairs import Pairs
 from flangeway.post.pressure import MIN_SEGMENTS, PressurePatch, pressure_remark
-from flangeway.solve import ContactState
 
 SMALL_PENETRATION = 0.05
 """Penetration over the elastic sinking of the surfaces: about the relative error that it makes in the pressure."""
@@ -59,8 +58,6 @@ def check_contact(
         How to get a finer mesh and a stiffer contact, for the advice.
     """
     lin = state.linearisation
-    if not isinstance(lin, ContactLinearisation):
-        raise TypeError("a state of another system of constraints")
     if not (np.isfinite(state.forces).all() and np.isfinite(state.positions).all()):
         return ContactChecks(errors=("forces or positions are not finite numbers",))
     errors: list[str] = []
@@ -105,8 +102,6 @@ def cut_zones(system: ContactSystem, state: ContactState) -> tuple[Surface, ...]
     Contact beyond such an end is missed, unless it was left out on purpose.
     """
     lin = state.linearisation
-    if not isinstance(lin, ContactLinearisation):
-        raise TypeError("a state of another system of constraints")
     cut: list[Surface] = []
     for number, (contact, pairs) in enumerate(zip(system.contacts, lin.pairs, strict=True)):
         forces = state.forces[lin.starts[number] : lin.starts[number + 1]]

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactLinearisation, ContactSystem, NodeToNode, SegmentToSegment
+from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, SegmentToSegment
 from flangeway.contact.pairs import Pairs
 from flangeway.results import Result, ResultTable
-from flangeway.solve import ContactState
 from flangeway.types import Floats, Ints
 
 CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one patch
@@ -145,8 +144,6 @@ def pressure_remark(n_segments: float, oscillation: float) -> str | None:
 def pressure_patches(system: ContactSystem, state: ContactState) -> list[PressurePatch]:
     """Regions of contact of a solution, contact by contact along the secondary surfaces."""
     lin = state.linearisation
-    if not isinstance(lin, ContactLinearisation):
-        raise TypeError("a state of another system of constraints")
     patches = []
     for number, contact in enumerate(system.contacts):
         forces = state.forces[lin.starts[number] : lin.starts[number + 1]]
@@ -200,7 +197,6 @@ class ContactLine:
 def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLine]:
     """Pressures and gaps along the secondary surfaces of all contacts."""
     patches, lin = pressure_patches(system, state), state.linearisation
-    assert isinstance(lin, ContactLinearisation)
     found = []
     for number, (contact, pairs) in enumerate(zip(system.contacts, lin.pairs, strict=True)):
         surface, own = contact.secondary, ~pairs.guarded

@@ -12,7 +12,7 @@ from flangeway.railway.damage.collective import COLLECTIVES, Collective, Running
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings, EvolutionStep, limit_positions
 from flangeway.railway.damage.profile_limits import reached, worn_measures
 from flangeway.railway.damage.surface_wear import patch_damage, patch_loads, row_wear
-from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, UsfdLaw
+from flangeway.railway.damage.wear_laws import EnergyLaw, UsfdLaw
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.wheelset.spatial_result import solve_spatial
@@ -71,23 +71,25 @@ def test_worn_areas_of_both_profiles_are_those_of_the_cells(curve) -> None:
             assert x == pytest.approx(centre[0], abs=2.0)
 
 
-def test_archard_of_a_patch_is_the_slip_weighted_force(curve) -> None:
-    """Volume over distance is k / H times the sum of normal force times slip of the cells."""
-    rolling = curve.rolling[0]
-    loads = patch_loads(rolling)
-    volume = float((ArchardLaw(2700.0, 0.003).rates(loads) * loads.areas).sum())
-    slip = np.linalg.norm(rolling.forces.slip_velocities, axis=2) / rolling.speed_m_s
-    assert volume == pytest.approx(0.003 / 2700.0 * float((rolling.contact.normal_forces * slip).sum()), rel=1e-10)
-
-
 def settings(end: float = 3000.0, depth: float = 0.05, **more: object) -> EvolutionSettings:
     """Steps of 0.05 mm."""
     return EvolutionSettings(end, max_depth_mm=depth, **more)
 
 
+class Fading(Evolution):
+    """Wear without contact, whose rate falls with the depth: ``c exp(-depth / d)``; depth ``d ln(1 + c s / d)``."""
+
+    def _evaluated(self, position, surfaces, damage, progress):
+        progress(f"at {position}")
+        rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 90.0)
+                 for key, surface in surfaces.items()}  # fmt: skip
+        return EvolutionStep(position, surfaces, rates, damage, damage, (), 0.0)
+
+
 def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
     """A run that goes on from its file gives the same depths as one without interruption, to the last digit."""
-    evolution = Evolution(Collective([state(curve_radius_m=600.0)]), {"wheel": ENERGY}, settings(6000.0, 0.02))
+    collective = Collective([state()])
+    evolution = Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3))
     whole = evolution.run(tmp_path / "whole.sqlite")
     assert len(whole) > 2
 
@@ -95,29 +97,19 @@ def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
         """What a user does."""
 
     def stop(sentence: str) -> None:
-        if not sentence.startswith("0 of"):
+        if sentence == f"at {whole[-1].position}":
             raise StoppedError
 
     with pytest.raises(StoppedError):
         evolution.run(tmp_path / "parts.sqlite", stop)
     parts = evolution.run(tmp_path / "parts.sqlite")
-    assert [each.row for each in parts] == [each.row for each in whole]
+    np.testing.assert_equal([each.row for each in parts], [each.row for each in whole])  # numbers that are none too
     key = ("wheel", "right")
     assert (parts[-1].surfaces[key].depth == whole[-1].surfaces[key].depth).all()
     assert (parts[-1].surfaces[key].depth > 0.0).any()
-    again = Evolution(evolution.collective, {"wheel": ENERGY}, settings(6000.0, 0.02, filter_mm=1.0))
+    again = Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3, filter_mm=1.0))
     with pytest.raises(InputError, match=r"parts\.sqlite"):
         again.run(tmp_path / "parts.sqlite")
-
-
-class Fading(Evolution):
-    """Wear without contact, whose rate falls with the depth: ``c exp(-depth / d)``; depth ``d ln(1 + c s / d)``."""
-
-    def _evaluated(self, number, position, surfaces, damage, progress):
-        progress(f"step {number}")
-        rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 90.0)
-                 for key, surface in surfaces.items()}  # fmt: skip
-        return EvolutionStep(position, surfaces, rates, damage, damage, (), 0.0)
 
 
 def test_error_of_the_steps_is_controlled_and_of_second_order() -> None:
@@ -134,28 +126,38 @@ def test_error_of_the_steps_is_controlled_and_of_second_order() -> None:
     assert 1.6 < counts[1] / counts[0] < 2.4
 
 
-def test_a_symmetric_case_stays_symmetric() -> None:
-    """On straight track separate sides wear alike to the last bit, and the area is that of the energy."""
+def test_a_symmetric_case_stays_symmetric_up_to_its_limit() -> None:
+    """On straight track separate sides wear alike to the last bit, and the area is that of the energy.
+
+    The evolution ends at the first step in which a limit is reached, and names it and where, linear in the step.
+    """
+    limits = {"max_tread_wear_mm": 1e-3, "min_flange_thickness_mm": 20.0}
     collective = Collective([state()], separate=True)
-    first, *_, last = Evolution(collective, {"wheel": ENERGY}, settings(2e4)).run()
+    steps = Evolution(collective, {"wheel": ENERGY}, settings(1e6, limits=limits)).run()
+    first, last = steps[0], steps[-1]
     left, right = (last.surfaces["wheel", side] for side in ("left", "right"))
     assert (left.depth == right.depth).all()
-    assert right.depth.max() > 0.02
+    assert right.depth.max() > 0.01
     rate = float((first.rates["wheel", "right"] * first.surfaces["wheel", "right"].worn_lengths).sum())
     energy = 0.5 * first.t_gamma_N * 2e-8 * 1e6  # mm3 of one wheel in a km
     assert rate == pytest.approx(energy / (2.0 * np.pi * 460.0), rel=2e-3)
+    assert last.reached == ("wheel: max_tread_wear_mm",)
+    assert not any(step.reached for step in steps[:-1])
+    losses = [step.surfaces["wheel", "right"].radius_loss_mm for step in steps[-2:]]
+    position = np.interp(1e-3, losses, [step.position for step in steps[-2:]])
+    assert limit_positions(steps, limits) == {last.reached[0]: pytest.approx(position, rel=1e-9)}
 
 
-def test_a_mirrored_state_is_the_mirror_image() -> None:
+def test_a_mirrored_state_is_the_mirror_image(curve) -> None:
     """The left wheel in a curve to the left wears as the right one in the mirrored curve; twice mirrored is itself."""
-    one = state(curve_radius_m=600.0, superelevation_mm=60.0, yaw_mrad=0.4)
-    other = one.mirrored
+    canted = state(curve_radius_m=600.0, superelevation_mm=60.0, yaw_mrad=0.4)
+    other = canted.mirrored
     assert (other.model.rolling.curve_radius_m, other.model.yaw_rad) == (-600.0, -4e-4)
-    assert repr(other.mirrored.problem) == repr(one.problem)
-    assert repr(other.mirrored.model) == repr(one.model)
-    areas = []
-    for each in (one, other):
-        rows = row_wear(solve_spatial(each.problem, each.model), {"wheel": ENERGY})
+    assert repr(other.mirrored.problem) == repr(canted.problem)
+    assert repr(other.mirrored.model) == repr(canted.model)
+    mirrored, areas = state(curve_radius_m=600.0).mirrored, []
+    for found in (curve, solve_spatial(mirrored.problem, mirrored.model)):
+        rows = row_wear(found, {"wheel": ENERGY})
         areas.append({side: sum(row.areas.sum() for row in rows if row.side == side) for side in ("left", "right")})
     assert areas[0]["left"] > 2.0 * areas[0]["right"] or areas[0]["right"] > 2.0 * areas[0]["left"]
     assert areas[1]["right"] == pytest.approx(areas[0]["left"], rel=1e-5)
@@ -205,17 +207,6 @@ def test_compliance_of_new_bodies_serves_up_to_a_millimetre() -> None:
     assert max(found[0]) > 500.0
 
 
-def test_limits_end_the_evolution() -> None:
-    """The evolution ends at the first step in which a limit is reached, and names it and where, linear in the step."""
-    limits = {"max_tread_wear_mm": 1e-3, "min_flange_thickness_mm": 20.0}
-    steps = Evolution(Collective([state()]), {"wheel": ENERGY}, settings(1e6, limits=limits)).run()
-    assert steps[-1].reached == ("wheel: max_tread_wear_mm",)
-    assert not any(step.reached for step in steps[:-1])
-    losses = [step.surfaces["wheel", "right"].radius_loss_mm for step in steps[-2:]]
-    position = np.interp(1e-3, losses, [step.position for step in steps[-2:]])
-    assert limit_positions(steps, limits) == {steps[-1].reached[0]: pytest.approx(position, rel=1e-9)}
-
-
 def test_measures_of_worn_profiles_have_closed_forms() -> None:
     """A hollow of 1 mm in the tread and wear of a head are what the measures say."""
     fresh = WornSurface(wheel("S1002"))
@@ -253,13 +244,10 @@ def test_bundled_collectives_add_up(name: str) -> None:
     [
         (lambda: Collective([]), "without states"),
         (lambda: Collective([state(0.5), state(0.4)]), "0.9"),
-        (lambda: Collective([state(-1.0)]), "share"),
         (lambda: Collective([replace(state(), model=replace(state().model, rolling=None))]), "friction"),
         (lambda: Evolution(Collective([state()]), {}, settings()), "law"),
         (lambda: Evolution(Collective([state()]), {"wheel": ENERGY, "rail": ENERGY}, settings()), "axles_per_km"),
-        (lambda: settings(0.0), "end"),
         (lambda: settings(limits={"max_holow_mm": 2.0}), "max_holow_mm"),
-        (lambda: settings(filter_mm=-1.0), "filter_mm"),
     ],
 )
 def test_wrong_collectives_are_refused(make, word: str) -> None:

@@ -69,12 +69,6 @@ def test_dang_van_has_closed_forms(stresses: dict[str, np.ndarray], value: float
     assert found.index == pytest.approx([value / 200.0], rel=1e-4)
 
 
-def test_planes_of_dang_van_are_those_of_the_shear_stress() -> None:
-    """Under alternating shear xy the planes' normals are x and y."""
-    normals = DangVan(200.0, 0.3).of(history(xy=100.0 * np.cos(TIMES))).normals[0]
-    assert sorted(np.abs(normals).round(6).tolist()) == [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]
-
-
 def test_residual_stress_changes_the_hydrostatic_part_alone() -> None:
     """A constant stress moves the ball with the history: only its pressure counts."""
     law, stresses = DangVan(200.0, 0.3), history(xy=100.0 * np.cos(TIMES))
@@ -117,7 +111,6 @@ def test_line_contact_rolling_below_has_its_shear_range() -> None:
     ("make", "word"),
     [
         (lambda: surface_fatigue_index(0.3, (6.0, 4.0), 1e5, 0.0), "k_MPa"),
-        (lambda: shakedown_index(1000.0, 0.0, 0.1), "k_MPa"),
         (lambda: DangVan(0.0, 0.3), "limit_MPa"),
         (lambda: DangVan(200.0, -0.3), "slope"),
     ],

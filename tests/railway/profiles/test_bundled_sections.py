@@ -42,8 +42,7 @@ def test_segments_of_european_rails_are_tangent(name):
 
 @pytest.mark.parametrize(
     ("said", "meant"),
-    [("UIC60", "60E1"), ("uic 60", "60E1"), ("60e1", "60E1"), ("UIC_54", "54E1"), ("S49", "49E1"), ("136 RE", "136RE"),
-     ("AAR1B", "AAR-1B"), ("s1002", "S1002"), ("136re-14", "136RE-14")],
+    [("uic 60", "60E1"), ("UIC_54", "54E1"), ("S49", "49E1"), ("136re-14", "136RE-14")],
 )  # fmt: skip
 def test_names_that_people_use_lead_to_bundled_profiles(said, meant):
     """Older designations and other spellings of a name give the same rail or wheel."""
@@ -58,12 +57,6 @@ def test_bundled_sections_are_found_in_any_case(name):
     assert found.unit == "mm"
     assert found.title.startswith(name[:4])
     assert found.certainty.endswith(".")
-
-
-def test_crowns_differ():
-    """The three crowns of 136RE have the areas 13.31, 13.33 and 13.36 in2; the usual one is that of 10 in."""
-    areas = [bundled_section(name).section.area / 25.4**2 for name in ("136RE-8", "136RE", "136RE-14")]
-    np.testing.assert_allclose(areas, (13.31, 13.33, 13.36), atol=5e-3)
 
 
 def test_unknown_names_are_refused_with_the_nearest():

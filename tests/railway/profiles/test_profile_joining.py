@@ -16,9 +16,7 @@ from flangeway.railway.profiles.joining import (
     on_plain_body,
 )
 from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
-from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between, point_at, whole_profile
-from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.profiles.whole_outline import lengths_along, whole_profile
 
 
 def file_of(folder, points, kind, head="", name="m.txt"):
@@ -42,7 +40,7 @@ def wheel_points(name="S1002", spacing=0.3):
     return profile.outline.part(profile.running_names).sampled(spacing=spacing)
 
 
-@pytest.mark.parametrize("name", ["60E1", "136RE", "136RE-8", "136RE-14"])
+@pytest.mark.parametrize("name", ["60E1", "136RE-8"])
 def test_the_nominal_head_on_its_own_rail_is_the_rail(name, tmp_path):
     """Joined to the rail that it comes from, a head changes area and outline by micrometres only."""
     measured = read_profile(file_of(tmp_path, head_points(name), "rail"), ReadOptions(smooth_mm=0.0))
@@ -56,7 +54,7 @@ def test_the_nominal_head_on_its_own_rail_is_the_rail(name, tmp_path):
     assert found.profile.outline.bounds()[0, 1] == 0.0
 
 
-@pytest.mark.parametrize("name", ["S1002", "AAR-1B", "heavy-haul"])
+@pytest.mark.parametrize("name", ["S1002", "heavy-haul"])
 def test_the_nominal_tread_on_its_own_wheel_is_the_wheel(name, tmp_path):
     """Joined to the wheel that it comes from, a running surface gives that wheel again."""
     measured = read_profile(file_of(tmp_path, wheel_points(name), "wheel"), ReadOptions(smooth_mm=0.0))
@@ -117,9 +115,7 @@ def test_heads_are_placed_by_their_gauge_face(tmp_path):
         (lambda: head_points() + np.array([0.0, 8.0]), "rail", "60E1", "top is 8 mm above that of the nominal 60E1"),
         (lambda: head_points("136RE") + np.array([25.0, 0.0]), "rail", "136RE", "mm from the nominal 136RE"),
         (head_points, "rail", "S1002", "--join S1002, a wheel, for a rail"),
-        (wheel_points, "wheel", "60E1", "--join 60E1, a rail, for a wheel"),
         (wheel_points, "wheel", "AAR-1B", "flange's back"),
-        (wheel_points, "wheel", "S1003", "called 'S1003'"),
     ],
 )
 def test_what_does_not_fit_is_refused(points, kind, name, message, tmp_path):
@@ -129,9 +125,7 @@ def test_what_does_not_fit_is_refused(points, kind, name, message, tmp_path):
         joined(measured, name)
 
 
-@pytest.mark.parametrize(
-    ("name", "lateral_offset", "lean"), [("136RE", 6.0, 0.0), ("60E1", -6.5, 0.0), ("60E1", 0.0, 0.025)]
-)
+@pytest.mark.parametrize(("name", "lateral_offset", "lean"), [("136RE", 6.0, 0.0), ("60E1", 0.0, 0.025)])
 def test_a_head_counted_from_elsewhere_is_moved_to_its_field_side(name, lateral_offset, lean, tmp_path):
     """A head counted from a mark beside its middle, or from the highest point as it leans, fits with a notice."""
     points = head_points(name) @ np.array([[1.0, -lean], [lean, 1.0]]) / np.hypot(1.0, lean)
@@ -152,26 +146,7 @@ def test_a_wheel_that_no_bundled_one_is_like_has_a_plain_body(tmp_path):
     check(triangulate(found.outline, size=4.0), region_area=found.outline.area, area_tolerance=2e-3)
 
 
-def test_worn_profiles_run_through_the_chain(tmp_path):
-    """A worn noisy head on 60E1 and a noisy S1002 touch, and are meshed with a running surface of one chain."""
-    rng = np.random.default_rng(2)
-    rail_points, tread = head_points(wear=1.0), wheel_points()
-    rail_points = rail_points + 2e-3 * rng.normal(size=rail_points.shape)
-    tread = tread + 2e-3 * rng.normal(size=tread.shape)
-    on_rail = joined(read_profile(file_of(tmp_path, rail_points, "rail")), "60E1").profile
-    on_wheel = joined(read_profile(file_of(tmp_path, tread, "wheel")), "S1002").profile
-    rigid = RigidGeometry.of(Track(on_rail, gauge_mm=1435.0), Wheelset(on_wheel, back_to_back_mm=1360.0))
-    touch = rigid.locus([0.0]).right
-    assert abs(touch.rail_points_mm[0, 0, 0]) < 35.0
-    assert abs(touch.relative_curvatures_per_mm[0, 0]) < 0.2
-    for profile, names in ((on_rail, on_rail.head_names), (on_wheel, on_wheel.running_names)):
-        mesh = triangulate(profile.outline, size=3.0)
-        check(mesh, region_area=profile.outline.area, area_tolerance=2e-3)
-        chain = mesh.points[mesh.chain(*names)]
-        assert profile.outline.part(names).closest(chain)[2].max() < 1e-6
-
-
-@pytest.mark.parametrize("make", [rail, lambda: rail("60E1"), wheel, lambda: wheel("S1002")])
+@pytest.mark.parametrize("make", [lambda: rail("60E1"), lambda: wheel("S1002")])
 def test_whole_outlines_become_rails_and_wheels(make, tmp_path):
     """From a closed outline without useful names, head, base, running surface and cut are found again."""
     profile = make()
@@ -204,23 +179,10 @@ def test_running_surfaces_are_no_whole_outlines(tmp_path):
         joined(read_profile(path), "AAR-1B")
 
 
-@pytest.mark.parametrize(("first", "last"), [(10.0, 60.0), (700.0, 40.0), (3.0, 3.5)])
-def test_pieces_of_outlines(first, last):
-    """Pieces between two lengths along an outline are as long as these are apart, and begin and end there."""
-    outline = rail().outline
-    lengths = lengths_along(outline)
-    first, last = first % lengths[-1], last % lengths[-1]
-    pieces = pieces_between(outline, lengths, first, last)
-    assert sum(segment.length for _, segment in pieces) == pytest.approx((last - first) % lengths[-1], abs=1e-5)
-    np.testing.assert_allclose(pieces[0][1].start, point_at(outline, lengths, first), atol=1e-5)
-    np.testing.assert_allclose(pieces[-1][1].end, point_at(outline, lengths, last), atol=1e-5)
-
-
 @pytest.mark.parametrize(
     ("slope", "depth", "words"),
     [
         (1 / 40, 35.0, "1.4 degrees to the track's middle: if it was measured in the track's axes"),
-        (1 / 20, 22.0, "2.9 degrees to the track's middle"),
         (-1 / 40, 35.0, "from the track's middle: a left-hand rail, measured in the track's axes, needs --mirror"),
         (0.0, 35.0, ""),
     ],
@@ -238,10 +200,9 @@ def test_a_head_that_holds_its_inclination_is_reported(slope, depth, words, tmp_
     assert words in "".join(leaning)
 
 
-@pytest.mark.parametrize(("wear", "depth"), [(8.0, 20.0), (6.0, 28.0), (10.0, 34.0)])
-def test_a_side_worn_head_is_joined(wear, depth, tmp_path):
+def test_a_side_worn_head_is_joined(tmp_path):
     """A gauge face worn by millimetres, measured to some depth, is kept as it is and makes a section that meshes."""
-    head = head_points()
+    head, wear, depth = head_points(), 8.0, 20.0
     worn = head.copy()
     worn[:, 0] = np.maximum(worn[:, 0], -36.0 + wear + 0.15 * (worn[:, 1] + 14.0))
     worn = worn[(worn[:, 1] > -depth) & (np.hypot(*np.gradient(worn, axis=0).T) > 0.0)]

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from flangeway.errors import InputError
-from flangeway.geometry import Arc, Line, Outline
-from flangeway.mesh import Refinement, check, dual, triangulate
+from flangeway.geometry import Arc, Line
 from flangeway.railway.profiles.bundled import rail, wheel
 
 # printed in the files: area mm2, centroid above base mm, Ix mm4, Iy mm4
@@ -27,17 +25,6 @@ def test_rail_sections_have_the_printed_properties(radius, printed):
     assert abs(outline.centroid[0]) < 1e-10
 
 
-def test_rail_agrees_with_published_136re():
-    """136RE is published with 13.35 in2, 94.9 in4, height 7-5/16 in, base 6 in (within 0.5 %)."""
-    outline = rail(crown_radius_in=14).outline
-    assert outline.area / 25.4**2 == pytest.approx(13.35, rel=5e-3)
-    assert outline.second_moments[0] / 25.4**4 == pytest.approx(94.9, rel=5e-3)
-    low, high = outline.bounds()
-    assert high[1] - low[1] == pytest.approx(7.3125 * 25.4, abs=1e-6)
-    assert high[0] - low[0] == pytest.approx(6.0 * 25.4, abs=1e-6)
-    assert low[1] == 0.0
-
-
 @pytest.mark.parametrize("radius", [8, 10, 14])
 def test_crown_is_one_arc_of_the_radius_asked_for(radius):
     """Crown and base are single segments across the middle, the crown with its radius."""
@@ -49,30 +36,6 @@ def test_crown_is_one_arc_of_the_radius_asked_for(radius):
     assert crown.radius == pytest.approx(radius * 25.4, rel=1e-6)
     np.testing.assert_allclose(crown.point(0.5), [(0.0, 185.7375)], atol=1e-6)
     np.testing.assert_allclose(base.point(0.5), [(0.0, 0.0)], atol=1e-12)
-
-
-def test_rail_names_tell_the_side():
-    """Gauge segments are at negative x, field segments at positive x, as mirror images."""
-    outline = rail().outline
-    gauge = [name for name in outline.names if name.endswith("_gauge")]
-    assert len(gauge) == 13
-    for name in gauge:
-        left = outline.bounds([name])
-        right = outline.bounds([name.replace("_gauge", "_field")])
-        assert left[1, 0] < 0.0
-        np.testing.assert_allclose(left[:, 0], -right[::-1, 0], atol=1e-12)
-        np.testing.assert_allclose(left[:, 1], right[:, 1], atol=1e-12)
-
-
-def test_rail_head_is_one_chain_from_side_to_side():
-    """The running surface is one chain over the crown, named from gauge side to field side."""
-    profile = rail()
-    head = profile.outline.part(profile.head_names)
-    assert head.names == profile.head_names[::-1]
-    assert profile.head_names[0] == "head_side_1:40_gauge"
-    assert profile.head_names[-1] == "head_side_1:40_field"
-    assert head.bounds()[1, 1] == pytest.approx(185.7375)
-    assert profile.outline.bounds(profile.base_names)[1, 1] == 0.0
 
 
 @pytest.mark.parametrize("name", ["crown", "shoulder_gauge", "upper_web_fillet_field", "web_upper_gauge"])
@@ -102,60 +65,3 @@ def test_wheel_has_the_figures_of_the_standard():
     points = arc.point(np.linspace(0, 1, 100001))
     thickness = profile.flange_back_mm + points[np.argmin(np.abs(points[:, 1] + 9.525)), 0]
     assert thickness == pytest.approx(34.925, abs=2e-3)
-
-
-def test_wheel_is_a_region_above_its_tread():
-    """The flange is at negative x, the body above, the cut straight, 50 mm above the tape line."""
-    outline = wheel().outline
-    assert isinstance(outline, Outline)
-    np.testing.assert_allclose(outline.bounds(["cut"])[:, 1], 50.0)
-    assert outline.bounds(["flange_tip_land"])[1, 0] < -50.0
-    assert outline.contains([(0.0, 25.0)])[0]
-    for face in ("back_face", "outer_face"):
-        assert outline.bounds([face])[1, 1] == 50.0
-
-
-def test_wheel_running_surface_is_one_chain_in_outline_order():
-    """The running surface goes from the flange's back to the rim's edge without a gap."""
-    profile = wheel()
-    part = profile.outline.part(profile.running_names)
-    assert part.names == profile.running_names
-    assert part.segments[0].start == (-77.7875, -7.9375)
-    assert {"flange_root_R1", "flange_root_R2", "tread_1:20"} <= set(part.names)
-
-
-def test_users_see_how_certain_the_contours_are():
-    """Every profile says how far it can be trusted and where it comes from."""
-    assert "derived" in rail().certainty
-    assert "exact" in rail(crown_radius_in=14).certainty
-    assert "approximation" in wheel().certainty
-    for profile in (rail(), wheel()):
-        assert profile.source.endswith(".")
-
-
-@pytest.mark.parametrize(
-    ("make", "word"),
-    [
-        (lambda: rail("115RE"), "136RE"),
-        (lambda: rail(crown_radius_in=12), "8, 10, 14"),
-        (lambda: wheel("S1003"), "AAR-1B"),
-    ],
-)
-def test_unknown_profiles_are_refused_with_those_there_are(make, word):
-    """An unknown name or radius is refused, and the message lists what is allowed."""
-    with pytest.raises(InputError, match=word):
-        make()
-
-
-@pytest.mark.parametrize("make", [rail, wheel])
-def test_profiles_make_sound_meshes(make):
-    """Rail and wheel are meshed with a refined running surface; triangles and duals are sound."""
-    profile = make()
-    names = profile.head_names if hasattr(profile, "head_names") else profile.running_names
-    surface = profile.outline.part(names).sampled(spacing=0.5)
-    surface = surface[np.abs(surface[:, 0]) < 10.0]
-    mesh = triangulate(profile.outline, size=3.0, refinements=[Refinement(surface, 0.5, 0.2)])
-    check(mesh, region_area=profile.outline.area, area_tolerance=2e-3)
-    check(dual(mesh), region_area=mesh.cell_areas.sum())
-    assert set(mesh.edge_sets) == set(profile.outline.names)
-    np.testing.assert_allclose(profile.outline.closest(mesh.points[mesh.chain(*names)])[2], 0.0, atol=1e-9)

@@ -10,7 +10,7 @@ from flangeway.railway.rigid.elastic_start import rigid_start
 from flangeway.railway.track.placements import SIDES
 
 
-@pytest.mark.parametrize("rail_inclination", [1 / 40, 1 / 30, 1 / 100])
+@pytest.mark.parametrize("rail_inclination", [1 / 40, 1 / 100])
 def test_a_conical_tread_touches_the_crown_where_the_slopes_agree(rail_inclination: float) -> None:
     """A tread of 1:20 touches a crown of radius R at R sin(atan(1/20) - atan(slope)) from its middle, to 1 µm."""
     start = rigid_start(
@@ -42,7 +42,7 @@ def test_a_prescribed_lateral_motion_is_taken() -> None:
     assert start.equilibrium is None
 
 
-@pytest.mark.parametrize("gauge", [1000.0, 1850.0, 3000.0])
+@pytest.mark.parametrize("gauge", [1000.0, 1850.0])
 def test_a_wheel_that_misses_its_rail(gauge: float) -> None:
     """A gauge that leaves the wheels beside the rails, or on the edge of them, is refused with what to check."""
     with pytest.raises(InputError, match="gauge_mm"):

@@ -47,7 +47,7 @@ def s1002():
     return RigidGeometry.of(track, wheelset)
 
 
-@pytest.mark.parametrize("radius", [0.01, 20.0, 300.0])
+@pytest.mark.parametrize("radius", [0.01, 300.0])
 def test_cones_on_round_rails_in_closed_form(radius):
     """Roll, lateral and vertical motion, contact points and rolling radii of cones on circular rails are exact.
 
@@ -83,7 +83,7 @@ def brute_gap(side, lateral, height, roll):
     return y[over] - side.rail.over(x[over]).y
 
 
-@pytest.mark.parametrize("lateral", [-9.7, -8.0, -3.0, 0.0, 2.0, 7.99, 8.5, 9.9])
+@pytest.mark.parametrize("lateral", [-9.7, 0.0, 7.99])
 def test_both_wheels_touch_and_none_penetrates(heavy_haul, lateral):
     """In every position the smallest gap of either wheel, by brute force, is zero."""
     locus = heavy_haul.locus([lateral])
@@ -142,19 +142,6 @@ def test_jumps_of_both_sides_are_mirrored(s1002):
     assert len(right) > 2
 
 
-def test_beyond_the_middle_the_wheel_touches_in_two_places(s1002):
-    """Near 5 mm tread and flange root of the S1002 are both within some micrometres of the rail."""
-    locus = s1002.locus([5.0])
-    assert locus.right.gaps_mm[0, 1] < 0.002
-    assert abs(locus.right.wheel_points_mm[0, 0, 0] - locus.right.wheel_points_mm[0, 1, 0]) > 10.0
-
-
-def test_a_thousand_positions_are_where_they_were_asked_for(heavy_haul):
-    """A sweep over tread, flange root and flange has each of its lateral motions to round-off."""
-    lateral = np.linspace(-9.9, 9.9, 1000)
-    assert np.abs(heavy_haul.locus(lateral).lateral_mm - lateral).max() < 1e-10
-
-
 def test_the_climbing_flange_turns_the_axle_back(heavy_haul):
     """Along the climbing flange the axle's lateral motion has a maximum value; beyond it is refused with that value."""
     path = heavy_haul.located(heavy_haul.path(12.0))
@@ -170,11 +157,10 @@ def test_without_roll_each_wheel_comes_down_by_itself(heavy_haul):
     assert (locus.roll_rad == 0.0).all()
 
 
-@pytest.mark.parametrize("lateral", [[math.nan], [], [[0.0]]])
-def test_wrong_lateral_motions_are_refused(heavy_haul, lateral):
+def test_wrong_lateral_motions_are_refused(heavy_haul):
     """Lateral motions are a list of finite numbers."""
     with pytest.raises(InputError, match="finite"):
-        heavy_haul.locus(lateral)
+        heavy_haul.locus([math.nan])
 
 
 def test_wheels_beside_the_rails_are_refused():
@@ -187,15 +173,6 @@ def test_a_gauge_below_the_head_is_refused():
     """The gauge is measured where the profile has a face."""
     with pytest.raises(InputError, match="below the head of the right rail"):
         Track(rail("60E1"), 1435.0, gauge_depth_mm=90.0).placement("right")
-
-
-def test_the_gauge_is_that_of_the_faces(s1002):
-    """At the depth of the gauge the faces are half a gauge from the middle."""
-    rail_curve = s1002.right.rail
-    arcs = np.linspace(0.0, rail_curve.length, 100_001)
-    places = rail_curve.at(arcs)
-    face = np.interp(places.y.max() - 14.0, places.y[: np.argmax(places.y)], places.x[: np.argmax(places.y)])
-    assert face == pytest.approx(717.5, abs=1e-3)
 
 
 def test_a_flange_root_that_conforms_to_the_gauge_corner_is_followed():

@@ -10,7 +10,7 @@ from flangeway.errors import InputError
 from flangeway.exact import contact_modulus
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.rigid_curve import RigidCurve
-from flangeway.railway.rigid.rigid_equilibrium import RigidContactPoint, held_ratios, rigid_equilibrium
+from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidSide
 from flangeway.railway.track.placements import Track, Wheelset
@@ -20,13 +20,9 @@ WEIGHT = 300e3
 CURVE = WheelsetLoad(WEIGHT, 28.4e3, superelevation_angle(30.0, 1600.0))
 
 
-def heavy_haul(crown_radius_in=10.0):
-    return RigidGeometry.of(Track(rail("136RE", crown_radius_in=crown_radius_in)), Wheelset(wheel("AAR-1B")))
-
-
 @pytest.fixture(scope="module")
 def usual():
-    return heavy_haul()
+    return RigidGeometry.of(Track(rail("136RE")), Wheelset(wheel("AAR-1B")))
 
 
 @pytest.fixture(scope="module")
@@ -74,11 +70,9 @@ def test_on_level_track_the_wheelset_stands_in_the_middle(usual):
     assert residual(usual, position, WheelsetLoad(WEIGHT)) < 1e-9
 
 
-@pytest.mark.parametrize("crown_radius_in", [8.0, 10.0, 14.0])
-def test_in_the_curve_the_outer_wheel_bears_on_two_points(crown_radius_in):
+def test_in_the_curve_the_outer_wheel_bears_on_two_points(usual):
     """With 28.4 kN and 3 cm the inner rail has one contact, the outer one two, on crown and gauge corner."""
-    wheelset = heavy_haul(crown_radius_in)
-    found = rigid_equilibrium(wheelset, CURVE)
+    found = rigid_equilibrium(usual, CURVE)
     assert found.status.converged
     position = found.position
     assert [point.side for point in position.contacts] == ["left", "right", "right"]
@@ -87,14 +81,8 @@ def test_in_the_curve_the_outer_wheel_bears_on_two_points(crown_radius_in):
     assert math.degrees(tread.contact_angle_rad) < 4.0
     assert math.degrees(flange_root.contact_angle_rad) > 10.0
     assert flange_root.rail_point_mm[0] < tread.rail_point_mm[0] - 10.0
-    assert residual(wheelset, position, CURVE) < 1e-9
-    # the lateral motion is within the spread that Moherdaui's own profile leaves open
-    assert 6.5 < position.motion_in_space.lateral_mm < 9.0
-
-
-def test_the_curve_in_numbers(usual):
-    """The rigid equilibrium of the curve with the usual profiles, a number to notice changes by."""
-    position = rigid_equilibrium(usual, CURVE).position
+    assert residual(usual, position, CURVE) < 1e-9
+    # within the spread of 6.5 to 9 mm that Moherdaui's own profile leaves open
     assert position.motion_in_space.lateral_mm == pytest.approx(7.9915, abs=1e-3)
     assert 1e3 * position.motion_in_space.roll_rad == pytest.approx(0.4955, abs=1e-3)
 
@@ -107,7 +95,7 @@ def potential(wheelset, load, locus):
     return onto * y - along * x
 
 
-@pytest.mark.parametrize("lateral_N", [-20e3, -4e3, 0.0, 7e3, 25e3])
+@pytest.mark.parametrize("lateral_N", [-20e3, 7e3])
 def test_a_steady_balance_is_the_minimum_of_the_potential(hollow, lateral_N):
     """Where no contact jumps, the equilibrium is where the potential of the load is least, with one contact a side."""
     load = WheelsetLoad(WEIGHT, lateral_N)
@@ -131,15 +119,6 @@ def test_at_a_jump_the_potential_has_its_least_value(usual):
     values = potential(usual, CURVE, near) / WEIGHT
     assert values[0] - values[1] > 1e-5
     assert values[2] - values[1] > 1e-5
-
-
-def test_the_force_held_is_that_of_the_equilibrium(hollow):
-    """The ratio that a position holds brings the wheelset to that position."""
-    path = hollow.path(5.0)
-    number = len(path.rail_level) - 10
-    ratio = float(held_ratios(hollow, path)[number])
-    found = rigid_equilibrium(hollow, WheelsetLoad(WEIGHT, ratio * WEIGHT))
-    assert found.position.motion.lateral_mm == pytest.approx(hollow.located(path).lateral_mm[number], abs=1e-8)
 
 
 def test_a_load_to_the_left_is_mirrored(usual):
@@ -210,13 +189,6 @@ def test_the_elastic_estimate_is_hertz_for_a_force_per_thickness(usual):
     assert estimate.max_pressure == pytest.approx(2.0 * line_load / (math.pi * estimate.half_width))
 
 
-@pytest.mark.parametrize(("curvature", "force"), [(0.0, 1e4), (-1e-3, 1e4), (0.01, 0.0)])
-def test_no_estimate_is_made_up(curvature, force):
-    """Between conforming curves, or without force, there is no line contact."""
-    point = RigidContactPoint("left", (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), 0.05, 460.0, curvature, force)
-    assert point.hertz(10.0, 115e3) is None
-
-
 def test_the_force_of_the_curve():
     """Thirty tonnes at 70 km/h in a curve of 400 m are thrown outward with 28.4 kN."""
     assert curve_force_N(30e3 * 9.80665, 70.0, 400.0) == pytest.approx(28.36e3, rel=1e-3)
@@ -226,22 +198,11 @@ def test_the_force_of_the_curve():
     "make",
     [
         lambda: WheelsetLoad(-1.0),
-        lambda: WheelsetLoad(math.nan),
         lambda: WheelsetLoad(1.0, math.inf),
         lambda: superelevation_angle(2000.0, 1600.0),
-        lambda: superelevation_angle(30.0, 0.0),
     ],
 )
 def test_wrong_loads_are_refused(make):
     """Loads upward, numbers that are not finite, and impossible curves are errors."""
     with pytest.raises(InputError):
         make()
-
-
-def test_a_balance_in_the_middle_is_told_without_a_sign(usual):
-    """The middle of the track is at 0.000 mm, whatever the sign of the rounding that is left."""
-    middle = rigid_equilibrium(usual, WheelsetLoad(WEIGHT))
-    position = middle.position
-    assert position is not None
-    below = replace(position, motion=replace(position.motion, lateral_mm=-1e-9))
-    assert "lateral displacement of 0.000 mm" in replace(middle, outcome=below).status.message

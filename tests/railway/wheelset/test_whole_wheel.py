@@ -16,11 +16,9 @@ from flangeway.railway.profiles.bundled import WHEELS, WheelProfile, wheel
 from flangeway.railway.profiles.formats.segment_files import write_segment_csv
 from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.profiles.whole_outline import whole_profile
-from flangeway.railway.wheelset import whole_wheel as module
 from flangeway.railway.wheelset.whole_wheel import WheelDisc, revolved, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells, compliance_table
 from flangeway.space import Space
-from flangeway.system.disk_cache import Cache
 
 YOUNG, RADIUS = 210e3, 460.0
 N, Z = 1, 2  # axes of a cell
@@ -55,6 +53,12 @@ def s1002() -> tuple[WheelProfile, SurfaceCells]:
     return whole_wheel(profile, RADIUS), cells_of(profile, -10.0, 10.0, 4)
 
 
+@kept
+def correction() -> np.ndarray:
+    """What the whole wheel S1002 gives more than the prism of its rim."""
+    return wheel_correction(s1002()[0], RADIUS, s1002()[1])
+
+
 def ring_compliance(waves: float, bore: float, radius: float, *, curved: bool = True) -> np.ndarray:
     """Displacements by unit forces per radian at the edge of a plane ring without Poisson's effect, by collocation.
 
@@ -83,7 +87,7 @@ def ring_compliance(waves: float, bore: float, radius: float, *, curved: bool = 
     return np.linalg.solve(np.vstack((first, second)), loads)[[0, m]]
 
 
-@pytest.mark.parametrize("waves", [0, 1, 2, 7, 40])
+@pytest.mark.parametrize("waves", [0, 1, 40])
 def test_a_ring_under_waves_is_that_of_plane_elasticity(waves) -> None:
     """Radial and circumferential compliance of a ring of 20 mm loaded over its width, nu = 0, to 2e-4."""
     cells = cells_of(plain(20.0, 60.0), -10.0, 10.0, 1, poisson=0.0)
@@ -159,8 +163,7 @@ def test_a_whole_wheel_gives_way_as_one_of_920_mm_should() -> None:
 
     The prism of the whole section leaves 0.002 to 0.012 mm of that. Laterally 10 kN move it by 0.1 to 0.2 mm.
     """
-    whole, cells = s1002()
-    rim = wheel_correction(whole, RADIUS, cells)
+    whole, rim = s1002()[0], correction()
     assert 0.02 < 150e3 * rim[1, N, 1, N] < 0.05
     assert 0.1 < 10e3 * rim[1, 0, 1, 0] < 0.2
     np.testing.assert_allclose(rim, rim.transpose(2, 3, 0, 1), atol=1e-12 * rim.max())
@@ -199,40 +202,18 @@ def test_a_whole_section_comes_from_a_file(tmp_path) -> None:
     file = tmp_path / "wheel.csv"
     file.write_text(write_segment_csv(whole.outline, "wheel", "a wheel", "tape", 70.0))
     found = whole_profile(read_profile(file))
-    np.testing.assert_allclose(
-        wheel_correction(found, RADIUS, cells), wheel_correction(whole, RADIUS, cells), rtol=1e-6, atol=1e-15
-    )
-
-
-def test_results_are_kept(tmp_path, monkeypatch) -> None:
-    """A second computation with the same input reads the first one's matrix, another wheel does not."""
-    whole, cells = s1002()
-    cache = Cache(tmp_path, 10**7)
-    monkeypatch.setattr(module, "SHORTEST_MM", 200.0)
-    first = wheel_correction(whole, RADIUS, cells, cache)
-
-    def refuse(*_: object) -> None:
-        raise AssertionError("computed again")
-
-    monkeypatch.setattr(module, "compliances", refuse)
-    np.testing.assert_array_equal(wheel_correction(whole, RADIUS, cells, cache), first)
-    with pytest.raises(AssertionError, match="computed again"):
-        wheel_correction(whole, RADIUS - 1.0, cells, cache)
+    np.testing.assert_allclose(wheel_correction(found, RADIUS, cells), correction(), rtol=1e-6, atol=1e-15)
 
 
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
         ({"rim_mm": 0.0}, "rim_mm"),
-        ({"web_mm": (22.0, -1.0)}, "web_mm"),
-        ({"bore_radius_mm": -100.0}, "bore_radius_mm"),
         ({"web_middle_mm": (0.0, np.inf)}, "web_middle_mm"),
         ({"hub_mm": (10.0, 10.0)}, "a hub from 10 to 10 mm"),
         ({"bore_radius_mm": 150.0}, "a bore smaller than the hub"),
         ({"hub_radius_mm": 430.0}, "parts that follow each other"),
-        ({"rim_mm": 1.0}, "parts that follow each other"),
         ({"fillet_mm": 200.0}, "a smaller fillet_mm"),
-        ({"web_mm": (200.0, 30.0)}, "a smaller fillet_mm"),
     ],
 )
 def test_wrong_dimensions_are_refused(wrong, message) -> None:

@@ -54,15 +54,3 @@ def test_what_is_in_front_is_read_from_above_and_tilted(opened):
     opened.canvas.press("t")
     assert opened.page.get_by_role("button", name="from above").is_visible()
     assert opened.errors() == []
-
-
-def test_the_right_button_turns_it(opened):
-    """A drag with the right button changes the picture, and what is read at the middle stays where it was."""
-    before = opened.shot()
-    box = opened.canvas.bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    opened.page.mouse.move(x, y)
-    opened.page.mouse.down(button="right")
-    opened.page.mouse.move(x + 80.0, y, steps=4)
-    opened.page.mouse.up(button="right")
-    assert opened.changed(before) > 0.05

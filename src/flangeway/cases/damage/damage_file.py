@@ -9,7 +9,6 @@ from pydantic import ConfigDict, Field, create_model
 
 from flangeway.cases.case import Table, require_known
 from flangeway.cases.case_file import FILE_KEYS
-from flangeway.cases.damage.spread_states import SHARE, drawn, moved
 from flangeway.cases.nested import mapped
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError, located
@@ -46,9 +45,6 @@ class DamageTables(Table):
     """bundled collective, instead of states"""
     sides: Literal["mean", "separate"] = "mean"
     """whether left and right profiles wear alike, as in curves of both hands, or each for itself"""
-    spread: int = Field(0, ge=0)
-    """states in the place of each one, in as many parts of the way to halfway to its neighbours, elsewhere in these in
-    each step; 0: the states themselves"""
     inputs: dict[str, Any] = Field({})
     """inputs of the case wheelset that all states share"""
     states: list[StateTable] = Field([])
@@ -142,8 +138,8 @@ class DamageFile(TomlFile):
                 f"collective, one of {', '.join(COLLECTIVES)}, or [[states]] with share and inputs",
                 "give one of both",
             )
-        entries: list[tuple[str, Mapping[str, Any], int | None]] = [
-            (state.name or f"state {number + 1}", {**(state.model_extra or {}), SHARE: state.share}, number)
+        found = [
+            self._state(state.name or f"state {number + 1}", state.share, inputs | (state.model_extra or {}), number)
             for number, state in enumerate(tables.states)
         ]
         if name:
@@ -157,29 +153,18 @@ class DamageFile(TomlFile):
                     "other inputs, or [[states]] in the place of collective",
                     f"remove {key}, or write the states into the file",
                 )
-            entries.append((bundled.name, bundled.values | {SHARE: bundled.share}, None))
-
-        def states(step: int) -> list[RunningState]:
-            """States of a step."""
-            given, found = [values for _, values, _ in entries], []
-            for part in range(max(tables.spread, 1)):
-                there = moved(given, drawn(step, part, tables.spread)) if tables.spread else given
-                for (name, _, number), values in zip(entries, there, strict=True):
-                    found.append(self._state(name, {**inputs, **values}, number, max(tables.spread, 1)))
-            return found
-
+            found.append(self._state(bundled.name, bundled.share, inputs | bundled.values))
         settings = self._values(("evolution",), tables.evolution, inputs_of(EvolutionSettings, "limits"))
         laws = {role: self._law(role, given) for role, given in tables.wear.items()}
         with located(f"{self.file}: "):
-            collective = Collective(states(0), tables.sides == "separate", states if tables.spread else None)
+            collective = Collective(found, tables.sides == "separate")
             evolution = Evolution(collective, laws, EvolutionSettings(**settings, limits=tables.limits))
         return DamageInputs(self.file.stem, evolution, name, inputs)
 
-    def _state(self, name: str, values: dict[str, Any], number: int | None, parts: int) -> RunningState:
+    def _state(self, name: str, share: float, values: dict[str, Any], number: int | None = None) -> RunningState:
         place = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
-        changed, share = mapped(self.changed_inputs, self._resolved), values.pop(SHARE) / parts
         with located(f"{place}{name}: "):
-            case = SpatialWheelsetCase.from_values({**values, **changed})
+            case = SpatialWheelsetCase.from_values(values | mapped(self.changed_inputs, self._resolved))
             return RunningState(name, share, case.problem(), case.spatial_model())
 
     def _law(self, role: Role, given: Mapping[str, Any]) -> WearLaw:

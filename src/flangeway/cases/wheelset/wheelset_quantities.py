@@ -21,7 +21,7 @@ from flangeway.cases.rolling_quantities import (
 )
 from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.exact import PointContact
-from flangeway.post.patch_stresses import DepthProfile, StressField
+from flangeway.post.patch_stresses import DepthProfile
 from flangeway.problems import LinearBody
 from flangeway.quantities import Quantities, Quantity, column_names, of_part
 from flangeway.railway.track.discretisation import ROLES, Role
@@ -148,12 +148,6 @@ class PatchResult:
         return None if rolling is None else rolling.power_W
 
     @cached_property
-    def fields(self) -> dict[Role, StressField]:
-        """Stresses in the volumes below the patch."""
-        tractions = self.result.tractions_of(self.patch.side)
-        return {role: self.patch.field(role, tractions) for role in ROLES}
-
-    @cached_property
     def lines(self) -> dict[Role, DepthProfile]:
         """Stresses on the normals below the centre of pressure."""
         tractions = self.result.tractions_of(self.patch.side)
@@ -161,7 +155,7 @@ class PatchResult:
 
     def maximum(self, role: Role, name: str) -> tuple[float, float, Floats]:
         """Maximum of a stress in the volume below, MPa, its depth in mm, and its point in the track's axes."""
-        extreme = getattr(self.fields[role], name)
+        extreme = getattr(self.result.stress_fields[self.patch][role], name)
         point = self.patch.points_below(role, *(np.array([entry]) for entry in extreme.position))[0]
         return extreme.value, extreme.position[1], point
 

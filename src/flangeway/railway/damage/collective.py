@@ -1,7 +1,7 @@
 """Collectives: states of running with their shares of the distance, and how profiles of all of them are exchanged."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -65,8 +65,6 @@ class Collective:
     separate
         False: the wheels of both sides wear alike, and so do the rails, by the mean of both sides: lines have as many
         curves to the left as to the right, and wheelsets are turned. True: each side wears by itself.
-    drawn
-        The states of a step by its number, with others of the inputs that they stand for; None: always the same ones.
 
     Raises
     ------
@@ -78,7 +76,6 @@ class Collective:
 
     states: Sequence[RunningState]
     separate: bool = False
-    drawn: Callable[[int], Sequence[RunningState]] | None = None
 
     def __post_init__(self) -> None:
         if not self.states:
@@ -104,10 +101,6 @@ class Collective:
                 "a sum of 1",
                 "correct them; one passage of a wheelset counts for both of its wheels once",
             )
-
-    def of_step(self, number: int) -> Sequence[RunningState]:
-        """The states of a step."""
-        return self.drawn(number) if self.drawn else self.states
 
     @cached_property
     def is_symmetric(self) -> bool:

@@ -216,7 +216,7 @@ class Evolution:
                 key: WornSurface(profile, spacing_mm=self.settings.spacing_mm) for key, profile in profiles.items()
             }
             none = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
-            steps.append(self._evaluated(0, 0.0, surfaces, none, progress))
+            steps.append(self._evaluated(0.0, surfaces, none, progress))
             if store:
                 store.add(self._row_of(steps[-1]))
         while steps[-1].position < self.settings.end and not steps[-1].reached:
@@ -245,7 +245,7 @@ class Evolution:
             # the end exactly, so that a run to it ends there
             end = settings.end if last.position + way >= settings.end * (1.0 - 1e-12) else last.position + way
             predicted = {key: each.worn_by(way * last.rates[key]) for key, each in last.surfaces.items()}
-            there = self._evaluated(len(steps), end, predicted, last.damage, progress)
+            there = self._evaluated(end, predicted, last.damage, progress)
             error = max(0.5 * way * float(np.abs(there.rates[key] - last.rates[key]).max()) for key in last.rates)
             if error <= settings.max_error_mm:
                 break
@@ -258,7 +258,7 @@ class Evolution:
         damage = {
             key: each + half * (last.damage_rates[key] + there.damage_rates[key]) for key, each in last.damage.items()
         }
-        found = self._evaluated(len(steps), end, surfaces, damage, progress)
+        found = self._evaluated(end, surfaces, damage, progress)
         # what did not converge on the way is reported as well
         both = zip(found.states, there.states, strict=True)
         states = tuple(replace(state, message=state.message or other.message) for state, other in both)
@@ -276,13 +276,12 @@ class Evolution:
 
     def _evaluated(
         self,
-        number: int,
         position: float,
         surfaces: Mapping[SurfaceKey, WornSurface],
         damage: Mapping[SurfaceKey, Floats],
         progress: Callable[[str], None],
     ) -> EvolutionStep:
-        """Solve all states of the step with a number on worn profiles."""
+        """Solve all states on worn profiles."""
         deep = any(surface.depth.max() > MAX_COMPLIANCE_WEAR_MM for surface in surfaces.values())
         profiles = {key: surface.worn_body if deep else surface.worn for key, surface in surfaces.items()}
         if self.collective.is_symmetric:
@@ -291,10 +290,10 @@ class Evolution:
         damage_rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
         made: list[SpatialWheelset] = []
         states, t_gamma, solved = [], 0.0, 0.0
-        drawn, end = self.collective.of_step(number), self.settings.end
-        for count, state in enumerate(drawn, 1):
+        all_states, end = self.collective.states, self.settings.end
+        for count, state in enumerate(all_states, 1):
             share = state.share
-            progress(f"{position:.4g} of {end:.4g} {self.unit}, state {count} of {len(drawn)}")
+            progress(f"{position:.4g} of {end:.4g} {self.unit}, state {count} of {len(all_states)}")
             problem = self.collective.problem_with(state, profiles)
             try:
                 result = _solved(SpatialWheelset(problem, {}, state.model), made)
@@ -344,7 +343,6 @@ class Evolution:
             repr(sorted(settings.items())),
             repr([(role, law.name) for role, law in self.laws.items()]),
             repr(self.collective.separate),
-            repr(self.collective.drawn is None),
             *(f"{state.share!r} {state.problem!r} {state.model!r}" for state in self.collective.states),
         ]
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()

@@ -5,6 +5,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 from flangeway.errors import InputError
 from flangeway.formats import DrawnSection
@@ -289,6 +290,7 @@ def _reference_rail() -> RailProfile:
     )
 
 
+@cache
 def _s1002() -> WheelProfile:
     profile = _wheel_below(
         s1002_contour(),

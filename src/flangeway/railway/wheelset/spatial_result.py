@@ -10,9 +10,10 @@ import numpy as np
 from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE, shakedown_state
+from flangeway.post.patch_stresses import StressField
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
 from flangeway.railway.rigid.elastic_start import CLIMBED_MM
-from flangeway.railway.track.discretisation import ROLES
+from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import (
     RUNNING_CIRCLES_MM,
     SIDE_SIGN,
@@ -91,6 +92,13 @@ class SpatialResult:
         """Tractions (t, z) by friction on the wheel's cells of a side, (n, n_z, 2); None: the theory has none."""
         found = [each.tractions for each in self.rolling if each.patch.side == side and each.tractions is not None]
         return sum(found[1:], found[0]) if found else None
+
+    @cached_property
+    def stress_fields(self) -> dict[SpatialPatch, dict[Role, StressField]]:
+        """Stresses in the volumes below the patches of both bodies, by the tractions of all cells of a side."""
+        return {
+            patch: {role: patch.field(role, self.tractions_of(patch.side)) for role in ROLES} for patch in self.patches
+        }
 
     @property
     def approach_mm(self) -> float:
@@ -231,14 +239,15 @@ def solve_position(
         for patch in patches
         if patch.remark
     ]
-    start, lateral = wheelset.start, problem.prescribed.lateral_mm
-    rise = equilibrium.position.vertical_mm - float(start.geometry.locus([0.0]).vertical_mm[0])
+    lateral, position = problem.prescribed.lateral_mm, equilibrium.position
+    rise = wheelset.rise(position)
     if rise > CLIMBED_MM and (status.converged or lateral is not None):
-        reason = f"derailed, the axle {rise:.1f} mm higher than in the middle of the track, a flange on its rail"
+        reason = f"derailed, at {position.lateral_mm:.1f} mm the axle is {rise:.1f} mm higher than in the middle of the"
+        reason += " track, a flange on its rail or the other wheel in the air"
         if lateral is not None:
             raise InputError(
                 f"lateral_mm = {lateral:g}: {reason}",
-                f"a position at which no flange climbs, rigid ones up to {start.motion.lateral_mm:.1f} mm",
+                f"a position at which no flange climbs, rigid ones up to {wheelset.start.motion.lateral_mm:.1f} mm",
                 "give a smaller lateral_mm",
             )
         status = Status(False, f"{reason}; check what is prescribed and the load", status.iterations)

@@ -9,7 +9,7 @@ difference between sleepers and continuous support.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -182,12 +182,18 @@ CHUNK = 64
 def weights_at(wavenumbers: Floats, distances: Floats, strip: float, averaged: int) -> tuple[Floats, Floats]:
     """`inverse_weights` at signed distances (...), each (..., n_k): of cosine and sine of ``k z``."""
     apart, places = np.unique(np.round(np.abs(distances), 6).astype(np.float64), return_inverse=True)
+    even, odd = _weights(tuple(wavenumbers.tolist()), tuple(apart.tolist()), strip, averaged)
+    places = places.reshape(distances.shape)
+    return even[places], np.sign(distances)[..., None] * odd[places]
+
+
+@lru_cache(maxsize=8)  # both rails and all positions ask for the same ones
+def _weights(wavenumbers: tuple[float, ...], apart: tuple[float, ...], strip: float, averaged: int) -> list[Floats]:
     parts = [
-        inverse_weights(wavenumbers, apart[start : start + CHUNK], strip, averaged)
+        inverse_weights(np.array(wavenumbers), np.array(apart[start : start + CHUNK]), strip, averaged)
         for start in range(0, len(apart), CHUNK)
     ]
-    even, odd = (np.concatenate(each)[places.reshape(distances.shape)] for each in zip(*parts, strict=True))
-    return even, np.sign(distances)[..., None] * odd
+    return [np.concatenate(each) for each in zip(*parts, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)

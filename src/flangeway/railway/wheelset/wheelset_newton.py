@@ -184,6 +184,12 @@ class WheelsetNewton:
         return 0.0 if self.creep is None else 1e3 * (self.creep.motion.yaw_stiffness_Nm_per_rad or 0.0)
 
     @property
+    def way_left(self) -> float:
+        """Way across the track to the lateral position that is prescribed, mm; 0 without one."""
+        lateral = self.problem.prescribed.lateral_mm
+        return 0.0 if lateral is None else lateral - self.position.lateral_mm
+
+    @property
     def bends(self) -> bool:
         """Whether creep forces that were found still bend the bodies in part only."""
         return any(each.bent for each in self.sides.values())
@@ -319,14 +325,16 @@ class WheelsetNewton:
         if self.creep is not None:
             limits[RATE] = self.creep.reach.limit_of(float(step[RATE]), halved=self._is_halved)
         excess = float((np.abs(step) / limits).max())
-        if excess > 1.0 or not across:
-            return step / max(excess, 1.0)
-        push = sense * float(self.missed[row] + self.jacobian[row] @ step)
-        slope = sense * float(self.jacobian[row, 0] + self.jacobian[row] @ by_x)
-        way = -push / slope if slope < 0.0 else float(np.copysign(np.inf, push))
-        if slope >= 0.0 and abs(push) < SADDLE * abs(sense * self.jacobian[row, 0]):
-            # on top of the energy both ways lead down: to the left, whatever round-off says; friction has no energy
-            way = -np.inf if self.creep is None else 0.0
+        if excess > 1.0:
+            return step / excess
+        way = self.way_left
+        if across:
+            push = sense * float(self.missed[row] + self.jacobian[row] @ step)
+            slope = sense * float(self.jacobian[row, 0] + self.jacobian[row] @ by_x)
+            way = -push / slope if slope < 0.0 else float(np.copysign(np.inf, push))
+            if slope >= 0.0 and abs(push) < SADDLE * abs(sense * self.jacobian[row, 0]):
+                # on top of the energy both ways lead down: to the left, whatever round-off says; friction has no energy
+                way = -np.inf if self.creep is None else 0.0
         limit = self.across.limit_of(way, halved=self._is_halved)
         self.across.last = way = float(np.clip(way, -limit, limit))
         by_x[0], limits[0] = 1.0, np.inf
@@ -345,7 +353,11 @@ class WheelsetNewton:
         most = share * FINE_FORCES
         if self.creep is None:
             most = min(most, COARSE_FORCES)
-        moving = self.bends or (most < COARSE_FORCES and any(each.changed for each in self.sides.values()))
+        moving = (
+            self.bends
+            or self.way_left != 0.0
+            or (most < COARSE_FORCES and any(each.changed for each in self.sides.values()))
+        )
         tilted = float(np.abs(self.tilts - self.bent).max()) > share * FINE_TILT_RAD
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))
         self.tilts = self.tilts + step[3:5]

@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, Template
+from jinja2 import Template
 from markupsafe import Markup, escape
 
 from flangeway.cases.summary import summary_text
@@ -18,6 +19,7 @@ from flangeway.report.page.tables import timings_table
 from flangeway.report.viewer import field_viewer
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
+from flangeway.system.templates import templates
 from flangeway.system.workbook import csv_tables, write_workbook
 
 SHOWN_SIZE = 0.55  # pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures
@@ -82,14 +84,8 @@ def write_record(
 
 @cache
 def _template() -> Template:
-    environment = Environment(
-        loader=PackageLoader("flangeway.report.page", "."),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"with_names": _with_names, "base64": _base64, "shown_width": _shown_width}
+    filters: dict[str, Any] = {"with_names": _with_names, "base64": _base64, "shown_width": _shown_width}
+    environment = templates("flangeway.report.page", markup=True, **filters)
     environment.tests |= {"words": lambda text: not NUMBER_CELL.fullmatch(text)}
     return environment.get_template("page.html")
 

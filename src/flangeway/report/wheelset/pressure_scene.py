@@ -112,7 +112,7 @@ def stresses_below(result: SpatialResult, side: Side) -> dict[str, Floats]:
     grid = result.equilibrium.state.sides[side].grid.grid
     total = np.zeros((len(BELOW_MM) + 1, len(grid.stations), len(grid.z)))
     for patch in (each for each in result.patches if each.side == side):
-        field = patch.field("rail", result.tractions_of(side))
+        field = result.stress_fields[patch]["rail"]
         place = np.searchsorted(field.depths, BELOW_MM).clip(1, len(field.depths) - 1)
         part = (BELOW_MM - field.depths[place - 1]) / np.diff(field.depths)[place - 1]
         low, high = field.von_mises[place - 1], field.von_mises[place]

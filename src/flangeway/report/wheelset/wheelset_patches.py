@@ -186,7 +186,7 @@ def stresses_figure(run: WheelsetRun) -> Figure:
     figure = new_figure(12.5, 0.7 + 3.3 * max(len(lines), 1), units)
     rows = figure.subplots(max(len(lines), 1), 3, squeeze=False)
     for row, (patch, role) in zip(rows, lines, strict=False):
-        field = patch.field(role, run.space.tractions_of(patch.side))
+        field = run.space.stress_fields[patch][role]
         highest, shown = field.max_von_mises, patch_map(run.space, patch.side)
         at = field.nearest(highest.position)
         across, values = shown.across(field.along), field.von_mises
