@@ -193,8 +193,7 @@ def _distances(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
     own, other = edge_series(secondary), edge_series(primary)
     at, tangent = horner(own, xi), horner(derivative(own), xi)
     apart = horner(other, ray_parameters(other, at, tangent)) - at
-    distance: Floats = -(np.conj(tangent) * apart).imag / np.abs(tangent)
-    return distance
+    return -(np.conj(tangent) * apart).imag / np.abs(tangent)
 
 
 class _Arrays:
@@ -424,8 +423,7 @@ class PiecePoints(_Arrays):
             left += [end.rate[:, None], end_turn]
             right += [through[:, None] + factor[:, None, None] * first, factor[:, None, None] * second]
         product = _components(np.concatenate(left, axis=1)).swapaxes(1, 2) @ _components(np.concatenate(right, axis=1))
-        result: Floats = (product + product.swapaxes(1, 2)) / 2.0
-        return result
+        return (product + product.swapaxes(1, 2)) / 2.0
 
 
 def _dot(one: Complex, other: Complex) -> Floats:

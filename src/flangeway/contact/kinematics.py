@@ -64,8 +64,7 @@ def shape_functions(order: int, xi: Floats, highest: int = 2) -> tuple[Floats, .
 
 def as_complex(vectors: Floats) -> Complex:
     """Vectors (..., 2) as complex numbers, shape (...)."""
-    numbers: Complex = np.ascontiguousarray(vectors).view(np.complex128)[..., 0]
-    return numbers
+    return np.ascontiguousarray(vectors).view(np.complex128)[..., 0]
 
 
 def as_vectors(numbers: Complex) -> Floats:

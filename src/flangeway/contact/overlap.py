@@ -148,8 +148,7 @@ def _rings_of(polygon: shapely.Geometry) -> Sequence[shapely.Geometry]:
 
 def _samples(ring: shapely.Geometry) -> Floats:
     at = shapely.get_coordinates(ring)
-    points: Floats = (at[:-1, None] + SAMPLES[:-1] * np.diff(at, axis=0)[:, None]).reshape(-1, 2)
-    return points
+    return (at[:-1, None] + SAMPLES[:-1] * np.diff(at, axis=0)[:, None]).reshape(-1, 2)
 
 
 def _deepest(points: Floats, depths: Floats, allowed: Floats) -> Intrusion:

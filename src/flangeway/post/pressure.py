@@ -86,14 +86,12 @@ class PressurePatch(Result):
     @property
     def force(self) -> Floats:
         """Resultant on the secondary side, shape (2,)."""
-        total: Floats = self.forces.sum(axis=0)
-        return total
+        return self.forces.sum(axis=0)
 
     @property
     def centre(self) -> Floats:
         """Centre of pressure, shape (2,)."""
-        middle: Floats = self.normal_forces @ self.points / self.normal_forces.sum()
-        return middle
+        return self.normal_forces @ self.points / self.normal_forces.sum()
 
     @property
     def oscillation(self) -> float:
@@ -320,8 +318,7 @@ def _pressures(forces: Floats, areas: Floats, whole_areas: Floats, least: float 
     for sliver in np.flatnonzero(slivers):
         sides = [side for side in (sliver - 1, sliver + 1) if 0 <= side < n]
         label[label == label[sliver]] = label[max(sides, key=lambda side: areas[side])]
-    pressures: Floats = (np.bincount(label, forces, n) / np.maximum(np.bincount(label, areas, n), 1e-300))[label]
-    return pressures
+    return (np.bincount(label, forces, n) / np.maximum(np.bincount(label, areas, n), 1e-300))[label]
 
 
 def _groups(areas: Floats, least: float) -> Ints:

@@ -148,8 +148,7 @@ class Elasticity:
     def depth(self, points: Floats) -> Floats | float:
         """Length out of the plane at points (..., 2), shape (...): the thickness, or the circumference."""
         if self.axisymmetric:
-            circumference: Floats = 2.0 * np.pi * points[..., 0]
-            return circumference
+            return 2.0 * np.pi * points[..., 0]
         return self.thickness
 
     @property

@@ -147,8 +147,7 @@ def _remainder(cells: SurfaceCells, strip: float, numbers: Ints, tolerance: floa
     ends = np.stack((cells.limits[:-1], cells.limits[1:]), axis=1)
     flat = half_spaces_on((cells.material,), ends, cells.frames, strip, n_strips)
     own -= flat[:, :, numbers].transpose(2, 3, 0, 4, 1)
-    remainder: Floats = np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)
-    return remainder
+    return np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)
 
 
 def half_spaces_on(
