@@ -343,7 +343,7 @@ def _rows(mesh: PolyMesh, edges: Edges) -> Ints:
             "edges of the boundary",
             "choose among mesh.boundary_edges",
         )
-    return np.asarray(rows, dtype=np.int64)
+    return rows
 
 
 def _check_merge(caller: str, merge: float) -> None:

@@ -145,7 +145,7 @@ class Torsion:
         mesh = self.space.element_mesh
         weights = self.cell_moduli * mesh.cell_areas
         base = mesh.points[0]
-        return np.asarray(base + weights @ (mesh.cell_centroids - base) / weights.sum())
+        return base + weights @ (mesh.cell_centroids - base) / weights.sum()
 
     @cached_property
     def boundary(self) -> SectionBoundary:
