@@ -11,6 +11,7 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
+from flangeway.problems import Part
 from flangeway.types import Floats
 
 PAIRINGS = "NodeToSegment(...), SegmentToSegment(...) or NodeToNode()"
@@ -88,6 +89,11 @@ class Contact:
         self._refuse_bad_friction()
         mean_area = float(np.mean(self.node_areas))
         self.enforcement.check(self.pairing, self.suggested_penalty, mean_area, self._names)
+
+    @property
+    def parts(self) -> tuple[Part, Part]:
+        """Parts of the secondary and of the primary surface."""
+        return self.secondary.part, self.primary.part
 
     @property
     def node_areas(self) -> Floats:

@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -15,7 +16,7 @@ from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError
 from flangeway.problems import Part
-from flangeway.solve import Linearisation, SurfaceNodes
+from flangeway.solve import ContactState, Linearisation, SurfaceNodes
 from flangeway.solve.linearisation import Sliding
 from flangeway.types import Bools, Floats, Ints
 
@@ -116,6 +117,15 @@ class ContactLinearisation:
         return touched if self.spread is None else (self.spread @ touched.ravel()).reshape(-1, 2)
 
 
+class SolvedContact(NamedTuple):
+    """A contact in a solution: its constraints, where they are among those of all contacts, and their forces."""
+
+    contact: Contact
+    pairs: Pairs
+    inside: slice
+    forces: Floats
+
+
 class ContactSystem:
     """All contacts among some parts, as inequalities on the parts' surface nodes.
 
@@ -158,6 +168,17 @@ class ContactSystem:
         """Mean length of the edges of a primary surface, that of the contact where it is least."""
         return min(float(contact.primary.edge_lengths.mean()) for contact in self.contacts)
 
+    def solved(self, state: ContactState) -> list[SolvedContact]:
+        """The contacts in a solution of theirs."""
+        return self._with_forces(state.linearisation, state.forces)
+
+    def _with_forces(self, lin: Linearisation, all_forces: Floats) -> list[SolvedContact]:
+        if not isinstance(lin, ContactLinearisation):
+            raise TypeError("a state of another system of constraints")
+        insides = (slice(*ends) for ends in itertools.pairwise(lin.starts.tolist()))
+        given = zip(self.contacts, lin.pairs, insides, strict=True)
+        return [SolvedContact(contact, pairs, inside, all_forces[inside]) for contact, pairs, inside in given]
+
     def nodes_of(self, surface: Surface) -> Ints:
         """Numbers of a surface's nodes among the surface nodes of all parts, along the surface."""
         number = self.parts.index(surface.part)
@@ -176,10 +197,10 @@ class ContactSystem:
         assert isinstance(lin, ContactLinearisation)
         if not any(each.any() for sides in lin.guarded_nodes for each in sides):
             return lin
-        kept = []
-        for contact, pairs, first in zip(self.contacts, lin.pairs, lin.starts, strict=False):
-            sides = contact.secondary, contact.primary
-            kept.append(corners_under_force(pairs, sides, forces[first : first + len(pairs.keys)]))
+        kept = [
+            corners_under_force(pairs, (contact.secondary, contact.primary), own)
+            for contact, pairs, _, own in self._with_forces(lin, forces)
+        ]
         return self._with(kept, positions, lin, settle=False)
 
     def guarded(
@@ -189,9 +210,8 @@ class ContactSystem:
         assert isinstance(lin, ContactLinearisation)
         guarded_nodes, more = [], False
         points = self._all_points(positions)
-        for number, contact in enumerate(self.contacts):
-            sides = contact.secondary, contact.primary
-            explained = self.explained(lin, forces, number, moved)
+        for number, each in enumerate(self._with_forces(lin, forces)):
+            sides, explained = (each.contact.secondary, each.contact.primary), self.explained(each, moved)
             at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
             found = penetrating(sides, at, lin.guarded_nodes[number], explained, MAX_OVERLAP * moved / 2.0)
             one, other = (before | new for before, new in zip(lin.guarded_nodes[number], found, strict=True))
@@ -205,14 +225,15 @@ class ContactSystem:
         sides = contact.secondary, contact.primary
         return corners_on_corners(sides, (reference[self.nodes_of(sides[0])], reference[self.nodes_of(sides[1])]))
 
-    def explained(self, lin: ContactLinearisation, forces: Floats, number: int, moved: float) -> float:
+    @staticmethod
+    def explained(solved: SolvedContact, moved: float) -> float:
         """Maximum penetration that the law of a contact, the elements between nodes and round-off explain."""
-        mine = slice(lin.starts[number], lin.starts[number + 1])
-        law = self.contacts[number].enforcement
-        tolerated = law.tolerance() if np.isfinite(law.tolerance()) else 0.0
-        given = float((lin.compliances[mine] * forces[mine]).max(initial=0.0)) if tolerated == 0.0 else tolerated
-        sizes = [surface.part.body.size for surface in (self.contacts[number].secondary, self.contacts[number].primary)]
-        return (1.0 + ROUND_OFF) * given + BETWEEN_NODES * moved + ROUND_OFF * min(sizes)
+        law = solved.contact.enforcement
+        given = law.tolerance()
+        if not np.isfinite(given):
+            given = float((law.compliances(solved.pairs) * solved.forces).max(initial=0.0))
+        size = min(part.body.size for part in solved.contact.parts)
+        return (1.0 + ROUND_OFF) * given + BETWEEN_NODES * moved + ROUND_OFF * size
 
     def _guarded_nodes(self, number: int, previous: Linearisation | None) -> tuple[Bools, Bools]:
         if isinstance(previous, ContactLinearisation):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactLinearisation, ContactSystem, NodeToNode, SegmentToSegment
+from flangeway.contact import Contact, ContactSystem, NodeToNode, SegmentToSegment
 from flangeway.contact.pairs import Pairs
 from flangeway.results import Result, ResultTable
 from flangeway.solve import ContactState
@@ -142,19 +142,15 @@ def pressure_remark(n_segments: float, oscillation: float) -> str | None:
 
 def pressure_patches(system: ContactSystem, state: ContactState) -> list[PressurePatch]:
     """Regions of contact of a solution, contact by contact along the secondary surfaces."""
-    lin = state.linearisation
-    if not isinstance(lin, ContactLinearisation):
-        raise TypeError("a state of another system of constraints")
     patches = []
-    for number, contact in enumerate(system.contacts):
-        forces = state.forces[lin.starts[number] : lin.starts[number + 1]]
-        keys = _along(lin.pairs[number], contact)
+    for number, (contact, pairs, _, forces) in enumerate(system.solved(state)):
+        keys = _along(pairs, contact)
         loaded = np.flatnonzero(forces > 0.0)
         loaded = loaded[np.argsort(keys[loaded], kind="stable")]
         breaks = np.flatnonzero(np.diff(keys[loaded]) > CONSTRAINTS_APART) + 1
         points = state.positions[system.nodes_of(contact.secondary)]
         patches += [
-            _patch(number, contact, lin.pairs[number], points, forces, group, keys[group])
+            _patch(number, contact, pairs, points, forces, group, keys[group])
             for group in np.split(loaded, breaks)
             if len(group)
         ]
@@ -197,10 +193,8 @@ class ContactLine:
 
 def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLine]:
     """Pressures and gaps along the secondary surfaces of all contacts."""
-    patches, lin = pressure_patches(system, state), state.linearisation
-    assert isinstance(lin, ContactLinearisation)
-    found = []
-    for number, (contact, pairs) in enumerate(zip(system.contacts, lin.pairs, strict=True)):
+    patches, found = pressure_patches(system, state), []
+    for number, (contact, pairs, mine, _) in enumerate(system.solved(state)):
         surface, own = contact.secondary, ~pairs.guarded
         places = np.unique(contact.pairing.key_nodes(surface)).astype(np.int64)
         n, pressures = len(surface.nodes), np.zeros(len(surface.nodes))
@@ -219,7 +213,7 @@ def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLin
                 state.positions[system.nodes_of(surface)[places]],
                 pressures[places],
                 gaps[places],
-                *(each[places] for each in _sliding(pairs, state, slice(*lin.starts[number : number + 2]), n)),
+                *(each[places] for each in _sliding(pairs, state, mine, n)),
             )
         )
     return found
