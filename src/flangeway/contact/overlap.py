@@ -207,7 +207,7 @@ def deformed_boundaries(
         points = part.body.nodes
         at = state.placements[number].points(points + field[: len(points)])
         at[system.surface_nodes[number].nodes] = state.positions[first:last]
-        surfaces = (side for each in system.contacts for side in (each.secondary, each.primary) if side.part is part)
+        surfaces = (side for each in system.contacts for side in each.sides if side.part is part)
         boundaries.append(Boundary.of_part(part, at, max(surface.chord_turn for surface in surfaces)))
     return boundaries
 

@@ -150,14 +150,14 @@ class ContactSystem:
         parts: dict[int, Part] = {}
         surfaces: dict[int, list[Surface]] = {}
         for contact in self.contacts:
-            for surface in (contact.secondary, contact.primary):
+            for surface in contact.sides:
                 parts.setdefault(id(surface.part), surface.part)
                 surfaces.setdefault(id(surface.part), []).append(surface)
         self.parts = tuple(parts.values())
         self.surface_nodes = tuple(_union(surfaces[id(part)]) for part in self.parts)
         counts = [len(surface.nodes) for surface in self.surface_nodes]
         self._first_node = np.concatenate(([0], np.cumsum(counts)))
-        sides = [(contact.secondary, contact.primary) for contact in self.contacts]
+        sides = [contact.sides for contact in self.contacts]
         self._first_key = np.concatenate(([0], np.cumsum([key_starts(*both)[-1] for both in sides])))
         # edges of the primary side, then those of the secondary one
         self._first_edge = np.concatenate(([0], np.cumsum([sum(len(each.edges) for each in both) for both in sides])))
@@ -198,8 +198,7 @@ class ContactSystem:
         if not any(each.any() for sides in lin.guarded_nodes for each in sides):
             return lin
         kept = [
-            corners_under_force(pairs, (contact.secondary, contact.primary), own)
-            for contact, pairs, _, own in self._with_forces(lin, forces)
+            corners_under_force(pairs, contact.sides, own) for contact, pairs, _, own in self._with_forces(lin, forces)
         ]
         return self._with(kept, positions, lin, settle=False)
 
@@ -211,7 +210,7 @@ class ContactSystem:
         guarded_nodes, more = [], False
         points = self._all_points(positions)
         for number, each in enumerate(self._with_forces(lin, forces)):
-            sides, explained = (each.contact.secondary, each.contact.primary), self.explained(each, moved)
+            sides, explained = each.contact.sides, self.explained(each, moved)
             at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
             found = penetrating(sides, at, lin.guarded_nodes[number], explained, MAX_OVERLAP * moved / 2.0)
             one, other = (before | new for before, new in zip(lin.guarded_nodes[number], found, strict=True))
@@ -221,8 +220,7 @@ class ContactSystem:
 
     def corners_on_corners(self, reference: Floats, number: int) -> Floats:
         """Points (n, 2) at which corners of a contact's surfaces meet, by the undeformed surface nodes (n_nodes, 2)."""
-        contact = self.contacts[number]
-        sides = contact.secondary, contact.primary
+        sides = self.contacts[number].sides
         return corners_on_corners(sides, (reference[self.nodes_of(sides[0])], reference[self.nodes_of(sides[1])]))
 
     @staticmethod
@@ -238,8 +236,7 @@ class ContactSystem:
     def _guarded_nodes(self, number: int, previous: Linearisation | None) -> tuple[Bools, Bools]:
         if isinstance(previous, ContactLinearisation):
             return previous.guarded_nodes[number]
-        contact = self.contacts[number]
-        one, other = (np.zeros(len(side.nodes), dtype=np.bool_) for side in (contact.secondary, contact.primary))
+        one, other = (np.zeros(len(side.nodes), dtype=np.bool_) for side in self.contacts[number].sides)
         return one, other
 
     def _with(
@@ -254,7 +251,7 @@ class ContactSystem:
         members = []
         points = self._all_points(positions)
         for number, contact in enumerate(self.contacts):
-            sides = contact.secondary, contact.primary
+            sides = contact.sides
             secondary, primary = (self._points[id(side)] for side in sides)
             edges = primary[contact.primary.contact_places]
             kept = self._kept(number, previous)
@@ -272,7 +269,7 @@ class ContactSystem:
         """Name a constraint; see `flangeway.solve.Constraints.describe`."""
         number = int(np.searchsorted(self._first_key, key, side="right")) - 1
         contact = self.contacts[number]
-        surface, other = contact.secondary, contact.primary
+        surface, other = contact.sides
         local, (first, second, _) = int(key - self._first_key[number]), key_starts(surface, other)
         if local < first:
             node = int(contact.pairing.key_nodes(surface)[local])
@@ -334,7 +331,7 @@ class ContactSystem:
         Points are the nodes of all surfaces, then those of `Surface.bends`.
         """
         n = int(self._first_node[-1])
-        surfaces = {id(each): each for contact in self.contacts for each in (contact.secondary, contact.primary)}
+        surfaces = {id(each): each for contact in self.contacts for each in contact.sides}
         numbers: dict[int, Ints] = {}
         ends, bends = [], []
         count = n
@@ -384,7 +381,7 @@ def _no_slides(pairs: Pairs) -> Slides:
 
 def _refuse_twice(first: Contact, second: Contact) -> None:
     """Raise `InputError` if two contacts have edges of both bodies in common, whichever is secondary."""
-    mine, theirs = ((each.secondary, each.primary) for each in (first, second))
+    mine, theirs = (each.sides for each in (first, second))
     if any(all(map(_share_edges, mine, others)) for others in (theirs, theirs[::-1])):
         raise InputError(
             f"two contacts of {first.secondary.part.name!r} and {first.primary.part.name!r} along the same edges",

@@ -128,7 +128,7 @@ def _facet_depth(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> f
 
 def _sinking(contact: Contact, patch: PressurePatch) -> float:
     """Maximum pressure times half width over the modulus of contact."""
-    softness = sum(surface.part.body.softness for surface in (contact.secondary, contact.primary))
+    softness = sum(part.body.softness for part in contact.parts)
     return float(patch.pressures.max()) * patch.half_width * softness
 
 

@@ -252,7 +252,7 @@ def _patch(
     along = np.concatenate(([0.0], np.cumsum(steps)))[nodes]
     share = force / force.sum()
 
-    secondary, primary = contact.secondary, contact.primary
+    secondary, primary = contact.sides
     on_secondary = secondary.part.body.nodes[secondary.nodes[nodes]]
     on_primary = pairs.opposite_points(primary.undeformed_edges)[group]
     touched = np.isin(pairs.rows, group).any(axis=1)
