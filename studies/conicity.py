@@ -48,25 +48,24 @@ def rows(run: Run) -> Iterator[Row]:
     """Worst difference of the radii, worst conicity over its tolerance, and conicities at whole amplitudes."""
     published = published_rows("en15302.csv")
     for name in COMBINATIONS:
-        run.progress(f"EN 15302, {name}")
         (lateral, known_mm), (amplitudes, known) = (
             np.array([[float(r["y"]), float(r["value"])] for r in published if (r["case"], r["quantity"]) == case]).T
             for case in ((name, "difference"), (name, "conicity"))
         )
         difference, code = rolling_radius_difference(name), title(name)
-        worst = float(np.abs(difference(lateral) - known_mm).max())
+        worst = np.abs(difference(lateral) - known_mm).max()
         quantity = "error of the rolling radius difference, worst of all"
         note = f"{len(lateral)} lateral displacements"
         yield Row("EN 15302, J", code, quantity, "mm", worst, 0.0, DIFFERENCE_LIMIT_MM, note)
         conicity = equivalent_conicity(difference, amplitudes)
         # what the standard allows, and the rounding where it allows nothing
         tolerances = np.maximum(np.minimum(TOLERANCE, MAX_RATIO * known), HALF_DIGIT)
-        worst = float((np.abs(conicity - known) / tolerances).max())
+        worst = (np.abs(conicity - known) / tolerances).max()
         quantity, note = "error of the conicity over its tolerance, worst of all", f"{len(known)} amplitudes"
         yield Row("EN 15302, K", code, quantity, "", worst, 0.0, 1.0, note)
         for at in np.flatnonzero(np.isin(amplitudes, SHOWN_MM)):
-            limit = Limit(f"{tolerances[at]:g}", bool(abs(conicity[at] - known[at]) <= tolerances[at]))
+            limit = Limit(f"{tolerances[at]:g}", abs(conicity[at] - known[at]) <= tolerances[at])
             place = f"{code}, {amplitudes[at]:g} mm"
-            yield Row("EN 15302, K", place, "conicity", "", float(conicity[at]), float(known[at]), limit)
+            yield Row("EN 15302, K", place, "conicity", "", conicity[at], known[at], limit)
         run.curve("conicity", code, "EN 15302", amplitudes, known, ".")
         run.curve("conicity", code, "computed", amplitudes, conicity)

@@ -82,7 +82,7 @@ def solved(body: str, element: Element, level: int, *, on_curves: bool) -> tuple
         return error / size, math.nan
     mesh, top = problem.space.mesh, problem.node_at((0.0, PLATE.radius))
     stresses = corner_stresses(problem, solution.displacements).components[mesh.cell_points == top]
-    return error / size, float(stresses[:, 0].mean()) / PLATE.tension
+    return error / size, stresses[:, 0].mean() / PLATE.tension
 
 
 def _ring(n: int) -> PolyMesh:
@@ -102,7 +102,7 @@ def _twisted(space: Space) -> float:
         points, weights = polygon_quadrature(batch.outline, 2 * space.order)
         values = np.einsum("sae,aqe->sqe", stress, reconstruction.at(points)[: stress.shape[1]])
         exact = np.stack((-points[:, 1], points[:, 0]))
-        squares += [float(np.sum(field**2 * weights)) for field in (values - exact, exact)]
+        squares += [np.sum(field**2 * weights) for field in (values - exact, exact)]
     return math.sqrt(squares[0] / squares[1])
 
 
@@ -133,7 +133,7 @@ def pressures(order: int, triangles: int, *, on_curves: bool) -> tuple[float, fl
     x, values = patch.points[:, 0], patch.pressures
     within = INSIDE * theory.half_width
     apart = values - np.interp(x, (x[:-2] + x[2:]) / 2.0, (values[:-2] + values[2:]) / 2.0)
-    oscillation = float(np.sqrt(np.mean(apart[np.abs(x) < within] ** 2))) / theory.max_pressure
+    oscillation = np.sqrt(np.mean(apart[np.abs(x) < within] ** 2)) / theory.max_pressure
     return rms_from_hertz(x, values, theory, within), oscillation
 
 
@@ -141,7 +141,6 @@ def rows(run: Run) -> Iterator[Row]:
     """Orders of all bodies by all elements, stresses at the hole, and pressures."""
     peaks: dict[str, float] = {}
     for body, (name, element) in product(BODIES, ELEMENTS.items()):
-        run.progress(f"{body}: {name}")
         # the function of torsion is quadratic: round-off follows soon
         levels = (4, 8) if body == "torsion" else LEVELS[1:] if element.order == 2 else LEVELS[:-1]
         errors: dict[bool, list[float]] = {}
@@ -168,7 +167,6 @@ def rows(run: Run) -> Iterator[Row]:
             abs(fine - 3.0) < abs(coarse - 3.0), f"the stress at the hole is no better by {after} than by {before}"
         )
     for order, pressure_limit in PRESSURE_LIMITS.items():
-        run.progress(f"Hertz: V{order}")
         arcs, chords = (pressures(order, TRIANGLES, on_curves=on_curves) for on_curves in (True, False))
         quantity = "difference of the pressure on"
         yield Row("Hertz", f"V{order}", f"{quantity} curved edges", "1", arcs[0], 0.0, pressure_limit)

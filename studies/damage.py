@@ -64,16 +64,14 @@ def wear_rows() -> Iterator[Row]:
         depths = (law.rates(cells) * cells.areas).sum(axis=1) / width
         for at in (0.0, 2.0, 3.5):
             value = middle * (1.0 - (at / B_MM) ** 2)
-            yield Row(
-                name, f"y = {at:g} mm", "depth of a passage", "mm", float(np.interp(at, y, depths)), value, LAW_LIMIT
-            )
-    volume = 1e3 * float((exact["Archard"][0].rates(cells) * cells.areas).sum())
+            yield Row(name, f"y = {at:g} mm", "depth of a passage", "mm", np.interp(at, y, depths), value, LAW_LIMIT)
+    volume = 1e3 * (exact["Archard"][0].rates(cells) * cells.areas).sum()
     value = 1e3 * WEAR_COEFFICIENT / HARDNESS_MPa * CREEPAGE * FORCE_N
     yield Row("Archard", "full slip", "volume over distance", "mm^3/m", volume, value, LAW_LIMIT)
     yield Row("full slip", "", "T-gamma", "N", cells.t_gamma_N, FRICTION * FORCE_N * CREEPAGE, LAW_LIMIT)
     law = ArchardLaw(HARDNESS_MPa)
     for velocity, pressure, k in ((0.1, 0.5, 5.5e-4), (0.45, 0.5, 35e-4), (0.9, 0.5, 5.5e-4), (0.1, 0.9, 350e-4)):
-        computed = float(law.coefficients(np.array([velocity]), np.array([pressure * HARDNESS_MPa]))[0])
+        computed = law.coefficients(np.array([velocity]), np.array([pressure * HARDNESS_MPa]))[0]
         yield Row("Jendel (2002)", f"{velocity:g} m/s, {pressure:g} H", "wear coefficient", "", computed, k, ROUND_OFF)
 
 
@@ -99,32 +97,29 @@ def fatigue_rows() -> Iterator[Row]:
         ("turning shear", (none, none, none, shear, 100.0 * np.sin(angles), none), 100.0),
     ):
         found = DangVan(200.0, slope).of(np.stack(history, axis=1)[None]).equivalent_MPa[0]
-        yield Row("Dang Van", code, "equivalent stress", "MPa", float(found), exact, 1e-4)
+        yield Row("Dang Van", code, "equivalent stress", "MPa", found, exact, 1e-4)
 
 
 def rolling_rows(run: Run) -> Iterator[Row]:
     """Repeated rolling of a line contact over perfectly plastic steel."""
     stress = np.linalg.norm(RollingLine(1.0, 0.0, STEEL, 20).elastic, axis=2).max()
-    yield Row("Melan", "friction 0", "p0/k at first yield", "", float(np.sqrt(2.0) / stress), FIRST_YIELD, LAW_LIMIT)
+    yield Row("Melan", "friction 0", "p0/k at first yield", "", (np.sqrt(2.0) / stress), FIRST_YIELD, LAW_LIMIT)
     for friction, factor, state, source in LOADS:
-        run.progress(f"repeated rolling, friction {friction:g}, p0/k = {factor:g}")
         rolled = RollingLine(factor, friction, STEEL, 8, depth=1.0).repeated()
         code = f"friction {friction:g}, p0/k = {factor:g}"
-        added, limit = float(rolled.increments[-1]), Limit(state, rolled.state == state)
+        added, limit = rolled.increments[-1], Limit(state, rolled.state == state)
         yield Row(source, code, "plastic strain of the last passage over k/G", "", added, 0.0, limit)
         passages = np.arange(1, len(rolled.increments) + 1)
         run.curve("passages", f"friction {friction:g}", f"p0/k = {factor:g}", passages, rolled.increments, ".-")
-    run.progress("residual stress on two meshes")
     coarse, fine = (RollingLine(3.5, 0.0, STEEL, cells, depth=1.0).repeated(1).residual_MPa for cells in (8, 16))
     for number, axis in enumerate(("along", "axial")):
-        values = float(coarse[:, number].min()), float(fine[:, number].min())
+        values = coarse[:, number].min(), fine[:, number].min()
         yield Row("one passage", "p0/k = 3.5, 8 cells for 16", f"residual stress, {axis}", "MPa", *values, 0.03)
 
 
 def wheelset_rows(run: Run) -> Iterator[Row]:
     """T-gamma and worn areas of a wheelset in a curve."""
     for theory in ("fastsim", "exact"):
-        run.progress(f"wheelset in a curve, {theory}")
         case = SpatialWheelsetCase.from_values(CURVE | {"rolling_theory": theory})
         result = solve_spatial(case.problem(), case.spatial_model())
         run.check(f"wheelset in a curve, {theory}", result.status)
@@ -136,8 +131,8 @@ def wheelset_rows(run: Run) -> Iterator[Row]:
         wheel, rail = result.problem.wheelset.wheel, result.problem.track.rail
         for row in row_wear(result, {"wheel": UsfdLaw(), "rail": UsfdLaw()}):
             surface = WornSurface(wheel if row.role == "wheel" else rail)
-            area = float((surface.deposited(row.ends, row.areas) * surface.worn_lengths).sum())
-            value = float(row.areas.sum())
+            area = (surface.deposited(row.ends, row.areas) * surface.worn_lengths).sum()
+            value = row.areas.sum()
             yield Row("curve", f"{theory}, {row.side} {row.role}", "worn area", "mm^2", area, value, ROUND_OFF)
 
 

@@ -110,7 +110,7 @@ def rms_from_hertz(
     """
     inside = np.abs(x) < within
     apart = (pressures - theory.pressure(x))[inside] / theory.max_pressure
-    return float(np.sqrt(np.average(apart**2, weights=None if weights is None else weights[inside])))
+    return np.sqrt(np.average(apart**2, weights=None if weights is None else weights[inside]))
 
 
 def oscillation(pressures: Floats) -> float:
@@ -119,16 +119,15 @@ def oscillation(pressures: Floats) -> float:
     The two nodes at each end are left out, where the pressure falls steeply.
     """
     apart = pressures[1:-1] - (pressures[:-2] + pressures[2:]) / 2.0
-    return float(np.sqrt(np.mean(apart[1:-1] ** 2))) / float(pressures.max())
+    return np.sqrt(np.mean(apart[1:-1] ** 2)) / pressures.max()
 
 
 def rows(run: Run) -> Iterator[Row]:
     """Rows of all configurations, and of those of order 2 with segment-to-segment contact; without M4 if quick."""
     levels = LEVELS[:-1] if run.quick else LEVELS
-    for variant, name in VARIANTS.items():
+    for variant in VARIANTS:
         for code in CODES:
             for level in levels if variant != "segments" or code.endswith("2") else ():
-                run.progress(f"{code}M{level}, {name}")
                 yield from _rows(run, code, level, variant)
 
 
@@ -137,11 +136,11 @@ def _rows(run: Run, code: str, level: int, variant: str) -> Iterator[Row]:
     found = case.run()
     assert found.contact is not None
     run.check(f"{name}, {VARIANTS[variant]}", found.contact.status)
-    force, stresses = float(found.contact.forces[0, 1]), [body.stresses for body in found.bodies.values()]
+    force, stresses = found.contact.forces[0, 1], [body.stresses for body in found.bodies.values()]
     extremes = (
-        min(float(each.principal[:, 2].min()) for each in stresses),
-        max(float(each.in_plane_shear.max()) for each in stresses),
-        max(float(each.von_mises.max()) for each in stresses),
+        min(each.principal[:, 2].min() for each in stresses),
+        max(each.in_plane_shear.max() for each in stresses),
+        max(each.von_mises.max() for each in stresses),
     )
     x, patch = largest_patch(found.contact)
     theory = case.theory(force)
@@ -164,7 +163,7 @@ def _rows(run: Run, code: str, level: int, variant: str) -> Iterator[Row]:
         return
     exact = case.theory(REFERENCE_FORCE)
     inside = np.abs(np.abs(x) - theory.half_width) > case.size_mm  # without the element at each end of the contact
-    apart = float(np.abs(patch.pressures - theory.pressure(x))[inside].max()) / theory.max_pressure
+    apart = np.abs(patch.pressures - theory.pressure(x))[inside].max() / theory.max_pressure
     for quantity, unit, value, published, limit in (
         ("force", "kN", force, REFERENCE_FORCE, 0.005),
         ("min minimum principal stress", "kN/cm^2", extremes[0], -exact.max_pressure, 0.01),

@@ -3,7 +3,6 @@
 A study is a function that yields rows, a text in ``studies/text/NAME.md``, and a line of `studies.registry.STUDIES`::
 
     def rows(run: Run) -> Iterator[Row]:
-        run.progress("disc of 16 cells")
         found = solve(...)
         run.check("disc of 16 cells", found.status)              # a state that did not converge fails the study
         run.curve("pressure", "16 cells", "computed", x, found.pressures, "o")
@@ -76,10 +75,15 @@ class Row:
     mm"``, of the difference; without one the number is shown only."""
     note: str = ""  # reading, or the reason for a difference
 
+    def __post_init__(self) -> None:
+        """Take NumPy's numbers as Python's."""
+        for name in ("computed", "published"):
+            object.__setattr__(self, name, float(getattr(self, name)))
+
     @property
     def difference(self) -> float:
         """``computed / published - 1``, or the computed number where zero is published."""
-        return float(self.computed / self.published - 1.0 if self.published else self.computed)
+        return self.computed / self.published - 1.0 if self.published else self.computed
 
     @property
     def limit_words(self) -> str:
@@ -92,10 +96,10 @@ class Row:
     def within(self) -> bool | None:
         """Whether it is within its limit; None for a number that is shown only."""
         if isinstance(self.limit, Limit):
-            return self.limit.within
+            return bool(self.limit.within)
         if isinstance(self.limit, str):
-            return bool(abs(self.computed - self.published) <= float(self.limit.split()[0]))
-        return None if self.limit is None else bool(abs(self.difference) <= self.limit)
+            return abs(self.computed - self.published) <= float(self.limit.split()[0])
+        return None if self.limit is None else abs(self.difference) <= self.limit
 
     @property
     def cells(self) -> dict[str, object]:
@@ -105,8 +109,8 @@ class Row:
             "code": self.code,
             "quantity": self.quantity,
             "unit": self.unit,
-            "published": float(self.published),
-            "computed": float(self.computed),
+            "published": self.published,
+            "computed": self.computed,
             "relative_difference": self.difference,
             "limit": self.limit_words,
             "within": self.within,
@@ -152,7 +156,7 @@ class Run:
     """What the rows of a study are computed with."""
 
     quick: bool = False  # whether to leave out what takes minutes
-    progress: Callable[[str], None] = lambda _: None  # shows a sentence on what is computed next
+    progress: Callable[[str], None] = lambda _: None  # shows a sentence on long computations between two rows
     failures: list[str] = field(default_factory=list)  # sentences on what failed besides the numbers
     curves: list[Curve] = field(default_factory=list)
 
@@ -231,8 +235,11 @@ class Study:
     def compute(self, *, quick: bool = False, progress: Callable[[str], None] = lambda _: None) -> "Computed":
         """Compute its rows."""
         start, run = time.perf_counter(), Run(quick, progress)
-        rows = tuple(self.rows(run))
-        return Computed(self, rows, tuple(run.failures), tuple(run.curves), time.perf_counter() - start)
+        rows: list[Row] = []
+        for row in self.rows(run):
+            rows.append(row)
+            progress(f"{len(rows)} numbers, the last: {row.named()}; {row.code}")
+        return Computed(self, tuple(rows), tuple(run.failures), tuple(run.curves), time.perf_counter() - start)
 
 
 @dataclass(frozen=True, eq=False)

@@ -67,7 +67,6 @@ def rows(run: Run) -> Iterator[Row]:
         table, code, exact = published["table"], published["code"], SECTIONS[published["code"][2]][1]
         formulation: Formulation = "warping" if published["formulation"] == "warping" else "prandtl"
         averaged = formulation == "prandtl" and code[:2] == "VV" and code.endswith("1")
-        run.progress(f"table {table}: {code}")
         loads: tuple[Load, ...] = ("vertex_mean", "projected") if averaged else ("projected",)
         for load in loads:
             solution = solve_code(code, formulation, load)
@@ -75,7 +74,7 @@ def rows(run: Run) -> Iterator[Row]:
             # Prandtl's unknowns are counted without those held on the boundary, as published
             held = np.unique(space.edge_nodes(solution.problem.boundary.outer)).size if formulation == "prandtl" else 0
             values = {
-                "h": float(space.mesh.cell_diameters.max()),
+                "h": space.mesh.cell_diameters.max(),
                 "n_dof": float(space.n_dofs - held),
                 "torsion_constant": solution.torsion_constant,
                 "relative_error": abs(solution.torsion_constant / exact.torsion_constant - 1.0),

@@ -40,11 +40,11 @@ def hertz_case(code: str, level: int, pairing: str) -> HertzCase:
 
 def measured(case: HertzCase, found: ContactSolution) -> tuple[float, float, float]:
     """Force, maximum pressure over Hertz's, and `rms_from_hertz` weighted by areas, without an element at both ends."""
-    force = float(found.forces[0, 1])
+    force = found.forces[0, 1]
     theory, (x, patch) = case.theory(force), largest_patch(found)
     within, areas = theory.half_width - case.size_mm, patch.normal_forces / patch.pressures
     rms = rms_from_hertz(x, patch.pressures, theory, within, areas)
-    return force, float(patch.pressures.max()) / theory.max_pressure, rms
+    return force, patch.pressures.max() / theory.max_pressure, rms
 
 
 def with_short_edges(code: str, level: int, ratio: float) -> tuple[HertzCase, ContactSolution]:
@@ -72,7 +72,6 @@ def rows(run: Run) -> Iterator[Row]:
         for level, turn, laws in ((1, 0.0, tuple(LAWS)), (1, ROTATION_DEG, tuple(LAWS)), (2, 0.0, ("multiplier",))):
             for law in laws:
                 code = f"{elements}M{level}{' rotated' if turn else ''}, {law}"
-                run.progress(f"contact patch test: {code}")
                 changed = {**LAWS[law], "pairing": PAIRINGS[2], "rotation_deg": turn}
                 test = patch_test((elements, elements), level, changed)
                 run.check(code, test.solution.status)
@@ -85,7 +84,6 @@ def rows(run: Run) -> Iterator[Row]:
             rms = {}
             for pairing in PAIRINGS:
                 name = f"{code}M{level}"
-                run.progress(f"Hertz: {name}, {pairing}")
                 case = hertz_case(code, level, pairing)
                 found = case.run().contact
                 assert found is not None
@@ -111,7 +109,6 @@ def rows(run: Run) -> Iterator[Row]:
     for code, (plain_force, plain_rms) in plain.items():
         for ratio in RATIOS:
             name = f"{code}M{SHORT_LEVEL}, edges of {ratio:g}"
-            run.progress(f"short edges: {name}")
             case, found = with_short_edges(code, SHORT_LEVEL, ratio)
             run.check(name, found.status)
             force, _, rms_short = measured(case, found)

@@ -7,14 +7,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from benchmarks import growth
 from benchmarks.measurement import fastest, fastest_in_turns
 from benchmarks.peers import PeerMissingError
-from benchmarks.wear_convergence import halved
-from flangeway.railway.damage.collective import COLLECTIVES
 
 pytestmark = pytest.mark.ci
 
@@ -66,17 +62,6 @@ def test_an_unknown_name_is_refused(tmp_path: Path) -> None:
     assert "torsion-assembly" in done.stderr
 
 
-def test_growth_tells_exponents() -> None:
-    """Small sizes solve to round-off, and an exponent is the slope of the logarithms."""
-    *sizes, last = growth.quick()
-    assert len(sizes) == len(growth.QUICK)
-    assert all(size.ours_accuracy is not None and size.ours_accuracy < 1e-9 for size in sizes)
-    assert all(size.more["peak_mb"] >= size.more["before_mb"] > 0 for size in sizes)
-    assert set(last.more["exponents"]) == {"assembly", "factor", "solve", "total", "peak_mb"}
-    powers = [{"unknowns": n, "total": n**1.5} for n in (10, 100, 1000)]
-    assert growth.exponent(powers, "total") == pytest.approx(1.5)
-
-
 def test_the_fastest_run_counts_and_a_missing_peer_is_told() -> None:
     """Of runs in turns the fastest is kept; of several runs of a peer too, unless one tells that it is missing."""
     times = iter([3.0, 1.0, 2.0])
@@ -91,24 +76,3 @@ def test_the_fastest_run_counts_and_a_missing_peer_is_told() -> None:
     runs: list[float | PeerMissingError] = [2.0, 1.5, 4.0]
     assert fastest(runs, float) == 1.5
     assert fastest([*runs, peer], float) is peer
-
-
-def test_a_collective_of_half_the_spacing_has_the_means_of_the_whole() -> None:
-    """Twice as many states, with the shares, and the means of curvature, speed and gauge, of those that they halve."""
-    states = [state.values | {"share": state.share} for state in COLLECTIVES["mixed-line"]]
-    halves = halved(states)
-    assert len(halves) == 2 * len(states)
-
-    def mean(of, states):
-        return sum(state["share"] * of(state) for state in states)
-
-    for of in (
-        lambda state: 1.0,
-        lambda state: 1.0 / state.get("curve_radius_m", np.inf),
-        lambda state: state["speed_km_h"],
-        lambda state: state["gauge_mm"],
-    ):
-        assert mean(of, halves) == pytest.approx(mean(of, states), rel=1e-12)
-    assert {state["curve_radius_m"] for state in states[3:]}.isdisjoint(
-        state["curve_radius_m"] for state in halves if "curve_radius_m" in state
-    )

@@ -33,15 +33,6 @@ def test_the_page_holds_what_was_recorded(tmp_path: Path) -> None:
     assert "Not recorded" not in page
 
 
-def test_a_part_measured_again_keeps_the_others(tmp_path: Path) -> None:
-    """What is recorded under one name replaces that alone, and parts stand in the order of the names given."""
-    for name, work in (("second", "old"), ("first", "kept"), ("second", "new")):
-        report.record(name, [Measurement(work, "none", 1.0, None, None, None)], tmp_path)
-    page = report.write({"first": "", "second": ""}, tmp_path, tmp_path / "page.md").read_text(encoding="utf-8")
-    assert page.index("## First") < page.index("| kept |") < page.index("## Second") < page.index("| new |")
-    assert "| old |" not in page
-
-
 def test_the_page_of_performance_is_made_of_the_records(tmp_path: Path) -> None:
     """The page in the documentation is what the kept records of measurements make, to the letter."""
     page = report.write(ABOUTS, page=tmp_path / "performance.md")

@@ -80,11 +80,16 @@ class InputError(FlangewayError):
 
 
 @contextmanager
-def located(place: str) -> Iterator[None]:
-    """Put a place, such as ``contacts[1]: ``, before the message of an `InputError` of what is inside."""
+def located(place: str, *, unless: str | None = None) -> Iterator[None]:
+    """Put a place, such as ``contacts[1]: ``, before the message of an `InputError` of what is inside.
+
+    - `unless`: a text that a message has which names its place already.
+    """
     try:
         yield
     except InputError as reason:
+        if unless is not None and unless in reason.given:
+            raise
         raise InputError(f"{place}{reason.given}", reason.allowed, reason.advice) from reason
 
 

@@ -1,5 +1,6 @@
 """Blocks of rectangular cells, fine where they touch, for the contact problems of friction."""
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
 from flangeway.problems import Body, Part
 from flangeway.types import Floats
+from studies.study import Run
 
 
 def growing(start: float, size: float, end: float, factor: float = 1.3) -> Floats:
@@ -56,3 +58,19 @@ def shift(part: Part, x: float, y: float) -> dict[Part, Placement]:
 def columns(solution: ContactSolution) -> dict[str, Floats]:
     """Columns of the table of a solution's nodes in contact, see `ContactSolution.friction_table`."""
     return {name: np.asarray(values) for name, values in solution.friction_table.columns.items()}
+
+
+class Solved:
+    """What all solutions of the study must be: converged, and how many iterations their slowest load step takes."""
+
+    def __init__(self, run: Run) -> None:
+        self.run, self.slowest = run, 0
+
+    def __call__(self, solution: ContactSolution) -> ContactSolution:
+        """Return a solution after a look at it."""
+        self.run.check(" on ".join(part.name for part in solution.system.parts), solution.status)
+        for step in solution.steps:
+            # without augmented Lagrange all iterations of a step are of one correction of the forces
+            counts = Counter(iteration.correction for iteration in step.state.history)
+            self.slowest = max(self.slowest, *counts.values())
+        return solution

@@ -12,18 +12,17 @@ the dissipated work, and twice as much in a reversal.
 slides to +x.
 """
 
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from flangeway.contact import ContactSolution, press
+from flangeway.contact import press
 from flangeway.materials import Elastic
 from flangeway.problems import Part
 from flangeway.solve import StepSettings
 from flangeway.types import Floats
-from studies.friction.blocks import block, columns, face, shift, touching
+from studies.friction.blocks import Solved, block, columns, face, shift, touching
 from studies.friction.ironing import ironing_rows
 from studies.friction.loaded_bodies import loaded_body_rows
 from studies.friction.punch_with_friction import punch_rows
@@ -47,20 +46,13 @@ STICK_LIMIT, WORK_LIMIT, PUNCH_LIMIT = 0.005, 0.05, 0.06
 
 def rows(run: Run) -> Iterator[Row]:
     """Rows of all problems."""
-    solutions: list[ContactSolution] = []
-    run.progress("cylinders in partial slip")
-    yield from _cylinder_rows(run, solutions)
+    solved = Solved(run)
+    yield from _cylinder_rows(solved)
     for mu in PUNCH_FRICTIONS:
-        run.progress(f"flat punch that slides, friction {mu:g}")
-        yield _sliding_punch_row(mu, solutions)
+        yield _sliding_punch_row(mu, solved)
     for part in (sliding_rows, revolved_rows, loaded_body_rows, punch_rows, ironing_rows):
-        yield from part(run, solutions)
-    for solution in solutions:
-        run.check(" on ".join(part.name for part in solution.system.parts), solution.status)
-    # without augmented Lagrange all iterations of a step are of one correction of the forces
-    corrections = (Counter(each.correction for each in step.state.history) for each in solutions for step in each.steps)
-    slowest = max(max(counts.values(), default=0) for counts in corrections)
-    yield Row("all load steps", "all", "iterations of the slowest step", "1", slowest, 0.0, MAX_ITERATIONS)
+        yield from part(solved)
+    yield Row("all load steps", "all", "iterations of the slowest step", "1", solved.slowest, 0.0, MAX_ITERATIONS)
 
 
 def _plane_block(
@@ -78,14 +70,13 @@ def _plane_block(
     return block(name, x, depth, Elastic(young, POISSON), near=NEAR_MM, radius=radius)
 
 
-def _cylinder_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
+def _cylinder_rows(solved: Solved) -> Iterator[Row]:
     upper, lower = _plane_block("upper", half=REACH_MM, radius=RADIUS_MM), _plane_block("lower", half=REACH_MM)
     contact = touching(face(upper, NEAR_MM), face(lower, NEAR_MM), MU)
     path = [shift(upper, 0.0, -APPROACH_MM), shift(upper, PUSH_MM, 0.0), shift(upper, -2.0 * PUSH_MM, 0.0)]
     equal = StepSettings(1.0 / N_STEPS, 1.0 / N_STEPS)
-    solution = press([contact], path, steps=[StepSettings(), equal, equal])
-    solutions.append(solution)
-    loads, works, force = {}, {"push": 0.0, "reversal": 0.0}, float(solution.state.forces.sum())
+    solution = solved(press([contact], path, steps=[StepSettings(), equal, equal]))
+    loads, works, force = {}, {"push": 0.0, "reversal": 0.0}, solution.state.forces.sum()
     before = turned = np.zeros(0)
     for step, work in zip(solution.steps, solution.dissipated_work, strict=True):
         if step.share <= 1.0:
@@ -97,15 +88,19 @@ def _cylinder_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
         before = tangential
         leg, factor = ("reversal", 2.0) if back else ("push", 1.0)
         missing = factor * MU * normal - (turned - tangential if back else np.abs(tangential))
-        loads[leg] = 1.0 - float(missing.sum() / (factor * MU * normal.sum()))
-        works[leg] += float(work)
+        loads[leg] = 1.0 - (missing.sum() / (factor * MU * normal.sum()))
+        works[leg] += work
         stick = _half_width(table["x"], missing) / _half_width(table["x"], normal)
-        exact, code = float(np.sqrt(1.0 - loads[leg])), f"{leg}, {loads[leg]:.3f} of sliding"
+        exact, code = np.sqrt(1.0 - loads[leg]), f"{leg}, {loads[leg]:.3f} of sliding"
         yield Row("Cylinders", code, STICK, "1", stick, exact, STICK_LIMIT)
-        run.curve("tractions", leg, f"step {round(5.0 * (step.share % 1.0) or 5.0)}", table["x"], table["traction"])
+        solved.run.curve(
+            "tractions", leg, f"step {round(5.0 * (step.share % 1.0) or 5.0)}", table["x"], table["traction"]
+        )
         if abs(step.share - round(step.share)) < 1e-9:
             for sign in (1.0, -1.0):
-                run.curve("tractions", leg, "limit by the pressure", table["x"], sign * MU * table["pressure"], "--")
+                solved.run.curve(
+                    "tractions", leg, "limit by the pressure", table["x"], sign * MU * table["pressure"], "--"
+                )
     for leg, factor in (("push", 1.0), ("reversal", 2.0)):
         exact = factor * partial_slip_work(force, loads[leg])
         yield Row("Cylinders", leg, "dissipated work", "N mm", works[leg], exact, WORK_LIMIT)
@@ -120,24 +115,23 @@ def partial_slip_work(force: float, load: float) -> float:
     x = c + (a - c) * (nodes + 1.0) / 2.0
     root = np.sqrt(x**2 - c**2)
     slip = compliance * MU * peak / a * (x * root - c**2 * np.log((x + root) / c)) / 2.0
-    return float((a - c) * (weights * slip * MU * peak * np.sqrt(1.0 - (x / a) ** 2)).sum())
+    return (a - c) * (weights * slip * MU * peak * np.sqrt(1.0 - (x / a) ** 2)).sum()
 
 
 def _half_width(x: Floats, ellipse: Floats) -> float:
     """Half-width of an ellipse of forces by its second moment."""
     x = x - ellipse @ x / ellipse.sum()
-    return float(2.0 * np.sqrt(ellipse @ x**2 / ellipse.sum()))
+    return 2.0 * np.sqrt(ellipse @ x**2 / ellipse.sum())
 
 
-def _sliding_punch_row(mu: float, solutions: list[ContactSolution]) -> Row:
+def _sliding_punch_row(mu: float, solved: Solved) -> Row:
     upper = _plane_block("upper", half=PUNCH_MM, young=1e4 * YOUNG_MPA, size=PUNCH_SIZE_MM)
     lower = _plane_block("lower", half=REACH_MM, size=PUNCH_SIZE_MM)
     contact = touching(face(upper, NEAR_MM), face(lower, NEAR_MM), mu)
     path = [shift(upper, 0.0, -APPROACH_MM), shift(upper, 10.0 * mu * APPROACH_MM, 0.0)]
-    solutions.append(press([contact], path))
-    table = columns(solutions[-1])
-    centre = float(table["normal_force"] @ table["x"] / table["normal_force"].sum())
-    middle = float((table["x"].min() + table["x"].max()) / 2.0)
+    table = columns(solved(press([contact], path)))
+    centre = table["normal_force"] @ table["x"] / table["normal_force"].sum()
+    middle = (table["x"].min() + table["x"].max()) / 2.0
     exact = -2.0 * np.arctan(mu * (1.0 - 2.0 * POISSON) / (2.0 * (1.0 - POISSON))) / np.pi
     quantity = "centre of pressure over the half-width"
     return Row("Flat punch", f"friction {mu:g}", quantity, "1", (centre - middle) / PUNCH_MM, exact, PUNCH_LIMIT)

@@ -27,8 +27,8 @@ from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
 from flangeway.problems import Body, Part
 from flangeway.solve import StepSettings
-from studies.friction.blocks import shift, touching
-from studies.study import Limit, Row, Run, published_values
+from studies.friction.blocks import Solved, shift, touching
+from studies.study import Limit, Row, published_values
 
 SLAB_MPA, POISSON, MU = 689.6, 0.32, 0.3
 SLAB_MM, DIE_MM, ARC_MM, DIE_HEIGHT_MM, ARC_HEIGHT_MM = (12.0, 4.0), 1.2, 0.75, 1.2, 0.3
@@ -61,11 +61,9 @@ def ironed_slab(*, cells: tuple[int, int] = CELLS, steps: tuple[int, int] = STEP
     return press([contact], path, steps=[StepSettings(1.0 / n, 1.0 / n) for n in steps])
 
 
-def ironing_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
+def ironing_rows(solved: Solved) -> Iterator[Row]:
     """Forces and their ratio between the published ones; work and oscillation of steady sliding."""
-    run.progress("ironing")
-    found = ironed_slab()
-    solutions.append(found)
+    found = solved(ironed_slab())
     shares = np.array([step.share for step in found.steps])
     times = np.where(shares < 1.0, shares, 1.0 + (shares - 1.0) * COMPUTED_MM / ALONG_MM)
     forces = np.array([replace(found, state=step.state).forces[0] for step in found.steps])
@@ -74,8 +72,8 @@ def ironing_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
     for case, values in published.items():
         for name in dict.fromkeys(name for _, name in values):
             points = [(float(time), value) for (time, other), value in values.items() if other == name]
-            run.curve("ironing", f"{case} force", name, *np.transpose(points), "o-")  # type: ignore[call-arg]
-        run.curve("ironing", f"{case} force", "flangeway, small strains", times, computed[case], "-")
+            solved.run.curve("ironing", f"{case} force", name, *np.transpose(points), "o-")  # type: ignore[call-arg]
+        solved.run.curve("ironing", f"{case} force", "flangeway, small strains", times, computed[case], "-")
     for time in COMPARED:
         normal, tangential = (
             np.array([value for (code, _), value in published[case].items() if float(code) == time])
@@ -87,15 +85,15 @@ def ironing_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
             ("tangential force", "N/mm", tangential, mine[1]),
             ("tangential over normal force", "1", tangential / normal, mine[1] / mine[0]),
         ):
-            least, most = float(theirs.min()), float(theirs.max())
+            least, most = theirs.min(), theirs.max()
             limit = None if unit == "1" and time < 1.0 else Limit("among the five", least <= value <= most)
             code = f"time {time:g}, mean of {least:.3g} to {most:.3g}"
-            yield Row("Ironing", code, quantity, unit, value, float(theirs.mean()), limit)
+            yield Row("Ironing", code, quantity, unit, value, theirs.mean(), limit)
     steady = (times > STEADY[0] + 1e-9) & (times < STEADY[1] + 1e-9)
     force = computed["tangential"]
     along, means = np.diff(times, prepend=0.0) * ALONG_MM, (force + np.roll(force, 1)) / 2.0
-    work, dissipated = float(along[steady] @ means[steady]), float(found.dissipated_work[steady].sum())
+    work, dissipated = (along[steady] @ means[steady]), found.dissipated_work[steady].sum()
     quantity = "work of the tangential force beside what friction dissipates"
     yield Row("Ironing", "steady sliding", quantity, "N mm/mm", work, dissipated, STEADY_WORK_LIMIT)
-    oscillation = float(np.ptp(force[steady]) / force[steady].mean())
+    oscillation = np.ptp(force[steady]) / force[steady].mean()
     yield Row("Ironing", "steady sliding", "oscillation of the tangential force over its mean", "1", oscillation)

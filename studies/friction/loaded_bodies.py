@@ -46,8 +46,8 @@ from flangeway.problems.body import Components, Point
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Bools, Floats
-from studies.friction.blocks import columns, touching
-from studies.study import Row, Run, published_values
+from studies.friction.blocks import Solved, columns, touching
+from studies.study import Row, published_values
 
 PLATE_MM, PLATE_CELLS = 40.0, (8, 16, 32)
 PRESSURE_MPA, PUSH_MPA = 50.0, 150.0
@@ -63,11 +63,10 @@ WALL_LIMIT, BOLT_LIMIT = 1e-6, 1e-6
 BOLT_PULL_MM = 0.01
 
 
-def loaded_body_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
+def loaded_body_rows(solved: Solved) -> Iterator[Row]:
     """Rows of all five problems."""
     for part in (_plates, _inclines, _rings, _walls, _bolts):
-        run.progress(f"bodies under loads: {part.__name__.strip('_')}")
-        yield from part(solutions)
+        yield from part(solved)
 
 
 def pushed_plate(
@@ -94,23 +93,22 @@ def displacements_of_face(found: ContactSolution, places_mm: Sequence[float]) ->
     return np.interp(places_mm, nodes[face, 0], moved[face, 0])
 
 
-def _plates(solutions: list[ContactSolution]) -> Iterator[Row]:
+def _plates(solved: Solved) -> Iterator[Row]:
     published = {float(code): value for (code, _), value in published_values("friction.csv", "plate").items()}
     places = [*published]
     for order in (1, 2):
         for cells in PLATE_CELLS:
-            solutions.append(pushed_plate(cells, Lagrange(order)))
-            found = displacements_of_face(solutions[-1], places).tolist()
-            for (place, exact), value in zip(published.items(), found, strict=True):
+            reference = displacements_of_face(solved(pushed_plate(cells, Lagrange(order))), places)
+            for (place, exact), value in zip(published.items(), reference, strict=True):
                 code, quantity = f"order {order}, {cells} cells", f"displacement at {place:g} mm"
                 yield Row("Pushed plate", code, quantity, "mm", value, exact, PLATE_LIMIT, PLATE_NOTE)
-    reference, worst = displacements_of_face(solutions[-1], places), 0.0
+    worst = 0.0
     laws = Multiplier(), Penalty(1e7, "length"), AugmentedLagrange(1e6, "length", 1e-7)
     pairings = SegmentToSegment(), SegmentToSegment(weighting="dual"), NodeToSegment()
     for element, pairing, law in product((Lagrange(1), Lagrange(2), Virtual(1), Virtual(2)), pairings, laws):
-        solutions.append(pushed_plate(PLATE_CELLS[1], element, pairing, law))
-        apart = np.abs(displacements_of_face(solutions[-1], places) - reference)
-        worst = max(worst, float(apart.max() / reference.max()))
+        found = solved(pushed_plate(PLATE_CELLS[1], element, pairing, law))
+        apart = np.abs(displacements_of_face(found, places) - reference)
+        worst = max(worst, (apart.max() / reference.max()))
     quantity = "maximum difference of a displacement, over the maximum one"
     yield Row("Pushed plate", "36 choices", quantity, "1", worst, 0.0, CHOICES_LIMIT)
 
@@ -124,12 +122,12 @@ def block_on_an_incline(friction: float, slope_deg: float = SLOPE_DEG) -> Contac
     return press([contact], {}, body_loads={block: [Gravity((0.0, -GRAVITY_MM_S2))]})
 
 
-def _inclines(solutions: list[ContactSolution]) -> Iterator[Row]:
-    exact = float(np.tan(np.deg2rad(SLOPE_DEG)))
+def _inclines(solved: Solved) -> Iterator[Row]:
+    exact = np.tan(np.deg2rad(SLOPE_DEG))
     stays, slides = (block_on_an_incline(exact * (1.0 + each * BRACKET)) for each in (1.0, -1.0))
     # the mean of a coefficient that holds and one that does not, if that is what happens
     found = exact if stays.status.converged and not slides.status.converged else float("nan")
-    solutions.append(stays)
+    solved(stays)
     quantity = "coefficient of friction at which it slides"
     yield Row("Block on an incline", f"{SLOPE_DEG:g} degrees", quantity, "1", found, exact, BRACKET)
 
@@ -145,18 +143,17 @@ def cooled_ring(cells: int) -> ContactSolution:
     return press([contact], {}, body_loads={ring: [TemperatureChange(-COOLED_K)]})
 
 
-def _rings(solutions: list[ContactSolution]) -> Iterator[Row]:
+def _rings(solved: Solved) -> Iterator[Row]:
     shrinks = (1.0 + STEEL_POISSON) * EXPANSION_PER_K * COOLED_K
     ratio = (RING_MM**2 + SHAFT_MM**2) / (RING_MM**2 - SHAFT_MM**2)
     # Timoshenko and Goodier, Theory of elasticity, 28: shaft and ring in plane strain yield by p (1 - nu^2) / E times
     # (1 - nu / (1 - nu)) and (ratio + nu / (1 - nu)) of the radius
     exact = shrinks * STEEL_MPA / (1.0 - STEEL_POISSON**2) / (1.0 + ratio)
     for cells in RING_CELLS:
-        solutions.append(cooled_ring(cells))
-        pressures, code = columns(solutions[-1])["pressure"], f"{cells} cells in the shaft"
+        pressures, code = columns(solved(cooled_ring(cells)))["pressure"], f"{cells} cells in the shaft"
         for quantity, value in (("minimum pressure", pressures.min()), ("maximum pressure", pressures.max())):
             limit = RING_LIMIT * RING_CELLS[-1] / cells
-            yield Row("Ring that cools on a shaft", code, quantity, "MPa", float(value), exact, limit)
+            yield Row("Ring that cools on a shaft", code, quantity, "MPa", value, exact, limit)
 
 
 def wall_on_soil(cells: int) -> ContactSolution:
@@ -173,9 +170,8 @@ def wall_on_soil(cells: int) -> ContactSolution:
     return press([contact], {}, body_loads={wall: [Gravity((0.0, -GRAVITY_MM_S2)), Pressure("left", water)]})
 
 
-def _walls(solutions: list[ContactSolution]) -> Iterator[Row]:
-    found = wall_on_soil(10)
-    solutions.append(found)
+def _walls(solved: Solved) -> Iterator[Row]:
+    found = solved(wall_on_soil(10))
     wall, moved = found.system.parts[0], found.placement(found.system.parts[0])
     weight = 2.4e-9 * GRAVITY_MM_S2 * WALL_MM * WALL_HEIGHT_MM
     thrust = WATER_MPA * WALL_HEIGHT_MM / 2.0
@@ -184,7 +180,7 @@ def _walls(solutions: list[ContactSolution]) -> Iterator[Row]:
     at_nodes = field.problem.load_vector()[: len(wall.body.nodes)]
     places = moved.points(wall.body.nodes + field.displacements[: len(wall.body.nodes)])
     loads = moved.vectors(at_nodes)
-    moment = float((places[:, 0] * loads[:, 1] - places[:, 1] * loads[:, 0]).sum())
+    moment = (places[:, 0] * loads[:, 1] - places[:, 1] * loads[:, 0]).sum()
     centre = -moment / weight
     given = "Wall on soil", "under weight and water"
     x, y, turning = found.resultants[0, 0].tolist()
@@ -216,7 +212,7 @@ def bolted_flange() -> tuple[ContactSolution, float]:
         Space(whole, Lagrange(1)), steel, supports=[*held, PrescribedDisplacement("pulled", x=0.0, y=-BOLT_PULL_MM)]
     )
     alone = reactions(solve_elasticity(problem))[2]
-    return found, -float(alone.force[1])
+    return found, -alone.force[1]
 
 
 def _cells_of(grid: PolyMesh, chosen: Bools) -> PolyMesh:
@@ -237,10 +233,9 @@ def _cells_of(grid: PolyMesh, chosen: Bools) -> PolyMesh:
     return mesh
 
 
-def _bolts(solutions: list[ContactSolution]) -> Iterator[Row]:
+def _bolts(solved: Solved) -> Iterator[Row]:
     found, whole = bolted_flange()
-    solutions.append(found)
-    force = float(found.forces[0, 1])
+    force = solved(found).forces[0, 1]
     yield Row("Bolted flange", "pulled by 0.01 mm", "force of the bolt", "N", force, whole, BOLT_LIMIT)
 
 

@@ -18,8 +18,8 @@ from flangeway.contact import ContactSolution, press
 from flangeway.materials import Elastic
 from flangeway.solve import StepSettings
 from flangeway.types import Floats
-from studies.friction.blocks import block, columns, face, growing, shift, touching
-from studies.study import Row, Run, published_values
+from studies.friction.blocks import Solved, block, columns, face, growing, shift, touching
+from studies.study import Row, published_values
 
 YOUNG_MPA, POISSON, RIGID = 210e3, 0.3, 1e4  # RIGID: ratio of the stiffness of the punch to the half-plane's
 FRICTIONS, STICKING = (0.2, 0.3), 10.0
@@ -75,22 +75,19 @@ def stick_and_pull(solution: ContactSolution) -> tuple[float, float]:
     end = float(x[-1] + beyond.min()) / 2.0 if len(beyond) else float(x[-1])
     slipping = x[right & (sticks == 0)]
     stick = float(x[sticks != 0].max() + slipping.min()) / 2.0 if len(slipping) else end
-    force = float(forces.sum())
-    return stick / end, float(pulls[right].sum()) / force
+    force = forces.sum()
+    return stick / end, pulls[right].sum() / force
 
 
-def punch_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
+def punch_rows(solved: Solved) -> Iterator[Row]:
     """Rows of the punches and the cylinder."""
     exact = published_values("friction.csv", "punch")
     cases = [(FLAT, friction, flat_punch_pressed) for friction in FRICTIONS]
     for problem, friction, pressed in (*cases, (CYLINDER, CYLINDER_FRICTION, cylinder_pressed)):
-        run.progress(f"{problem[0].lower()}{problem[1:]} {friction:g}")
-        solutions.append(pressed(friction))
-        stick, pull = stick_and_pull(solutions[-1])
+        stick, pull = stick_and_pull(solved(pressed(friction)))
         code = f"friction {friction:g}"
         yield Row(problem, code, STICK, "1", stick, exact[f"{friction:g}", "stick"], STICK_LIMIT)
         yield Row(problem, code, PULL, "1", pull, exact[f"{friction:g}", "pull"], PULL_LIMIT)
-    solutions.append(flat_punch_pressed(STICKING))
-    _, pull = stick_and_pull(solutions[-1])
+    _, pull = stick_and_pull(solved(flat_punch_pressed(STICKING)))
     code = f"friction {STICKING:g}, all sticks"
     yield Row(FLAT, code, PULL, "1", pull, exact[f"{STICKING:g}", "pull"], PULL_LIMIT)

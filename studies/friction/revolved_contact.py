@@ -17,8 +17,8 @@ from flangeway.contact import ContactSolution, press
 from flangeway.materials import Elastic
 from flangeway.problems import Part
 from flangeway.types import Floats
-from studies.friction.blocks import block, columns, face, growing, shift, touching
-from studies.study import Row, Run
+from studies.friction.blocks import Solved, block, columns, face, growing, shift, touching
+from studies.study import Row
 
 YOUNG_MPA, POISSON = 210e3, 0.3
 MODULUS_MPA = YOUNG_MPA / (1.0 - POISSON**2)
@@ -30,22 +30,20 @@ STICKING = 10.0  # coefficient of friction
 REVOLVED_LIMIT = 0.005
 
 
-def revolved_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
+def revolved_rows(solved: Solved) -> Iterator[Row]:
     """Rows of the punch and the sphere; the finest mesh has the limit, the coarser ones show how the error falls."""
     for cells in CELLS:
-        run.progress(f"bodies of revolution, {cells} cells on the contact radius")
-        punch, sphere = flat_punch(PUNCH_MM / cells), round_punch(cells)
-        sticking = flat_punch(PUNCH_MM / cells, poisson=0.0, friction=STICKING)
-        solutions += [punch, sphere, sticking]
+        punch, sphere = solved(flat_punch(PUNCH_MM / cells)), solved(round_punch(cells))
+        sticking = solved(flat_punch(PUNCH_MM / cells, poisson=0.0, friction=STICKING))
         force, radius = _pressed(sphere)
         exact = 4.0 / 3.0 * MODULUS_MPA * np.sqrt(SPHERE_MM * SPHERE_DEPTH_MM**3)
         no_slip = 2.0 * np.log(3.0) * YOUNG_MPA * PUNCH_MM * PUNCH_DEPTH_MM
         slips = 2.0 * MODULUS_MPA * PUNCH_MM * PUNCH_DEPTH_MM
         limit, code = REVOLVED_LIMIT if cells == CELLS[-1] else None, f"{cells} cells"
-        yield Row("Flat punch of revolution", code, "force", "N", float(punch.forces[0, 1]), slips, limit)
-        yield Row("Flat punch that sticks", code, "force", "N", float(sticking.forces[0, 1]), no_slip, limit)
+        yield Row("Flat punch of revolution", code, "force", "N", punch.forces[0, 1], slips, limit)
+        yield Row("Flat punch that sticks", code, "force", "N", sticking.forces[0, 1], no_slip, limit)
         yield Row("Sphere", code, "force", "N", force, exact, limit)
-        hertz = float(np.cbrt(0.75 * force * SPHERE_MM / MODULUS_MPA))
+        hertz = np.cbrt(0.75 * force * SPHERE_MM / MODULUS_MPA)
         yield Row("Sphere", code, "contact radius", "mm", radius, hertz, limit)
 
 
@@ -84,4 +82,4 @@ def _pressed(solution: ContactSolution) -> tuple[float, float]:
     """Force, and the contact radius by the mean square radius of the pressure."""
     table = columns(solution)
     force = table["normal_force"]
-    return float(force.sum()), float(np.sqrt(2.5 * (force @ table["x"] ** 2) / force.sum()))
+    return force.sum(), np.sqrt(2.5 * (force @ table["x"] ** 2) / force.sum())

@@ -28,8 +28,8 @@ from flangeway.mesh import PolyMesh, curved, rectangle_grid
 from flangeway.problems import Body, Part
 from flangeway.solve import StepSettings
 from flangeway.types import Floats
-from studies.friction.blocks import shift, touching
-from studies.study import Row, Run
+from studies.friction.blocks import Solved, shift, touching
+from studies.study import Row
 
 YOUNG_MPA, MU, RIGID = 210e3, 0.3, 1e4
 STRIP_MM, STRIP_HEIGHT_MM, STRIP_MPA, SLIPPING = 60.0, 1.0, 100.0, 0.7  # SLIPPING: part of the strip at the reversals
@@ -40,29 +40,23 @@ STRIP_LIMIT, BELT_LIMIT, FREE_LIMIT = 0.01, 0.01, 1e-5  # FREE_LIMIT: without fr
 LEGS = ("push", "reversal", "return", "sliding")
 
 
-def sliding_rows(run: Run, solutions: list[ContactSolution]) -> Iterator[Row]:
+def sliding_rows(solved: Solved) -> Iterator[Row]:
     """Rows of the strip and of the belts; the thinnest belt has the limit, thicker ones show its effect."""
-    run.progress("strip with distributed friction")
-    solutions.append(pushed_strip())
-    yield from _strip_rows(solutions[-1])
+    yield from _strip_rows(solved(pushed_strip()))
     for thickness in BELT_THICKNESSES_MM:
-        run.progress(f"belt of {thickness:g} mm on a drum")
-        solutions.append(turned_belt(thickness, BELT_CELLS))
-        ratio = float(np.divide(*belt_tensions(solutions[-1])))
+        ratio = float(np.divide(*belt_tensions(solved(turned_belt(thickness, BELT_CELLS)))))
         given = "Belt on a drum", f"thickness {thickness / DRUM_MM:g} of the radius"
-        exact, thick = (float(np.exp(k * np.pi)) for k in (MU, belt_exponent(thickness)))
+        exact, thick = (np.exp(k * np.pi) for k in (MU, belt_exponent(thickness)))
         limit = BELT_LIMIT if thickness == BELT_THICKNESSES_MM[-1] else None
         yield Row(*given, "ratio of tensions", "1", ratio, exact, limit)
         yield Row(*given, "ratio of tensions with its thickness", "1", ratio, thick, BELT_LIMIT)
-    run.progress("belt on a drum without friction")
-    free = turned_belt(BELT_THICKNESSES_MM[0], BELT_CELLS, mu=0.0)
-    solutions.append(free)
+    free = solved(turned_belt(BELT_THICKNESSES_MM[0], BELT_CELLS, mu=0.0))
     before, after = (
         np.array(belt_tensions(replace(free, state=step.state))) for step in (free.steps[0], free.steps[-1])
     )
     given = "Belt on a drum without friction", f"thickness {BELT_THICKNESSES_MM[0] / DRUM_MM:g} of the radius"
-    yield Row(*given, "ratio of tensions", "1", float(np.divide(*after)), 1.0, FREE_LIMIT)
-    change = float(np.abs(after / before - 1.0).max())
+    yield Row(*given, "ratio of tensions", "1", np.divide(*after), 1.0, FREE_LIMIT)
+    change = np.abs(after / before - 1.0).max()
     yield Row(*given, "change of a tension by turning", "1", change, 0.0, FREE_LIMIT)
 
 
@@ -102,10 +96,10 @@ def strip_force(leg: int, displacement: float) -> float:
     force, u = _strip_ends()
     law = 2.0 * _tangential_force() * YOUNG_MPA * STRIP_HEIGHT_MM
     if LEGS[leg] == "reversal":
-        return float(force - np.sqrt(2.0 * law * max(u - displacement, 0.0)))
+        return force - np.sqrt(2.0 * law * max(u - displacement, 0.0))
     if LEGS[leg] == "return":
-        return float(np.sqrt(2.0 * law * max(u + displacement, 0.0)) - force)
-    return float(min(np.sqrt(law * displacement), _tangential_force() * STRIP_MM))
+        return np.sqrt(2.0 * law * max(u + displacement, 0.0)) - force
+    return min(np.sqrt(law * displacement), _tangential_force() * STRIP_MM)
 
 
 def _strip_rows(solution: ContactSolution) -> Iterator[Row]:
@@ -113,15 +107,15 @@ def _strip_rows(solution: ContactSolution) -> Iterator[Row]:
     shares = np.array([step.share for step in solution.steps[1:]])
     # displacement and force of the strip's end in each step after the pressing
     at = np.interp(shares, np.arange(6), [0.0, 0.0, u, -u, u, 2.5 * u])
-    found = np.array([-float(replace(solution, state=step.state).forces[0, 0]) for step in solution.steps[1:]])
+    found = np.array([-replace(solution, state=step.state).forces[0, 0] for step in solution.steps[1:]])
     legs = np.ceil(shares - 1e-9).astype(np.int64) - 2
     exact = np.array([strip_force(leg, place) for leg, place in zip(legs.tolist(), at.tolist(), strict=True)])
     for number, leg in enumerate(LEGS):
-        worst = float(np.abs(found - exact)[legs == number].max()) / force
+        worst = np.abs(found - exact)[legs == number].max() / force
         yield Row("Strip", leg, "largest difference of force over that of the reversal", "1", worst, 0.0, STRIP_LIMIT)
     work = np.bincount(legs, solution.dissipated_work[1:])
     for code, part, value in (("push", 1.0 / 3.0, work[0]), ("loop", 4.0 / 3.0, work[1] + work[2])):
-        yield Row("Strip", code, "dissipated work", "N mm", float(value), part * force * u, STRIP_LIMIT)
+        yield Row("Strip", code, "dissipated work", "N mm", value, part * force * u, STRIP_LIMIT)
 
 
 def belt_exponent(thickness: float, mu: float = MU) -> float:
@@ -158,7 +152,7 @@ def belt_tensions(solution: ContactSolution) -> tuple[float, float]:
     forces = (field.problem.stiffness().full() @ field.displacements.ravel()).reshape(-1, 2)
     space = field.problem.space
     left, right = (np.unique(space.edge_nodes(space.mesh.edge_sets[side])) for side in ("left", "right"))
-    return -float(forces[left, 1].sum()), -float(forces[right, 1].sum())
+    return -forces[left, 1].sum(), -forces[right, 1].sum()
 
 
 def _around(along: Floats, heights: Floats, span: float) -> PolyMesh:

@@ -44,7 +44,7 @@ def creep_numbers(position: BenchmarkPosition, energy: Energy) -> Iterator[Row]:
     """
     given = position.published
     motion = Creepages(-given["cksi"], -given["ceta"], given["cphi"])
-    force = float(np.hypot(given["fx"], given["fs"]))
+    force = np.hypot(given["fx"], given["fs"])
     for words, name, differences, cell in VARIANTS:
         pressed: PressedWheel = getattr(position, name)
         pressed = pressed if cell is None else on_square_cells(pressed, cell)

@@ -42,7 +42,7 @@ def body_numbers(energy: Energy) -> Iterator[Row]:
     shear = HERTZ_STEEL.young / (2.0 + 2.0 * poisson)
     rates = [-derivatives(roll(each, Creepages(1e-9))) for each in (spaces, bodies)]
     for name, row, column, power in (("C11", 0, 0, 2), ("C22", 1, 1, 2), ("C23", 2, 1, 3), ("C33", 2, 2, 4)):
-        exact, value = (float(each[row, column]) / (shear * a**power) for each in rates)
+        exact, value = (each[row, column] / (shear * a**power) for each in rates)
         yield Row(
             "Bodies",
             "creep coefficients at a/b = 1",
@@ -54,7 +54,7 @@ def body_numbers(energy: Energy) -> Iterator[Row]:
             "on the bodies beside half-spaces on the same cells",
         )
     state = energy.check("bodies, shift", roll(bodies, Creepages(speed=0.0), force_along=-SHIFTED * limit))
-    stick = float(np.sqrt((state.states == STICKS).sum() / (state.states > 0).sum()))
+    stick = np.sqrt((state.states == STICKS).sum() / (state.states > 0).sum())
     shift = 3.0 * limit * (2.0 - poisson) / (8.0 * shear * a) * (1.0 - (1.0 - SHIFTED) ** (2.0 / 3.0))
     code, note = f"Cattaneo-Mindlin, {SHIFTED:g} of full slip", "on the bodies beside the closed form of half-spaces"
     yield Row("Bodies", code, "shift", "mm", float(state.motion.along), shift, BODY_LIMIT, note)
@@ -65,7 +65,7 @@ def body_numbers(energy: Energy) -> Iterator[Row]:
     for part in (0.2, 0.5, 0.8):
         motion = Creepages(part * 4.0 * MU * p0 / HERTZ_STEEL.plane_modulus)
         state = energy.check("bodies, Carter", roll(bodies, motion))
-        force = -float(state.tractions[middle, :, 1].sum() / (MU * bodies.pressures[middle].sum()))
+        force = -(state.tractions[middle, :, 1].sum() / (MU * bodies.pressures[middle].sum()))
         yield Row(
             "Bodies",
             f"Carter, {part:g} of full slip",

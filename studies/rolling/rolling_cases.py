@@ -90,7 +90,7 @@ def plane_numbers(energy: Energy) -> Iterator[Row]:
         contact = line(1.0, PEAK, n)
         found = energy.check("Carter", roll(contact, Creepages(float(code))))
         force = -found.along / (MU * contact.force)
-    stick = float((found.states == STICKS).mean())
+    stick = (found.states == STICKS).mean()
     note = f"{n} cells; the error falls with their number"
     yield Row("Carter", code, "force over its limit", "", force, exact[code, "force"], LINE_LIMIT, note)
     yield Row("Carter", code, "half width of stick", "a", stick, exact[code, "stick"], LINE_LIMIT, note)
@@ -113,7 +113,7 @@ def plane_numbers(energy: Energy) -> Iterator[Row]:
     for part in (0.25, 0.5, 0.75, 0.9):
         limit = MU * contact.force
         found = energy.check("Cattaneo", roll(contact, Creepages(speed=0.0), force_along=-part * limit))
-        stick = float((found.states == STICKS).mean())
+        stick = (found.states == STICKS).mean()
         yield Row(
             "Cattaneo-Mindlin",
             f"cylinders, {part:g} of full slip",
@@ -138,10 +138,10 @@ def sphere_numbers(energy: Energy) -> Iterator[Row]:
     for n in SPHERES:
         contact = elliptic(a, a, force, (n, n), mu, (material, material))
         state = energy.check("spheres", roll(contact, Creepages(speed=0.0), force_along=-part * mu * force))
-        stick = float(np.sqrt((state.states == STICKS).sum() / (state.states > 0).sum()))
+        stick = np.sqrt((state.states == STICKS).sum() / (state.states > 0).sum())
         # cells in the circle have not its area
-        size = float(np.sqrt((contact.pressures > 0.0).sum() * contact.areas[0, 0] / np.pi))
-        found.append((float(state.motion.along) * size / a, stick))
+        size = np.sqrt((contact.pressures > 0.0).sum() * contact.areas[0, 0] / np.pi)
+        found.append((state.motion.along * size / a, stick))
     values = extrapolated(SPHERES, np.array(found))
     note = f"{len(SPHERES)} grids of {SPHERES[0]} to {SPHERES[-1]} cells across, extrapolated"
     yield Row("Cattaneo-Mindlin", "spheres, 0.875 of full slip", "shift", "mm", values[0], shift, POINT_LIMIT, note)
@@ -178,10 +178,10 @@ def coefficients(ratio: float, poisson: float, n: int) -> tuple[float, float, fl
     along = n if ratio <= 1.0 else 2 * round(n * ratio**SLENDER / 2.0)
     contact = elliptic(1.0, 1.0 / ratio, 1.0, (n, along), MU, (material, material))
     # cells in the ellipse have not its area
-    area = float(contact.areas[0, 0] * (contact.pressures > 0.0).sum()) / np.pi
+    area = (contact.areas[0, 0] * (contact.pressures > 0.0).sum()) / np.pi
     rates = -derivatives(roll(contact, Creepages(1e-9)))
     mixed = (rates[2, 1] - rates[1, 2]) / 2.0
-    return float(rates[0, 0] / area), float(rates[1, 1] / area), float(mixed / area**1.5), float(rates[2, 2] / area**2)
+    return (rates[0, 0] / area), (rates[1, 1] / area), (mixed / area**1.5), (rates[2, 2] / area**2)
 
 
 def coefficient_numbers(progress: Callable[[str], None]) -> Iterator[Row]:
@@ -197,7 +197,7 @@ def coefficient_numbers(progress: Callable[[str], None]) -> Iterator[Row]:
                 f"{found[-1, number]:.4g} on {COEFFICIENT_CELLS[-1]} cells across, extrapolated from "
                 f"{len(COEFFICIENT_CELLS)} grids; published with three digits"
             )
-            yield Row("Creep coefficients", f"a/b={code}", name.upper(), "", float(best[number]), exact, limit, note)
+            yield Row("Creep coefficients", f"a/b={code}", name.upper(), "", best[number], exact, limit, note)
 
 
 def contact_numbers(energy: Energy) -> Iterator[Row]:

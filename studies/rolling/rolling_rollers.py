@@ -126,7 +126,7 @@ def warm_numbers(energy: Energy) -> Iterator[Row]:
     power = 1e6 * MU * 500.0 * 0.2 * BAND_SPEED / 2.0
     exact = power / (np.pi * steel.conductivity) * sum(sides)
     note = f"line sources, V a / (2 kappa) = {1e-3 * BAND * peclet:.0f}; {4 * n} cells"
-    rise = float(found.flash_temperatures[0, place])
+    rise = found.flash_temperatures[0, place]
     yield Row("Flash temperature", "band at even pressures", "rise", "K", rise, exact, WARM_LIMIT, note)
 
     ((code, published_rise),) = ((code, value) for (code, _), value in published("warm").items())
@@ -142,11 +142,11 @@ def warm_numbers(energy: Energy) -> Iterator[Row]:
     ]
     flow = 1e6 * MU * peak * FAR * abs(float(code)) * speed * np.sqrt(1e-3 * semi_axes[1])
     exact = flow / (2.0 * steel.effusivity * np.sqrt(np.pi * speed)) * max(integrals)
-    rise, note = float(found.flash_temperatures.max()), f"integral of the middle strip; {n} x {2 * n} cells"
+    rise, note = found.flash_temperatures.max(), f"integral of the middle strip; {n} x {2 * n} cells"
     yield Row("Flash temperature", "ellipse that slides", "maximum", "K", rise, exact, WARM_LIMIT, note)
     found = energy.check("ellipse at 1 m/s", roll(contact, Creepages(float(code), speed=speed)))
     assert found.flash_temperatures is not None
-    rise = float(found.flash_temperatures.max())
+    rise = found.flash_temperatures.max()
     note = "CONTACT on 59 cells along, which adds the heat of the cell itself twice"
     yield Row("CONTACT", "ellipse that slides at 1 m/s", "maximum", "K", rise, published_rise, None, note)
 

@@ -49,7 +49,7 @@ def rows(run: Run) -> Iterator[Row]:
         found += creep_numbers(position, energy)
     run.progress("creep curves")
     contact = elliptic(8.0, 4.0, 82000.0, (PUBLISHED_CELLS, PUBLISHED_CELLS))
-    limit = float(contact.friction.limits[0][0]) * contact.force
+    limit = contact.friction.limits[0][0] * contact.force
     for spin in (0.0, SPIN):
         motions = [Creepages(creepage, 0.0, spin) for creepage in CURVE]
         exact = [energy.check("creep curve", state) for state in creep_curve(contact, motions)]

@@ -60,16 +60,16 @@ def bar_rows(run: Run, name: str) -> Iterator[Row]:
     for short in (False, True):
         for n_sides in SIDES[short][: 2 if run.quick and short and order < max(BAR_LIMITS) else 3]:
             harmonic, rim = _bar(n_sides, element, graded=short)
-            area = float(harmonic.elasticity.space.mesh.cell_areas.sum())
+            area = harmonic.elasticity.space.mesh.cell_areas.sum()
             for ka, exact in exact_bar().items():
                 if (ka > SHORT_WAVES) != short:
                     continue
                 found = solve_harmonic(harmonic, ka)
                 along = np.einsum("eq,qm,em->", rim.weights, rim.shapes, found.amplitudes[rim.nodes, 2])
                 # int u . n ds = 2 A u_r, on the polygon and on the circle
-                values = -found.energy / area, float(along / rim.weights.sum())
+                values = -found.energy / area, (along / rim.weights.sum())
                 error = max(abs(value - wanted) for value, wanted in zip(values, exact, strict=True))
-                series.setdefault(ka, []).append((n_sides, *values, error / float(np.hypot(*exact))))
+                series.setdefault(ka, []).append((n_sides, *values, error / np.hypot(*exact)))
     for ka, meshes in sorted(series.items()):
         code, (coarse, fine) = f"{name} ka={ka:g}", meshes[-2:]
         if ka in SHOWN:
@@ -78,7 +78,7 @@ def bar_rows(run: Run, name: str) -> Iterator[Row]:
             limit = BAR_LIMITS[order] if order == max(BAR_LIMITS) or ka < SHORT_WAVES else None
             yield Row("Bar", code, quantity, "a/E", value, wanted, limit, f"{fine[0]} sides")
         if fine[-1] > ROUND_OFF:
-            rate = float(np.log(coarse[-1] / fine[-1]) / np.log(fine[0] / coarse[0]))
+            rate = np.log(coarse[-1] / fine[-1]) / np.log(fine[0] / coarse[0])
             least, edges = RATES[order] - LESS_THAN_RATE, fine[0] / ka
             small = edges >= EDGES_A_WAVE
             note = "" if small else f"{edges:.0f} edges a wave: not yet the rate of small elements"
@@ -94,7 +94,7 @@ def plane_strain_row() -> Row:
     first = points[np.argmin(np.hypot(points[:, 0] - 1.0, points[:, 1]))]
     second = points[np.argmin(np.hypot(*(points + first).T))]
     held = Harmonic(harmonic.elasticity, held={tuple(first.tolist()): "xy", tuple(second.tolist()): "y"})
-    value = -solve_harmonic(held, 0.0).energy / float(harmonic.elasticity.space.mesh.cell_areas.sum())
+    value = -solve_harmonic(held, 0.0).energy / harmonic.elasticity.space.mesh.cell_areas.sum()
     exact = -(1.0 + POISSON) * (1.0 - 2.0 * POISSON)
     return Row("Bar", f"{name} k=0", "u_r", "a/E", value, exact, 1e-9, "plane strain")
 
@@ -112,7 +112,7 @@ def revolution_numbers() -> Iterator[Row]:
             values = found.amplitudes[at[0], 0], found.amplitudes[at[1], 1]
             limit = {1: 0.05, 2: 2e-3, 3: 1e-4}[element.order]
             for quantity, exact, value in zip(("u_r", "u_z"), exact_bar()[ka], values, strict=True):
-                yield Row("Bar of revolution", f"{name} ka={ka:g}", quantity, "a/E", float(value), exact, limit)
+                yield Row("Bar of revolution", f"{name} ka={ka:g}", quantity, "a/E", value, exact, limit)
     yield from _disc_numbers()
 
 
@@ -139,7 +139,7 @@ def _disc_numbers() -> Iterator[Row]:
         sums = (sums[1:] + sums[:-1]) / 2.0
     plane_young, plane_poisson = 1.0 / (1.0 - POISSON**2), POISSON / (1.0 - POISSON)
     exact = (4.0 - np.pi + plane_poisson * np.pi) / (np.pi * plane_young)
-    yield Row("Disc", "t=90", "growth of the diameter across", "P/E", float(sums[-1]), exact, 1e-4)
+    yield Row("Disc", "t=90", "growth of the diameter across", "P/E", sums[-1], exact, 1e-4)
     for s, (radial, _, around, *_) in zip((0.0, 0.5), stresses.tolist(), strict=True):
         code = f"r={s:g} t=90"
         across, along = ((1.0 - s**2) / (1.0 + s**2)) ** 2 / np.pi, (1.0 - 4.0 / (1.0 + s**2) ** 2) / np.pi

@@ -72,7 +72,6 @@ def hertz_rows(run: Run) -> Iterator[Row]:
     modulus = contact_modulus(HERTZ_STEEL.plane_modulus, HERTZ_STEEL.plane_modulus)
     for ratio in RATIOS:
         code = f"hertz_{RADIUS:g}_{RADIUS * ratio:g}"
-        run.progress(code)
         unit = PointContact(1e3, RADIUS, RADIUS * ratio, modulus)
         force = round(1e3 * (SEMI_AXIS / min(unit.semi_axes)) ** 3, -2)
         found = press_patch(crowned("prism", RADIUS), crowned("cylinder", None, RADIUS * ratio), force=force)
@@ -142,7 +141,7 @@ def half_space_contact(gap: str) -> tuple[float, float, float]:
     gaps, shares = published_gaps(bounds, along, gap)
     found = solve_normal(Convolution(2.0 * single), gaps, approach=CONFORMAL_APPROACH, share=shares)
     pressures = found.forces / CONFORMAL_CELL**2
-    return float(found.forces.sum()), float(pressures.max()), float((pressures > 0.0).sum()) * CONFORMAL_CELL**2
+    return found.forces.sum(), pressures.max(), (pressures > 0.0).sum() * CONFORMAL_CELL**2
 
 
 def published_gaps(bounds: Floats, along: Floats, gap: str) -> tuple[Floats, Floats]:
@@ -225,7 +224,6 @@ def conforming_blocks() -> tuple[PatchBody, PatchBody]:
 
 def conforming_rows(run: Run) -> Iterator[Row]:
     """Forces and pressures beside the published half-space, the published finite elements, and CalculiX."""
-    run.progress("conforming bodies")
     first, second = conforming_bodies()
     bodies = PatchPair(first, second, grid_about(first, second, BODIES_CELL, BODIES_WINDOW))
     block = press_patch(*conforming_blocks(), approach=BLOCK.approach)
@@ -239,14 +237,14 @@ def conforming_rows(run: Run) -> Iterator[Row]:
     gaps, shares = published_gaps(grid.bounds - bodies.first.length / 2.0, grid.along, "half-space")
     total = published[code, "force"]
     trial = solve_normal(bodies.influence, gaps, force=total, share=shares)
-    found = solve_normal(bodies.influence, gaps, force=total**2 / float(trial.forces.sum()), share=shares)
+    found = solve_normal(bodies.influence, gaps, force=total**2 / trial.forces.sum(), share=shares)
     cells = grid.widths[:, None] * grid.strip
-    values = float((found.forces / cells).max()), float(((found.forces > 0.0) * cells).sum())
+    values = (found.forces / cells).max(), ((found.forces > 0.0) * cells).sum()
     note = "by the real bodies at the published force; the published ones and their supports are not known"
     for name, value in zip(("p0", "area"), values, strict=True):
         yield Row("Conformal", code, name, units[name], value, published[code, name], BODIES_LIMITS[name], note)
     peer = calculix("block", BLOCK_MESHES)
-    for name, value in (("force", float(block.force[1])), ("p0", float(block.pressures.max()))):
+    for name, value in (("force", block.force[1]), ("p0", block.pressures.max())):
         exact, note = peer[name]
         yield Row("Conformal", "block", name, units[name], value, exact, BLOCK_LIMIT, note)
 

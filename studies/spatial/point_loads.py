@@ -114,7 +114,7 @@ def square_numbers() -> Iterator[Row]:
         }[name]
         for value, which in found:
             small = name.startswith("s_") and abs(exact) < normal_stress / 2.0
-            close = Limit(f"{percent(SQUARE_LIMIT)} of s_zz", bool(abs(value - exact) <= SQUARE_LIMIT * normal_stress))
+            close = Limit(f"{percent(SQUARE_LIMIT)} of s_zz", abs(value - exact) <= SQUARE_LIMIT * normal_stress)
             place = f"depth {depth:g} {which}".strip()
             yield Row("Square", place, name, "", float(value), exact, close if small else SQUARE_LIMIT)
 

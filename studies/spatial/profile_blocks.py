@@ -90,6 +90,6 @@ def profile_numbers(found: PatchContact) -> Iterator[Row]:
         yield Row("S1002 on 60E1", "blocks", name, "MPa" if name == "p0" else "mm", value, exact, LIMIT, note)
     note = f"under {peer['force'][0]:.0f} N"
     yield Row("S1002 on 60E1", "blocks", "approach", "mm", found.contact.approach, APPROACH, LIMIT, note)
-    centre = peer["x"][0], float(patch.centre[0])
+    centre = peer["x"][0], patch.centre[0]
     words, note = f"{PLACE:g} mm", "centre of pressure from first touch"
     yield Row("S1002 on 60E1", "blocks", "x", "mm", centre[1], centre[0], words, note)

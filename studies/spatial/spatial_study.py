@@ -11,14 +11,10 @@ from studies.study import Row, Run
 def rows(run: Run) -> Iterator[Row]:
     """Rows of all parts; if quick, the finest mesh of short waves is left out but for the element of order 3."""
     for element in sorted(ELEMENTS):
-        run.progress(f"bar under a cosine pressure, {element}")
         yield from bar_rows(run, element)
     yield plane_strain_row()
-    run.progress("body of revolution")
     yield from revolution_numbers()
-    run.progress("square on a half-space")
     yield from square_numbers()
-    run.progress("rail on a foundation")
     yield from rail_rows()
     yield from hertz_rows(run)
     yield from conforming_rows(run)

@@ -61,7 +61,7 @@ def contact_name(result: WheelsetResult, patch: WheelRailPatch) -> str:
     """
     wheel = result.model.problem.wheelset.wheel_of(patch.side)
     tread = [name for name in wheel.running_names if name.startswith("tread")]
-    in_root = float(patch.wheel_point_mm[0]) < float(wheel.outline.bounds(tread)[0, 0])
+    in_root = patch.wheel_point_mm[0] < wheel.outline.bounds(tread)[0, 0]
     return f"{patch.side} {'flange root' if in_root else 'tread'}"
 
 
@@ -70,8 +70,8 @@ def contact_quantities(result: WheelsetResult) -> dict[tuple[str, str], float]:
     found = {}
     for patch in result.patches:
         name = contact_name(result, patch)
-        found[name, "force"] = float(np.hypot(*patch.force_on_wheel_N))
-        found[name, "maximum pressure"] = float(patch.pressure.pressures.max())
+        found[name, "force"] = np.hypot(*patch.force_on_wheel_N)
+        found[name, "maximum pressure"] = patch.pressure.pressures.max()
         found[name, "maximum shear in the rail"] = maximum_shear(result, patch, "rail").value_MPa
         found[name, "maximum shear in the wheel"] = maximum_shear(result, patch, "wheel").value_MPa
     return found

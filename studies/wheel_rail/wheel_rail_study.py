@@ -60,7 +60,7 @@ def patch_forces(result: WheelsetResult) -> dict[str, float]:
     forces: dict[str, float] = {}
     for patch in result.patches:
         name = contact_name(result, patch)
-        forces[name] = forces.get(name, 0.0) + float(np.hypot(*patch.force_on_wheel_N))
+        forces[name] = forces.get(name, 0.0) + np.hypot(*patch.force_on_wheel_N)
     return forces
 
 

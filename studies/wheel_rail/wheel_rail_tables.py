@@ -135,7 +135,7 @@ def root_rows(run: Run, results: Results) -> Iterator[Row]:
             for radius, at in positions.items()
         )
         laterals, *others = np.transpose(members)
-        rotation, vertical, radius = (float(np.interp(lateral, laterals, values)) for values in others)
+        rotation, vertical, radius = (np.interp(lateral, laterals, values) for values in others)
         note = f"interpolated to the published lateral translation, at a wide arc of {radius:.1f} mm"
         code = f"{MEMBER_CODE}, {family}"
         yield Row("flange root", code, "rotation", "rad", rotation, float(row["rotation_rad"]), None, note)

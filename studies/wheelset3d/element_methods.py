@@ -51,7 +51,7 @@ def method_rows(run: Run) -> Iterator[Row]:
 def _beside(table: str, code: str, base: SpatialResult, result: SpatialResult) -> Iterator[Row]:
     for side in SIDES:
         known, found = (each.force_on_wheel_N(side) for each in (base, result))
-        allowed = FORCE_LIMIT * float(np.hypot(*known))
+        allowed = FORCE_LIMIT * np.hypot(*known)
         for name, wanted, value in zip(("lateral", "vertical"), known.tolist(), found.tolist(), strict=True):
             limit = Limit(f"{percent(FORCE_LIMIT)} of the contact force", abs(value - wanted) <= allowed)
             yield Row(table, code, f"{name} force, {side} wheel", "N", value, wanted, limit)

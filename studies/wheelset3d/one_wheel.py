@@ -52,7 +52,7 @@ class PressedWheel:
     @property
     def normal_force(self) -> float:
         """Resultant of the pressures in N."""
-        return float(np.hypot(*self.state.resultant[:2]))
+        return np.hypot(*self.state.resultant[:2])
 
     @property
     def tape_mm(self) -> float:
@@ -64,7 +64,7 @@ class PressedWheel:
     def centre_of_pressure_mm(self) -> float:
         """Position on the wheel, from its tape line to the field side."""
         forces = self.state.forces
-        return float((forces * self.state.gap.along).sum() / forces.sum()) - self.tape_mm
+        return ((forces * self.state.gap.along).sum() / forces.sum()) - self.tape_mm
 
     @cached_property
     def overlap(self) -> tuple[float, float, float]:
@@ -79,7 +79,7 @@ class PressedWheel:
         weights = np.maximum(-gap.gaps, 0.0) ** 2
         weights /= weights.sum()
         rows, strips = weights.sum(axis=1), weights.sum(axis=0)
-        return float((weights * gap.along).sum()), float(rows @ stations), float(strips @ z)
+        return (weights * gap.along).sum(), (rows @ stations), (strips @ z)
 
     @property
     def interpenetration_mm(self) -> float:

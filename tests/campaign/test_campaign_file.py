@@ -77,31 +77,6 @@ def test_inputs_in_us_units_vary(tmp_path):
     assert [row.bodies for row in us.rows] == [row.bodies for row in metric.rows]
 
 
-@pytest.mark.parametrize(
-    ("lines", "given", "allowed"),
-    [
-        ("gauge_in = 10\n[vary]\naxle_load_kip = [30, 45]", "gauge_in = 10 without back_to_back_in", "56.5, 59.84"),
-        ("gage = 2\n[vary]\nlateral_in = [0, 1]", "no input called 'gage'", "wheel_radius_in"),
-        ('[vary]\nlateral_in = [0, 1]\nunits = ["us"]', "units that vary", "one system of units for all rows"),
-    ],
-)
-def test_errors_of_a_campaign_have_the_units_of_its_results(tmp_path, lines, given, allowed):
-    """Keys and numbers of messages are in US units where the file says so."""
-    with pytest.raises(InputError) as raised:
-        read(tmp_path, f'case = "wheelset-tangent"\n[inputs]\nunits = "us"\n{lines}\n')
-    assert given in raised.value.given
-    assert allowed in raised.value.allowed
-
-
-def test_columns_may_be_named_in_us_units(tmp_path):
-    """A column of results is the same under its US name; the units asked for replace those of the file."""
-    text = '[vary]\nlateral_mm = [0, 1]\n[results]\ncolumns = ["left_max_pressure_ksi"]\n'
-    campaign = read(tmp_path, f'case = "wheelset-tangent"\n{text}')
-    assert campaign.columns == ("left_max_pressure_MPa",)
-    assert campaign.units == "metric"
-    assert Campaign.from_file(tmp_path / "c.toml", units="us").units == "us"
-
-
 def test_a_case_file_is_a_base_and_inputs_inside_its_tables_vary(tmp_path):
     """A case file gives inputs; those of a body vary by its name; profiles are found beside the campaign's file."""
     base = 'case = "wheelset-tangent"\ngauge_mm = 1602\naxle_load_kN = 120\n'

@@ -149,17 +149,6 @@ def test_other_cases_give_all_single_numbers_of_their_summary(tmp_path):
     assert campaign_figures(found) == {}
 
 
-def test_ranges_are_in_words_and_numbers(sweep):
-    """The table of ranges has words, units and plain numbers, of which round-off is zero; JSON has keys and numbers."""
-    record = record_of(*sweep)
-    rows = {name: numbers for name, *numbers in (row for each in (record.results, *record.tables) for row in each.rows)}
-    assert {"left: maximum pressure, MPa", "right: L/V", "left: normal force, kN", "roll, mrad"} <= set(rows)
-    assert not [name for name in rows if "_" in name]
-    assert not [text for numbers in rows.values() for text in numbers if "e" in text]
-    force = record.summary["ranges"]["left_normal_force_kN"]
-    assert force["maximum"] == pytest.approx(float(rows["left: normal force, kN"][2]), rel=1e-4)
-
-
 @pytest.mark.ci
 def test_pictures_are_chosen_by_what_varies(sweep, tmp_path):
     """One input gives curves and the locus."""
@@ -296,14 +285,3 @@ def test_a_finished_campaign_prints_its_numbers_as_json_with_an_export(sweep, ca
     assert status == 0, err
     assert json.loads(out)["rows"] == len(sweep[0].rows) == 12
     assert (tmp_path / "out" / "c" / "results.csv").is_file()
-
-
-def test_a_campaign_in_a_notebook_has_its_rows_and_its_first_picture(sweep):
-    """The table has a row for each position; the picture is the first one of the report."""
-    found = sweep[1]
-    assert list(found.table.columns) == list(found.rows)
-    assert len(found.table) == 12
-    assert "12 rows" not in repr(found)
-    assert "<table>" in found._repr_html_()
-    wanted = next(iter(campaign_figures(found).values()))()
-    assert found.plot()._suptitle.get_text() == wanted._suptitle.get_text()

@@ -7,14 +7,11 @@ import signal
 import sqlite3
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 
 import pytest
 
-from flangeway.campaign import Campaign, results, run_campaign
-from flangeway.campaign.chunk import Chunk, compute
 from flangeway.campaign.database import CampaignDatabase
 from flangeway.errors import InputError
 
@@ -269,57 +266,3 @@ def test_an_interruption_while_workers_start_prints_no_traceback(synthetic, tmp_
     _, err = process.communicate(timeout=300)
     assert process.returncode == 130
     assert "Traceback" not in err
-
-
-WHEELSETS = """
-case = "wheelset-tangent"
-[inputs]
-size_scale = 8
-[vary]
-lateral_mm = { from = -1, to = 1, n = 12 }
-"""
-
-
-def test_wheelsets_in_a_campaign_with_a_killed_worker_are_those_of_a_calm_run(tmp_path):
-    """Positions computed together, their worker killed once: each number is that of a run in which none is."""
-    file = tmp_path / "c.toml"
-    file.write_text(WHEELSETS, encoding="utf-8")
-    campaign = Campaign.from_file(file)
-    database = tmp_path / "c.sqlite"
-    killers = []
-
-    def rob(_):
-        """Kill the worker as soon as there is one with something to compute."""
-        if not killers:
-            killers.append(threading.Thread(target=kill_first_worker))
-            killers[0].start()
-
-    end = run_campaign(campaign, database, workers=1, progress=rob)
-    killers[0].join()
-    assert killed_workers
-    assert end.all_converged
-    ((first, rows),) = campaign.chunks
-    undisturbed = compute(Chunk(rows, first)).results
-    found = results(database)
-    for name in ("vertical_mm", "left_max_pressure_MPa", "right_wheel_position_x_mm"):
-        assert found.rows[name] == [result.values[name] for result in undisturbed]
-    assert len(found.patches["row"]) == sum(len(result.patches) for result in undisturbed)
-
-
-killed_workers = []
-
-
-def kill_first_worker():
-    """Wait for a worker of this process, let it work a moment, and kill it."""
-    while True:
-        time.sleep(0.02)
-        try:
-            servers = [pid for pid in children(os.getpid()) if "forkserver" in Path(f"/proc/{pid}/cmdline").read_text()]
-            workers = [pid for server in servers for pid in children(server)]
-        except OSError:  # a child that has just ended
-            continue
-        if workers:
-            time.sleep(0.05)  # less than all positions take
-            os.kill(workers[0], signal.SIGKILL)
-            killed_workers.append(workers[0])
-            return

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from flangeway.cases import CASES, load_case, schema, write_template
-from flangeway.cases.case import GivenText, grouped
+from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import check_case, read_case
 from flangeway.errors import InputError
 from flangeway.units import us_key
@@ -182,19 +182,6 @@ def test_any_values_give_a_case_or_an_input_error(name, values):
     assert refused.advice if case is None else case.name == name
 
 
-@settings(deadline=timedelta(minutes=5), suppress_health_check=list(HealthCheck))
-@given(text=st.text(alphabet=st.characters(codec="utf-8"), max_size=60), name=st.sampled_from(sorted(CASES)))
-def test_any_text_gives_a_case_or_an_input_error(tmp_path, text, name):
-    """Any text below the name of a case is read or refused with an error for the user."""
-    path = file_of(tmp_path, f'case = "{name}"\n{text}')
-    case, refused = None, None
-    try:
-        case = load_case(path)
-    except InputError as error:
-        refused = error
-    assert str(path) in refused.given if case is None else case.name == name
-
-
 PRESSED = """case = "two-bodies"
 thickness_mm = 2.0
 [[bodies]]
@@ -260,16 +247,6 @@ def test_a_damaged_case_is_sound_or_refused_when_checked(tmp_path, changes):
     except InputError as error:
         refused = error
     assert case.bodies if refused is None else str(path) in refused.given
-
-
-@pytest.mark.parametrize(("name", "first"), [("crossed-cylinders", "force_kN"), ("hertz", "radius_mm")])
-def test_loads_and_dimensions_are_a_group_of_inputs(name, first):
-    """They do not stand below the elements, after which a case lists them, nor elements below a contact."""
-    ((_, rows),) = CASES[name].tables_of_inputs()
-    groups = {caption: [row[0] for row in members] for caption, members in grouped(rows).items()}
-    assert groups["Load and dimensions of the bodies"][0] == first
-    assert all(key.endswith(("method", "order", "mm", "growth")) for key in groups["Elements and mesh"])
-    assert not {"force_kN", "force_N", "radius_mm", "upper_radius_mm"} & {*groups["Elements and mesh"]}
 
 
 @pytest.mark.parametrize("name", ["shift.toml", "wheel-life.toml"])

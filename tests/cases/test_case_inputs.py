@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from flangeway.campaign import Campaign
 from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase
 from flangeway.cases.case import OF_REPORT, RENAMED
 from flangeway.cases.rigid.rigid_case import GeometryCase
@@ -143,16 +142,3 @@ def test_the_error_for_an_old_key_names_the_new_one(old, new):
         with pytest.raises(InputError) as caught:
             kind.from_values({old: 1.0})
         assert f"{old} is now {new}" in caught.value.advice
-
-
-def test_old_keys_are_named_in_campaigns_and_on_the_command_line(tmp_path, call):
-    """The present name is also in the error of a campaign file and of an option, with the line of the file."""
-    file = tmp_path / "c.toml"
-    file.write_text(
-        'case = "wheelset-tangent"\n[inputs]\nbarycentre_height_mm = 1500.0\n[vary]\nrail_inclination = [0.0, 0.1]\n'
-    )
-    with pytest.raises(InputError, match=r"line 3.*\n.*barycentre_height_mm is now centre_of_gravity_height_mm"):
-        Campaign.from_file(file)
-    code, _, err = call("run", "wheelset-tangent", "--set", "cant=0.025")
-    assert code == 2
-    assert "cant is now rail_inclination" in err

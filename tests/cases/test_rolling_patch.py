@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from flangeway.campaign import Campaign, results, run_campaign
 from flangeway.cases import load_case
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
@@ -156,17 +155,6 @@ def test_pressures_from_a_file_are_those_of_the_run_that_wrote_it(tmp_path):
     half = SimpleNamespace(**load_case(tmp_path / "patch.toml").run().summary)
     assert half.force_kN == pytest.approx(40.0, rel=1e-5)
     assert half.semi_axis_across_mm < 0.7 * found.semi_axis_across_mm
-
-
-def test_a_campaign_varies_it(tmp_path):
-    """A campaign over friction gives rows with forces, and without friction none."""
-    file = tmp_path / "patch.toml"
-    inputs = "".join(f"{key} = {value!r}\n" for key, value in SMALL.items())
-    file.write_text(f'case = "rolling-patch"\n[inputs]\n{inputs}[vary]\nfriction = [0.0, 0.1, 0.3]\n'.replace("'", '"'))
-    run_campaign(Campaign.from_file(file), tmp_path / "patch.sqlite", workers=1)
-    forces = results(tmp_path / "patch.sqlite").table.columns["longitudinal_force_kN"]
-    assert forces[0] == 0.0
-    assert 0.0 > forces[1] > forces[2]
 
 
 def test_flash_temperature_and_reduced_slope_reach_the_summary():

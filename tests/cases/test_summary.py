@@ -68,14 +68,6 @@ def test_the_file_holds_the_summary(run, tmp_path):
     assert "NaN" not in text
 
 
-def test_sizes_are_those_of_the_bodies(run):
-    """Bodies have the counts of their meshes."""
-    model = run.result.model
-    for row, body in zip(run.summary["bodies"], (model.wheel, model.rail), strict=True):
-        assert (row["name"], row["elements"], row["nodes"]) == (body.name, body.mesh.n_cells, body.space.n_nodes)
-        assert row["unknowns"] == int(body.free.sum())
-
-
 def test_inputs_and_assumptions_are_told(run):
     """All inputs are in the summary, and so are the assumptions with the wheel's uncertain origin."""
     inputs = dict(run.summary["case"])

@@ -116,18 +116,6 @@ def test_the_history_has_every_iteration_of_every_step(hertz):
     assert load_steps(failed)[-1][0] == "not converged"
 
 
-def test_only_the_sides_of_cells_are_mesh_lines(hertz):
-    """Of the triangles that cells of order 2 are cut into, the sides between rim places are the edges in pieces."""
-    for each in bodies_fields(hertz):
-        mesh = hertz.bodies[each.name].field.problem.space.mesh
-        assert len(np.unique(each.shown.places)) == each.shown.places.max() + 1 > each.shown.n_rim_places
-        assert each.shown.n_rim_places == mesh.n_points + mesh.n_edges
-        corners = each.shown.places[each.shown.mesh.cell_points].reshape(-1, 3)
-        sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
-        lines = np.unique(sides[(sides < each.shown.n_rim_places).all(axis=1)], axis=0)
-        assert len(lines) == 2 * mesh.n_edges
-
-
 def test_very_many_points_are_shown_as_whole_cells(hertz, hertz_steps, monkeypatch):
     """Beyond the largest number of points the page shows each cell once, with the values at its corners."""
     assert all(part.cells is not None for part in scenes.bodies_scene(hertz, hertz_steps).parts)

@@ -11,7 +11,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.railway.profiles.bundled import rail
-from flangeway.report.figures.drawing import COLOURS, SERIES, SIGNED, new_figure
+from flangeway.report.figures.drawing import COLOURS, SIGNED
 from flangeway.report.figures.plots import plot_stress
 from flangeway.report.profile import profile_figures
 from flangeway.solve import solve_elasticity
@@ -43,11 +43,3 @@ def test_wear_is_measured_along_the_normal():
     flank = np.abs(x) > 0.999 * np.abs(x).max()
     assert np.abs(off[flank]).max() < 0.2
     assert "at most 0.5 mm below it" in axes.get_title()
-
-
-def test_lines_of_all_figures_have_the_same_colours():
-    """Lines of any axes, twins among them, take the colours of `SERIES` one after the other."""
-    figure = new_figure(6.0, 3.0)
-    for axes in (*figure.subplots(1, 2), figure.axes[0].twinx()):
-        lines = [axes.plot([0.0, 1.0])[0].get_color() for _ in SERIES]
-        assert tuple(lines) == SERIES

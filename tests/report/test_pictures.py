@@ -7,7 +7,7 @@ import pytest
 from matplotlib.text import Text
 
 from flangeway.railway.track.placements import SIDES
-from flangeway.report.figures.drawing import new_figure, png, power_of_ten, shade_of
+from flangeway.report.figures.drawing import power_of_ten, shade_of
 from flangeway.report.figures.fields import drawn_parts
 from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
 from flangeway.report.wheelset.wheelset_figure import deformation_factor, wheelset_figure
@@ -111,14 +111,6 @@ def test_the_factor_makes_the_motion_visible(runs):
 def test_powers_of_ten_are_labelled():
     """Labels of logarithmic axes are powers with signs and all digits."""
     assert [power_of_ten(value) for value in (1e-16, 0.1, 1.0, 1e23)] == ["10⁻¹⁶", "10⁻¹", "10⁰", "10²³"]
-
-
-def test_a_picture_of_fewer_dots_is_smaller():
-    """A picture with half the dots to the inch is half as wide and high, with its labels in the same places."""
-    figure = new_figure(4.0, 3.0)
-    figure.subplots()
-    sizes = [[int.from_bytes(data[at : at + 4], "big") for at in (16, 20)] for data in (png(figure), png(figure, 80))]
-    assert sizes == [[640, 480], [320, 240]]
 
 
 def test_a_section_is_shown_about_the_head_wherever_the_rail_went():

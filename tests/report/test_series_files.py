@@ -8,7 +8,6 @@ import pytest
 
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
-from flangeway.formats import write_vtu
 from flangeway.materials import Elastic
 from flangeway.mesh import dual, rectangle_grid
 from flangeway.post import corner_stresses, stresses_at
@@ -109,13 +108,3 @@ def test_wrong_series_are_refused(tmp_path, name, frames, word):
     """Another ending, no frame, falling or missing times, and a part twice at one time are refused."""
     with pytest.raises(InputError, match=word):
         write_series(tmp_path / name, frames)
-
-
-@pytest.mark.parametrize(
-    ("points", "corners", "word"),
-    [({}, {"s": np.zeros(3)}, "corners of the cells"), ({"s": np.zeros(MESH.n_points)}, {"s": np.zeros(3)}, "corners")],
-)
-def test_wrong_corner_data_are_refused(tmp_path, points, corners, word):
-    """Corner data of another length are refused."""
-    with pytest.raises(InputError, match=word):
-        write_vtu(tmp_path / "a.vtu", MESH, points, corner_data=corners)

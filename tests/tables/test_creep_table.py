@@ -131,37 +131,6 @@ def test_files_that_are_no_table_are_refused(tmp_path):
             CreepTable.load(file)
 
 
-def velocity(x, yaw, omega, arm):
-    """Velocity of a wheel's point by rotation about the axle, by a finite step of that rotation, right-hand form."""
-    axis, step = np.array([np.cos(yaw), 0.0, np.sin(yaw)]), 1e-6
-    parallel = axis * (arm @ axis)
-    turned = np.cross(axis, arm)
-    moved = parallel + (arm - parallel) * np.cos(step) + turned * np.sin(step)
-    return omega * (moved - arm) / step
-
-
-def test_creepages_are_the_velocity_of_the_wheel_on_the_rail(table):
-    """Yaw, yaw rate, lateral velocity and rotation, each side, against rotation by a finite step."""
-    contacts = table.contacts(-1.0, 0.0, 100.0)
-    v, omega, lateral, rate, yaw = 2e4, 43.0, 30.0, 0.01, 4e-3
-    found = table.creepages(
-        contacts, 1e3 * yaw, speed=v, rotation=omega, lateral_velocity=lateral, yaw_rate=rate
-    )[0, :, 0]  # fmt: skip
-    for side, sign in enumerate((-1.0, 1.0)):
-        arm = np.array([750.0, -459.0, 0.0])
-        axis = np.array([np.cos(sign * yaw), 0.0, np.sin(sign * yaw)])
-        across = arm - axis * (arm @ axis)
-        slip = velocity(750.0, sign * yaw, omega, 460.0 * across / np.linalg.norm(across))
-        slip += [sign * lateral, 0.0, v + sign * rate * 750.0]
-        tangent = np.array([-np.cos(0.05), -np.sin(0.05), 0.0])
-        normal = np.array([-np.sin(0.05), np.cos(0.05), 0.0])
-        spin = normal @ (omega * axis + np.array([0.0, -sign * rate, 0.0]))
-        np.testing.assert_allclose(found[side], np.array([slip[2], slip @ tangent, spin]) / v, rtol=1e-4, atol=1e-9)
-    assert found[0, 1] * found[1, 1] < 0.0  # towards both gauge sides
-    with pytest.raises(InputError, match="speeds > 0"):
-        table.creepages(contacts, 0.0, speed=0.0, rotation=1.0)
-
-
 def test_creepages_are_those_of_the_wheelset_that_rolls(table):
     """At random positions, yaws, rolls, curves, speeds and velocities both kinematics give the same numbers."""
     random = np.random.default_rng(11)

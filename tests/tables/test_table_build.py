@@ -75,13 +75,6 @@ def test_forces_are_exact_at_a_position_and_creepages_of_the_table(small):
         )
 
 
-def test_left_and_right_mirror_each_other(small):
-    """In the middle of the track opposite lateral creepages and spins of both wheels have opposite forces."""
-    creepages = np.array([[[[3e-4, 5e-4, 2e-5]], [[3e-4, 5e-4, 2e-5]]]])
-    forces = small[0].forces(0.0, 0.0, 100.0, creepages)[0, :, 0]
-    np.testing.assert_allclose(forces[0], forces[1], rtol=1e-4)
-
-
 def test_a_jump_is_located_and_not_interpolated(few_points, monkeypatch):
     """Patches that do not overlap are apart: lateral positions are added up to both sides of the jump."""
     build = _Build(TableRequest(COARSE, [0.0, 1.0], [0.0], [100.0]), 1, lambda _: None)

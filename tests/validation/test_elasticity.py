@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from flangeway.cases.bodies.cook import CookCode
-from flangeway.errors import InputError
 from studies.elasticity import patch_space
 
 
@@ -18,10 +17,3 @@ def test_mixed_configurations_have_both_methods(space):
     assert np.array_equal(np.flatnonzero(at_rim), np.sort(mesh.cell_sets["polygons"]))
     assert np.array_equal(np.flatnonzero(~at_rim), np.sort(mesh.cell_sets["triangles"]))
     assert {type(batch.element).__name__ for batch in space.batches()} == {"Lagrange", "Virtual"}
-
-
-@pytest.mark.parametrize(("method", "level", "named"), [("X", 1, "method"), ("F", 9, "level")])
-def test_wrong_codes_are_refused(method, level, named):
-    """A method or a refinement that there is not is refused by its name."""
-    with pytest.raises(InputError, match=named):
-        CookCode(method, level, 1)

@@ -5,7 +5,6 @@ import pytest
 
 from studies.friction.sliding_bodies import (
     BELT_STRAIN,
-    DRUM_MM,
     MU,
     SLIPPING,
     STRIP_MM,
@@ -27,13 +26,6 @@ def test_the_closed_form_of_the_strip_is_a_loop() -> None:
     assert strip_force(2, -u) == pytest.approx(-force)
     assert strip_force(2, u) == pytest.approx(force)
     assert strip_force(3, 2.5 * u) == pytest.approx(MU * STRIP_MPA * STRIP_MM)
-
-
-def test_the_exponent_of_a_belt_is_the_coefficient_of_friction_when_it_is_thin() -> None:
-    """It falls with the thickness, by the factor 1 - (1 + mu^2) h / 2 R."""
-    assert belt_exponent(0.0) == MU
-    thin = 1e-3
-    assert belt_exponent(thin) == pytest.approx(MU * (1.0 - (1.0 + MU**2) * thin / (2.0 * DRUM_MM)), rel=1e-9)
 
 
 def test_a_coarse_belt_slips_as_eytelwein_says() -> None:

@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.peers.calculix_solid import Solid
-from benchmarks.profile_blocks import blocks
 from studies.spatial.profile_blocks import (
-    DEPTH,
     HALF,
     RADIUS,
     cut_surfaces,
@@ -36,20 +33,3 @@ def test_the_cut_profiles_touch_first_at_the_origin() -> None:
     curvatures = [np.polyfit(x[near], gap[near], 2)[0] * 2.0 for near in (abs(x + 1.5) < 0.8, abs(x - 4.0) < 0.8)]
     assert curvatures[0] > 3.0 * curvatures[1]
     assert axle == pytest.approx(RADIUS, abs=1.0)
-
-
-def test_calculix_gets_the_same_surfaces() -> None:
-    """Nodes of the rail's surface lie on its profile, those of the wheel's on the surface of revolution."""
-    low, high, axle = cut_surfaces()
-    rail, wheel = blocks(2.5)
-    for body, surface, level in ((rail, low, -DEPTH), (wheel, high, DEPTH)):
-        assert isinstance(body, Solid)
-        x, y, z = body.nodes[body.surface].T
-        above = axle - np.hypot(axle - y, z) if level > 0.0 else y
-        np.testing.assert_allclose(above, heights(surface, x), atol=1e-6)
-        np.testing.assert_allclose(body.nodes[body.held][:, 1], level)
-        assert (x.min(), x.max(), z.min(), z.max()) == pytest.approx((-HALF, HALF, 0.0, 30.0))
-        corners = body.nodes[body.elements[:, :8]]
-        edges = corners[:, [1, 3, 4]] - corners[:, :1]
-        assert (np.linalg.det(edges) > 0.0).all()
-        assert len(body.at_x) == 0

@@ -8,7 +8,7 @@ import pytest
 
 from studies import registry
 from studies.registry import STUDIES
-from studies.study import Limit, Row, Study, digits, relative
+from studies.study import Limit, Row, Study
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "validation.md").read_text(encoding="utf-8")
@@ -50,23 +50,6 @@ def test_each_difference_is_that_of_its_row(title):
         assert apart == pytest.approx(shown, abs=digits_lost, rel=0.06), row
         checked += 1
     assert checked > 10
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [(0.0, "0"), (3e-15, "< 1e-10"), (252.0, "252"), (251.96, "252.0"), (1271.4, "1271"), (-4.5e-8, "-4.500e-8")],
-)
-def test_numbers_have_four_digits(value, text):
-    """Whole numbers are shown in full, others with four digits, round-off as such."""
-    assert digits(value) == text
-
-
-@pytest.mark.parametrize(
-    ("difference", "text"), [(1e-7, "< 0.001 %"), (0.113, "+11 %"), (-0.99999, "-100 %"), (3e-4, "+0.030 %")]
-)
-def test_differences_have_two_digits(difference, text):
-    """Relative differences are per cents with their sign and two digits."""
-    assert relative(difference) == text
 
 
 @pytest.mark.parametrize(

@@ -50,12 +50,6 @@ def test_all_numbers_with_a_limit_are_within(position) -> None:
     assert position.real.position.vertical_mm < position.half_spaces.position.vertical_mm
 
 
-def test_steep_contact_has_no_limits(position) -> None:
-    """Where half-spaces are no measure the difference is shown only."""
-    steep = BenchmarkPosition(position.published | {"angle": 0.5}, position.real, position.half_spaces)
-    assert {number.within for number in benchmark_numbers(steep)} == {None}
-
-
 def test_creep_forces_are_those_of_contact(position) -> None:
     """Forces on bodies and half-spaces to 0.5 %; with CONTACT's cells and differences the spin moment to 3 % too."""
     run = Run()

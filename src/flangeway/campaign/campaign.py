@@ -8,18 +8,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from pydantic import Field
+
 from flangeway.campaign.varying import VALUES_ALLOWED, flattened, grid, read_table, refuse_too_many, values_of
-from flangeway.cases.case import RunnableCase, Table, closest
-from flangeway.cases.case_file import CASE_FILES, FILE_KEYS, is_case_file, read_case
+from flangeway.cases.case import RunnableCase, Table, require_known
+from flangeway.cases.case_file import CASE_FILES, is_case_file, read_case, resolved
 from flangeway.cases.case_identity import bodies_key, case_content, hash_of
-from flangeway.errors import InputError, short
-from flangeway.system.file_content import is_file
+from flangeway.errors import InputError, located, short
 from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.system.versions import versions
 from flangeway.units import Units, us_key
 
-RESULTS = ("columns",)
-KEYS = ("case", "table", "inputs", "vary", "results")
 CAMPAIGN_FILE = TomlKind(
     name="campaign",
     instead="",
@@ -166,21 +165,47 @@ class Campaign:
         return tuple(chunks)
 
 
+class ResultsTable(Table):
+    """Which results are kept."""
+
+    columns: list[str] = Field([])
+    """names of columns of wheelsets (default: all)"""
+
+
+class CampaignTables(Table):
+    """Tables of the file."""
+
+    case: str
+    """a line such as case = "wheelset-tangent" at the top; `flangeway cases` lists the names"""
+    table: str | None = None
+    """CSV file with the names of inputs in its first line and a line for each row"""
+    inputs: dict[str, Any] = Field({})
+    """inputs of all rows"""
+    vary: dict[str, Any] = Field({})
+    """lists or ranges of the values of inputs, of which all combinations are rows"""
+    results: ResultsTable = Field(default_factory=lambda: ResultsTable(columns=[]))
+    """which results are kept"""
+
+    @classmethod
+    def called(cls) -> str:
+        """See `Table.called`."""
+        return "a campaign, whose own inputs belong under [inputs] or [vary]"
+
+
 class _CampaignText(TomlFile):
     """A campaign's file."""
 
     kind = CAMPAIGN_FILE
 
     def campaign(self, units: Units | None) -> Campaign:
-        self._refuse_unknown()
-        case = self._case_name()
-        given: dict[str, Any] = self.data.get("inputs", {})
+        tables = CampaignTables.from_values(self.data, self.place)
+        case = self._case_name(tables.case)
+        inputs = resolved(self, tables.inputs, self.file.parent.resolve(), ("inputs",))
         if is_case_file(case):  # else tables are inputs of their own
-            given = flattened(given)
-        inputs = {key: self._resolved(key, value, "inputs") for key, value in given.items()}
+            inputs = flattened(inputs)
         if units:
             inputs["units"] = units
-        keys, varied = self._varied()
+        keys, varied = self._varied(tables)
         for key in keys:
             if key == "units":
                 raise InputError(
@@ -199,42 +224,19 @@ class _CampaignText(TomlFile):
         self._check(rows)
         kind = type(rows[0].case)
         with rows[0].case.errors_as_written():
-            columns = self._columns(kind, rows)
+            columns = self._columns(kind, rows, tables.results.columns)
         return Campaign(self.file.stem, kind, keys, tuple(rows), columns)
 
-    def _refuse_unknown(self) -> None:
-        for key, value in self.data.items():
-            if key not in KEYS:
-                raise InputError(f"{self._line('', key)}{key}", f"the keys {', '.join(KEYS)}", self._advice(key))
-            wanted: type = dict if key in ("inputs", "vary", "results") else str
-            if not isinstance(value, wanted):
-                allowed = "a name in quotation marks" if wanted is str else f"a table: [{key}] and its keys below"
-                raise InputError(f"{self._line('', key)}{key} = {short(value)}", allowed, "correct it")
-        if "case" not in self.data:
-            raise InputError(
-                f"{self.file}: no key case",
-                'a line such as case = "wheelset-tangent" at the top',
-                "add it; `flangeway cases` lists the names",
-            )
-
-    def _advice(self, key: str) -> str:
-        near = closest(key, list(KEYS))
-        return near if near.startswith("did") else f"inputs belong under [inputs] or [vary]: move {key} there"
-
-    def _case_name(self) -> str:
-        name = str(self.data["case"])
+    def _case_name(self, name: str) -> str:
         if name not in CASE_FILES and (is_case_file(name) or is_case_file(self.file.parent / name)):
             name = str((self.file.parent / name).resolve())
-        try:
+        with located(self.place(("case",))):
             read_case(name)
-        except InputError as reason:
-            raise self._placed(reason, self._line("", "case")) from reason
         return name
 
-    def _varied(self) -> tuple[tuple[str, ...], list[dict[str, Any]]]:
+    def _varied(self, tables: CampaignTables) -> tuple[tuple[str, ...], list[dict[str, Any]]]:
         """Keys that vary, and their values row by row as they are written; the grid is inside of the table."""
-        lists = flattened(self.data.get("vary", {}))
-        table = self.data.get("table")
+        lists, table = flattened(tables.vary), tables.table
         if isinstance(lists.get("table"), str):  # the last line of a file belongs to its last table
             if table is not None:
                 raise InputError(f"{self._line('vary', 'table')}table twice", "one table", "remove one of both")
@@ -260,60 +262,30 @@ class _CampaignText(TomlFile):
         return keys, rows
 
     def _case(self, name: str, inputs: dict[str, Any], varied: dict[str, Any], number: int) -> RunnableCase:
-        values = {key: self._resolved(key, value, "vary") for key, value in varied.items()}
         try:
-            return read_case(name, {**inputs, **values})
+            return read_case(name, inputs | resolved(self, varied, self.file.parent.resolve(), ("vary",)))
         except InputError as reason:
             key = next((key for key in (*varied, *inputs) if _is_reported(key, reason.given)), "")
-            in_list = self._has("vary", key)
-            place = self._line("vary" if in_list else "inputs", key)
-            if key in varied and not in_list:
+            place = self._line("vary" if key in varied else "inputs", key)
+            if key in varied and key not in flattened(self.data.get("vary", {})):
                 place = f"{self.file}, table: "
             row = f"row {number}: " if key in varied else ""
-            raise self._placed(reason, f"{place}{row}") from reason
+            raise InputError(f"{place}{row}{reason.given}", reason.allowed, reason.advice) from reason
 
     def _check(self, rows: list[Row]) -> None:
         """Check more than single values: whole cases once for all rows of the same bodies, loads of each."""
         seen: set[str] = set()
         for row in rows:
-            try:
-                with row.case.errors_as_written():
-                    if row.bodies not in seen:
-                        row.case.check()
-                    else:
-                        row.case.check_position()
-            except InputError as reason:
-                given = ", ".join(f"{key} = {short(value)}" for key, value in row.varied.items())
-                raise self._placed(reason, f"{self.file}, row {row.number} ({given}): ") from reason
+            given = ", ".join(f"{key} = {short(value)}" for key, value in row.varied.items())
+            with located(f"{self.file}, row {row.number} ({given}): "), row.case.errors_as_written():
+                if row.bodies not in seen:
+                    row.case.check()
+                else:
+                    row.case.check_position()
             seen.add(row.bodies)
 
-    def _resolved(self, key: str, value: Any, table: str) -> Any:
-        """Make the name of a file independent of the current folder."""
-        if key.rpartition(".")[2] not in FILE_KEYS or not isinstance(value, str):
-            return value
-        path = self.file.parent / value
-        if is_file(path):
-            return str(path.resolve())
-        if "/" in value or re.search(r"\.\w{2,5}$", value):
-            raise InputError(
-                f"{self._line(table, key)}{key} = {short(value)}: there is no such file",
-                f"a file, its path relative to the folder {self.file.parent.resolve()}",
-                "correct the path, or copy the file there",
-            )
-        return value
-
-    def _columns(self, kind: type[RunnableCase], rows: Sequence[Row]) -> tuple[str, ...]:
-        given = self.data.get("results", {})
-        for key in given:
-            if key not in RESULTS:
-                raise InputError(
-                    f"{self._line('results', key)}results.{key}", " and ".join(RESULTS), closest(key, list(RESULTS))
-                )
-        known = _columns(row.case.columns() for row in rows)
-        columns = given.get("columns", [])
-        place = self._line("results", "columns")
-        if not isinstance(columns, list) or not all(isinstance(name, str) for name in columns):
-            raise InputError(f"{place}results.columns = {short(columns)}", "a list of names", "leave it out for all")
+    def _columns(self, kind: type[RunnableCase], rows: Sequence[Row], columns: Sequence[str]) -> tuple[str, ...]:
+        known, place = _columns(row.case.columns() for row in rows), self._line("results", "columns")
         if columns and not known:
             raise InputError(
                 f"{place}results.columns with case = {kind.name!r}",
@@ -323,27 +295,12 @@ class _CampaignText(TomlFile):
         in_us = {unit.name: name for name in known if (unit := us_key(name))}
         columns = [in_us.get(name, name) for name in columns]
         for name in columns:
-            if name not in known:
-                raise InputError(
-                    f"{place}results.columns with {name!r}",
-                    ", ".join(known),
-                    closest(name, list(known)),
-                )
+            require_known(f"{place}results.columns", name, known)
         return tuple(columns)
 
-    @staticmethod
-    def _placed(reason: InputError, place: str) -> InputError:
-        return InputError(f"{place}{reason.given}", reason.allowed, reason.advice)
-
     def _line(self, table: str, key: str) -> str:
-        """File and line of a key in a table, or at the top; the file alone if the key is not there."""
-        if not self._has(table, key):
-            return f"{self.file}: "
-        return self.place((*([table] if table else []), *key.split(".")))
-
-    def _has(self, table: str, key: str) -> bool:
-        names = flattened(self.data.get(table, {}) if table else self.data)
-        return any(name == key or name.startswith(f"{key}.") for name in names)
+        """File and line of a key in a table."""
+        return self.place((table, *key.split(".")))
 
 
 def _is_reported(key: str, message: str) -> bool:

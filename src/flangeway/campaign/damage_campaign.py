@@ -3,13 +3,28 @@
 from dataclasses import replace
 from typing import Any
 
+from pydantic import Field
+
 from flangeway.campaign.campaign import CAMPAIGN_FILE
 from flangeway.campaign.varying import flattened, grid, values_of
+from flangeway.cases.case import Table
 from flangeway.cases.damage.damage_file import DamageFile, DamageInputs
 from flangeway.errors import InputError
 from flangeway.system.toml_file import TomlFile
 
-KEYS = ("damage", "vary")
+
+class DamageCampaignTables(Table):
+    """Tables of the file."""
+
+    damage: str
+    """a damage file"""
+    vary: dict[str, Any] = Field({})
+    """lists or ranges of values of keys of the damage file"""
+
+    @classmethod
+    def called(cls) -> str:
+        """See `Table.called`."""
+        return "a campaign with damage; other keys belong into the damage file, or under [vary]"
 
 
 class DamageCampaign(TomlFile):
@@ -19,18 +34,12 @@ class DamageCampaign(TomlFile):
 
     def strategies(self) -> dict[str, DamageInputs]:
         """Return the inputs of the damage file as it is, and of all combinations; an `InputError` as of both."""
-        for key in self.data:
-            if key not in KEYS:
-                raise InputError(
-                    f"{self.place((key,))}{key} in a campaign with damage",
-                    f"the keys {', '.join(KEYS)}",
-                    f"write {key} into the damage file, or vary it",
-                )
-        given = flattened(self.data.get("vary", {}))
+        tables = DamageCampaignTables.from_values(self.data, self.place)
+        given = flattened(tables.vary)
         varied = {key: values_of(key, values, self.place(("vary", *key.split(".")))) for key, values in given.items()}
         if not varied:
             raise InputError(f"{self.file}: nothing varies", "[vary.inputs] and the like with lists", "add one")
-        file = DamageFile.read(self.file.parent / str(self.data["damage"]))
+        file = DamageFile.read(self.file.parent / tables.damage)
         strategies = {_name(row): _nested(row) for row in grid(varied, f"{self.file}: ")}
         return replace(file, data={**file.data, "strategies": strategies}).strategies()
 

@@ -7,14 +7,26 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from flangeway.cases.case import GivenText, closest
+from pydantic import Field, create_model
+
+from flangeway.cases.case import GivenText, Table
 from flangeway.errors import InputError, short
 from flangeway.system.file_content import csv_table
 
 RANGE_KEYS = ("from", "to", "n", "step")
 MAX_ROWS = 1_000_000
-MAX_VALUE = 1e100  # no input is larger; up to it ends and steps of ranges do not overflow
 VALUES_ALLOWED = "a list such as [100, 150, 200], or a range such as { from = -7, to = 7, n = 141 }"
+RangeTable: type[Table] = create_model(
+    "RangeTable",
+    __base__=Table,
+    **{
+        "from": (float, Field(description="first value")),
+        "to": (float, Field(description="last value")),
+        "n": (int | None, Field(None, ge=2, le=MAX_ROWS, description="number of values")),
+        "step": (float | None, Field(None, description="distance of the values, instead of n")),
+    },
+)  # type: ignore[call-overload]
+"""A range of values; its keys are words of Python."""
 
 
 def flattened(values: Mapping[str, Any], above: str = "") -> dict[str, Any]:
@@ -58,36 +70,23 @@ def values_of(key: str, given: Any, place: str) -> list[Any]:
 
 def _range(key: str, given: dict[str, Any], place: str) -> list[float]:
     name = f"{place}vary.{key}"
-    for inner, value in given.items():
-        if inner not in RANGE_KEYS:
-            raise InputError(f"{name}.{inner}", ", ".join(RANGE_KEYS), closest(inner, list(RANGE_KEYS)))
-        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= MAX_VALUE:
-            raise InputError(
-                f"{name}.{inner} = {short(value)}",
-                f"a number up to {MAX_VALUE:g}",
-                "correct it; numbers have no quotation marks",
-            )
-    if not {"from", "to"} <= set(given) or ("n" in given) == ("step" in given):
+    limits = RangeTable.from_values(given, lambda _: f"{name}: ")
+    low, high, number, step = (getattr(limits, each) for each in RANGE_KEYS)
+    if (number is None) == (step is None):
         raise InputError(
             f"{name} = {short(given)}",
             "from, to, and one of n and step",
             "{ from = -7, to = 7, n = 141 } has 141 values",
         )
-    low, high = float(given["from"]), float(given["to"])
-    if "n" in given:
-        number = given["n"]
-        if not isinstance(number, int) or not 2 <= number <= MAX_ROWS:
-            raise InputError(f"{name}.n = {short(number)}", f"a whole number from 2 up to {MAX_ROWS}", "give another")
-        steps = number - 1
-    else:
-        step = float(given["step"])
-        steps = round((high - low) / step) if abs(step) * MAX_ROWS > abs(high - low) else 0
-        if not 1 <= steps < MAX_ROWS or not math.isclose(low + steps * step, high, abs_tol=1e-9 * abs(step)):
-            raise InputError(
-                f"{name}.step = {step:g}",
-                f"a step that leads from {low:g} to {high:g}",
-                "correct it, or give n instead",
-            )
+    steps = number - 1 if step is None else round((high - low) / step) if abs(step) * MAX_ROWS > abs(high - low) else 0
+    if step is not None and not (
+        1 <= steps < MAX_ROWS and math.isclose(low + steps * step, high, abs_tol=1e-9 * abs(step))
+    ):
+        raise InputError(
+            f"{name}.step = {step:g}",
+            f"a step that leads from {low:g} to {high:g}",
+            "correct it, or give n instead",
+        )
     if low == high:
         raise InputError(f"{name} from {low:g} to {high:g}", "two different ends", "put one value under [inputs]")
     # rounded, so that -7 to 7 has 0 and 0.1, not 1e-16 and 0.09999999999999964

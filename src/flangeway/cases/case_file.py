@@ -16,7 +16,7 @@ from flangeway.cases.spatial.spatial_case import SpatialCase
 from flangeway.cases.spatial.spatial_presets import CraneWheelCase, CrossedCylindersCase, RollerCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCurveCase, WheelsetTangentCase
-from flangeway.errors import InputError, short
+from flangeway.errors import InputError, located, short
 from flangeway.system.file_content import is_file
 from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.system.versions import versions
@@ -104,7 +104,7 @@ def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = Non
         return _by_name(str(name_or_file), given)
     text = _text_of(name_or_file)
     case, values = text.case()
-    inputs = _set(_with_tables(case, text.resolved(values), given), given)
+    inputs = _set(_with_tables(case, resolved(text, values, text.file.parent), given), given)
     replaced = {key.partition(".")[0] for key in given}
 
     def where(key: Key) -> str:
@@ -187,10 +187,8 @@ class CaseText(TomlFile):
                     f"`flangeway {command} {self.file}` computes it",
                 )
         name, values = self.name_and_values()
-        try:
+        with located(self.place(("case",))):
             return find_case(name if isinstance(name, str) else short(name)), values
-        except InputError as reason:
-            raise InputError(f"{self.place(('case',))}{reason.given}", reason.allowed, reason.advice) from reason
 
     def name_and_values(self) -> tuple[Any, dict[str, Any]]:
         """Value of the key ``case`` (``model = "spatial"`` is the case of this name), and the inputs."""
@@ -220,28 +218,41 @@ class CaseText(TomlFile):
                 "install a newer flangeway, or write the file anew with `flangeway init`",
             )
 
-    def resolved(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Inputs with the files' names made independent of the current folder.
 
-        It is an `InputError` if a file is not there.
-        """
+def resolved(file: TomlFile, values: Mapping[str, Any], folder: Path, above: Key = ()) -> dict[str, Any]:
+    """Inputs of a file with the names of other files made independent of the current folder.
 
-        def resolved(key: Key, value: Any) -> Any:
-            return self._path(key, value) if key[-1] in FILE_KEYS and isinstance(value, str) else value
+    Parameters
+    ----------
+    file, values
+        The file, and inputs in it; those inside tables may be named by points.
+    folder
+        Its folder, to which names of files are relative.
+    above
+        Key of the table that the inputs are in.
 
-        return {name: mapped(value, resolved, (name,)) for name, value in values.items()}
+    Raises
+    ------
+    InputError
+        If a name with the ending of a file, or with a folder, names none.
 
-    def _path(self, key: Key, name: str) -> str:
-        path = self.file.parent / name
-        if is_file(path):
-            return str(path)
+    """
+
+    def path(key: Key, name: Any) -> Any:
+        last = next(str(item) for item in reversed(key) if not isinstance(item, int))
+        if last.rpartition(".")[2] not in FILE_KEYS or not isinstance(name, str):
+            return name
+        if is_file(folder / name):
+            return str(folder / name)
         if Path(name).suffix.lower() in FILE_ENDINGS or "/" in name:
             raise InputError(
-                f"{self.place(key)}{key_text(key)} = {short(name)}: there is no such file",
-                f"a file, its path relative to the case file's folder {self.file.parent.resolve()}",
+                f"{file.place((*above, *last.split('.')))}{key_text(key)} = {short(name)}: there is no such file",
+                f"a file, its path relative to the case file's folder {folder.resolve()}",
                 "correct the path, or copy the file there",
             )
         return name
+
+    return {name: mapped(value, path, (name,)) for name, value in values.items()}
 
 
 def _with_tables(case: type[RunnableCase], values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from flangeway.checks import is_finite
-from flangeway.errors import InputError, short
+from flangeway.errors import InputError, located, short
 from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE, _joined
 from flangeway.geometry.outline import Outline
@@ -156,12 +156,10 @@ def repaired_outline(
     _refuse_not_finite(drawn, what)
     kept, notices = _without_duplicates(drawn, what)
     _refuse_flat(kept or drawn, what)
-    try:
+    with located(f"{what}: "):
         segments = tuple(segment.checked() for segment in kept)
         names = [segment.name for segment in kept]
         outline = Outline.from_segments(segments, names)
-    except InputError as reason:
-        raise InputError(f"{what}: {reason.given}", reason.allowed, reason.advice) from reason
     if direction_matters and Outline._trusted(_joined(segments, closed=True), tuple(names))._signed_area < 0.0:
         notices.append(f"{what}: drawn clockwise; its direction is reversed.")
     return outline, tuple(notices)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, located
 from flangeway.formats.drawn_section import DrawnSection
 from flangeway.formats.outline_csv import csv_section
 from flangeway.formats.outline_dxf import dxf_section
@@ -37,10 +37,8 @@ def read_section(path: str | Path, *, unit: str | None = None, mirrored: bool = 
         ".csv": lambda: csv_section(_text(content), unit=unit, mirrored=mirrored),
         ".dxf": lambda: dxf_section(content, unit=unit),
     }
-    try:
+    with located(f"{file}: "):
         found = readers[ending]()
-    except InputError as reason:
-        raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
     return found if found.title else replace(found, title=file.stem)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.errors import InputError, short
+from flangeway.errors import InputError, located, short
 from flangeway.formats.drawn_section import (
     DrawnSection,
     DrawnSegment,
@@ -76,10 +76,8 @@ def _region(table: Mapping[str, Any], what: str, notices: list[str]) -> Region:
         _outline(_table(hole, f"{what}hole {i}"), f"{what}hole {i} of {len(holes)}", notices, outer=False)
         for i, hole in enumerate(holes, 1)
     ]
-    try:
+    with located(what):
         return Region(outer, tuple(inner))
-    except InputError as reason:
-        raise InputError(f"{what}{reason.given}", reason.allowed, reason.advice) from reason
 
 
 def _outline(table: Mapping[str, Any], what: str, notices: list[str], *, outer: bool) -> Outline:
@@ -134,10 +132,8 @@ def _corners(table: Mapping[str, Any], what: str, notices: list[str]) -> list[Dr
         for i in sorted(set(range(len(corners))) - set(kept))
     ]
     labels = [_name(names[i], f"{what}: name {i + 1}") for i in kept]
-    try:
+    with located(f"{what}: "):
         sides = rounded_sides([corners[i] for i in kept], [radii[i] for i in kept], labels)
-    except InputError as reason:
-        raise InputError(f"{what}: {reason.given}", reason.allowed, reason.advice) from reason
     return [DrawnSegment(*side) for side in sides]
 
 
@@ -182,10 +178,8 @@ def _material(table: Mapping[str, Any], what: str) -> PartMaterial | None:
         return None
     young = _number(table.get("young_MPa"), f"{what}young_MPa")
     poisson = _number(table.get("poisson"), f"{what}poisson")
-    try:
+    with located(what):
         return PartMaterial(young, poisson)
-    except InputError as reason:
-        raise InputError(f"{what}{reason.given}", reason.allowed, reason.advice) from reason
 
 
 def _table(value: Any, what: str) -> Mapping[str, Any]:

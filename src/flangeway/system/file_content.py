@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, located
 from flangeway.types import Floats
 
 MAX_BYTES = 50_000_000
@@ -86,13 +86,10 @@ def csv_table(file: Path, what: str) -> list[tuple[int, dict[str, str]]]:
 
     - `what`: what is expected, for messages.
     """
-    try:
+    with located(f"{file}, ", unless=str(file)):
         text = utf8_text(file_content(file, what))
         separator = csv_separator(text.partition("\n")[0])
         lines = [(n, csv_cells(line, n, separator)) for n, line in enumerate(text.splitlines(), 1)]
-    except InputError as reason:
-        given = reason.given if str(file) in reason.given else f"{file}, {reason.given}"
-        raise InputError(given, reason.allowed, reason.advice) from reason
     (first, names), *rows = ((number, cells) for number, cells in lines if any(cells))
     for column, name in enumerate(names):
         if not name or name in names[:column]:

@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, located
 from flangeway.system.file_content import limited_bytes, toml_data, utf8_text
 from flangeway.types import Key
 
@@ -54,11 +54,9 @@ class TomlFile:
             raise InputError(
                 f"{kind.name} {file} of {size} bytes", f"a file of up to {MAX_BYTES} bytes", kind.too_large
             )
-        try:
+        with located(f"{file}: "):
             text = utf8_text(content)
             return cls(file, text, toml_data(text, kind.lines))
-        except InputError as reason:
-            raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
 
     def place(self, key: Key) -> str:
         """File and line of a key, or of the nearest one above it, for the start of a message."""

@@ -12,7 +12,7 @@ from flangeway.railway.damage.collective import COLLECTIVES, Collective, Running
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings, EvolutionStep, limit_positions
 from flangeway.railway.damage.profile_limits import reached, worn_measures
 from flangeway.railway.damage.surface_wear import patch_damage, patch_loads, row_wear
-from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, UsfdLaw
+from flangeway.railway.damage.wear_laws import EnergyLaw, UsfdLaw
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.wheelset.spatial_result import solve_spatial
@@ -69,15 +69,6 @@ def test_worn_areas_of_both_profiles_are_those_of_the_cells(curve) -> None:
         x = np.average(surface.worn_points[:-1, 0], weights=np.maximum(depth, 0.0))
         if sum(each.patch.side == row.side for each in curve.rolling) == 1:
             assert x == pytest.approx(centre[0], abs=2.0)
-
-
-def test_archard_of_a_patch_is_the_slip_weighted_force(curve) -> None:
-    """Volume over distance is k / H times the sum of normal force times slip of the cells."""
-    rolling = curve.rolling[0]
-    loads = patch_loads(rolling)
-    volume = float((ArchardLaw(2700.0, 0.003).rates(loads) * loads.areas).sum())
-    slip = np.linalg.norm(rolling.forces.slip_velocities, axis=2) / rolling.speed_m_s
-    assert volume == pytest.approx(0.003 / 2700.0 * float((rolling.contact.normal_forces * slip).sum()), rel=1e-10)
 
 
 def settings(end: float = 3000.0, depth: float = 0.05, **more: object) -> EvolutionSettings:

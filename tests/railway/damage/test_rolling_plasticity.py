@@ -80,18 +80,6 @@ def test_residual_stress_is_in_equilibrium_and_within_yield() -> None:
     assert np.linalg.norm(rolling.elastic, axis=2).max() > np.sqrt(2.0) * 1.2
 
 
-def test_strain_of_all_columns_leaves_the_stress_of_a_layered_half_plane() -> None:
-    """Influence coefficients summed over a period give ``-E / (1 - nu^2) (xx + nu yy)``, and shear strain no stress."""
-    rolling = line(3.0, 0.0, cells=6)
-    total = rolling._influence[:-1].sum(axis=0) / 2.0
-    strain = np.random.default_rng(0).normal(size=(len(rolling.depths), 3))
-    xx, _, yy, _ = (strain @ BASE).T
-    nu = STEEL.poisson
-    none = np.zeros(len(xx))
-    exact = -2.0 / (1.0 - nu) * np.stack((xx + nu * yy, none, yy + nu * xx, none), axis=1) @ BASE.T
-    assert np.einsum("icjd,jd->ic", total, strain) == pytest.approx(exact, abs=1e-10)
-
-
 def test_elastic_stress_with_traction_fulfils_equilibrium_at_the_surface() -> None:
     """Just below the surface the shear stress is minus the traction, and the stress along it rises behind."""
     rolling = RollingLine(4.0, 0.3, STEEL, 20, depth=0.05)

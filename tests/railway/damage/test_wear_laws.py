@@ -47,13 +47,6 @@ def test_archard_in_full_slip_has_its_closed_form() -> None:
     assert 1e3 * volume == pytest.approx(1.2962962962962963, rel=1e-3)
 
 
-def test_usfd_in_full_slip_has_the_given_depths() -> None:
-    """Mild wear integrated over the rows is 5.3 mu g p0 (pi a/2)(1 - y^2/b^2) over the density."""
-    cells, lengths = rows(0.01)
-    depth = (UsfdLaw().rates(cells) * lengths).sum(axis=1)
-    assert depth == pytest.approx([3.822115368619453e-05, 2.866586526464589e-05, 8.958082895201841e-06], rel=1e-3)
-
-
 @pytest.mark.parametrize("branch", ["continuous", "published"])
 def test_usfd_branches_in_full_slip_are_those_of_quadrature(branch: str) -> None:
     """At creepage 0.2 a row has all three branches: its depth is that of pieces with closed forms to 1e-3."""

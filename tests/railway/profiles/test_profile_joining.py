@@ -16,9 +16,7 @@ from flangeway.railway.profiles.joining import (
     on_plain_body,
 )
 from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
-from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between, point_at, whole_profile
-from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.profiles.whole_outline import lengths_along, whole_profile
 
 
 def file_of(folder, points, kind, head="", name="m.txt"):
@@ -148,25 +146,6 @@ def test_a_wheel_that_no_bundled_one_is_like_has_a_plain_body(tmp_path):
     check(triangulate(found.outline, size=4.0), region_area=found.outline.area, area_tolerance=2e-3)
 
 
-def test_worn_profiles_run_through_the_chain(tmp_path):
-    """A worn noisy head on 60E1 and a noisy S1002 touch, and are meshed with a running surface of one chain."""
-    rng = np.random.default_rng(2)
-    rail_points, tread = head_points(wear=1.0), wheel_points()
-    rail_points = rail_points + 2e-3 * rng.normal(size=rail_points.shape)
-    tread = tread + 2e-3 * rng.normal(size=tread.shape)
-    on_rail = joined(read_profile(file_of(tmp_path, rail_points, "rail")), "60E1").profile
-    on_wheel = joined(read_profile(file_of(tmp_path, tread, "wheel")), "S1002").profile
-    rigid = RigidGeometry.of(Track(on_rail, gauge_mm=1435.0), Wheelset(on_wheel, back_to_back_mm=1360.0))
-    touch = rigid.locus([0.0]).right
-    assert abs(touch.rail_points_mm[0, 0, 0]) < 35.0
-    assert abs(touch.relative_curvatures_per_mm[0, 0]) < 0.2
-    for profile, names in ((on_rail, on_rail.head_names), (on_wheel, on_wheel.running_names)):
-        mesh = triangulate(profile.outline, size=3.0)
-        check(mesh, region_area=profile.outline.area, area_tolerance=2e-3)
-        chain = mesh.points[mesh.chain(*names)]
-        assert profile.outline.part(names).closest(chain)[2].max() < 1e-6
-
-
 @pytest.mark.parametrize("make", [lambda: rail("60E1"), lambda: wheel("S1002")])
 def test_whole_outlines_become_rails_and_wheels(make, tmp_path):
     """From a closed outline without useful names, head, base, running surface and cut are found again."""
@@ -198,18 +177,6 @@ def test_running_surfaces_are_no_whole_outlines(tmp_path):
     path.write_text(write_segment_csv(wheel().outline, "wheel", "whole", "tape"), encoding="utf-8")
     with pytest.raises(InputError, match="closed outline"):
         joined(read_profile(path), "AAR-1B")
-
-
-@pytest.mark.parametrize(("first", "last"), [(10.0, 60.0), (700.0, 40.0)])
-def test_pieces_of_outlines(first, last):
-    """Pieces between two lengths along an outline are as long as these are apart, and begin and end there."""
-    outline = rail().outline
-    lengths = lengths_along(outline)
-    first, last = first % lengths[-1], last % lengths[-1]
-    pieces = pieces_between(outline, lengths, first, last)
-    assert sum(segment.length for _, segment in pieces) == pytest.approx((last - first) % lengths[-1], abs=1e-5)
-    np.testing.assert_allclose(pieces[0][1].start, point_at(outline, lengths, first), atol=1e-5)
-    np.testing.assert_allclose(pieces[-1][1].end, point_at(outline, lengths, last), atol=1e-5)
 
 
 @pytest.mark.parametrize(

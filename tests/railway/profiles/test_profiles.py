@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from flangeway.geometry import Arc, Line, Outline
-from flangeway.mesh import Refinement, check, dual, triangulate
+from flangeway.geometry import Arc, Line
 from flangeway.railway.profiles.bundled import rail, wheel
 
 # printed in the files: area mm2, centroid above base mm, Ix mm4, Iy mm4
@@ -66,28 +65,3 @@ def test_wheel_has_the_figures_of_the_standard():
     points = arc.point(np.linspace(0, 1, 100001))
     thickness = profile.flange_back_mm + points[np.argmin(np.abs(points[:, 1] + 9.525)), 0]
     assert thickness == pytest.approx(34.925, abs=2e-3)
-
-
-def test_wheel_is_a_region_above_its_tread():
-    """The flange is at negative x, the body above, the cut straight, 50 mm above the tape line."""
-    outline = wheel().outline
-    assert isinstance(outline, Outline)
-    np.testing.assert_allclose(outline.bounds(["cut"])[:, 1], 50.0)
-    assert outline.bounds(["flange_tip_land"])[1, 0] < -50.0
-    assert outline.contains([(0.0, 25.0)])[0]
-    for face in ("back_face", "outer_face"):
-        assert outline.bounds([face])[1, 1] == 50.0
-
-
-@pytest.mark.parametrize("make", [rail, wheel])
-def test_profiles_make_sound_meshes(make):
-    """Rail and wheel are meshed with a refined running surface; triangles and duals are sound."""
-    profile = make()
-    names = profile.head_names if hasattr(profile, "head_names") else profile.running_names
-    surface = profile.outline.part(names).sampled(spacing=0.5)
-    surface = surface[np.abs(surface[:, 0]) < 10.0]
-    mesh = triangulate(profile.outline, size=3.0, refinements=[Refinement(surface, 0.5, 0.2)])
-    check(mesh, region_area=profile.outline.area, area_tolerance=2e-3)
-    check(dual(mesh), region_area=mesh.cell_areas.sum())
-    assert set(mesh.edge_sets) == set(profile.outline.names)
-    np.testing.assert_allclose(profile.outline.closest(mesh.points[mesh.chain(*names)])[2], 0.0, atol=1e-9)

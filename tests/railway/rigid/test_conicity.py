@@ -7,13 +7,11 @@ import pytest
 from scipy.special import ellipk, gamma
 
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, Contour, Line
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.conicity import (
     RollingRadiusDifference,
     conicity_by_regression,
     equivalent_conicity,
-    klingel_wavelength,
     read_rolling_radius_difference,
 )
 from flangeway.railway.rigid.rigid_curve import RigidCurve
@@ -31,18 +29,6 @@ def test_a_cone_has_its_own_conicity(points):
     difference = RollingRadiusDifference(lateral, 2.0 * 0.05 * lateral)
     assert equivalent_conicity(difference, AMPLITUDES) == pytest.approx(0.05, rel=1e-10)
     assert conicity_by_regression(difference, AMPLITUDES) == pytest.approx(0.05, rel=1e-10)
-
-
-def test_klingel_and_the_conicity_belong_together():
-    """A wave integrated step by step for a cone has Klingel's wavelength."""
-    cone, distance, radius = 0.05, 1500.0, 460.0
-    wavelength = float(klingel_wavelength(cone, distance, radius))
-    position, slope, step = 3.0, 0.0, wavelength / 200_000
-    for _ in range(50_000):
-        slope -= 0.5 * step * 2.0 * cone * position / (distance * radius)
-        position += step * slope
-        slope -= 0.5 * step * 2.0 * cone * position / (distance * radius)
-    assert abs(position) < 1e-6
 
 
 def test_two_slopes_in_closed_form():
@@ -125,28 +111,6 @@ def test_circular_profiles_agree_with_the_known_formula(wheel_radius, rail_radiu
     steering = wheel_radius * angle / (wheel_radius - rail_radius)
     expected = steering * (half_distance + rail_radius * angle) / (half_distance - radius * angle)
     assert found == pytest.approx(expected, rel=0.01)
-
-
-@pytest.mark.parametrize("rail_radius", [0.01, 300.0])
-def test_cones_on_rails_have_their_slope_and_what_roll_adds(rail_radius):
-    """Without roll cones have their slope on all rails; with roll ``b / (b - (r0 + R/cos) tan)`` times it."""
-    cone, half_distance, radius = math.atan(0.05), 750.0, 460.0
-    ends = [(half_distance + x, -radius + 0.05 * x) for x in (-60.0, 60.0)]
-    tread = RigidCurve.from_contour(Contour.from_segments([Line(*ends)], ["tread"]))
-    head = Arc(
-        (half_distance + rail_radius, -rail_radius),
-        (half_distance - rail_radius, -rail_radius),
-        (half_distance, -rail_radius),
-        True,
-    )
-    side = RigidSide(tread, RigidCurve.from_contour(Contour.from_segments([head], ["head"])))
-    wheelset = RigidGeometry(side, side, radius)
-    lateral = np.linspace(-4.0, 4.0, 81)
-    plain = RollingRadiusDifference.of(wheelset.locus(lateral, roll=False))
-    assert equivalent_conicity(plain, [3.0]) == pytest.approx(0.05, rel=1e-9)
-    rolled = RollingRadiusDifference.of(wheelset.locus(lateral))
-    lever = half_distance / (half_distance - (radius + rail_radius / math.cos(cone)) * 0.05)
-    assert equivalent_conicity(rolled, [3.0]) == pytest.approx(0.05 * lever, rel=1e-6)
 
 
 def test_the_conicity_of_s1002_on_60e1():

@@ -175,15 +175,6 @@ def test_a_gauge_below_the_head_is_refused():
         Track(rail("60E1"), 1435.0, gauge_depth_mm=90.0).placement("right")
 
 
-def test_the_gauge_is_that_of_the_faces(s1002):
-    """At the depth of the gauge the faces are half a gauge from the middle."""
-    rail_curve = s1002.right.rail
-    arcs = np.linspace(0.0, rail_curve.length, 100_001)
-    places = rail_curve.at(arcs)
-    face = np.interp(places.y.max() - 14.0, places.y[: np.argmax(places.y)], places.x[: np.argmax(places.y)])
-    assert face == pytest.approx(717.5, abs=1e-3)
-
-
 def test_a_flange_root_that_conforms_to_the_gauge_corner_is_followed():
     """An S1002's flange root touches a 60E1's gauge corner within 1e-7 mm over millimetres: jumps are found."""
     values = {"wheel_radius_mm": 460.0, "left_wheel_radius_mm": 459.0, "wheel_radius_at": "tape-line"}

@@ -67,14 +67,6 @@ def test_a_graph_is_met_by_arcs_with_its_slopes():
     assert errors[0] / errors[1] > 7.0
 
 
-def test_a_moved_curve_keeps_its_shape():
-    """A translation changes places, not angles."""
-    curve = RigidCurve.from_contour(Contour.from_segments([Line((0.0, 0.0), (3.0, 1.0))], ["line"]))
-    moved = curve.moved(10.0, -2.0).at(1.0)
-    assert moved.x == pytest.approx(10.0 + 3.0 / math.sqrt(10.0))
-    assert moved.angle == pytest.approx(math.atan(1.0 / 3.0))
-
-
 def test_a_placed_contour_is_turned_before_it_is_cut():
     """A vertical line that is turned by 10 degrees is not vertical any more and stays."""
     upright = Contour.from_segments([Line((0.0, 0.0), (0.0, 1.0)), Line((0.0, 1.0), (5.0, 1.0))], ["side", "top"])

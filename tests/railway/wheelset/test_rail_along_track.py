@@ -13,7 +13,6 @@ from flangeway.post.section_constants import section_constants
 from flangeway.railway.profiles.bundled import rail
 from flangeway.railway.wheelset.rail_along_track import REGIONS, RailAlongTrack, narrowest_web, rail_along_track
 from flangeway.railway.wheelset.supported_rail import RailSupport, SupportedRail, sleeper_compliance, supported_rail
-from flangeway.system.disk_cache import Cache
 
 YOUNG, POISSON, SIZE = 210e3, 0.3, 11.0
 LOAD, LATERAL = 150e3, 50e3  # N
@@ -313,19 +312,6 @@ def test_loads_that_reach_beyond_the_last_sleepers_are_refused(soft) -> None:
     """On soft supports, and with few sleepers, the error says to take more."""
     with pytest.raises(InputError, match="n_sleepers"):
         sleeper_compliance(rail_on(support=replace(USUAL, **soft)), on_head("60E1")[None], np.eye(3)[None])
-
-
-def test_what_is_solved_is_kept_from_one_process_to_the_next(tmp_path) -> None:
-    """A second rail takes its amplitudes from the cache; one with another support does not."""
-    cache = Cache(tmp_path, 10**9)
-    material = Elastic(YOUNG, POISSON)
-    first = supported_rail(rail("60E1"), material, USUAL, 25.0, cache).by_modes
-    assert len(list(tmp_path.iterdir())) == 1
-    np.testing.assert_array_equal(supported_rail(rail("60E1"), material, USUAL, 25.0, cache).by_modes, first)
-    assert len(list(tmp_path.iterdir())) == 1
-    softer = supported_rail(rail("60E1"), material, replace(USUAL, vertical_kN_per_mm=20.0), 25.0, cache).by_modes
-    assert len(list(tmp_path.iterdir())) == 2
-    assert np.abs(softer - first).max() > 0.1 * np.abs(first).max()
 
 
 @pytest.mark.parametrize(("name", "thickness", "height"), [("136RE", 17.46, 90.2), ("60E1", 16.5, None)])

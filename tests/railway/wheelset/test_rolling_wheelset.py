@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 
 from flangeway.cases.case_identity import bodies_key
-from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed
-from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
-from flangeway.railway.wheelset.rolling.wheelset_creep import SideCreep, WheelsetCreep, patches_of
+from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, patches_of
 from flangeway.railway.wheelset.spatial_result import solve_position
 from tests.railway.wheelset.conftest import coarse_case
 
@@ -191,15 +189,6 @@ def test_with_a_large_yaw_it_rests_on_the_flange(wheelset):
     found = solved(wheelset, yaw_mrad=-25.0, **ROLLS)
     assert found.equilibrium.residuals.equilibrium_residual <= 1e-7
     assert 8.0 < found.equilibrium.position.lateral_mm < 9.0
-
-
-def test_a_lifted_wheel_has_no_creep_forces_that_change():
-    """Without patches there are derivatives of nothing by the position, and none by the shape of patches."""
-    motion = RollingMotion(20.0, Friction(0.3))
-    nothing = SideCreep((), np.zeros(7), np.zeros((4, 2)), np.zeros((4, 3)))
-    slopes = WheelsetCreep(motion, 43.0, "exact").derivatives("left", None, np.zeros((4, 3)), nothing)
-    assert [each.shape for each in slopes] == [(11, 6), (11, 0), (0, 4, 3)]
-    assert not slopes.motion.any()
 
 
 def test_friction_of_the_gauge_face_and_what_is_refused(wheelset):

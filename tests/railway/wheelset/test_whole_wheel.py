@@ -16,11 +16,9 @@ from flangeway.railway.profiles.bundled import WHEELS, WheelProfile, wheel
 from flangeway.railway.profiles.formats.segment_files import write_segment_csv
 from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.profiles.whole_outline import whole_profile
-from flangeway.railway.wheelset import whole_wheel as module
 from flangeway.railway.wheelset.whole_wheel import WheelDisc, revolved, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells, compliance_table
 from flangeway.space import Space
-from flangeway.system.disk_cache import Cache
 
 YOUNG, RADIUS = 210e3, 460.0
 N, Z = 1, 2  # axes of a cell
@@ -205,22 +203,6 @@ def test_a_whole_section_comes_from_a_file(tmp_path) -> None:
     file.write_text(write_segment_csv(whole.outline, "wheel", "a wheel", "tape", 70.0))
     found = whole_profile(read_profile(file))
     np.testing.assert_allclose(wheel_correction(found, RADIUS, cells), correction(), rtol=1e-6, atol=1e-15)
-
-
-def test_results_are_kept(tmp_path, monkeypatch) -> None:
-    """A second computation with the same input reads the first one's matrix, another wheel does not."""
-    whole, cells = s1002()
-    cache = Cache(tmp_path, 10**7)
-    monkeypatch.setattr(module, "SHORTEST_MM", 200.0)
-    first = wheel_correction(whole, RADIUS, cells, cache)
-
-    def refuse(*_: object) -> None:
-        raise AssertionError("computed again")
-
-    monkeypatch.setattr(module, "compliances", refuse)
-    np.testing.assert_array_equal(wheel_correction(whole, RADIUS, cells, cache), first)
-    with pytest.raises(AssertionError, match="computed again"):
-        wheel_correction(whole, RADIUS - 1.0, cells, cache)
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,12 @@
 """Pages with the viewer of fields in a browser without a window, and what is asked of them."""
 
 import io
-from functools import cache
 
 import numpy as np
 import pytest
 from matplotlib.image import imread
 
 from flangeway.report import part_fields, write_case
-from flangeway.report.figures.fields import write_part
 from flangeway.report.scenes import wheelset_scene
 from flangeway.report.viewer import field_viewer
 
@@ -104,24 +102,12 @@ def folder(runs, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def viewer_pages(runs, tmp_path_factory):
-    """Page with nothing but the viewer by method, sooner there than a report, and the VTU files beside it."""
-
-    @cache
-    def page_by(method):
-        folder, run = tmp_path_factory.mktemp(method), runs[method]
-        parts = list(part_fields(run.result))
-        for part in parts:
-            write_part(folder / f"{part.name}.vtu", run.result, part.name)
-        return write_page(folder / "page.html", wheelset_scene(parts, run.result.patches))
-
-    return page_by
-
-
-@pytest.fixture(scope="session")
-def viewer_page(viewer_pages):
-    """Of the run with virtual elements."""
-    return viewer_pages("vem")
+def viewer_page(runs, tmp_path_factory):
+    """Page with nothing but the viewer, sooner there than a report, of the run with virtual elements."""
+    result = runs["vem"].result
+    return write_page(
+        tmp_path_factory.mktemp("viewer") / "page.html", wheelset_scene(list(part_fields(result)), result.patches)
+    )
 
 
 @pytest.fixture

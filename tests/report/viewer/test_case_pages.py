@@ -132,25 +132,3 @@ def test_the_page_of_a_case_shows_what_its_files_hold(open_page, folders, name):
     for control in ("#viewer-slider", "#viewer-true"):
         assert opened.page.locator(control).is_visible() == (name in ("cook", "two-bodies"))
     assert opened.page.locator(".viewer-parts").is_visible() == (name == "two-bodies")
-
-
-def test_the_page_of_bodies_in_contact_in_a_narrow_dark_window(open_page, folders):
-    """It does not scroll sideways with all its tables, and the button of the contact shows both bodies there."""
-    opened = open_page(folders("two-bodies") / "report.html", "dark", 400)
-    assert opened.page.evaluate("document.documentElement.scrollWidth") <= 400
-    assert opened.page.locator("figure").first.locator("button.enlarge").count() == 0  # as wide as it is drawn
-    image = opened.page.locator("figure:has(button.enlarge) img").first
-    before = image.bounding_box()["width"]
-    opened.page.get_by_role("button", name="Enlarge").first.click()
-    assert image.bounding_box()["width"] > 1.5 * before
-    assert opened.page.evaluate("document.documentElement.scrollWidth") <= 400
-    opened.page.get_by_role("button", name="Fit the picture").click()
-    assert image.bounding_box()["width"] == before
-    assert opened.shot("header")[2, 2].mean() < 0.4
-    opened.canvas.scroll_into_view_if_needed()
-    opened.fly("contact")
-    box = opened.canvas.bounding_box()
-    above = opened.point(0.5 * box["width"], 0.5 * box["height"] - 8)
-    below = opened.point(0.5 * box["width"], 0.5 * box["height"] + 8)
-    assert (above["part"], below["part"]) == ("upper", "lower")
-    assert below["y"] == pytest.approx(5.0, abs=10 * opened.mm_per_pixel())

@@ -306,27 +306,6 @@ def test_too_many_steps_are_thinned_out_evenly(open_page, run, tmp_path, monkeyp
         assert np.ptp(np.diff(chosen)) <= 1
 
 
-def alone():
-    """The two bodies in contact, without the one beside them."""
-    values = case().model_dump()
-    return {
-        "bodies": values["bodies"][:2],
-        "supports": [each for each in values["supports"] if each["body"] != "post"],
-    }
-
-
-def test_steps_of_a_body_that_its_loads_press_are_shown():
-    """A body that slides until contact carries its load: in each step the contact carries the load's share."""
-    values = alone()
-    supports = [{"body": "upper", "edges": "right", "hold": "x"}, values["supports"][1]]
-    loads = [{"body": "upper", "edges": "top", "traction_MPa": (0.0, -100.0)}]
-    sliding = case(motions=[], loads=loads, bodies=values["bodies"], supports=supports).run()
-    assert sliding.status.converged
-    assert len(bodies_scene(sliding, steps_of(sliding)).steps) == N_STEPS
-    forces = [step.state.nodal_forces[:, 1].clip(0.0).sum() / step.share for step in sliding.contact.steps]
-    assert forces == pytest.approx([forces[-1]] * N_STEPS, rel=1e-6)
-
-
 def test_where_a_run_ended_without_success_is_its_last_step(run):
     """After the steps that converged comes the state in which a run ended, named as such."""
     status = Status(False, "stopped", 3)

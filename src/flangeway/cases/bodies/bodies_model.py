@@ -157,13 +157,9 @@ class _Builder:
         self._refuse_names()
         for number, table in enumerate(self.case.bodies, 1):
             key = f"bodies[{number}]"
-            try:
+            with located(f"{key} {table.name!r}: ", unless="bodies["):
                 self.shapes[table.name] = body_shape(table, key, self.notices)
                 self.meshes[table.name] = self.shapes[table.name].mesh
-            except InputError as reason:
-                if reason.given.startswith("bodies["):
-                    raise
-                raise InputError(f"{key} {table.name!r}: {reason.given}", reason.allowed, reason.advice) from reason
         self._match_boundaries()
         bodies = {name: self._body(name) for name in self.tables}
         contacts = tuple(

@@ -7,7 +7,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from flangeway.cases.case import closest, merged
-from flangeway.cases.case_file import CaseText
+from flangeway.cases.case_file import CaseText, resolved
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
@@ -135,7 +135,7 @@ def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryC
     used = {key: value for key, value in given.items() if key not in unused}
     base = GEOMETRY_CASES["s1002-60e1" if name == OWN_NAME else name][1]
     case = GeometryCase.from_values(
-        merged(merged(base, text.resolved(used)), values),
+        merged(merged(base, resolved(text, used, file.parent)), values),
         lambda key: "" if key and key[0] in values else text.place(key),
     )
     notice = f"not used by the geometry: {', '.join(unused)}"

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, located
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Segment, as_point
 from flangeway.railway.profiles.formats.miniprof import TAPE_MM, read_miniprof, write_miniprof
@@ -170,7 +170,7 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
             f"file {file} with the ending {ending!r}", ", ".join(READABLE), "save the profile in one of these"
         )
     content = file_content(file, "a profile")
-    try:
+    with located(f"{file}: "):
         if ending in SLICES:
             slices = read_slices(file, _text(content))
             position = slices.wanted(given.position)
@@ -181,29 +181,23 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
         if given.position is not None:
             raise InputError(f"--position {given.position:g}", f"a file of slices, {', '.join(SLICES)}", "leave it out")
         return replace(_profile(_read(content, ending), FORMATS[ending], given, file.stem), file=file.name)
-    except InputError as reason:
-        raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
 
 
 def sections_of(file: Path) -> tuple[float, ...]:
     """Return the positions of the slices that a file lists; none if it is no list of slices."""
     if file.suffix.lower() not in SLICES:
         return ()
-    try:
+    with located(f"{file}: "):
         return tuple(read_slices(file, _text(file_content(file, "a list of slices"))).positions.tolist())
-    except InputError as reason:
-        raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
 
 
 def _slice(file: Path, unit: str | None) -> RawProfile:
     """Return the content of the file of a slice, in mm if the user gives the unit that it does not name."""
-    try:
+    with located(f"slice {file}: "):
         raw = _read(file_content(file, "a slice"), file.suffix.lower())
         if unit is None or raw.unit is not None:
             return raw
         return replace(raw, points=raw.points * UNITS_MM[agreed_unit(raw, unit)], unit="mm")
-    except InputError as reason:
-        raise InputError(f"slice {file}: {reason.given}", reason.allowed, reason.advice) from reason
 
 
 def _read(content: bytes, ending: str) -> RawProfile:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Template
 from markupsafe import Markup, escape
@@ -83,7 +84,7 @@ def write_record(
 
 @cache
 def _template() -> Template:
-    filters = {"with_names": _with_names, "base64": _base64, "shown_width": _shown_width}
+    filters: dict[str, Any] = {"with_names": _with_names, "base64": _base64, "shown_width": _shown_width}
     environment = templates("flangeway.report.page", markup=True, **filters)
     environment.tests |= {"words": lambda text: not NUMBER_CELL.fullmatch(text)}
     return environment.get_template("page.html")
