@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from flangeway.checks import check_positive
 from flangeway.elements import Element
@@ -270,8 +270,21 @@ class Body(LinearBody):
         """See `LinearBody.unknowns`; the matrix is that of `Elasticity.stiffness`."""
         return field.ravel()
 
-    from_stiffness = StiffnessBody
-    """A body of a stiffness matrix that another program has assembled."""
+    @staticmethod
+    def from_stiffness(
+        name: str,
+        stiffness: Any,
+        coordinates: ArrayLike,
+        surfaces: Mapping[str, ArrayLike],
+        *,
+        order: int = 1,
+        rows: ArrayLike | None = None,
+        held: ArrayLike = (),
+        thickness: float = 1.0,
+        axisymmetric: bool = False,
+    ) -> StiffnessBody:
+        """Return a body of a stiffness matrix that another program has assembled; `StiffnessBody` has the arguments."""
+        return StiffnessBody(name, stiffness, coordinates, surfaces, order, rows, held, thickness, axisymmetric)
 
 
 @dataclass(frozen=True, eq=False)
