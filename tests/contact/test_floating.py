@@ -12,6 +12,7 @@ from flangeway.contact import (
     Penalty,
     SegmentToSegment,
     Surface,
+    solve_contact,
 )
 from flangeway.contact import press as press_parts
 from flangeway.elements import Lagrange, Virtual
@@ -20,7 +21,7 @@ from flangeway.geometry import Placement, circle, polygon
 from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid, triangulate
 from flangeway.problems import Body, Part
-from flangeway.solve import CondensedBodies, StepSettings, SurfaceNodes, solve_contact
+from flangeway.solve import CondensedBodies, StepSettings, SurfaceNodes
 
 STEEL = Elastic(20e3, 0.3)
 MODULUS = 20e3 / (1.0 - 0.3**2)  # of plane strain

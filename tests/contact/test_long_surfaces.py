@@ -40,7 +40,7 @@ def test_friction_without_a_dense_matrix_has_the_same_answer(law, monkeypatch: p
     dense = solved()
     assert isinstance(dense.response, CondensedBodies)
     monkeypatch.setattr(sys.modules["flangeway.contact.press"], "MOST_DENSE_BYTES", 1e4)
-    monkeypatch.setattr("flangeway.solve.newton.MOST_DENSE_EQUATIONS", 0)
+    monkeypatch.setattr("flangeway.contact.newton.MOST_DENSE_EQUATIONS", 0)
     monkeypatch.setattr("flangeway.solve.active_set.equations", None)  # which solves dense ones
     sparse = solved()
     assert isinstance(sparse.response, SparseBodies)

@@ -17,10 +17,10 @@ from flangeway.contact import (
     Penalty,
     SegmentToSegment,
     press,
+    solve_contact,
 )
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Arc, Line, Outline, Placement, rectangle
-from flangeway.solve import solve_contact
 from tests.contact.steel_boxes import BoxDiscretisation, Method, surface_of
 
 pytestmark = pytest.mark.ci  # costs a minute or more

@@ -9,11 +9,12 @@ import numpy as np
 import shapely
 
 from flangeway.contact.kinematics import shape_functions
+from flangeway.contact.newton import ContactState
 from flangeway.contact.surface import CORNER, sagittas_of
 from flangeway.contact.system import MAX_OVERLAP, ROUND_OFF, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.problems import Part
-from flangeway.solve import BodyResponse, ContactState
+from flangeway.solve import BodyResponse
 from flangeway.types import Floats, Ints
 
 SAMPLES = np.linspace(0.0, 1.0, 6)[:, None]
@@ -257,7 +258,11 @@ def body_overlaps(
 def _between(system: ContactSystem, state: ContactState, one: Part, other: Part) -> float:
     """Maximum penetration that the laws of contacts between two parts explain."""
     both = {one, other}
-    laws = (system.explained(each, 0.0) for each in system.solved(state) if set(each.contact.parts) == both)
+    laws = (
+        system.explained(each, 0.0)
+        for each in system.solved(state.linearisation, state.forces)
+        if set(each.contact.parts) == both
+    )
     return max(laws, default=0.0)
 
 
@@ -282,7 +287,7 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
         ways = []
         for state in states:
             stop = state.placements[numbers[0]], state.placements[numbers[1]]
-            solved = system.solved(state)
+            solved = system.solved(state.linearisation, state.forces)
             if any(each.forces.any() for each in solved if set(each.contact.parts) == {one, other}):
                 apart = []
                 continue

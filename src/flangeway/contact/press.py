@@ -10,9 +10,10 @@ import numpy as np
 
 from flangeway.checks import are_finite, refused
 from flangeway.contact.contact_pair import Contact
+from flangeway.contact.newton import ContactState, solve_contact
 from flangeway.contact.overlap import BodyOverlap, body_overlaps, passages
 from flangeway.contact.solution_checks import check_solution
-from flangeway.contact.system import ContactLinearisation, ContactSystem
+from flangeway.contact.system import ContactSystem
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.problems import ElasticField, Part
@@ -20,7 +21,6 @@ from flangeway.results import Result, ResultTable
 from flangeway.solve import (
     BodyResponse,
     CondensedBodies,
-    ContactState,
     Handle,
     NewtonSettings,
     SparseBodies,
@@ -28,7 +28,6 @@ from flangeway.solve import (
     StepSettings,
     condensed_bytes,
     follow,
-    solve_contact,
 )
 from flangeway.solve.body_loads import BodyLoad, loads_on
 from flangeway.types import Floats
@@ -142,10 +141,11 @@ class ContactSolution(Result):
         Of bodies of revolution y is the force along the axis; x and the moment are sums of what acts radially.
         """
         lin = self.state.linearisation
-        assert isinstance(lin, ContactLinearisation)
         result = np.zeros((len(self.system.contacts), 2, 3))
         positions = lin.points(self.state.positions)
-        for number, (contact, pairs, mine, forces) in enumerate(self.system.solved(self.state)):
+        for number, (contact, pairs, mine, forces) in enumerate(
+            self.system.solved(self.state.linearisation, self.state.forces)
+        ):
             points = positions[lin.term_points[number]]
             at_terms = np.einsum("pr,prwi->pwi", forces[pairs.rows], pairs.gradients)
             if (friction := self.state.friction) is not None and contact.friction_coefficient:
@@ -164,7 +164,7 @@ class ContactSolution(Result):
         Tangential forces are those on the secondary, tractions the same over the area, and slips those of the
         secondary, positive along the primary's edges, whose body is on their left.
         """
-        friction, solved = self.state.friction, self.system.solved(self.state)
+        friction, solved = self.state.friction, self.system.solved(self.state.linearisation, self.state.forces)
         closed = self.state.forces > 0.0
         numbers = np.repeat(np.arange(len(solved)), [len(each.forces) for each in solved])
         places = [self.system.nodes_of(each.contact.secondary)[each.pairs.nodes] for each in solved]
@@ -191,7 +191,10 @@ class ContactSolution(Result):
         total = np.zeros(len(self.system.contacts))
         for step in self.steps:
             if (friction := step.state.friction) is not None:
-                total += [friction.works[each.inside].sum() for each in self.system.solved(step.state)]
+                total += [
+                    friction.works[each.inside].sum()
+                    for each in self.system.solved(step.state.linearisation, step.state.forces)
+                ]
         return total
 
     def nodal_forces(self, part: Part) -> Floats:

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactSystem, Surface
+from flangeway.contact import Contact, ContactState, ContactSystem, Surface
 from flangeway.contact.pairs import Pairs
 from flangeway.post.pressure import MIN_SEGMENTS, PressurePatch, pressure_remark
-from flangeway.solve import ContactState
 
 SMALL_PENETRATION = 0.05
 """Penetration over the elastic sinking of the surfaces: about the relative error that it makes in the pressure."""
@@ -62,7 +61,7 @@ def check_contact(
         return ContactChecks(errors=("forces or positions are not finite numbers",))
     errors: list[str] = []
     warnings: list[str] = []
-    solved = system.solved(state)
+    solved = system.solved(state.linearisation, state.forces)
     for number, ((contact, pairs, _, forces), name) in enumerate(zip(solved, names, strict=True)):
         if forces.min(initial=0.0) < -MAX_PULL * np.abs(forces).max(initial=0.0):
             errors.append(f"{name} pulls with {-forces.min():.3g} N at a node, which contact cannot")
@@ -101,7 +100,7 @@ def cut_zones(system: ContactSystem, state: ContactState) -> tuple[Surface, ...]
     Contact beyond such an end is missed, unless it was left out on purpose.
     """
     cut: list[Surface] = []
-    for contact, pairs, _, forces in system.solved(state):
+    for contact, pairs, _, forces in system.solved(state.linearisation, state.forces):
         loaded = np.flatnonzero(forces > 0.0)
         if len(loaded):
             cut += _cut(contact, pairs, loaded)

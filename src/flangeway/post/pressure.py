@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactSystem, NodeToNode, SegmentToSegment
+from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, SegmentToSegment
 from flangeway.contact.pairs import Pairs
 from flangeway.results import Result, ResultTable
-from flangeway.solve import ContactState
 from flangeway.types import Floats, Ints
 
 CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one patch
@@ -143,7 +142,7 @@ def pressure_remark(n_segments: float, oscillation: float) -> str | None:
 def pressure_patches(system: ContactSystem, state: ContactState) -> list[PressurePatch]:
     """Regions of contact of a solution, contact by contact along the secondary surfaces."""
     patches = []
-    for number, (contact, pairs, _, forces) in enumerate(system.solved(state)):
+    for number, (contact, pairs, _, forces) in enumerate(system.solved(state.linearisation, state.forces)):
         keys = _along(pairs, contact)
         loaded = np.flatnonzero(forces > 0.0)
         loaded = loaded[np.argsort(keys[loaded], kind="stable")]
@@ -194,7 +193,7 @@ class ContactLine:
 def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLine]:
     """Pressures and gaps along the secondary surfaces of all contacts."""
     patches, found = pressure_patches(system, state), []
-    for number, (contact, pairs, mine, _) in enumerate(system.solved(state)):
+    for number, (contact, pairs, mine, _) in enumerate(system.solved(state.linearisation, state.forces)):
         surface, own = contact.secondary, ~pairs.guarded
         places = np.unique(contact.pairing.key_nodes(surface)).astype(np.int64)
         n, pressures = len(surface.nodes), np.zeros(len(surface.nodes))

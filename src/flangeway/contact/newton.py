@@ -38,14 +38,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.geometry import Placement
-from flangeway.solve import active_set
-from flangeway.solve.active_set import CoulombState
-from flangeway.solve.body_response import BodyResponse, Constrained
-from flangeway.solve.handles import Handle, Handles
-from flangeway.solve.linearisation import (
-    Constraints,
-    Linearisation,
+from flangeway.contact.linearisation import (
+    ContactLinearisation,
     Sliding,
     carried_forces,
     changed_keys,
@@ -53,6 +47,12 @@ from flangeway.solve.linearisation import (
     nodal_forces_of,
     residual_of,
 )
+from flangeway.contact.system import ContactSystem
+from flangeway.geometry import Placement
+from flangeway.solve import active_set
+from flangeway.solve.active_set import CoulombState
+from flangeway.solve.body_response import BodyResponse, Constrained
+from flangeway.solve.handles import Handle, Handles
 from flangeway.solve.status import Iteration, NewtonSettings, Status, is_at_round_off
 from flangeway.types import Bools, Floats
 
@@ -136,7 +136,7 @@ class ContactState:
     placements: tuple[Placement, ...]
     displacements: Floats
     positions: Floats
-    linearisation: Linearisation
+    linearisation: ContactLinearisation
     forces: Floats
     nodal_forces: Floats
     history: tuple[Iteration, ...] = field(default=())
@@ -148,7 +148,7 @@ class ContactState:
 
 def solve_contact(
     response: BodyResponse,
-    constraints: Constraints,
+    constraints: ContactSystem,
     placements: tuple[Placement, ...],
     *,
     handles: Sequence[Handle | None] | None = None,
@@ -203,7 +203,7 @@ class _Here(NamedTuple):
 
     motions: Floats
     displacements: Floats
-    current: Linearisation
+    current: ContactLinearisation
     forces: Floats
     tangential: Floats
     applied: Floats
@@ -215,7 +215,7 @@ class _Run:
     def __init__(
         self,
         response: BodyResponse,
-        constraints: Constraints,
+        constraints: ContactSystem,
         parts: Handles,
         settings: NewtonSettings,
         start: ContactState | None,
@@ -299,7 +299,7 @@ class _Run:
         self.correct()
         return True
 
-    def take_over(self, after: Linearisation) -> None:
+    def take_over(self, after: ContactLinearisation) -> None:
         """Go on with another linearisation about the same positions or new ones; forces stay where constraints do."""
         self.forces, self.tangential = (
             carried_forces(self.current, each, after) for each in (self.forces, self.tangential)
@@ -399,33 +399,33 @@ class _Run:
         ways = self.displacements, self.reference - self.begun
         return max(*(float(np.abs(each).max(initial=0.0)) for each in ways), 1e-300)
 
-    def _gaps(self, lin: Linearisation) -> Floats:
+    def _gaps(self, lin: ContactLinearisation) -> Floats:
         """Gaps less what the corrected forces press in."""
         return lin.gaps - self._compliances(lin) * self._anchored(self.anchor[1], lin)
 
-    def _compliances(self, lin: Linearisation) -> Floats:
+    def _compliances(self, lin: ContactLinearisation) -> Floats:
         """Penetration for each force, by the penalty that has grown with the corrections of the forces, (m,)."""
         grown = np.isfinite(lin.tolerances)
         return np.where(grown, lin.compliances / PENALTY_GROWTH**self.corrections, lin.compliances)
 
-    def _anchored(self, forces: Floats, lin: Linearisation) -> Floats:
+    def _anchored(self, forces: Floats, lin: ContactLinearisation) -> Floats:
         """Forces of the anchor where they are corrected."""
         return np.where(np.isfinite(lin.tolerances), carried_forces(self.anchor[0], forces, lin), 0.0)
 
-    def _slides(self, lin: Linearisation, displacements: Floats) -> Sliding | None:
+    def _slides(self, lin: ContactLinearisation, displacements: Floats) -> Sliding | None:
         """Slips since the last step, where there is friction."""
         if len(lin.keys) == 0 or not lin.coefficients.any():
             return None
         return lin.slides(self.reference + displacements, self.before)
 
-    def _slips(self, lin: Linearisation, slides: Sliding) -> Floats:
+    def _slips(self, lin: ContactLinearisation, slides: Sliding) -> Floats:
         """Slips since the last step, with the elastic ones of it."""
         if self.start is None or self.start.friction is None:
             return slides.slips
         elastic = carried_forces(self.start.linearisation, self.start.friction.elastic, lin)
         return slides.slips + elastic
 
-    def _let_back(self, lin: Linearisation, tangential: Floats) -> Floats:
+    def _let_back(self, lin: ContactLinearisation, tangential: Floats) -> Floats:
         """What the compliance of the law takes from the slips."""
         return self._compliances(lin) * (tangential - self._anchored(self.anchor[2], lin))
 
