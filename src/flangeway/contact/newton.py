@@ -423,11 +423,11 @@ class _Run:
         if self.start is None or self.start.friction is None:
             return slides.slips
         elastic = carried_forces(self.start.linearisation, self.start.friction.elastic, lin)
-        return np.asarray(slides.slips + elastic)
+        return slides.slips + elastic
 
     def _let_back(self, lin: ContactLinearisation, tangential: Floats) -> Floats:
         """What the compliance of the law takes from the slips."""
-        return np.asarray(self._compliances(lin) * (tangential - self._anchored(self.anchor[2], lin)))
+        return self._compliances(lin) * (tangential - self._anchored(self.anchor[2], lin))
 
     def _step(self, *, bend: bool = True) -> _Step | None:
         """One iteration; None if the laws of the linearised problem have no solution.

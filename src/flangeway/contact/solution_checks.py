@@ -103,12 +103,12 @@ def check_solution(
 
 def _slide(system: ContactSystem, state: ContactState, errors: list[str]) -> tuple[float, float]:
     """Maximum tangential distance of node-to-node pairs under force over the mean edge, and the moment by all."""
-    lin, worst, moment = state.linearisation, 0.0, 0.0
-    for number, (contact, pairs) in enumerate(zip(system.contacts, lin.pairs, strict=True)):
+    worst, moment = 0.0, 0.0
+    for contact, pairs, _, all_forces in system.solved(state.linearisation, state.forces):
         base = pairs.parts[0] if isinstance(pairs, GuardedPairs) else pairs
         if not isinstance(base, MatchedPairs):
             continue
-        forces = state.forces[lin.starts[number] :][: len(base.keys)]
+        forces = all_forces[: len(base.keys)]
         if not (loaded := forces > 0.0).any():
             continue
         moment += float(forces @ base.shifts)

@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -31,6 +32,15 @@ ROUND_OFF = 1e-9
 """Of a depth, over the size of the smaller body."""
 
 
+class SolvedContact(NamedTuple):
+    """A contact in a solution: its constraints, where they are among those of all contacts, and their forces."""
+
+    contact: Contact
+    pairs: Pairs
+    inside: slice
+    forces: Floats
+
+
 class ContactSystem:
     """All contacts among some parts, as inequalities on the parts' surface nodes.
 
@@ -55,14 +65,14 @@ class ContactSystem:
         parts: dict[int, Part] = {}
         surfaces: dict[int, list[Surface]] = {}
         for contact in self.contacts:
-            for surface in (contact.secondary, contact.primary):
+            for surface in contact.sides:
                 parts.setdefault(id(surface.part), surface.part)
                 surfaces.setdefault(id(surface.part), []).append(surface)
         self.parts = tuple(parts.values())
         self.surface_nodes = tuple(_union(surfaces[id(part)]) for part in self.parts)
         counts = [len(surface.nodes) for surface in self.surface_nodes]
         self._first_node = np.concatenate(([0], np.cumsum(counts)))
-        sides = [(contact.secondary, contact.primary) for contact in self.contacts]
+        sides = [contact.sides for contact in self.contacts]
         self._first_key = np.concatenate(([0], np.cumsum([key_starts(*both)[-1] for both in sides])))
         # edges of the primary side, then those of the secondary one
         self._first_edge = np.concatenate(([0], np.cumsum([sum(len(each.edges) for each in both) for both in sides])))
@@ -72,6 +82,12 @@ class ContactSystem:
     def reach(self) -> float:
         """Mean length of the edges of a primary surface, that of the contact where it is least."""
         return min(float(contact.primary.edge_lengths.mean()) for contact in self.contacts)
+
+    def solved(self, lin: ContactLinearisation, all_forces: Floats) -> list[SolvedContact]:
+        """The contacts with their parts of a linearisation and of the forces of its constraints."""
+        insides = (slice(*ends) for ends in itertools.pairwise(lin.starts.tolist()))
+        given = zip(self.contacts, lin.pairs, insides, strict=True)
+        return [SolvedContact(contact, pairs, inside, all_forces[inside]) for contact, pairs, inside in given]
 
     def nodes_of(self, surface: Surface) -> Ints:
         """Numbers of a surface's nodes among the surface nodes of all parts, along the surface."""
@@ -99,10 +115,7 @@ class ContactSystem:
         """
         if not any(each.any() for sides in lin.guarded_nodes for each in sides):
             return lin
-        kept = []
-        for contact, pairs, first in zip(self.contacts, lin.pairs, lin.starts, strict=False):
-            sides = contact.secondary, contact.primary
-            kept.append(corners_under_force(pairs, sides, forces[first : first + len(pairs.keys)]))
+        kept = [corners_under_force(pairs, contact.sides, own) for contact, pairs, _, own in self.solved(lin, forces)]
         return self._with(kept, positions, lin, settle=False)
 
     def guarded(
@@ -114,9 +127,8 @@ class ContactSystem:
         """
         guarded_nodes, more = [], False
         points = self._all_points(positions)
-        for number, contact in enumerate(self.contacts):
-            sides = contact.secondary, contact.primary
-            explained = self.explained(lin, forces, number, moved)
+        for number, each in enumerate(self.solved(lin, forces)):
+            sides, explained = each.contact.sides, self.explained(each, moved)
             at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
             found = penetrating(sides, at, lin.guarded_nodes[number], explained, MAX_OVERLAP * moved / 2.0)
             one, other = (before | new for before, new in zip(lin.guarded_nodes[number], found, strict=True))
@@ -126,18 +138,18 @@ class ContactSystem:
 
     def corners_on_corners(self, reference: Floats, number: int) -> Floats:
         """Points (n, 2) at which corners of a contact's surfaces meet, by the undeformed surface nodes (n_nodes, 2)."""
-        contact = self.contacts[number]
-        sides = contact.secondary, contact.primary
+        sides = self.contacts[number].sides
         return corners_on_corners(sides, (reference[self.nodes_of(sides[0])], reference[self.nodes_of(sides[1])]))
 
-    def explained(self, lin: ContactLinearisation, forces: Floats, number: int, moved: float) -> float:
+    @staticmethod
+    def explained(solved: SolvedContact, moved: float) -> float:
         """Maximum penetration that the law of a contact, the elements between nodes and round-off explain."""
-        mine = slice(lin.starts[number], lin.starts[number + 1])
-        law = self.contacts[number].enforcement
-        tolerated = law.tolerance() if np.isfinite(law.tolerance()) else 0.0
-        given = float((lin.compliances[mine] * forces[mine]).max(initial=0.0)) if tolerated == 0.0 else tolerated
-        sizes = [surface.part.body.size for surface in (self.contacts[number].secondary, self.contacts[number].primary)]
-        return (1.0 + ROUND_OFF) * given + BETWEEN_NODES * moved + ROUND_OFF * min(sizes)
+        law = solved.contact.enforcement
+        given = law.tolerance()
+        if not np.isfinite(given):
+            given = float((law.compliances(solved.pairs) * solved.forces).max(initial=0.0))
+        size = min(part.body.size for part in solved.contact.parts)
+        return (1.0 + ROUND_OFF) * given + BETWEEN_NODES * moved + ROUND_OFF * size
 
     def _with(
         self,
@@ -151,7 +163,7 @@ class ContactSystem:
         members = []
         points = self._all_points(positions)
         for number, contact in enumerate(self.contacts):
-            sides = contact.secondary, contact.primary
+            sides = contact.sides
             secondary, primary = (self._points[id(side)] for side in sides)
             edges = primary[contact.primary.contact_places]
             kept = self._kept(number, previous)
@@ -169,7 +181,7 @@ class ContactSystem:
         """Name a constraint for messages: its node, where that is among positions (n_nodes, 2), and the surfaces."""
         number = int(np.searchsorted(self._first_key, key, side="right")) - 1
         contact = self.contacts[number]
-        surface, other = contact.secondary, contact.primary
+        surface, other = contact.sides
         local, (first, second, _) = int(key - self._first_key[number]), key_starts(surface, other)
         if local < first:
             node = int(contact.pairing.key_nodes(surface)[local])
@@ -231,7 +243,7 @@ class ContactSystem:
         Points are the nodes of all surfaces, then those of `Surface.bends`.
         """
         n = int(self._first_node[-1])
-        surfaces = {id(each): each for contact in self.contacts for each in (contact.secondary, contact.primary)}
+        surfaces = {id(each): each for contact in self.contacts for each in contact.sides}
         numbers: dict[int, Ints] = {}
         ends, bends = [], []
         count = n
@@ -256,7 +268,7 @@ class ContactSystem:
 
 def _refuse_twice(first: Contact, second: Contact) -> None:
     """Raise `InputError` if two contacts have edges of both bodies in common, whichever is secondary."""
-    mine, theirs = ((each.secondary, each.primary) for each in (first, second))
+    mine, theirs = (each.sides for each in (first, second))
     if any(all(map(_share_edges, mine, others)) for others in (theirs, theirs[::-1])):
         raise InputError(
             f"two contacts of {first.secondary.part.name!r} and {first.primary.part.name!r} along the same edges",
