@@ -63,8 +63,7 @@ class SymmetricMatrix:
     def times(self, vector: Floats) -> Floats:
         """Product with a vector (n,)."""
         lower = self.lower
-        product: Floats = lower @ vector + lower.T @ vector - lower.diagonal() * vector
-        return product
+        return lower @ vector + lower.T @ vector - lower.diagonal() * vector
 
     def magnitudes(self, vector: Floats) -> Floats:
         """``|K| |u|``: of the terms that the product adds up, which round-off of the entries is relative to."""
@@ -156,8 +155,7 @@ class DifferenceProduct:
 
     def times(self, vector: Floats) -> Floats:
         """Forces on the free unknowns from their values, (n_free,)."""
-        result: Floats = self._transform.T @ self.at_nodes(self._transform @ vector)
-        return result
+        return self._transform.T @ self.at_nodes(self._transform @ vector)
 
     def at_nodes(self, vector: Floats) -> Floats:
         """Forces at the nodes from displacements there, (2 n_nodes,)."""
@@ -172,8 +170,7 @@ class DifferenceProduct:
         nodal = self._transform @ vector
         along, across = (np.abs(self._values * each) for each in self._differences(nodal))
         terms = np.bincount(self._rows, along, len(nodal)) + np.bincount(self._columns, across, len(nodal))
-        result: Floats = abs(self._transform).T @ (terms + abs(self._added) @ np.abs(nodal))
-        return result
+        return abs(self._transform).T @ (terms + abs(self._added) @ np.abs(nodal))
 
     def _differences(self, vector: Floats) -> tuple[Floats, Floats]:
         """Each entry's column node's displacement minus its row node's, in its column's component and in its row's."""
