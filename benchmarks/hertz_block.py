@@ -13,14 +13,22 @@ from numpy.typing import NDArray
 
 from flangeway.cases.bodies.bodies_shape import ARC, CUT, body_shape
 from flangeway.cases.bodies.bodies_tables import BodyTable
-from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Multiplier, SegmentToSegment, Surface
+from flangeway.contact import (
+    Contact,
+    ContactState,
+    ContactSystem,
+    Multiplier,
+    SegmentToSegment,
+    Surface,
+    solve_contact,
+)
 from flangeway.elements import Lagrange
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.geometry import Line, Outline, Placement
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, triangulate
 from flangeway.problems import Body, Part
-from flangeway.solve import CondensedBodies, ContactState, Handle, NewtonSettings, solve_contact
+from flangeway.solve import CondensedBodies, Handle, NewtonSettings
 
 Floats = NDArray[np.float64]
 
@@ -248,7 +256,6 @@ def _bear(
 def _pressures(contact: Contact, state: ContactState) -> tuple[Floats, Floats]:
     """Places of the loaded nodes before the deformation, and their pressures."""
     lin = state.linearisation
-    assert isinstance(lin, ContactLinearisation)
     pairs, surface = lin.pairs[0], contact.secondary
     loaded = state.forces > 0.0
     x = surface.part.body.space.nodes[surface.nodes[pairs.nodes[loaded]], 0]

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -95,7 +96,7 @@ def curve_with(profile: WheelProfile, code: str) -> WheelsetResult:
 
 def identified_radius(known_mm: float, progress: Progress) -> float:
     """Find the radius in mm with which VO2 has the published lateral translation, by secants from the bundled one."""
-    wanted = 10.0 * float(_printed()["curve", FITTED_CODE]["horizontal_translation_cm"])
+    wanted = 10.0 * printed("curve", FITTED_CODE)["horizontal_translation_cm"]
     radii, laterals = [IDENTIFIED_RADIUS_MM], [known_mm]
     step = 2.0
     for _ in range(4):
@@ -111,16 +112,15 @@ def identified_radius(known_mm: float, progress: Progress) -> float:
 
 def root_rows(run: Run, results: Results) -> Iterator[Row]:
     """Radius found again (not if quick), and each family at the published lateral translation."""
-    printed = _printed()
     if not run.quick:
         found_mm = identified_radius(results["curve", FITTED_CODE].position_in_space.lateral_mm, run.progress)
         note = "identified again; reference: the bundled radius"
         quantity = "radius of the wide arc"
         limit = f"{FOUND_MM:g} mm"
         yield Row("flange root", FITTED_CODE, quantity, "mm", found_mm, IDENTIFIED_RADIUS_MM, limit, note)
-    row, tangent = printed["curve", MEMBER_CODE], results["tangent", MEMBER_CODE].position_in_space
-    lateral = float(row["horizontal_translation_cm"])
-    sunk = _vertical(printed, "curve", MEMBER_CODE) - _vertical(printed, "tangent", MEMBER_CODE)
+    row, tangent = printed("curve", MEMBER_CODE), results["tangent", MEMBER_CODE].position_in_space
+    lateral = row["horizontal_translation_cm"]
+    sunk = _sunk(MEMBER_CODE)
     for family, make in FAMILIES.items():
         moved = {radius: make(wheel("AAR-1B"), radius) for radius in MEMBERS_MM[family][: -1 if run.quick else None]}
         positions = {}
@@ -138,26 +138,29 @@ def root_rows(run: Run, results: Results) -> Iterator[Row]:
         rotation, vertical, radius = (np.interp(lateral, laterals, values) for values in others)
         note = f"interpolated to the published lateral translation, at a wide arc of {radius:.1f} mm"
         code = f"{MEMBER_CODE}, {family}"
-        yield Row("flange root", code, "rotation", "rad", rotation, float(row["rotation_rad"]), None, note)
+        yield Row("flange root", code, "rotation", "rad", rotation, row["rotation_rad"], None, note)
         quantity = "vertical translation, curve less tangent"
         yield Row("flange root", code, quantity, "cm", vertical, sunk, None, note)
 
 
-def _printed() -> dict[tuple[str, str], dict[str, str]]:
+@cache
+def printed(situation: str, code: str) -> dict[str, float]:
+    """Numbers of a row of Tables 15 and 16 by their columns."""
     rows = published_rows("wheel_rail_tables_15_16.csv")
-    return {(row["situation"], row["config"]): row for row in rows}
+    (row,) = (row for row in rows if (row.pop("situation"), row.pop("config")) == (situation, code))
+    return {name: float(number) for name, number in row.items()}
 
 
-def _vertical(printed: dict[tuple[str, str], dict[str, str]], situation: str, code: str) -> float:
-    return float(printed[situation, code]["vertical_translation_cm"])
+def _sunk(code: str) -> float:
+    """How much higher the wheelset is printed in the curve than on tangent track."""
+    return printed("curve", code)["vertical_translation_cm"] - printed("tangent", code)["vertical_translation_cm"]
 
 
 def table_rows(results: Results) -> Iterator[Row]:
     """Positions, their differences, and equilibrium residuals beside the published ones."""
-    printed = _printed()
     motions = {key: result.position_in_space for key, result in results.items()}
     for (situation, code), result in results.items():
-        yield from (_tangent if situation == "tangent" else _curve)(code, motions, printed)
+        yield from (_tangent if situation == "tangent" else _curve)(code, motions)
         residuals = result.equilibrium.residuals
         for column, quantity, value in (
             ("vertical_force_error", "vertical residual", residuals.vertical_residual),
@@ -166,75 +169,73 @@ def table_rows(results: Results) -> Iterator[Row]:
             ("resulting_error", "equilibrium residual", residuals.equilibrium_residual),
         ):
             limit = Limit(f"below {MAX_RESIDUAL:g}", abs(value) < MAX_RESIDUAL)
-            published = float(printed[situation, code][column])
+            published = printed(situation, code)[column]
             yield Row(TABLES[situation], f"{situation} {code}", quantity, "", value, published, limit, BY_HAND)
 
 
 Motions = dict[tuple[str, str], WheelsetPosition]
-Printed = dict[tuple[str, str], dict[str, str]]
 
 
-def _shown_vertical(situation: str, code: str, motions: Motions, printed: Printed) -> Row:
-    published, value = _vertical(printed, situation, code), motions[situation, code].vertical_mm / 10.0
+def _shown_vertical(situation: str, code: str, motions: Motions) -> Row:
+    published, value = printed(situation, code)["vertical_translation_cm"], motions[situation, code].vertical_mm / 10.0
     note = "the published reference position is not given; the same difference in all eight rows"
     return Row(TABLES[situation], f"{situation} {code}", "vertical translation", "cm", value, published, None, note)
 
 
-def _tangent(code: str, motions: Motions, printed: Printed) -> Iterator[Row]:
-    motion, row, name = motions["tangent", code], printed["tangent", code], f"tangent {code}"
-    yield _shown_vertical("tangent", code, motions, printed)
+def _tangent(code: str, motions: Motions) -> Iterator[Row]:
+    motion, row, name = motions["tangent", code], printed("tangent", code), f"tangent {code}"
+    yield _shown_vertical("tangent", code, motions)
     if code != FITTED_CODE:
-        published = _vertical(printed, "tangent", code) - _vertical(printed, "tangent", FITTED_CODE)
+        published = row["vertical_translation_cm"] - printed("tangent", FITTED_CODE)["vertical_translation_cm"]
         value = (motion.vertical_mm - motions["tangent", FITTED_CODE].vertical_mm) / 10.0
         quantity = f"vertical translation less that of {FITTED_CODE}"
         yield Row(15, name, quantity, "cm", value, published, f"{SAME_CM:g} cm", "predicted")
     note = "predicted: zero by symmetry; the published value comes from the asymmetry of its meshes"
     lateral, roll = motion.lateral_mm / 10.0, motion.roll_rad
     limit = Limit(f"{SYMMETRIC_CM:g} cm", abs(lateral) <= SYMMETRIC_CM)
-    published = float(row["horizontal_translation_cm"])
+    published = row["horizontal_translation_cm"]
     yield Row(15, name, "horizontal translation", "cm", lateral, published, limit, note)
     limit = Limit(f"{1e3 * SYMMETRIC_RAD:g} mrad", abs(roll) <= SYMMETRIC_RAD)
-    yield Row(15, name, "rotation", "rad", roll, float(row["rotation_rad"]), limit, note)
+    yield Row(15, name, "rotation", "rad", roll, row["rotation_rad"], limit, note)
 
 
-def _curve(code: str, motions: Motions, printed: Printed) -> Iterator[Row]:
-    motion, row, name = motions["curve", code], printed["curve", code], f"curve {code}"
-    yield _shown_vertical("curve", code, motions, printed)
+def _curve(code: str, motions: Motions) -> Iterator[Row]:
+    motion, row, name = motions["curve", code], printed("curve", code), f"curve {code}"
+    yield _shown_vertical("curve", code, motions)
     sunk = (motion.vertical_mm - motions["tangent", code].vertical_mm) / 10.0
-    published = _vertical(printed, "curve", code) - _vertical(printed, "tangent", code)
-    yield Row(16, name, "vertical translation, curve less tangent", "cm", sunk, published, PREDICTED, "predicted")
+    yield Row(16, name, "vertical translation, curve less tangent", "cm", sunk, _sunk(code), PREDICTED, "predicted")
     limit, note = PREDICTED, "predicted"
     if code == FITTED_CODE:
         limit, note = FIT, "fitted: the radius of the wheel's wide arc is chosen for it"
-    published = float(row["horizontal_translation_cm"])
+    published = row["horizontal_translation_cm"]
     yield Row(16, name, "horizontal translation", "cm", motion.lateral_mm / 10.0, published, limit, note)
-    yield Row(16, name, "rotation", "rad", motion.roll_rad, float(row["rotation_rad"]), PREDICTED, "predicted")
+    yield Row(16, name, "rotation", "rad", motion.roll_rad, row["rotation_rad"], PREDICTED, "predicted")
     if code != FITTED_CODE:
-        yield from _apart(code, name, BODY_MM, motions, printed)
+        yield from _apart(code, name, BODY_MM, motions)
 
 
 def coarse_rows(run: Run) -> Iterator[Row]:
     """Differences of the rows of the curve with larger elements away from contact; of one row if quick."""
-    motions, printed = {}, _printed()
+    motions = {}
     codes = (MEMBER_CODE, FITTED_CODE) if run.quick else CODES
     for code in codes:
         run.progress(f"curve, {code}, {COARSE_MM:g} mm away from contact")
         motions["curve", code] = run_published("curve", code, COARSE_MM).position_in_space
     for code in codes:
         if code != FITTED_CODE:
-            yield from _apart(code, f"curve {code}, {COARSE_MM:g} mm away from contact", COARSE_MM, motions, printed)
+            yield from _apart(code, f"curve {code}, {COARSE_MM:g} mm away from contact", COARSE_MM, motions)
 
 
-def _apart(code: str, name: str, body_mm: float, motions: Motions, printed: Printed) -> Iterator[Row]:
+def _apart(code: str, name: str, body_mm: float, motions: Motions) -> Iterator[Row]:
     """How far a row of the curve is from the fitted one."""
-    row, motion = printed["curve", code], motions["curve", code]
-    base, first = printed["curve", FITTED_CODE], motions["curve", FITTED_CODE]
+    row, motion = printed("curve", code), motions["curve", code]
+    base, first = printed("curve", FITTED_CODE), motions["curve", FITTED_CODE]
     note = "the element size away from contact is not given and determines these differences"
     for quantity, unit, column, value in (
         ("horizontal translation", "cm", "horizontal_translation_cm", (motion.lateral_mm - first.lateral_mm) / 10.0),
         ("rotation", "rad", "rotation_rad", motion.roll_rad - first.roll_rad),
     ):
-        published = float(row[column]) - float(base[column])
+        published = row[column] - base[column]
         limit, text = None, note
         if body_mm == BODY_MM:
             limit, text = Limit("same sign", published * value > 0.0), f"predicted, its sign: {note}"

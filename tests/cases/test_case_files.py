@@ -63,7 +63,12 @@ def test_a_new_file_is_the_case_with_its_defaults_and_explains_every_key(tmp_pat
                 assert allowed.split()[0] in above, key
 
 
-@pytest.mark.parametrize("name", CASES)
+PRESETS = {"roller", "crossed-cylinders"}  # of the same computation as crane-wheel
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.ci] if name in PRESETS else []) for name in CASES]
+)
 def test_every_case_runs_from_its_file(tmp_path, name):
     """Each case runs on a coarse mesh from its file, converges, and has its inputs in a summary of plain numbers."""
     run = read_case(file_of(tmp_path, write_template(CASES[name])), COARSE[name]).run()

@@ -114,8 +114,8 @@ def test_what_is_wrong_is_told(about, row, with_files, tmp_path):
         parts[1:] = parts[:0:-1]
     assert parts[1].startswith("allowed: ")
     assert parts[2].startswith("what to do: ")
-    for part, key in ((parts[0], "given"), (parts[2], "advice")):
-        for words in row[key]:
+    for part, key in zip(parts, ("given", "allowed", "advice"), strict=True):
+        for words in row.get(key, []):
             assert is_said(words, part), (words, part)
     assert len(err) < 4000
     assert out == ""
@@ -154,7 +154,6 @@ body = "punch"
 """
 NO_CONTACT = {
     "a push away from the other body": ("push_N = [0.0, 100.0]", 1, "no contact holds a load: `punch` can slide in y"),
-    "a push past the other body": ("push_N = [100.0, 0.0]", 1, "check its direction and its size"),
     "a push that drives one body through the other": ("push_N = [0.0, -1e12]", 1, "check its direction and its size"),
     "a shift that leaves a gap": ("shift_mm = [0.0, 5.0]", 0, "nothing touches"),
 }

@@ -116,6 +116,7 @@ def test_no_memory_is_told(call, monkeypatch, tmp_path):
     assert everything(tmp_path) == []
 
 
+@pytest.mark.ci
 def test_a_real_limit_of_memory_is_told(tmp_path):
     """Under a limit of the address space that the run needs more than, status 1 and no traceback."""
     if sys.platform != "linux":

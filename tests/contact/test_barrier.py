@@ -6,7 +6,6 @@ from scipy.optimize import brentq
 
 from flangeway.contact import Barrier, Contact, Multiplier, NodeToSegment, SegmentToSegment, press
 from flangeway.elements import Lagrange
-from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
@@ -98,11 +97,3 @@ def test_a_barrier_beside_multipliers() -> None:
     gap = brentq(lambda g: YOUNG * (APPROACH + g) / (3.0 * HEIGHT) - VALUE * (1.0 / g - 1.0 / REACH), 1e-9, REACH)
     assert solution.status.converged, solution.status.message
     assert solution.forces[:, 1] == pytest.approx(40.0 * VALUE * (1.0 / gap - 1.0 / REACH), rel=1e-9)
-
-
-def test_wrong_values_are_refused() -> None:
-    """The value and the reach are positive."""
-    with pytest.raises(InputError, match="value"):
-        Barrier(0.0, 1.0)
-    with pytest.raises(InputError, match="reach"):
-        Barrier(1.0, -1.0)

@@ -9,11 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flangeway import Body, Elastic, Lagrange, Part, Placement, Virtual
-from flangeway.cases import CASES
-from flangeway.contact import Contact, Multiplier, NodeToSegment, SegmentToSegment, Surface, press
+from flangeway.contact import Contact, Multiplier, SegmentToSegment, Surface, press
 from flangeway.errors import InputError
 from flangeway.mesh import rectangle_grid
-from flangeway.post import cell_stresses
 from flangeway.problems import (
     BodyForce,
     Gravity,
@@ -26,15 +24,10 @@ from flangeway.problems import (
 )
 from flangeway.solve import Handle, NewtonSettings, StepSettings
 from studies.friction.loaded_bodies import (
-    BRACKET,
-    block_on_an_incline,
     bolted_flange,
     cooled_ring,
-    displacements_of_face,
-    pushed_plate,
     wall_on_soil,
 )
-from studies.study import published_values
 
 STEEL = Elastic(210e3, 0.3, density=7.85e-9, expansion=1.2e-5)
 
@@ -95,20 +88,6 @@ def test_contact_carries_the_loads_of_a_floating_body(order, virtual, path, turn
 def _at_nodes(field):
     """Loads at nodes; those on unknowns inside of cells are moved to the nodes of the cell by its condensation."""
     return field.problem.condensed_stiffness().condense(field.problem.load_vector())
-
-
-@pytest.mark.parametrize("pairing", [SegmentToSegment(), NodeToSegment()], ids=["segment", "node"])
-def test_a_body_that_floats_under_pressure_has_a_uniform_stress(pairing) -> None:
-    """A box of one material on another, free to turn and to spread: the stress is -p in all cells to 1e-6."""
-    upper = block("upper", 10.0, 4.0, (6, 3))
-    lower = block("lower", 10.0, 4.0, (6, 3), (0.0, -4.0), {"bottom": "y", (0.0, -4.0): "xy"})
-    found = press([on(upper, lower, pairing=pairing)], {}, body_loads={upper: [Pressure("top", 100.0)]})
-    assert found.status.converged, found.status.message
-    for part in (upper, lower):
-        field = found.field(part)
-        stresses = cell_stresses(field.problem, field.displacements).components
-        np.testing.assert_allclose(stresses[:, 1], -100.0, rtol=1e-6)
-        np.testing.assert_allclose(stresses[:, [0, 2]], 0.0, atol=1e-4)
 
 
 def test_sparse_and_condensed_bodies_agree() -> None:
@@ -191,26 +170,6 @@ def test_loads_that_do_not_fit_are_refused(items, given) -> None:
     assert given in f"{caught.value.given} {caught.value.allowed}"
 
 
-def test_the_published_plate() -> None:
-    """SSNV128 on 16 x 16 cells of order 2: displacements within 3 % of the published ones, four of them in 0.3 %."""
-    found = pushed_plate(16, Lagrange(2))
-    assert found.status.converged, found.status.message
-    published = published_values("friction.csv", "plate")
-    places = [float(place) for place, _ in published]
-    errors = displacements_of_face(found, places) / np.array([*published.values()]) - 1.0
-    assert np.abs(errors[:4]).max() < 3e-3
-    assert abs(errors[4]) < 0.03
-
-
-def test_a_block_slides_on_an_incline_at_the_tangent_of_its_slope() -> None:
-    """A coefficient 0.1 % above the tangent holds the block, one as far below does not, and this is said."""
-    limit = np.tan(np.deg2rad(20.0))
-    stays, slides = (block_on_an_incline(limit * (1.0 + each * BRACKET), 20.0) for each in (1.0, -1.0))
-    assert stays.status.converged, stays.status.message
-    assert not slides.status.converged
-    assert "no friction holds a load: `block` can slide" in slides.status.message
-
-
 def test_a_ring_that_cools_has_lames_pressure() -> None:
     """67.5 MPa by Lame's formula, to 0.1 % at every node."""
     found = cooled_ring(8)
@@ -233,67 +192,3 @@ def test_a_bolt_clamps_as_one_piece() -> None:
     assert found.status.converged, found.status.message
     assert np.all(found.friction_table.columns["sticks"])
     assert found.forces[0, 1] == pytest.approx(whole, rel=1e-9)
-
-
-def test_loads_of_a_case_file_act_in_contact() -> None:
-    """Weight, temperature and springs of a case with friction and a floating body: the contact carries the weight."""
-    values = {
-        "bodies": [
-            {"name": name, "rectangle": {"width_mm": 10.0, "height_mm": 4.0, "centre_mm": [0.0, y]}, "size_mm": 2.0}
-            for name, y in (("upper", 2.0), ("lower", -2.0))
-        ],
-        "springs": [{"body": "lower", "edges": "bottom", "x_MPa_mm": 1e4, "y_MPa_mm": 1e4}],
-        "loads": [
-            {"body": "upper", "gravity_m_s2": [0.0, -9.81e6]},
-            {"body": "upper", "temperature_K": 10.0},
-        ],
-        "contacts": [
-            {
-                "secondary": "upper",
-                "secondary_edges": "bottom",
-                "primary": "lower",
-                "primary_edges": "top",
-                "friction": 0.2,
-            }
-        ],
-    }
-    values["steps"] = {"number": 1}
-    for body in values["bodies"]:
-        body |= {"density_kg_m3": 7850.0, "expansion_per_K": 1.2e-5}
-    run = CASES["two-bodies"].from_values(values).run()
-    assert run.status.converged, run.status.message
-    weight = 7.85e-9 * 9.81e9 * 40.0
-    assert run.summary["forces"][0]["contact_N"][1] == pytest.approx(weight, rel=1e-9)
-    stresses = cell_stresses(run.bodies["upper"].field.problem, run.bodies["upper"].field.displacements)
-    assert np.abs(stresses.components[:, 1]).max() < 3.0 * weight / 10.0  # heat alone strains without stress
-    alone = {**values, "springs": [{"body": "lower", "point_mm": [5.0, -4.0], "x_MPa_mm": 10.0}]}
-    with pytest.raises(InputError, match="x_N_mm"):
-        CASES["two-bodies"].from_values(alone).check()
-
-
-def test_bodies_of_revolution_of_a_case_carry_the_whole_force() -> None:
-    """A ring on a plate, pressed by a force: the contact's pressure is the force over the ring's area."""
-    values = {
-        "hypothesis": "axisymmetric",
-        "bodies": [
-            {
-                "name": "ring",
-                "rectangle": {"width_mm": 4.0, "height_mm": 4.0, "centre_mm": [12.0, 2.0]},
-                "size_mm": 1.0,
-            },
-            {
-                "name": "plate",
-                "rectangle": {"width_mm": 20.0, "height_mm": 4.0, "centre_mm": [10.0, -2.0]},
-                "size_mm": 1.0,
-            },
-        ],
-        "supports": [{"body": "plate", "edges": "bottom", "hold": "y"}],
-        "loads": [{"body": "ring", "edges": "top", "force_N": [0.0, -1000.0]}],
-        "contacts": [{"secondary": "ring", "secondary_edges": "bottom", "primary": "plate", "primary_edges": "top"}],
-    }
-    run = CASES["two-bodies"].from_values(values).run()
-    assert run.status.converged, run.status.message
-    assert run.summary["forces"][0]["contact_N"][1] == pytest.approx(1000.0, rel=1e-9)
-    pressures = run.patches[0].pressures  # peaks at the ring's edges, which press into the plate
-    mean = 1000.0 / (np.pi * (14.0**2 - 10.0**2))
-    assert pressures.min() < mean < pressures.max() < 3.0 * mean

@@ -1,10 +1,8 @@
 """Pairing of nodes and edges: nothing missed, nothing hopping."""
 
 import numpy as np
-import pytest
 
 from flangeway.contact import NodeToSegment
-from flangeway.errors import InputError
 
 CHAIN = np.array([[0, 1], [1, 2]])
 
@@ -34,13 +32,6 @@ def test_nodes_out_of_reach_take_no_part() -> None:
     nodes = np.array([[0.5, 0.2], [1.5, 5.0], [2.7, 0.1]])
     found, _, _ = NodeToSegment().find(nodes, CHAIN, edges, np.full(3, -1))
     assert found.tolist() == [0]
-
-
-@pytest.mark.parametrize("slack", [0.0, 0.7, np.nan])
-def test_settings_out_of_range(slack: float) -> None:
-    """A slack that makes no sense is refused by name."""
-    with pytest.raises(InputError, match="slack"):
-        NodeToSegment(slack=slack)
 
 
 def test_the_dead_angle_of_a_corner_is_bridged() -> None:

@@ -153,14 +153,6 @@ def test_large_creepages_give_the_limit(theory) -> None:
     np.testing.assert_array_equal(values(smooth), 0.0)
 
 
-@pytest.mark.parametrize("theory", [polach, fastsim])
-def test_friction_falls_in_fast_theories(theory) -> None:
-    """At high slip velocities the kinetic coefficient acts."""
-    falling = ellipse(6.0, 5.0, friction=Friction(0.4, 0.2, decay=1.0))
-    assert -theory(falling, Creepages(0.1, speed=1e4)).along / FORCE == pytest.approx(0.2, rel=0.02)
-    assert -theory(falling, Creepages(0.1, speed=0.1)).along / FORCE == pytest.approx(0.4, rel=0.03)
-
-
 def test_polachs_reductions_and_notices() -> None:
     """Reduced slopes lower the force; linear theory beyond the limit says so; a shift is refused."""
     contact = ellipse(6.0, 5.0)

@@ -61,13 +61,3 @@ def test_a_point_on_a_normal_projects_back(order: int, along: float, distance: f
     point = value[0] @ nodes + distance * normal
     assert closest_parameters(point[None], nodes[None])[0] == pytest.approx(along, abs=1e-9)
     assert node_edge_gaps(point[None], nodes[None]).gaps[0] == pytest.approx(distance, abs=1e-9)
-
-
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
-def test_shape_functions_interpolate(order: int) -> None:
-    """Each function is one at its own node and zero at the others; their derivatives sum to zero."""
-    nodes = gauss_lobatto(order + 1)[0]
-    value, first, second = shape_functions(order, nodes)
-    assert np.abs(value - np.eye(order + 1)).max() < 1e-12
-    assert np.abs(first.sum(axis=1)).max() < 1e-11
-    assert np.abs(second.sum(axis=1)).max() < 1e-10

@@ -50,9 +50,9 @@ def left_side(part):
     return Surface(part, part.body.mesh.edge_sets["left"][:1])
 
 
-@pytest.mark.parametrize("turn", [0.0, 0.5])
-@pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
-@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize(
+    ("order", "law", "turn"), [(2, LAWS[0], 0.5), (1, LAWS[1], 0.0), (2, LAWS[2], 0.0), (1, LAWS[3], 0.5)]
+)
 def test_the_contact_patch_test_passes_to_round_off(order, law, turn) -> None:
     """Blocks of different meshes with inserted nodes: uniform pressures and stresses to 1e-9, all laws, turned too."""
     upper, lower = blocks(Virtual(order), turn=turn)
@@ -70,7 +70,7 @@ def test_the_contact_patch_test_passes_to_round_off(order, law, turn) -> None:
         np.testing.assert_allclose(stress[:, 1], -mean, rtol=1e-8, err_msg=part.name)
 
 
-@pytest.mark.parametrize("ratio", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("ratio", [1e-2, 1e-6])
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_patch_test_passes_with_short_edges(order, ratio) -> None:
     """A node beside another one, by a part of the edge: uniform pressures to round-off over that part."""
@@ -100,10 +100,9 @@ def test_matching_triangles_need_no_insertion() -> None:
     assert forces[0] == pytest.approx(forces[2], rel=2e-3)
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_friction_is_that_of_the_path(order) -> None:
+def test_friction_is_that_of_the_path() -> None:
     """Blocks pressed and then sheared: sticking carries the shear of one block; sliding is mu times the force."""
-    upper, lower = blocks(Virtual(order), held="xy")
+    upper, lower = blocks(Virtual(2), held="xy")
     contact = Contact(upper, lower, NodeToNode(), Multiplier(), 0.3)
     down = {upper.part: Placement(0.0, (0.0, -APPROACH))}
     path = [down, {upper.part: Placement(0.0, (1e-4, -APPROACH))}, {upper.part: Placement(0.0, (0.05, -APPROACH))}]

@@ -73,30 +73,25 @@ def check(found: PatchContact, wanted: tuple[float, float, float], axes: float, 
     assert found.overlap < 1e-6
 
 
-@pytest.mark.parametrize(
-    ("crown", "radius", "size", "element"),
-    [(40.0, 200.0, 0.11, Lagrange(2)), (100.0, 30.0, 0.14, Virtual(1))],
-)
-def test_a_roller_on_a_crowned_prism_touches_as_hertz_says(crown, radius, size, element) -> None:
+def test_a_roller_on_a_crowned_prism_touches_as_hertz_says() -> None:
     """With the grid and the window that are chosen: semi-axes and the largest pressure within 1 %."""
-    roller = block(None, size, element, placement=TURNED, axis=Axis((0.0, -radius)))
-    found = press_patch(block(crown, size, element), roller, force=FORCE, tolerance=1e-2)
+    crown, radius, size = 100.0, 30.0, 0.14
+    roller = block(None, size, Virtual(1), placement=TURNED, axis=Axis((0.0, -radius)))
+    found = press_patch(block(crown, size, Virtual(1)), roller, force=FORCE, tolerance=1e-2)
     check(found, hertz(crown, radius, FORCE), 1e-2, 1e-2)
-    assert found.patches[0].angle_rad == pytest.approx(0.0 if crown < radius else np.pi / 2.0, abs=1e-6)
+    assert found.patches[0].angle_rad == pytest.approx(np.pi / 2.0, abs=1e-6)
 
 
-@pytest.mark.parametrize("angle", [90.0, 45.0])
-def test_crossed_cylinders_touch_as_hertz_says(angle) -> None:
-    """A cylinder across a prism at an angle: semi-axes and pressure within 1 %, the patch turned as its principal axes.
+def test_crossed_cylinders_touch_as_hertz_says() -> None:
+    """A cylinder across a prism at 45 degrees: semi-axes and pressure within 1 %, the patch turned as its axes.
 
     The longer axis lies between the axes of the cylinders, for equal radii in the middle.
     """
-    turned = np.deg2rad(90.0 - angle)
+    turned = np.pi / 4.0
     cylinder = block(None, 0.08, placement=TURNED, axis=Axis((0.0, -50.0), (-1.0, 0.0), turned))
     found = press_patch(block(50.0, 0.08), cylinder, force=FORCE, tolerance=1e-2)
-    check(found, hertz(50.0, 50.0, FORCE, np.deg2rad(angle)), 1e-2, 1e-2)
-    if angle < 90.0:
-        assert abs(found.patches[0].angle_rad) == pytest.approx(np.deg2rad(angle) / 2.0, abs=0.01)
+    check(found, hertz(50.0, 50.0, FORCE, np.pi / 4.0), 1e-2, 1e-2)
+    assert abs(found.patches[0].angle_rad) == pytest.approx(np.pi / 8.0, abs=0.01)
 
 
 @pytest.mark.ci

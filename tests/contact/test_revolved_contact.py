@@ -45,9 +45,9 @@ def touching(upper: Part, lower: Part, pairing=None, law=LAWS[2], friction: floa
     return Contact(*faces, pairing or SegmentToSegment(), law, friction)
 
 
-@pytest.mark.parametrize("inner", [0.0, 0.7], ids=["cylinders", "tubes"])
-@pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize(
+    ("inner", "order", "law"), [(0.0, 1, LAWS[0]), (0.7, 2, LAWS[1]), (0.7, 1, LAWS[2]), (0.0, 2, LAWS[2])]
+)
 def test_a_uniform_pressure_passes_to_round_off(inner: float, order: int, law) -> None:
     """Stacked on meshes that do not match, ends free to slide: the stress of a bar, the force of its whole section."""
     upper, lower = (cylinder(name, n, order=order, inner=inner, held="y") for name, n in (("upper", 4), ("lower", 7)))
@@ -62,8 +62,7 @@ def test_a_uniform_pressure_passes_to_round_off(inner: float, order: int, law) -
     np.testing.assert_allclose(found.forces[0, 1], np.pi * (4.0 - inner**2) * 0.001 / softness, rtol=rtol)
 
 
-@pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("pairing", [NodeToSegment(), NodeToNode()], ids=["segment", "node"])
+@pytest.mark.parametrize(("order", "pairing"), [(1, NodeToSegment()), (2, NodeToNode())], ids=["segment", "node"])
 def test_nodes_of_matching_meshes_pass_a_uniform_pressure(order: int, pairing) -> None:
     """Node pairings with multipliers: the force of the bar, its pressure at all nodes, and the radius as width."""
     upper, lower = (cylinder(name, 5, order=order, held="y") for name in ("upper", "lower"))
@@ -77,7 +76,7 @@ def test_nodes_of_matching_meshes_pass_a_uniform_pressure(order: int, pairing) -
     np.testing.assert_allclose(patch.pressures[1:], 105.0, rtol=1e-10)
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=3, deadline=None)
 @given(
     radii=st.tuples(st.floats(0.5, 3.0), st.floats(0.5, 3.0)),
     inner=st.sampled_from([0.0, 0.3]),
@@ -166,8 +165,6 @@ def stiffness(**changes):
 
 REFUSED = [
     (lambda: off_axis(translation=(1.0, 0.0)), "a shift along its axis"),
-    (lambda: off_axis(rotation_rad=0.1), "a shift along its axis"),
-    (lambda: off_axis(mirrored=True), "a shift along its axis"),
     (lambda: turned(motion=Placement(0.0, (0.1, -0.1))), "a motion of part 'upper'"),
     (lambda: turned(load=(1.0, -1.0, None)), "a force along its axis"),
     (lambda: touching(cylinder("upper", 2), plane("lower")), "both axisymmetric"),
@@ -177,7 +174,6 @@ REFUSED = [
     ),
     (lambda: Body("b", rectangle_grid(1.0, 1.0, 1, 1), Lagrange(1), STEEL, thickness=2.0), "summed around the axis"),
     (lambda: stiffness(held=[0, 1]), "nodes on the axis that can leave it"),
-    (lambda: stiffness(thickness=2.0), "thickness 1"),
 ]
 
 

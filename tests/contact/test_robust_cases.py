@@ -40,6 +40,12 @@ SIDES = {
     "T6": (BoxDiscretisation(0.2, order=2), BoxDiscretisation(0.23, order=2)),
     "VEM2-T3": (BoxDiscretisation(0.3, "vem", 2), BoxDiscretisation(0.2)),
 }
+EACH_WAY = pytest.mark.parametrize(
+    ("way", "sides"),
+    list(zip(WAYS.values(), (SIDES[name] for name in ("VEM2-T3", "T6", "T3", "T6", "VEM2-T3", "T6")), strict=True)),
+    ids=WAYS,
+)
+"""Each way to pair and to press, on one of the meshes."""
 Solve = Callable[[ContactCase], ContactSolution]
 
 
@@ -209,18 +215,6 @@ def stack_of_three(
     return ContactCase(contacts, {upper: moved(0.0, -depth)})
 
 
-@pytest.fixture(params=WAYS, scope="module")
-def way(request: pytest.FixtureRequest) -> tuple[Pairing, Enforcement]:
-    """How surfaces are paired and penetration is prevented."""
-    return WAYS[request.param]
-
-
-@pytest.fixture(params=SIDES, scope="module")
-def sides(request: pytest.FixtureRequest) -> tuple[BoxDiscretisation, BoxDiscretisation]:
-    """Discretisations of the secondary and the primary side."""
-    return SIDES[request.param]
-
-
 @pytest.fixture(scope="module")
 def solved(imbalance: Callable[[ContactSolution], float]) -> Solve:
     """Solve a case, which must converge and be balanced."""
@@ -235,8 +229,8 @@ def solved(imbalance: Callable[[ContactSolution], float]) -> Solve:
     return solve
 
 
-@pytest.mark.parametrize("secondary", ["upper", "lower"])
-@pytest.mark.parametrize("round_the_corner", [False, True])
+@pytest.mark.parametrize(("secondary", "round_the_corner"), [("upper", True), ("lower", False)])
+@EACH_WAY
 def test_short_block_on_long_one(
     solved: Solve,
     way: tuple[Pairing, Enforcement],
@@ -256,6 +250,7 @@ def test_short_block_on_long_one(
     assert np.abs(lower.body.space.nodes[loaded, 0]).max() < reach
 
 
+@EACH_WAY
 def test_pin_in_a_conforming_bore(
     solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[BoxDiscretisation, BoxDiscretisation]
 ) -> None:
@@ -269,6 +264,7 @@ def test_pin_in_a_conforming_bore(
     assert pin.body.space.nodes[loaded, 1].max() < 0.0
 
 
+@EACH_WAY
 def test_block_into_a_corner(
     solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[BoxDiscretisation, BoxDiscretisation]
 ) -> None:
@@ -283,6 +279,7 @@ def test_block_into_a_corner(
     assert as_one.forces[0] == pytest.approx(total, rel=near)
 
 
+@EACH_WAY
 def test_stack_of_three(
     solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[BoxDiscretisation, BoxDiscretisation]
 ) -> None:
@@ -293,11 +290,20 @@ def test_stack_of_three(
     assert solution.forces[0, 1] == pytest.approx(solution.forces[1, 1], rel=0.02)
 
 
-@pytest.mark.parametrize(("method", "order"), [("fem", 1), ("fem", 2), ("vem", 1), ("vem", 2)])
-def test_matching_meshes(solved: Solve, way: tuple[Pairing, Enforcement], method: Method, order: int) -> None:
+@pytest.mark.parametrize(
+    ("way", "method", "order"),
+    [
+        ("nodes-multiplier", "fem", 2),
+        ("nodes-penalty", "vem", 1),
+        ("segments-multiplier", "vem", 2),
+        ("segments-augmented", "fem", 1),
+        ("dual-multiplier", "fem", 2),
+    ],
+)
+def test_matching_meshes(solved: Solve, way: str, method: Method, order: int) -> None:
     """Meshes that match node by node converge without hopping and pass the contact patch test."""
     side = BoxDiscretisation(0.25, method, order)
-    case = pressed_boxes(side, side, *way)
+    case = pressed_boxes(side, side, *WAYS[way])
     solution = solved(case)
     assert len(solution.steps) == 1
     pressures = solution.state.forces / np.concatenate([pairs.areas for pairs in solution.state.linearisation.pairs])  # type: ignore[attr-defined]

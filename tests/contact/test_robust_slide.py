@@ -17,10 +17,10 @@ from flangeway.contact import (
     Penalty,
     SegmentToSegment,
     press,
+    solve_contact,
 )
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Arc, Line, Outline, Placement, rectangle
-from flangeway.solve import solve_contact
 from tests.contact.steel_boxes import BoxDiscretisation, Method, surface_of
 
 pytestmark = pytest.mark.ci  # costs a minute or more
@@ -37,8 +37,8 @@ WAYS: dict[str, tuple[Pairing, Enforcement]] = {
     "dual-multiplier": (SegmentToSegment(weighting="dual"), Multiplier()),
 }
 
-CASES = [(way, block, False) for way in WAYS for block in (QUADRATIC, OTHER)]
-CASES += [("segments-penalty", OTHER, True), ("segments-multiplier", QUADRATIC, True), ("nodes-penalty", OTHER, True)]
+CASES = [("nodes-penalty", OTHER, True), ("segments-penalty", OTHER, False), ("segments-multiplier", QUADRATIC, True)]
+CASES += [("segments-multiplier", OTHER, False), ("dual-multiplier", OTHER, False)]
 
 
 Imbalance = Callable[[ContactSolution], float]

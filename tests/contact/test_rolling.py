@@ -8,7 +8,6 @@ import pytest
 from flangeway.contact.patch.patch_body import Axis
 from flangeway.contact.patch.patch_contact import press_patch
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.creep_coefficients import creep_coefficients
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import creep_curve, derivatives, roll
 from flangeway.contact.rolling.fast_theories import polach
@@ -102,26 +101,6 @@ def test_a_shift_is_cattaneos_and_mindlins() -> None:
     assert found.frictional_power > 0.0
 
 
-@pytest.mark.parametrize(
-    "motion",
-    [
-        Creepages(0.05),
-        Creepages(0.1, -0.2, 0.1),
-        Creepages(0.0, 0.0, 0.4),
-        Creepages(3.0, 1.0, 2.0),
-        Creepages(-0.1, 0.1, 0.3, -20.0),
-    ],
-)
-def test_frictional_power_is_that_of_creepages(circle, motion) -> None:
-    """In steady rolling elastic energy stays: friction dissipates forces times creepages to 1e-9."""
-    found = roll(circle, motion)
-    check_friction(found)
-    work = -(found.along * motion.along + found.across * motion.across + found.moment * motion.spin)
-    assert found.frictional_power == pytest.approx(abs(motion.speed) * work, rel=1e-9)
-    assert found.t_gamma == pytest.approx(work, rel=1e-9)
-    assert found.power_density.min() >= -0.01 * found.power_density.max()
-
-
 def test_frictional_power_of_different_materials_has_a_part_of_the_pressures() -> None:
     """With normal and tangential contact coupled the pressures' work of rolling is added."""
     contact = ellipse(12, materials=(SOFT, Elastic(25.0, 0.1)))
@@ -130,24 +109,6 @@ def test_frictional_power_of_different_materials_has_a_part_of_the_pressures() -
     assert found.frictional_power == pytest.approx(found.t_gamma, rel=1e-9)
     work = -(found.along * 0.05 + found.across * 0.02)
     assert found.t_gamma == pytest.approx(work + found.rolling_power, rel=1e-9)
-
-
-def test_rolling_backwards_and_mirrored(circle) -> None:
-    """Turned over along z or across, forces turn over too; rolling the other way is the same turned over."""
-    found = roll(circle, Creepages(0.1, 0.05, 0.2))
-    back = roll(circle, Creepages(-0.1, 0.05, -0.2, -1.0))
-    np.testing.assert_allclose(forces(back), forces(found) * [-1.0, 1.0, -1.0], rtol=1e-12)
-    np.testing.assert_allclose(back.tractions[:, ::-1] * [1.0, -1.0], found.tractions, atol=1e-12)
-    mirrored = roll(circle, Creepages(0.1, -0.05, -0.2))
-    np.testing.assert_allclose(forces(mirrored), forces(found) * [1.0, -1.0, -1.0], rtol=1e-2)
-    np.testing.assert_allclose(mirrored.tractions[::-1] * [-1.0, 1.0], found.tractions, atol=2e-3)
-
-
-def test_spin_turns_forces_to_positive_t_and_against_itself(circle) -> None:
-    """Spin about n drags the leading edge along -t, which gives a force along +t (Kalker's -C23 phi) and a moment."""
-    found = roll(circle, Creepages(spin=0.02))
-    assert found.across > 0.0 > found.moment
-    assert abs(found.along) < 1e-6 * found.across
 
 
 def test_transient_rolling_becomes_steady(circle) -> None:
@@ -214,15 +175,6 @@ def test_a_kinetic_coefficient_acts_as_soon_as_cells_slip(circle) -> None:
     np.testing.assert_allclose(size[slips], 0.3 * circle.pressures[slips], rtol=1e-9)
     assert slips.any()
     assert (size > 0.31 * circle.pressures).any()
-
-
-def test_friction_may_vary_across(circle) -> None:
-    """Rows with a coefficient of 0 carry nothing, others their own limit."""
-    coefficients = np.where(np.arange(len(circle.pressures)) < len(circle.pressures) // 2, 0.0, 0.5)
-    found = roll(replace(circle, friction=Friction(coefficients)), Creepages(5.0))
-    check_friction(found)
-    assert not found.tractions[coefficients == 0.0].any()
-    assert -found.along == pytest.approx(0.25 * circle.force, rel=1e-3)
 
 
 def test_different_materials_roll_freely_with_creepage() -> None:
@@ -297,30 +249,20 @@ def test_bad_inputs(circle) -> None:
     assert "percent" in roll(circle, Creepages(0.2)).notices[0]
     assert roll(circle, Creepages(0.2, speed=0.0)).notices == ()
     for given, said in (
-        (lambda: Friction(-0.1), "coefficients >= 0"),
         (lambda: Friction(0.2, 0.3), "not above the static"),
         (lambda: Friction(0.2, 0.1, decay=-1.0), "slip velocity >= 0"),
         (lambda: Creepages(np.nan), "finite"),
-        (lambda: Creepages(speed=np.inf), "a shift"),
         (lambda: replace(circle, friction=Friction([0.1, 0.2])), "one for each row"),
         (lambda: roll(circle, Creepages(np.full(2, 1e-3))), "2 creepages for"),
-        (lambda: fastsim(circle, Creepages(spin=np.full(2, 1e-3))), "2 creepages for"),
         (lambda: RollingContact.under_hertz((1.0, 1.0), -1.0, (4, 4), Friction(0.3), circle.materials), "positive"),
-        (lambda: RollingContact.under_hertz((1.0, 1.0), 1.0, (4, 0), Friction(0.3), circle.materials), "cells=0"),
         (lambda: replace(circle, pressures=0.0 * circle.pressures), "press the bodies"),
         (lambda: roll(circle, Creepages(), force_along=circle.force), "limit of friction"),
         (lambda: roll(circle, Creepages(), start=roll(ellipse(4), Creepages(0.1))), "same grid"),
         (lambda: roll(circle, Creepages(0.1), before=fastsim(circle, Creepages(0.1))), "a result of roll"),
-        (lambda: roll(circle, Creepages(0.1), tolerance=0.0), "tolerance"),
         (lambda: roll(circle, Creepages(0.1), differences=(1.0, 1.0)), "STEADY or FIRST"),
-        (lambda: Friction(np.full((2, 2), 0.1)), "one for each row"),
-        (lambda: Friction(np.full(3, 0.3), np.full(2, 0.1)), "as many static as kinetic"),
-        (lambda: Creepages(np.array([])), "finite"),
         (lambda: PatchGrid(np.array([0.0, 1.0, 0.5]), 0.1, 4), "rising ends"),
-        (lambda: fastsim(circle, Creepages(0.1), n_steps=1), "2 steps"),
         (lambda: fastsim(circle, Creepages(0.1), flexibilities=(1e-4, 0.0, 1e-4)), "L1, L2 and L3"),
         (lambda: polach(circle, Creepages(0.1), adhesion=0.2, slip=0.3), "slip <= adhesion"),
-        (lambda: creep_coefficients(1.0, 0.6), "0 to 0.5"),
     ):
         with pytest.raises(InputError, match=said):
             given()

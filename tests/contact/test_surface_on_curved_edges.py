@@ -29,7 +29,7 @@ def test_a_surface_of_curved_edges_is_on_its_curve_already(element) -> None:
     assert chord_depths > 5e-3
 
 
-@pytest.mark.parametrize(("order", "limit"), [(1, 0.04), (2, 0.02), (3, 0.015)])
+@pytest.mark.parametrize(("order", "limit"), [(1, 0.04), (3, 0.015)])
 def test_pressures_are_smooth_on_curved_edges(order: int, limit: float) -> None:
     """A disc on a block: with 4 triangles to the half width pressures are near Hertz's, half as rough as on chords."""
     bent, chords = (pressures(order, 4, on_curves=on_curves) for on_curves in (True, False))

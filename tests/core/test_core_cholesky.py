@@ -138,29 +138,6 @@ def test_an_indefinite_schur_complement_is_given_but_not_solved(lower):
     assert error.value.args[1] == 1
 
 
-def test_all_unknowns_trailing_gives_the_matrix_itself(lower):
-    """Without an interior the Schur complement is the matrix in the order given."""
-    matrix = random_spd(np.random.default_rng(1), 8, 0.5)
-    order = int32([3, 1, 7, 0, 2, 6, 5, 4])
-    factor = Cholesky(*lower(matrix), int32(np.arange(8)), order)
-    assert np.allclose(factor.schur(), matrix[np.ix_(order, order)], rtol=1e-14, atol=1e-14)
-    rhs = np.arange(8.0)
-    assert np.allclose(matrix @ factor.solve(rhs), rhs, atol=1e-12)
-    assert np.array_equal(factor.condense(rhs), rhs[order])
-    assert np.array_equal(factor.recover(rhs, np.zeros(8))[order], rhs)
-
-
-def test_no_trailing_unknowns_gives_an_empty_schur_complement(lower):
-    """Without trailing unknowns the factor solves and condenses to nothing."""
-    matrix = random_spd(np.random.default_rng(1), 8, 0.5)
-    factor = Cholesky(*lower(matrix), int32(np.arange(8)), int32([]))
-    assert factor.schur().shape == (0, 0)
-    assert factor.condense(np.ones(8)).shape == (0,)
-    solution = factor.solve(np.ones(8))
-    assert np.allclose(matrix @ solution, 1.0, atol=1e-12)
-    assert np.array_equal(factor.recover(np.empty(0), np.ones(8)), solution)
-
-
 def test_the_ordering_bounds_the_fill(lower, elastic_grid):
     """A grid of 5,000 nodes fills to less than 100 entries a column, a band to 100 and more."""
     matrix = elastic_grid(99, 49, held=True)
@@ -247,20 +224,15 @@ VALID = {
     [
         ("indptr", int32([0, 2, 3]), r"indptr must be int64 of shape \(n \+ 1,\), got int32"),
         ("indptr", np.array([0, 2, 2], dtype=np.int64), "end with len"),
-        ("indptr", np.array([0], dtype=np.int64), "n >= 1"),
         ("indices", np.array([0, 1, 1]), "indices must be int32"),
         ("indices", int32([1, 0, 1]), "begin with its diagonal"),
         ("indices", int32([0, 5, 1]), "outside of"),
         ("indices", int32([0, 9, 1, 9, 1])[::2], "contiguous"),
         ("values", np.array([2.0, -1.0, 2.0], dtype=np.float32), "values must be float64"),
-        ("values", np.ones(4), "values must have 3 entries, got 4"),
         ("values", np.array([2.0, np.inf, 2.0]), "values must be finite"),
         ("groups", int32([0]), "groups must have 2 entries, got 1"),
-        ("groups", int32([[0, 1]]), "groups must be int32"),
         ("trailing", int32([2]), r"unknowns in 0\.\.2, got 2"),
-        ("trailing", int32([-1]), "got -1"),
         ("trailing", int32([1, 1]), "1 twice"),
-        ("trailing", [1], "trailing must be int32"),
     ],
 )
 def test_wrong_matrices_raise_a_value_error(name, given_value, message):
@@ -275,10 +247,7 @@ def test_wrong_matrices_raise_a_value_error(name, given_value, message):
     ("rhs", "message"),
     [
         (np.ones(3), r"rhs must be float64 of shape \(2,\) or \(2, m\), got float64 of shape \[3\]"),
-        (np.ones((3, 2)), r"shape \(2,\)"),
-        (np.ones((2, 1, 1)), r"shape \(2,\)"),
         (np.ones(2, dtype=int), "got int64"),
-        ([1.0, 1.0], "got an object of"),
         (np.array([1.0, np.nan]), "rhs must be finite"),
     ],
 )

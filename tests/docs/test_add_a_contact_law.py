@@ -27,6 +27,7 @@ def scripts(tmp_path, monkeypatch):
         sys.modules.pop(name, None)
 
 
+@pytest.mark.ci
 def test_the_scripts_print_what_the_page_shows(scripts, capsys):
     """Both scripts run with the saved files and print the numbers of the page."""
     assert len(scripts) == 2

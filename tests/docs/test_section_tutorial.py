@@ -38,6 +38,7 @@ def test_the_girder_prints_what_the_page_says(call, saved):
             assert numbers(found) == pytest.approx(numbers(words), rel=1e-3 if "stress" in label else 1e-4), label
 
 
+@pytest.mark.ci
 def test_the_slit_girder_is_as_the_page_says(saved):
     """Cut open, the girder has about a two-hundredth of its torsion constant, and its shear centre above the top."""
     closed, cut = (

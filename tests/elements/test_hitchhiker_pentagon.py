@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from flangeway.elements import cell_matrices
-from flangeway.errors import InputError
 
 PENTAGON = [(Q(0), Q(0)), (Q(3), Q(0)), (Q(3), Q(2)), (Q(3, 2), Q(4)), (Q(0), Q(4))]
 DIAMETER = Q(5)
@@ -120,17 +119,3 @@ def test_gram_matrix_is_the_product_and_projectors_are_idempotent(order):
     assert pytest.approx(cell.B @ cell.D, abs=1e-13) == cell.G
     for projector in (cell.pi_nabla, cell.pi_zero):
         assert projector @ projector == pytest.approx(projector, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("points", "order", "message"),
-    [
-        ([(0, 0), (0, 1), (1, 0)], 1, "counter-clockwise"),
-        ([(0, 0), (1, 1)], 1, "three or more"),
-        ([(0, 0), (1, 0), (0, 1)], 0, "1 to 10"),
-    ],
-)
-def test_wrong_cells_are_refused(points, order, message):
-    """Clockwise points, too few points and order 0 are refused with what is allowed."""
-    with pytest.raises(InputError, match=message):
-        cell_matrices(points, order)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from flangeway.elements import Virtual, monomials
-from flangeway.errors import InputError
 
 ORDERS = [1, 2, 3, 4, 5]
 
@@ -95,10 +94,3 @@ def test_batches_equal_single_cells(ugly):
     for i in range(3):
         alone = Virtual(3).reconstruct(cells[:, :, i : i + 1])
         assert together.value[..., i] == pytest.approx(alone.value[..., 0], rel=1e-9, abs=1e-9)
-
-
-@pytest.mark.parametrize("order", [0, 11])
-def test_orders_out_of_range_are_refused(order):
-    """Orders below 1 and above 10 are refused by name."""
-    with pytest.raises(InputError, match="orders 1 to 10"):
-        Virtual(order)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.special import roots_legendre
 
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, PointContact
@@ -103,7 +104,11 @@ def test_a_sphere_touches_in_a_circle() -> None:
     assert sphere.approach == pytest.approx(radius**2 / 50.0, rel=1e-12)
 
 
-@pytest.mark.parametrize("ratio", [1.0 + 1e-9, 1.5, 6.0, 40.0, 1e4])
+NODES = roots_legendre(2000)
+"""Nodes and weights of Gauss's rule."""
+
+
+@pytest.mark.parametrize("ratio", [1.0 + 1e-9, 6.0, 1e4])
 def test_an_ellipse_of_pressure_closes_the_gap(ratio) -> None:
     """The displacement of a half-space by the pressure of the ellipse has the curvatures of the gap.
 
@@ -116,7 +121,7 @@ def test_an_ellipse_of_pressure_closes_the_gap(ratio) -> None:
 
     def depth(power_a: int, power_b: int) -> float:
         """Integral of ``dw / ((a^2 + w)^(p/2) (b^2 + w)^(q/2) w^(1/2))`` with ``w = a b tan(t)^2``."""
-        nodes, weights = np.polynomial.legendre.leggauss(2000)
+        nodes, weights = NODES
         t = np.pi / 4.0 * (nodes + 1.0)
         w = a * b * np.tan(t) ** 2
         jacobian = 2.0 * np.sqrt(a * b) / np.cos(t) ** 2

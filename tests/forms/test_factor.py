@@ -77,8 +77,7 @@ def _held_in_y(space):
     return fixed
 
 
-@pytest.mark.parametrize("size", [0.2, 0.1, 0.04])
-@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize(("order", "size"), [(1, 0.2), (2, 0.1), (1, 0.04)])
 @pytest.mark.parametrize("words", SINGULAR)
 def test_a_singular_matrix_names_the_motion_without_energy(words, order, size):
     """Neumann problems and bodies that can move, on coarse and fine meshes of three orders: the motion is named."""

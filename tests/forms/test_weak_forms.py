@@ -146,7 +146,7 @@ def quasilinear(u, v, w):
     return (1.0 + u.value**2) * dot(u.gradient, v.gradient) - source * v.value
 
 
-@pytest.mark.parametrize("space", SPACES)
+@pytest.mark.parametrize("space", SPACES[:2])
 def test_newtons_method_finds_the_exact_solution_and_converges_quadratically(space):
     """A quasilinear equation with a linear solution is solved exactly, with tangents by complex steps and by hand."""
     exact = interpolate(space, lambda p: 1.0 + p @ np.array([1.0, 2.0]))

@@ -248,20 +248,6 @@ def test_open_contour_may_not_cross_itself():
         Contour.from_segments(zigzag, "ab")
 
 
-@pytest.mark.parametrize("make", [lambda: circle(0.0), lambda: circle(1.0, n_arcs=1)])
-def test_degenerate_circles_are_refused(make):
-    """A circle without radius or of one arc is refused."""
-    with pytest.raises(InputError):
-        make()
-
-
-def test_rectangle_refuses_a_side_without_length():
-    """A rectangle with height zero or NaN is refused by name."""
-    for height in (0.0, -1.0, math.nan):
-        with pytest.raises(InputError, match="height"):
-            rectangle(1.0, height)
-
-
 def test_a_flat_loop_has_no_area():
     """Two arcs there and back along nearly the same circle enclose nothing and are refused."""
     there = Arc((1.0, 0.0), (-1.0, 0.0), (0.0, 0.0), True)

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flangeway.errors import InputError
 from flangeway.geometry import Placement
 
 NUMBERS = st.floats(-100.0, 100.0)
@@ -48,10 +47,3 @@ def test_rotation_about_a_point_keeps_it():
     turn = Placement.about((3.0, 4.0), 1.2)
     np.testing.assert_allclose(turn.points([(3.0, 4.0)]), [(3.0, 4.0)], atol=1e-14)
     assert turn.rotation_rad == 1.2
-
-
-@pytest.mark.parametrize("wrong", [{"rotation_rad": math.nan}, {"translation": (0.0, math.inf)}])
-def test_numbers_that_are_not_finite_are_refused(wrong):
-    """A placement with NaN or infinity is refused."""
-    with pytest.raises(InputError, match="finite"):
-        Placement(**wrong)

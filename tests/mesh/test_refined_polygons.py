@@ -20,7 +20,7 @@ from flangeway.mesh import (
     triangulate,
     voronoi,
 )
-from flangeway.mesh.kernel import kernel_centre, star_parts
+from flangeway.mesh.kernel import kernel_centre
 from flangeway.mesh.refine import cell_sides
 from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
 from flangeway.solve import solve_elasticity
@@ -176,11 +176,9 @@ def test_a_cell_that_no_point_sees_whole_is_cut_into_round_parts():
 
 L_SHAPE = polygon([(-1, -1), (0, -1), (0, 0), (1, 0), (1, 1), (-1, 1)])
 ANY_POLYGONS = {
-    "agglomerates": (lambda: agglomerated(triangulate(square(1.0), size=0.06), 60), 0.08),
     "agglomerates in an L": (lambda: agglomerated(triangulate(L_SHAPE, size=0.12), 40), 0.08),
     "duals in an L": (lambda: dual(triangulate(L_SHAPE, size=0.5)), 0.08),
-    "duals": (lambda: dual(triangulate(square(1.0), size=0.3)), 0.08),
-    "voronoi": (lambda: voronoi(square(1.0), 60, iterations=0), 0.02),
+    "voronoi": (lambda: voronoi(square(1.0), 30, iterations=0), 0.02),
 }
 
 
@@ -199,14 +197,6 @@ def test_diameters_of_any_polygons_halve_and_roundness_stays(kind):
             assert chunkiness(mesh) > floor
     # area over squared diameter of a square is a half
     assert (mesh.cell_areas / mesh.cell_diameters**2).min() > floor
-
-
-def test_star_parts_of_a_convex_polygon_are_itself():
-    """Nothing is cut that need not be."""
-    polygon = np.arange(6, dtype=np.int32)
-    points = np.array([[np.cos(t), np.sin(t)] for t in np.arange(6) * np.pi / 3])
-    (part,) = star_parts(polygon, points)
-    assert part.tolist() == polygon.tolist()
 
 
 @pytest.mark.parametrize("size", [0.5, 1.5])
@@ -243,14 +233,6 @@ def test_wrong_cells_to_refine_are_refused(cells, options, word):
     """Numbers out of range, numbers that are none, masks of another length, and a limit of zero are refused."""
     with pytest.raises(InputError, match=word):
         refined(rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals"), cells, **options)
-
-
-def test_refining_no_cell_changes_nothing_but_the_first_point_of_cells():
-    """An empty choice gives a mesh of the same points and areas."""
-    mesh = BASES["polygons"]
-    same = refined(mesh, [])
-    assert np.array_equal(same.points, mesh.points)
-    np.testing.assert_allclose(same.cell_areas, mesh.cell_areas, rtol=1e-13)
 
 
 @given(

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from flangeway.errors import InputError
 from flangeway.mesh import check, rectangle_grid, refined
 
 
@@ -23,13 +22,6 @@ def test_sides_run_counter_clockwise():
     assert len(mesh.chain("bottom", "right", "top", "left")) == 11
     assert mesh.points[mesh.chain("right")].tolist() == [[6.0, 0.0], [6.0, 0.5], [6.0, 1.0]]
     assert mesh.points[mesh.chain("top")][:, 0].tolist() == [6.0, 4.0, 2.0, 0.0]
-
-
-@pytest.mark.parametrize("wrong", [{"width": 0.0}, {"nx": 0}, {"cells": "hexagons"}])
-def test_wrong_numbers_are_refused(wrong):
-    """A grid without width, squares or a known kind of cell is refused by name."""
-    with pytest.raises(InputError, match=next(iter(wrong))):
-        rectangle_grid(**{"width": 1.0, "height": 1.0, "nx": 2, "ny": 2, **wrong})
 
 
 def test_refined_cuts_every_triangle_into_four_equal_ones():

@@ -103,13 +103,6 @@ def test_triangles_follow_the_target_size():
     assert np.mean((ratio > 1 / 1.5) & (ratio < 1.5)) > 0.95
 
 
-def test_a_refinement_coarser_than_the_size_changes_nothing():
-    """The smaller of both sizes holds."""
-    plain = triangulate(square(1.0), size=0.1)
-    same = triangulate(square(1.0), size=0.1, refinements=[Refinement([(0.0, 0.0)], 0.5, 0.2)])
-    assert np.array_equal(plain.points, same.points)
-
-
 def test_holes_have_the_body_on_their_outside():
     """A hole takes its area away and its named boundary has the body on the left."""
     hole = rectangle(1.0, 1.0, (1.0, 0.5))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.contact import Contact, Multiplier, SegmentToSegment, Surface
+from flangeway.contact import Contact, Multiplier, SegmentToSegment, Surface, solve_contact
 from flangeway.contact import press as press_parts
 from flangeway.elements import Lagrange
 from flangeway.geometry import Placement
@@ -14,7 +14,7 @@ from flangeway.mesh import rectangle_grid
 from flangeway.post import pressure_patches
 from flangeway.post.pressure import _pressures
 from flangeway.problems import Body, Part
-from flangeway.solve import CondensedBodies, solve_contact
+from flangeway.solve import CondensedBodies
 
 
 @pytest.mark.parametrize("primary", ["block", "disc"])

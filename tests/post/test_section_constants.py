@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from flangeway.elements import Lagrange, Virtual
-from flangeway.errors import InputError
 from flangeway.exact import Rectangle
 from flangeway.geometry import Arc, Line, Outline, Placement, polygon, rectangle
 from flangeway.mesh import dual, triangulate
@@ -124,9 +123,3 @@ def test_composite_weights_by_modulus():
     weights = np.where(left, 1.0, 3.0) * mesh.cell_areas
     assert found.centroid == pytest.approx(tuple(weights @ mesh.cell_centroids / weights.sum()))
     assert found.area == pytest.approx(2.0)
-
-
-def test_poissons_ratio_out_of_range_is_refused():
-    """A Poisson's ratio above one half is refused."""
-    with pytest.raises(InputError, match=r"0 to 0\.5"):
-        section_constants(Space(HALF_DISC_MESH, Lagrange(1)), poisson=0.6)

@@ -22,8 +22,14 @@ DOMAINS = {
 }
 
 
-@pytest.mark.parametrize("order", [1, 2, *(pytest.param(k, marks=pytest.mark.ci) for k in (3, 4))])
-@pytest.mark.parametrize("domain", sorted(DOMAINS))
+@pytest.mark.parametrize(
+    ("domain", "order"),
+    [
+        ("L, agglomerates", 1),
+        ("slit, duals", 2),
+        *(pytest.param(*case, marks=pytest.mark.ci) for case in (("L, duals", 4), ("slit, agglomerates", 3))),
+    ],
+)
 def test_errors_fall_with_the_unknowns_to_minus_half_the_order(domain, order):
     """``r^a sin(a phi)``: the error of the gradient falls like ``n^(-k / 2)``, within a tenth or faster."""
     make, power = DOMAINS[domain]

@@ -85,7 +85,7 @@ def errors(family, order, n):
 
 @pytest.mark.parametrize(
     ("family", "order"),
-    [(family, order) for family in sorted(FAMILIES) for order in (1, 2, 3, 4) if (family, order) != LAGRANGE_4],
+    [(family, order) for family in sorted(FAMILIES) for order in (1, 4) if (family, order) != LAGRANGE_4],
 )
 def test_errors_fall_with_the_order_of_the_element(family, order):
     """The H1 error falls like h^k and the L2 error like h^(k + 1), within 0.3 in the exponent or faster."""

@@ -39,8 +39,7 @@ def force(p):
     return -(np.pi**2) * np.stack((along, across), axis=1) + np.stack((-2 * np.sin(2 * x) * y, np.cos(2 * x)), axis=1)
 
 
-@pytest.mark.parametrize("order", [2, 3, 4])
-@pytest.mark.parametrize("name", MESHES)
+@pytest.mark.parametrize(("name", "order"), [("triangles", 3), ("duals", 4), ("not convex", 2)])
 def test_velocity_and_pressure_have_their_order_and_nothing_flows_off(name, order):
     """L2 errors fall like h^(k + 1) and h^k, within 10 % or 0.35; the divergence is round-off at every point."""
     errors, sizes = [], []

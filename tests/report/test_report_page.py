@@ -8,6 +8,8 @@ from html.parser import HTMLParser
 import pytest
 
 from flangeway.report import write_case
+from flangeway.report.figures.drawing import png
+from flangeway.report.page import html_page
 from flangeway.report.page.html_page import report_page
 from flangeway.report.page.tables import SummaryTable
 from flangeway.report.wheelset import wheelset_page as outputs
@@ -44,7 +46,9 @@ class Page(HTMLParser):
 @pytest.fixture(scope="module")
 def folder(runs, tmp_path_factory):
     out = tmp_path_factory.mktemp("out") / "vem"
-    write_case(runs["vem"], out)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(html_page, "png", lambda figure: png(figure, 20))
+        write_case(runs["vem"], out)
     return out
 
 

@@ -34,7 +34,7 @@ INPUTS = {
     "wheel": "AAR-1B",
     "yaw_mrad": 5.0,
     "size_scale": 1.5,
-    "patch_cells": 14,
+    "patch_cells": 12,
 }
 PARTS = [f"{role}-{side}" for role in ("wheel", "rail") for side in ("left", "right")]
 FILES = {
@@ -176,10 +176,10 @@ def test_the_volumes_below_the_patches_hold_the_maximum_at_its_position(run, pla
         assert found.cells[0].type == "hexahedron"
         highest, _, point = max((each.maximum(role, "max_von_mises") for each in patches), key=lambda each: each[0])
         mises = found.point_data["von_mises_MPa"]
-        assert mises.max() == pytest.approx(highest, rel=1e-12)
+        assert float(mises.max()) == pytest.approx(highest, rel=1e-6)  # single precision
         np.testing.assert_allclose(found.points[mises.argmax()], point, atol=1e-9)
         pressure = max(each.max_pressure for each in patches)
-        assert found.point_data["stress_MPa"][:, 1].min() == pytest.approx(-pressure, rel=1e-9)
+        assert float(found.point_data["stress_MPa"][:, 1].min()) == pytest.approx(-pressure, rel=1e-6)
         sides = found.points[found.cells[0].data]
         # no cell is folded: all have volumes of one sign
         volumes = np.linalg.det(sides[:, (1, 3, 4)] - sides[:, :1])

@@ -28,6 +28,8 @@ INPUTS = {
         "size_scale": 8.0,
         "order": 1,
         "patch_cells": 10,
+        "rail_support": "continuous",
+        "axle": "rigid",
     },
     "wheelset-tangent": {"size_scale": 8.0},
     "stack": {},

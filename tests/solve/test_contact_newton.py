@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from flangeway.contact import AugmentedLagrange, SegmentToSegment
+from flangeway.contact import AugmentedLagrange, SegmentToSegment, solve_contact
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.geometry import Placement
-from flangeway.solve import CondensedBodies, NewtonSettings, SparseBodies, follow, solve_contact
+from flangeway.solve import CondensedBodies, NewtonSettings, SparseBodies, follow
 from flangeway.solve.status import STALLED, Iteration, is_at_round_off
 from tests.contact.steel_boxes import BoxDiscretisation, pressed_boxes
 

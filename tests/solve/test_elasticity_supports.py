@@ -1,6 +1,5 @@
 """A body that is not held is reported with its free motion; wrong input is refused in words."""
 
-import math
 import re
 
 import numpy as np
@@ -15,12 +14,10 @@ from flangeway.problems import (
     BodyForce,
     Elasticity,
     Gravity,
-    PointForce,
     PrescribedDisplacement,
     Pressure,
     RigidHandle,
     Spring,
-    TemperatureChange,
     Traction,
     fixed,
 )
@@ -121,34 +118,21 @@ AXI = Elastic(1.0, 0.3, "axisymmetric")
     ("wrong", "words"),
     [
         (lambda: problem(loads=[Traction("rigth", (1.0, 0.0))]), "rigth.*\n.*bottom, left, right, top"),
-        (lambda: problem(loads=[Pressure("upper side", 1.0)]), "upper side"),
-        (lambda: problem(supports=[fixed("floor")]), "floor.*\n.*bottom, left, right, top"),
         (lambda: problem(supports=[RigidHandle("grip")]), "grip"),
         (lambda: problem(supports=[fixed((0.13, 0.2))]), r"\(0.13, 0.2\).*\n.*the nearest is"),
         (lambda: problem(loads=[BodyForce((1.0, 0.0), cells="core")]), "core"),
         (lambda: problem(loads=[Gravity((0.0, -9.81))]), "density"),
-        (lambda: problem(loads=[TemperatureChange(10.0)]), "expansion"),
         (lambda: Traction("right", 5.0), "two finite numbers"),
-        (lambda: Traction("right", (math.nan, 0.0)), "two finite numbers"),
         (lambda: Pressure("right", (1.0, 2.0)), "a finite number"),
-        (lambda: PointForce((0.0, 0.0), (1.0, math.inf)), "two finite numbers"),
-        (lambda: Gravity(9.81), "two finite numbers"),
         (lambda: PrescribedDisplacement("left"), "without x and y"),
-        (lambda: PrescribedDisplacement("left", x=math.nan), "a finite number"),
         (lambda: PrescribedDisplacement((0.0,), x=0.0), r"a point \(x, y\)"),
-        (lambda: PrescribedDisplacement("left", x=0.0, angle=math.inf), "finite angle"),
         (lambda: Spring("left"), "one of them positive"),
-        (lambda: Spring("left", x=-1.0), "numbers >= 0"),
         (lambda: RigidHandle("top", y=0.1, force=(0.0, 1.0)), "force y"),
-        (lambda: RigidHandle("top", rotation=0.0, moment=2.0), "moment"),
-        (lambda: problem(thickness=0.0), "thickness"),
         (lambda: problem(material={"steel": MATERIAL}), "steel"),
         (lambda: problem(material={"a": MATERIAL, "b": MATERIAL}, mesh=OVERLAPPING), "in 2 of the given cell sets"),
-        (lambda: problem(material={"a": MATERIAL}, mesh=OVERLAPPING), "in 0 of the given cell sets"),
         (lambda: problem(material={"a": MATERIAL, "b": FLAT}, mesh=TWO), "plane_strain and plane_stress"),
         (lambda: problem(material=AXI, thickness=2.0), "summed around the axis"),
         (lambda: problem(material=AXI, mesh=rectangle_grid(2.0, 1.0, 2, 2, origin=(-1.0, 0.0))), "radii x >= 0"),
-        (lambda: problem(loads=[(1.0, 0.0)]), "flangeway.problems.loads"),
         (lambda: problem(supports=["left"]), "RigidHandle"),
     ],
 )
@@ -168,19 +152,10 @@ def test_wrong_items_are_refused(wrong, words: str) -> None:
         (lambda: problem([RigidHandle("top", x=0.2), X, Y]), "contradict.*handle `top`"),
         (lambda: problem([X, Y], [Traction("right", lambda p: p[:, 0])]), "gives shape"),
         (lambda: problem([X, Y], [Pressure("right", lambda p: p[:, 0] * np.nan)]), "not finite at"),
-        (lambda: problem([PrescribedDisplacement("left", x=lambda p: p), Y]), "gives shape"),
         (lambda: problem([RigidHandle("top", x=0.1)], material=AXI), "motion along the axis"),
         (
             lambda: Elasticity(
                 Space(rectangle_grid(1.0, 1.0, 4, 4, cells="quadrilaterals"), Virtual(1, NoStabilisation())),
-                MATERIAL,
-                supports=[X, Y],
-            ),
-            "stabilisation",
-        ),
-        (
-            lambda: Elasticity(
-                Space(rectangle_grid(1.0, 1.0, 4, 4, cells="quadrilaterals"), Virtual(4, NoStabilisation())),
                 MATERIAL,
                 supports=[X, Y],
             ),

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from flangeway.contact import solve_contact
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
 from flangeway.problems import Body
-from flangeway.solve import CondensedBodies, SparseBodies, SurfaceNodes, solve_contact
+from flangeway.solve import CondensedBodies, SparseBodies, SurfaceNodes
 
 MATERIAL = Elastic(20e3, 1.0 / 3.0)
 WIDTH, HEIGHT, PRESSURE = 2.0, 1.0, 1125.0

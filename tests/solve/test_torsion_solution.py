@@ -103,16 +103,6 @@ def test_stiff_stabilisation_brackets_on_dual_polygons(order):
     assert lower < Rectangle(1.0, 1.0).torsion_constant < upper
 
 
-def test_both_gradients_agree_in_the_limit_and_differ_on_polygons():
-    """The L2 projection of the gradient changes order 2 on polygons slightly, and order 1 not at all."""
-    energy, l2 = (constants(dual(SQUARE_MESH), Virtual(2), gradient=g) for g in ("energy", "l2"))
-    assert energy[0] != pytest.approx(l2[0], rel=1e-7)
-    assert energy[0] == pytest.approx(l2[0], rel=1e-4)
-    assert constants(SQUARE_MESH, Virtual(1), gradient="energy") == pytest.approx(
-        constants(SQUARE_MESH, Virtual(1), gradient="l2"), rel=1e-12
-    )
-
-
 @pytest.mark.parametrize("element", [Lagrange(2), Virtual(2)], ids=["Lagrange", "virtual"])
 def test_hollow_circle(element):
     """A hollow circle: both formulations within 0.1 % of the closed form, the hole's value (R^2 - r^2) / 2."""
@@ -248,7 +238,6 @@ def test_separate_parts_twist_about_their_own_centres():
         ({"shear_modulus": {"nowhere": 1.0}}, "nowhere"),
         ({"formulation": "stress"}, "warping or prandtl"),
         ({"load": "vertex_mean"}, "order 1"),
-        ({"gradient": "exact"}, "energy or l2"),
     ],
 )
 def test_wrong_problems_are_refused(options, message):

@@ -8,7 +8,6 @@ import sys
 import numpy as np
 import pytest
 
-from flangeway import cli
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import FlangewayError, InputError, OutOfMemoryError
 from flangeway.geometry import square
@@ -206,15 +205,6 @@ def test_the_option_limits_a_run(call, tmp_path, place):
     assert out == ""
     assert list(tmp_path.iterdir()) == []
     assert LIMIT not in os.environ
-
-
-@pytest.mark.parametrize("given", ["0", "-1", "nan", "much"])
-def test_an_option_that_is_no_number_is_refused(call, given):
-    """--memory takes a positive number of gigabytes: otherwise status 2."""
-    status, _, err = call("cases", "--memory", given)
-    assert status == cli.common.WRONG_INPUT
-    assert "--memory" in err
-    assert "what to do" in err
 
 
 def test_a_run_tells_its_peak(call, tmp_path):

@@ -67,16 +67,6 @@ def test_no_other_module_names_what_a_system_lacks():
             assert not (isinstance(node, ast.Attribute) and node.attr in ATTRIBUTES), f"{path}:{node.lineno}"
 
 
-def test_a_second_lock_of_a_file_is_refused_until_the_first_is_closed(tmp_path):
-    """Two opened files of one name cannot both be locked; what was closed no longer locks."""
-    with (tmp_path / "x").open("ab") as first, (tmp_path / "x").open("ab") as second:
-        system.lock_file(first)
-        with pytest.raises((BlockingIOError, PermissionError)):
-            system.lock_file(second)
-        first.close()
-        system.lock_file(second)
-
-
 def test_windows_locks_the_first_byte(windows, tmp_path):
     """Without fcntl the lock is one of msvcrt, on the same byte whatever the file holds."""
     with (tmp_path / "x").open("ab") as first, (tmp_path / "x").open("ab") as second:

@@ -189,7 +189,7 @@ class CampaignTables(Table):
     @classmethod
     def called(cls) -> str:
         """See `Table.called`."""
-        return "a campaign, whose own inputs belong under [inputs] or [vary]"
+        return "a campaign; those of its case belong under [inputs] or [vary]"
 
 
 class _CampaignText(TomlFile):

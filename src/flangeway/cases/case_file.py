@@ -245,8 +245,9 @@ def resolved(file: TomlFile, values: Mapping[str, Any], folder: Path, above: Key
         if is_file(folder / name):
             return str(folder / name)
         if Path(name).suffix.lower() in FILE_ENDINGS or "/" in name:
+            parts = [part for item in key for part in (item.split(".") if isinstance(item, str) else (item,))]
             raise InputError(
-                f"{file.place((*above, *last.split('.')))}{key_text(key)} = {short(name)}: there is no such file",
+                f"{file.place((*above, *parts))}{key_text(key)} = {short(name)}: there is no such file",
                 f"a file, its path relative to the case file's folder {folder.resolve()}",
                 "correct the path, or copy the file there",
             )

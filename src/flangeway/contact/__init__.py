@@ -1,8 +1,10 @@
-"""Contact surfaces, search, pairing, gap kinematics and enforcement."""
+"""Contact surfaces, search, pairing, gap kinematics, enforcement, and Newton's method for them."""
 
 from flangeway.contact.contact_pair import Contact
 from flangeway.contact.enforcement import AugmentedLagrange, Barrier, Enforcement, Multiplier, Penalty
 from flangeway.contact.kinematics import NodeEdgeGaps, node_edge_gaps, shape_functions
+from flangeway.contact.linearisation import ContactLinearisation
+from flangeway.contact.newton import ContactState, solve_contact
 from flangeway.contact.node_to_node import NodeToNode
 from flangeway.contact.node_to_segment import NodeToSegment
 from flangeway.contact.pairs import Pairing, Pairs
@@ -10,7 +12,7 @@ from flangeway.contact.press import ContactSolution, LoadStep, press
 from flangeway.contact.search import nearest_edges
 from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
-from flangeway.contact.system import ContactLinearisation, ContactSystem
+from flangeway.contact.system import ContactSystem
 
 __all__ = [
     "AugmentedLagrange",
@@ -18,6 +20,7 @@ __all__ = [
     "Contact",
     "ContactLinearisation",
     "ContactSolution",
+    "ContactState",
     "ContactSystem",
     "Enforcement",
     "LoadStep",
@@ -34,4 +37,5 @@ __all__ = [
     "node_edge_gaps",
     "press",
     "shape_functions",
+    "solve_contact",
 ]

@@ -11,6 +11,7 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
+from flangeway.problems import Part
 from flangeway.types import Floats
 
 PAIRINGS = "NodeToSegment(...), SegmentToSegment(...) or NodeToNode()"
@@ -70,7 +71,7 @@ class Contact:
                 "one thickness for both",
                 "give both bodies the length over which they touch",
             )
-        bodies = [side.part.body for side in (self.secondary, self.primary)]
+        bodies = [part.body for part in self.parts]
         hypotheses = [each.hypothesis or "a plane of unknown strain" for each in bodies]
         known = {each.hypothesis for each in bodies if each.hypothesis is not None}
         if len(known) > 1 or bodies[0].axisymmetric != bodies[1].axisymmetric:
@@ -90,6 +91,16 @@ class Contact:
         self.enforcement.check(self.pairing, self.suggested_penalty, mean_area, self._names)
 
     @property
+    def sides(self) -> tuple[Surface, Surface]:
+        """Secondary and primary surface."""
+        return self.secondary, self.primary
+
+    @property
+    def parts(self) -> tuple[Part, Part]:
+        """Parts of the secondary and of the primary surface."""
+        return self.secondary.part, self.primary.part
+
+    @property
     def node_areas(self) -> Floats:
         """Areas of the secondary nodes, length times thickness, if the primary faces them all: shape (n_nodes,)."""
         return self.pairing.node_areas(self.secondary)
@@ -97,7 +108,7 @@ class Contact:
     @property
     def suggested_penalty(self) -> float:
         """Ten times the larger stiffness over the mean length of the secondary edges, a pressure per length."""
-        stiffest = max(surface.part.body.modulus for surface in (self.secondary, self.primary))
+        stiffest = max(part.body.modulus for part in self.parts)
         return 10.0 * stiffest / float(np.mean(self.secondary.edge_lengths))
 
     @property

@@ -193,8 +193,7 @@ def _distances(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
     own, other = edge_series(secondary), edge_series(primary)
     at, tangent = horner(own, xi), horner(derivative(own), xi)
     apart = horner(other, ray_parameters(other, at, tangent)) - at
-    distance: Floats = -(np.conj(tangent) * apart).imag / np.abs(tangent)
-    return distance
+    return -(np.conj(tangent) * apart).imag / np.abs(tangent)
 
 
 class _Arrays:
@@ -354,7 +353,7 @@ class PiecePoints(_Arrays):
     def directions(self) -> Complex:
         """Derivatives of the rate of slip by the nodes' velocities at fixed points of the secondary, (p, q, d)."""
         turned = (self.gap / self.m * self.n)[..., None] * self.slopes
-        return np.asarray(self.apart * self.t[..., None] + turned)
+        return self.apart * self.t[..., None] + turned
 
     def turns(self, factors: Floats) -> Floats:
         """Derivatives of the sums of factors (p, 2) times the two unit tangential forces, shape (p, 2 d, 2 d)."""
@@ -374,7 +373,7 @@ class PiecePoints(_Arrays):
         widening = (self.end.rate - self.start.rate)[:, None]
         right = self.moved, self.turn, self.rate, stretch, self.slide, widening
         one, other = (_components(np.concatenate(each, axis=1)) for each in (left, right))
-        return np.asarray(one.swapaxes(1, 2) @ other)
+        return one.swapaxes(1, 2) @ other
 
     def _integrals(self, points: Floats, rates: Complex) -> tuple[Floats, Floats]:
         """Integrals with the hats of values at the points (p, q), and their derivatives, by the values' rates."""
@@ -424,8 +423,7 @@ class PiecePoints(_Arrays):
             left += [end.rate[:, None], end_turn]
             right += [through[:, None] + factor[:, None, None] * first, factor[:, None, None] * second]
         product = _components(np.concatenate(left, axis=1)).swapaxes(1, 2) @ _components(np.concatenate(right, axis=1))
-        result: Floats = (product + product.swapaxes(1, 2)) / 2.0
-        return result
+        return (product + product.swapaxes(1, 2)) / 2.0
 
 
 def _dot(one: Complex, other: Complex) -> Floats:

@@ -64,8 +64,7 @@ def shape_functions(order: int, xi: Floats, highest: int = 2) -> tuple[Floats, .
 
 def as_complex(vectors: Floats) -> Complex:
     """Vectors (..., 2) as complex numbers, shape (...)."""
-    numbers: Complex = np.ascontiguousarray(vectors).view(np.complex128)[..., 0]
-    return numbers
+    return np.ascontiguousarray(vectors).view(np.complex128)[..., 0]
 
 
 def as_vectors(numbers: Complex) -> Floats:
@@ -82,7 +81,7 @@ def edge_series(edges: Floats) -> Complex:
 def derivative(series: NDArray[Number]) -> NDArray[Number]:
     """Coefficients of the derivative by the parameter of power series (n_powers, ...), one power less."""
     powers = np.arange(1.0, len(series)).reshape(-1, *[1] * (series.ndim - 1))
-    return np.asarray(powers * series[1:], dtype=series.dtype)
+    return powers * series[1:]
 
 
 def horner(series: NDArray[Number], xi: Floats) -> NDArray[Number]:
@@ -92,7 +91,7 @@ def horner(series: NDArray[Number], xi: Floats) -> NDArray[Number]:
     value = series[-1] + 0.0 * xi
     for coefficient in series[-2::-1]:
         value = value * xi + coefficient
-    return np.asarray(value)
+    return value
 
 
 @dataclass(frozen=True, eq=False)

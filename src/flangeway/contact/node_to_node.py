@@ -202,4 +202,4 @@ def _normals(points: Floats, surface: Surface) -> Floats:
     normals = np.zeros_like(points)
     for ends in pairs:
         np.add.at(normals, ends, np.column_stack((chords[:, 1], -chords[:, 0])) / (chords**2).sum(axis=1)[:, None])
-    return np.asarray(normals / np.hypot(*normals.T)[:, None])
+    return normals / np.hypot(*normals.T)[:, None]

@@ -9,11 +9,12 @@ import numpy as np
 import shapely
 
 from flangeway.contact.kinematics import shape_functions
+from flangeway.contact.newton import ContactState
 from flangeway.contact.surface import CORNER, sagittas_of
-from flangeway.contact.system import MAX_OVERLAP, ROUND_OFF, ContactLinearisation, ContactSystem
+from flangeway.contact.system import MAX_OVERLAP, ROUND_OFF, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.problems import Part
-from flangeway.solve import BodyResponse, ContactState
+from flangeway.solve import BodyResponse
 from flangeway.types import Floats, Ints
 
 SAMPLES = np.linspace(0.0, 1.0, 6)[:, None]
@@ -148,8 +149,7 @@ def _rings_of(polygon: shapely.Geometry) -> Sequence[shapely.Geometry]:
 
 def _samples(ring: shapely.Geometry) -> Floats:
     at = shapely.get_coordinates(ring)
-    points: Floats = (at[:-1, None] + SAMPLES[:-1] * np.diff(at, axis=0)[:, None]).reshape(-1, 2)
-    return points
+    return (at[:-1, None] + SAMPLES[:-1] * np.diff(at, axis=0)[:, None]).reshape(-1, 2)
 
 
 def _deepest(points: Floats, depths: Floats, allowed: Floats) -> Intrusion:
@@ -208,7 +208,7 @@ def deformed_boundaries(
         points = part.body.nodes
         at = state.placements[number].points(points + field[: len(points)])
         at[system.surface_nodes[number].nodes] = state.positions[first:last]
-        surfaces = (side for each in system.contacts for side in (each.secondary, each.primary) if side.part is part)
+        surfaces = (side for each in system.contacts for side in each.sides if side.part is part)
         boundaries.append(Boundary.of_part(part, at, max(surface.chord_turn for surface in surfaces)))
     return boundaries
 
@@ -234,9 +234,6 @@ def body_overlaps(
         A boundary that is not closed has no inside: such bodies are left out.
 
     """
-    lin = state.linearisation
-    if not isinstance(lin, ContactLinearisation):
-        raise TypeError("a state of another system of constraints")
     if fields is None:
         fields = response.fields(response.rotations(state.placements), state.nodal_forces)
     boundaries = deformed_boundaries(system, response, state, fields)
@@ -252,22 +249,21 @@ def body_overlaps(
             deepest = first_side.overlap(other_side)
         if deepest is not None:
             size = min(one.body.size, other.body.size)
-            allowed = deepest.allowed + _between(system, lin, state.forces, one, other)
+            allowed = deepest.allowed + _between(system, state, one, other)
             allowed += MAX_OVERLAP * moved + ROUND_OFF * size
             found.append(BodyOverlap((one.name, other.name), deepest.depth, deepest.position, allowed))
     return tuple(found)
 
 
-def _between(system: ContactSystem, lin: ContactLinearisation, forces: Floats, one: Part, other: Part) -> float:
+def _between(system: ContactSystem, state: ContactState, one: Part, other: Part) -> float:
     """Maximum penetration that the laws of contacts between two parts explain."""
-    return max(
-        (
-            system.explained(lin, forces, number, 0.0)
-            for number, contact in enumerate(system.contacts)
-            if {id(contact.secondary.part), id(contact.primary.part)} == {id(one), id(other)}
-        ),
-        default=0.0,
+    both = {one, other}
+    laws = (
+        system.explained(each, 0.0)
+        for each in system.solved(state.linearisation, state.forces)
+        if set(each.contact.parts) == both
     )
+    return max(laws, default=0.0)
 
 
 def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]:
@@ -285,13 +281,14 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
 
     """
     errors = []
-    for one, other in dict.fromkeys((each.secondary.part, each.primary.part) for each in system.contacts):
+    for one, other in dict.fromkeys(each.parts for each in system.contacts):
         numbers = system.parts.index(one), system.parts.index(other)
         apart = [(one.placement, other.placement)]
         ways = []
         for state in states:
             stop = state.placements[numbers[0]], state.placements[numbers[1]]
-            if _press(system, state, one, other):
+            solved = system.solved(state.linearisation, state.forces)
+            if any(each.forces.any() for each in solved if set(each.contact.parts) == {one, other}):
                 apart = []
                 continue
             ways += [[*apart[-1:], stop]]
@@ -303,16 +300,6 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
                 "less, or in smaller steps"
             )
     return errors
-
-
-def _press(system: ContactSystem, state: ContactState, one: Part, other: Part) -> bool:
-    lin = state.linearisation
-    assert isinstance(lin, ContactLinearisation)
-    return any(
-        state.forces[lin.starts[number] : lin.starts[number + 1]].any()
-        for number, each in enumerate(system.contacts)
-        if {each.secondary.part, each.primary.part} == {one, other}
-    )
 
 
 def passes_through(one: Part, other: Part, way: Sequence[tuple[Placement, Placement]], apart: float) -> bool:

@@ -10,9 +10,10 @@ import numpy as np
 
 from flangeway.checks import are_finite, refused
 from flangeway.contact.contact_pair import Contact
+from flangeway.contact.newton import ContactState, solve_contact
 from flangeway.contact.overlap import BodyOverlap, body_overlaps, passages
 from flangeway.contact.solution_checks import check_solution
-from flangeway.contact.system import ContactLinearisation, ContactSystem
+from flangeway.contact.system import ContactSystem
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.problems import ElasticField, Part
@@ -20,7 +21,6 @@ from flangeway.results import Result, ResultTable
 from flangeway.solve import (
     BodyResponse,
     CondensedBodies,
-    ContactState,
     Handle,
     NewtonSettings,
     SparseBodies,
@@ -28,7 +28,6 @@ from flangeway.solve import (
     StepSettings,
     condensed_bytes,
     follow,
-    solve_contact,
 )
 from flangeway.solve.body_loads import BodyLoad, loads_on
 from flangeway.types import Floats
@@ -142,13 +141,14 @@ class ContactSolution(Result):
         Of bodies of revolution y is the force along the axis; x and the moment are sums of what acts radially.
         """
         lin = self.state.linearisation
-        assert isinstance(lin, ContactLinearisation)
         result = np.zeros((len(self.system.contacts), 2, 3))
         positions = lin.points(self.state.positions)
-        for number, (pairs, terms) in enumerate(zip(lin.pairs, lin.term_points, strict=True)):
-            mine, points = slice(*lin.starts[number : number + 2]), positions[terms]
-            at_terms = np.einsum("pr,prwi->pwi", self.state.forces[mine][pairs.rows], pairs.gradients)
-            if (friction := self.state.friction) is not None and lin.coefficients[mine].any():
+        for number, (contact, pairs, mine, forces) in enumerate(
+            self.system.solved(self.state.linearisation, self.state.forces)
+        ):
+            points = positions[lin.term_points[number]]
+            at_terms = np.einsum("pr,prwi->pwi", forces[pairs.rows], pairs.gradients)
+            if (friction := self.state.friction) is not None and contact.friction_coefficient:
                 directions = pairs.slides(points, points).directions
                 at_terms += np.einsum("pr,prwi->pwi", friction.forces[mine][pairs.rows], directions)
             moments = points[..., 0] * at_terms[..., 1] - points[..., 1] * at_terms[..., 0]
@@ -164,15 +164,12 @@ class ContactSolution(Result):
         Tangential forces are those on the secondary, tractions the same over the area, and slips those of the
         secondary, positive along the primary's edges, whose body is on their left.
         """
-        lin, friction = self.state.linearisation, self.state.friction
-        assert isinstance(lin, ContactLinearisation)
+        friction, solved = self.state.friction, self.system.solved(self.state.linearisation, self.state.forces)
         closed = self.state.forces > 0.0
-        numbers = np.repeat(np.arange(len(lin.pairs)), np.diff(lin.starts))
-        points = np.zeros((len(closed), 2))
-        for number, (contact, pairs) in enumerate(zip(self.system.contacts, lin.pairs, strict=True)):
-            places = self.system.nodes_of(contact.secondary)[pairs.nodes]
-            points[lin.starts[number] : lin.starts[number + 1]] = self.state.positions[places]
-        areas = np.concatenate([pairs.areas for pairs in lin.pairs])
+        numbers = np.repeat(np.arange(len(solved)), [len(each.forces) for each in solved])
+        places = [self.system.nodes_of(each.contact.secondary)[each.pairs.nodes] for each in solved]
+        points = self.state.positions[np.concatenate(places)]
+        areas = np.concatenate([each.pairs.areas for each in solved])
         nothing = np.zeros(len(closed))
         tangential, slips = (nothing, nothing) if friction is None else (friction.forces, friction.slips)
         sticks = nothing > 0.0 if friction is None else friction.sticks
@@ -193,11 +190,11 @@ class ContactSolution(Result):
         """Work that friction dissipated in each contact in all steps, >= 0, shape (n_contacts,)."""
         total = np.zeros(len(self.system.contacts))
         for step in self.steps:
-            lin, friction = step.state.linearisation, step.state.friction
-            assert isinstance(lin, ContactLinearisation)
-            if friction is not None:
-                at = np.repeat(np.arange(len(total)), np.diff(lin.starts))
-                total += np.bincount(at, friction.works, len(total))
+            if (friction := step.state.friction) is not None:
+                total += [
+                    friction.works[each.inside].sum()
+                    for each in self.system.solved(step.state.linearisation, step.state.forces)
+                ]
         return total
 
     def nodal_forces(self, part: Part) -> Floats:

@@ -47,8 +47,7 @@ def _boxes(edges: Floats, reach: float | Floats) -> NDArray[np.object_]:
         (edges.min(axis=1) - np.transpose([reach])).T,
         (edges.max(axis=1) + np.transpose([reach])).T,
     )
-    boxes: NDArray[np.object_] = shapely.box(x_min, y_min, x_max, y_max)
-    return boxes
+    return shapely.box(x_min, y_min, x_max, y_max)
 
 
 def behind(points: Floats, edges: Floats) -> NDArray[np.bool_]:
@@ -118,8 +117,7 @@ def _may_face(directions: Floats, normals: Floats) -> NDArray[np.bool_]:
     against = np.arctan2(-directions[:, 1], -directions[:, 0])
     place = np.searchsorted(angles, against)
     nearest = np.stack((angles[place - 1], angles[place % len(angles)]))
-    may: NDArray[np.bool_] = (np.cos(nearest - against) > -1e-9).any(axis=0)
-    return may
+    return (np.cos(nearest - against) > -1e-9).any(axis=0)
 
 
 def leads_out(

@@ -88,8 +88,7 @@ class SegmentPairs(Pairs):
         total, covered = np.zeros((len(self.keys), 2)), np.zeros(len(self.keys))
         np.add.at(total, self.rows, moments)
         np.add.at(covered, self.rows, self.integrals.lengths)
-        points: Floats = total / covered[:, None]
-        return points
+        return total / covered[:, None]
 
 
 @dataclass(frozen=True)

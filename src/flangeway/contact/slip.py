@@ -77,10 +77,10 @@ def node_edge_slides(
     slopes, bends = (np.concatenate((zeros, each), axis=1) for each in values[1:3])
 
     def along(shapes: Floats, direction: Floats) -> Floats:
-        return np.asarray((shapes[:, :, None] * direction[:, None, :]).reshape(len(shapes), 2 * shapes.shape[1]))
+        return (shapes[:, :, None] * direction[:, None, :]).reshape(len(shapes), 2 * shapes.shape[1])
 
     def outer(one: Floats, other: Floats) -> Floats:
-        return np.asarray(one[:, :, None] * other[:, None, :])
+        return one[:, :, None] * other[:, None, :]
 
     apart_t, apart_n = along(apart, tangent), along(apart, normal)
     slope_t, slope_n, across = along(slopes, tangent), along(slopes, normal), along(bends, normal)

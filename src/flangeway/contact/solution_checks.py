@@ -5,13 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from flangeway.contact.guards import GuardedPairs
+from flangeway.contact.newton import ContactState
 from flangeway.contact.node_to_node import MatchedPairs
 from flangeway.contact.overlap import BodyOverlap
-from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ContactLinearisation, ContactSystem
+from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product, point_text
 from flangeway.problems import Body, Part
-from flangeway.solve import BodyResponse, Checks, ContactState, Handle
+from flangeway.solve import BodyResponse, Checks, Handle
 from flangeway.types import Floats
 
 MAX_RESIDUAL = 1e-6
@@ -102,13 +103,12 @@ def check_solution(
 
 def _slide(system: ContactSystem, state: ContactState, errors: list[str]) -> tuple[float, float]:
     """Maximum tangential distance of node-to-node pairs under force over the mean edge, and the moment by all."""
-    lin, worst, moment = state.linearisation, 0.0, 0.0
-    assert isinstance(lin, ContactLinearisation)
-    for number, (contact, pairs) in enumerate(zip(system.contacts, lin.pairs, strict=True)):
+    worst, moment = 0.0, 0.0
+    for contact, pairs, _, all_forces in system.solved(state.linearisation, state.forces):
         base = pairs.parts[0] if isinstance(pairs, GuardedPairs) else pairs
         if not isinstance(base, MatchedPairs):
             continue
-        forces = state.forces[lin.starts[number] :][: len(base.keys)]
+        forces = all_forces[: len(base.keys)]
         if not (loaded := forces > 0.0).any():
             continue
         moment += float(forces @ base.shifts)

@@ -265,8 +265,7 @@ class Surface:
     def edge_lengths(self) -> Floats:
         """Undeformed lengths of the edges, shape (n_edges,)."""
         points = self.part.body.nodes
-        lengths: Floats = np.linalg.norm(points[self.edge_nodes[:, -1]] - points[self.edge_nodes[:, 0]], axis=1)
-        return lengths
+        return np.linalg.norm(points[self.edge_nodes[:, -1]] - points[self.edge_nodes[:, 0]], axis=1)
 
     @cached_property
     def hats(self) -> Hats:
@@ -298,8 +297,7 @@ class Surface:
     def _radii_at(self, parameters: Floats) -> Floats:
         """Radius at q parameters of each edge, linear along it, 1 in the plane, shape (n_edges, q)."""
         radii = np.ones((len(self.edge_nodes), 2)) if self.radii is None else self.radii
-        found: Floats = radii[:, :1] + (radii[:, 1:] - radii[:, :1]) * parameters
-        return found
+        return radii[:, :1] + (radii[:, 1:] - radii[:, :1]) * parameters
 
     @property
     def chord_turn(self) -> float:
@@ -324,8 +322,7 @@ class Surface:
         places, weights = gauss_lobatto(self.edge_nodes.shape[1])
         middles = np.cumsum(weights) - weights / 2.0
         radii = self._radii_at(np.array([1.0, 2.0]) / 3.0 if len(weights) == 2 else places)
-        shares: Floats = self.edge_lengths[:, None] * weights * np.where(radii > 0.0, radii, self._radii_at(middles))
-        return shares
+        return self.edge_lengths[:, None] * weights * np.where(radii > 0.0, radii, self._radii_at(middles))
 
     @cached_property
     def tributary_areas(self) -> Floats:
@@ -406,8 +403,7 @@ def turns_of(edges: Floats, following: Ints) -> Floats:
     chords = edges[:, 1] - edges[:, 0]
     after = chords[following]
     cross = chords[:, 0] * after[:, 1] - chords[:, 1] * after[:, 0]
-    turns: Floats = np.arctan2(cross, (chords * after).sum(axis=1))
-    return turns
+    return np.arctan2(cross, (chords * after).sum(axis=1))
 
 
 def node_normals(positions: Floats, edge_places: Ints, *, bisecting: bool = False) -> Floats:

@@ -1,22 +1,20 @@
 """The system of all contacts among some parts, as the solver uses it."""
 
 import itertools
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
 from flangeway.contact.contact_pair import Contact
 from flangeway.contact.guards import corners_on_corners, corners_under_force, guarded, key_starts, penetrating
+from flangeway.contact.linearisation import ContactLinearisation, components_of, jacobian_of
 from flangeway.contact.pairs import Pairs
-from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError
 from flangeway.problems import Part
-from flangeway.solve import Linearisation, SurfaceNodes
-from flangeway.solve.linearisation import Sliding
+from flangeway.solve import SurfaceNodes
 from flangeway.types import Bools, Floats, Ints
 
 BETWEEN_NODES = 1e-3
@@ -34,86 +32,13 @@ ROUND_OFF = 1e-9
 """Of a depth, over the size of the smaller body."""
 
 
-@dataclass(frozen=True, eq=False)
-class ContactLinearisation:
-    """Gaps of all contacts about some positions; see `flangeway.solve.Linearisation`.
+class SolvedContact(NamedTuple):
+    """A contact in a solution: its constraints, where they are among those of all contacts, and their forces."""
 
-    Parameters
-    ----------
-    pairs
-        The pairs of each contact.
-    starts
-        First constraint of each contact, and the number of all.
-    nodes, keys, partners, gaps, jacobian, compliances, barriers, tolerances, coefficients
-        See `flangeway.solve.Linearisation`.
-    term_points
-        Numbers among the touched points of those of each contact's terms, arrays (p, w).
-    spread
-        Positions of the touched points by those of ``nodes``, components after each other; None: they are the nodes.
-    guarded_nodes
-        Which nodes of each contact's secondary and primary surface are guarded, see `flangeway.contact.guards`.
-
-    """
-
-    pairs: tuple[Pairs, ...]
-    starts: Ints
-    nodes: Ints
-    keys: Ints
-    partners: Ints
-    gaps: Floats
-    jacobian: sp.csr_array
-    compliances: Floats
-    barriers: Floats
-    tolerances: Floats
-    coefficients: Floats
-    term_points: tuple[Ints, ...]
-    guarded_nodes: tuple[tuple[Bools, Bools], ...]
-    spread: sp.csr_array | None = None
-
-    def curvature(self, forces: Floats) -> sp.csr_array:
-        """Sum of ``force * second derivative of the gap`` over the constraints."""
-        return self._second([pairs.curvatures for pairs in self.pairs], forces)
-
-    def slides(self, positions: Floats, before: Floats) -> Sliding:
-        """Slips since earlier positions (n_nodes, 2) of the surface nodes, which are at others now."""
-        now, was = self.points(positions), self.points(before)
-        found = []
-        for number, (pairs, terms) in enumerate(zip(self.pairs, self.term_points, strict=True)):
-            if self.coefficients[self.starts[number] : self.starts[number + 1]].any():
-                found.append(pairs.slides(now[terms], was[terms]))
-            else:
-                found.append(_no_slides(pairs))
-        sizes = 2 * len(now), self.spread
-        jacobian, directions = (
-            _jacobian(self.starts, self.pairs, self.term_points, each, *sizes)
-            for each in ([slides.rates for slides in found], [slides.directions for slides in found])
-        )
-        slips = np.concatenate([slides.slips for slides in found])
-        return Sliding(slips, jacobian, directions, partial(self._second, [slides.turns for slides in found]))
-
-    def _second(self, seconds: Sequence[Callable[[Floats], tuple[Ints, Floats]]], forces: Floats) -> sp.csr_array:
-        """Sum of ``force * second derivative`` by a function of each contact, which has those of its terms."""
-        rows, columns, values = [], [], []
-        for number, second in enumerate(seconds):
-            mine = forces[self.starts[number] : self.starts[number + 1]]
-            if not mine.any():
-                continue
-            loaded, found = second(mine)
-            dofs = _components(self.term_points[number][loaded]).reshape(len(loaded), -1)
-            rows.append(np.broadcast_to(dofs[:, :, None], found.shape).ravel())
-            columns.append(np.broadcast_to(dofs[:, None, :], found.shape).ravel())
-            values.append(found.ravel())
-        if not values:
-            return sp.csr_array((2 * len(self.nodes), 2 * len(self.nodes)))
-        n = 2 * len(self.nodes) if self.spread is None else self.spread.shape[0]
-        entries = np.concatenate(rows), np.concatenate(columns)
-        found = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=(n, n)))
-        return found if self.spread is None else sp.csr_array(self.spread.T @ found @ self.spread)
-
-    def points(self, positions: Floats) -> Floats:
-        """Positions of the touched points by those of all surface nodes (n_nodes, 2), shape (n, 2)."""
-        touched = positions[self.nodes]
-        return touched if self.spread is None else (self.spread @ touched.ravel()).reshape(-1, 2)
+    contact: Contact
+    pairs: Pairs
+    inside: slice
+    forces: Floats
 
 
 class ContactSystem:
@@ -140,14 +65,14 @@ class ContactSystem:
         parts: dict[int, Part] = {}
         surfaces: dict[int, list[Surface]] = {}
         for contact in self.contacts:
-            for surface in (contact.secondary, contact.primary):
+            for surface in contact.sides:
                 parts.setdefault(id(surface.part), surface.part)
                 surfaces.setdefault(id(surface.part), []).append(surface)
         self.parts = tuple(parts.values())
         self.surface_nodes = tuple(_union(surfaces[id(part)]) for part in self.parts)
         counts = [len(surface.nodes) for surface in self.surface_nodes]
         self._first_node = np.concatenate(([0], np.cumsum(counts)))
-        sides = [(contact.secondary, contact.primary) for contact in self.contacts]
+        sides = [contact.sides for contact in self.contacts]
         self._first_key = np.concatenate(([0], np.cumsum([key_starts(*both)[-1] for both in sides])))
         # edges of the primary side, then those of the secondary one
         self._first_edge = np.concatenate(([0], np.cumsum([sum(len(each.edges) for each in both) for both in sides])))
@@ -158,6 +83,12 @@ class ContactSystem:
         """Mean length of the edges of a primary surface, that of the contact where it is least."""
         return min(float(contact.primary.edge_lengths.mean()) for contact in self.contacts)
 
+    def solved(self, lin: ContactLinearisation, all_forces: Floats) -> list[SolvedContact]:
+        """The contacts with their parts of a linearisation and of the forces of its constraints."""
+        insides = (slice(*ends) for ends in itertools.pairwise(lin.starts.tolist()))
+        given = zip(self.contacts, lin.pairs, insides, strict=True)
+        return [SolvedContact(contact, pairs, inside, all_forces[inside]) for contact, pairs, inside in given]
+
     def nodes_of(self, surface: Surface) -> Ints:
         """Numbers of a surface's nodes among the surface nodes of all parts, along the surface."""
         number = self.parts.index(surface.part)
@@ -165,33 +96,39 @@ class ContactSystem:
         return (self._first_node[number] + within).astype(np.int64)
 
     def linearise(
-        self, positions: Floats, previous: Linearisation | None, *, settle: bool = False
+        self, positions: Floats, previous: ContactLinearisation | None, *, settle: bool = False
     ) -> ContactLinearisation:
-        """Pair all surfaces at positions (n_nodes, 2) of the surface nodes; see `flangeway.solve.Constraints`."""
-        guarded_nodes = [self._guarded_nodes(number, previous) for number in range(len(self.contacts))]
-        return self._with(guarded_nodes, positions, previous, settle=settle)
+        """Linearise about positions (n_nodes, 2) of the surface nodes; pairs of ``previous`` stay where they can.
 
-    def unguarded(self, positions: Floats, lin: Linearisation, forces: Floats) -> ContactLinearisation:
-        """Linearise without guarded nodes; see `flangeway.solve.Constraints.unguarded`."""
-        assert isinstance(lin, ContactLinearisation)
+        To ``settle`` is to keep them by a wider margin, for an iteration that goes round in circles.
+        """
+        none = [
+            (np.zeros(len(each.secondary.nodes), dtype=np.bool_), np.zeros(len(each.primary.nodes), dtype=np.bool_))
+            for each in self.contacts
+        ]
+        return self._with(none if previous is None else previous.guarded_nodes, positions, previous, settle=settle)
+
+    def unguarded(self, positions: Floats, lin: ContactLinearisation, forces: Floats) -> ContactLinearisation:
+        """Linearise about the positions of ``lin`` without guarded nodes; itself if it has none.
+
+        Those of sharp corners under force stay: no other constraint has what such a corner presses on.
+        """
         if not any(each.any() for sides in lin.guarded_nodes for each in sides):
             return lin
-        kept = []
-        for contact, pairs, first in zip(self.contacts, lin.pairs, lin.starts, strict=False):
-            sides = contact.secondary, contact.primary
-            kept.append(corners_under_force(pairs, sides, forces[first : first + len(pairs.keys)]))
+        kept = [corners_under_force(pairs, contact.sides, own) for contact, pairs, _, own in self.solved(lin, forces)]
         return self._with(kept, positions, lin, settle=False)
 
     def guarded(
-        self, positions: Floats, lin: Linearisation, forces: Floats, moved: float
+        self, positions: Floats, lin: ContactLinearisation, forces: Floats, moved: float
     ) -> ContactLinearisation | None:
-        """Linearise with constraints for the nodes that penetrate; see `flangeway.solve.Constraints.guarded`."""
-        assert isinstance(lin, ContactLinearisation)
+        """Linearise with constraints for nodes that penetrate although those of ``lin`` hold; None if there are none.
+
+        ``moved`` is the maximum displacement, to which small depths are compared.
+        """
         guarded_nodes, more = [], False
         points = self._all_points(positions)
-        for number, contact in enumerate(self.contacts):
-            sides = contact.secondary, contact.primary
-            explained = self.explained(lin, forces, number, moved)
+        for number, each in enumerate(self.solved(lin, forces)):
+            sides, explained = each.contact.sides, self.explained(each, moved)
             at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
             found = penetrating(sides, at, lin.guarded_nodes[number], explained, MAX_OVERLAP * moved / 2.0)
             one, other = (before | new for before, new in zip(lin.guarded_nodes[number], found, strict=True))
@@ -201,31 +138,24 @@ class ContactSystem:
 
     def corners_on_corners(self, reference: Floats, number: int) -> Floats:
         """Points (n, 2) at which corners of a contact's surfaces meet, by the undeformed surface nodes (n_nodes, 2)."""
-        contact = self.contacts[number]
-        sides = contact.secondary, contact.primary
+        sides = self.contacts[number].sides
         return corners_on_corners(sides, (reference[self.nodes_of(sides[0])], reference[self.nodes_of(sides[1])]))
 
-    def explained(self, lin: ContactLinearisation, forces: Floats, number: int, moved: float) -> float:
+    @staticmethod
+    def explained(solved: SolvedContact, moved: float) -> float:
         """Maximum penetration that the law of a contact, the elements between nodes and round-off explain."""
-        mine = slice(lin.starts[number], lin.starts[number + 1])
-        law = self.contacts[number].enforcement
-        tolerated = law.tolerance() if np.isfinite(law.tolerance()) else 0.0
-        given = float((lin.compliances[mine] * forces[mine]).max(initial=0.0)) if tolerated == 0.0 else tolerated
-        sizes = [surface.part.body.size for surface in (self.contacts[number].secondary, self.contacts[number].primary)]
-        return (1.0 + ROUND_OFF) * given + BETWEEN_NODES * moved + ROUND_OFF * min(sizes)
-
-    def _guarded_nodes(self, number: int, previous: Linearisation | None) -> tuple[Bools, Bools]:
-        if isinstance(previous, ContactLinearisation):
-            return previous.guarded_nodes[number]
-        contact = self.contacts[number]
-        one, other = (np.zeros(len(side.nodes), dtype=np.bool_) for side in (contact.secondary, contact.primary))
-        return one, other
+        law = solved.contact.enforcement
+        given = law.tolerance()
+        if not np.isfinite(given):
+            given = float((law.compliances(solved.pairs) * solved.forces).max(initial=0.0))
+        size = min(part.body.size for part in solved.contact.parts)
+        return (1.0 + ROUND_OFF) * given + BETWEEN_NODES * moved + ROUND_OFF * size
 
     def _with(
         self,
         guarded_nodes: Sequence[tuple[Bools, Bools]],
         positions: Floats,
-        previous: Linearisation | None,
+        previous: ContactLinearisation | None,
         *,
         settle: bool,
     ) -> ContactLinearisation:
@@ -233,13 +163,13 @@ class ContactSystem:
         members = []
         points = self._all_points(positions)
         for number, contact in enumerate(self.contacts):
-            sides = contact.secondary, contact.primary
+            sides = contact.sides
             secondary, primary = (self._points[id(side)] for side in sides)
             edges = primary[contact.primary.contact_places]
             kept = self._kept(number, previous)
             pairs: Pairs = contact.pairing.pair(*sides, points[secondary], points[edges], kept, settle=settle)
             if guarded_nodes[number][0].any() or guarded_nodes[number][1].any():
-                before = previous.pairs[number] if isinstance(previous, ContactLinearisation) else None
+                before = None if previous is None else previous.pairs[number]
                 at = points[secondary], points[primary]
                 pairs = guarded(pairs, sides, at, guarded_nodes[number], before, settle=settle)
             all_pairs.append(pairs)
@@ -248,10 +178,10 @@ class ContactSystem:
         return self._assembled(all_pairs, members, tuple(guarded_nodes))
 
     def describe(self, key: int, positions: Floats) -> str:
-        """Name a constraint; see `flangeway.solve.Constraints.describe`."""
+        """Name a constraint for messages: its node, where that is among positions (n_nodes, 2), and the surfaces."""
         number = int(np.searchsorted(self._first_key, key, side="right")) - 1
         contact = self.contacts[number]
-        surface, other = contact.secondary, contact.primary
+        surface, other = contact.sides
         local, (first, second, _) = int(key - self._first_key[number]), key_starts(surface, other)
         if local < first:
             node = int(contact.pairing.key_nodes(surface)[local])
@@ -267,7 +197,7 @@ class ContactSystem:
         """Surface nodes at positions (n_nodes, 2), and the points of `Surface.bends`."""
         return positions if self._spread is None else (self._spread @ positions.ravel()).reshape(-1, 2)
 
-    def _kept(self, number: int, previous: Linearisation | None) -> Ints:
+    def _kept(self, number: int, previous: ContactLinearisation | None) -> Ints:
         first = self._first_key[number]
         contact = self.contacts[number]
         kept = np.full(len(contact.pairing.key_nodes(contact.secondary)), -1, dtype=np.int64)
@@ -284,11 +214,11 @@ class ContactSystem:
         places = tuple(np.searchsorted(points, member) for member in members)
         nodes, spread = points, None
         if self._spread is not None:
-            rows_of_points = self._spread[_components(points).ravel()]
+            rows_of_points = self._spread[components_of(points).ravel()]
             nodes = np.unique(rows_of_points.indices // 2).astype(np.int64)
-            spread = sp.csr_array(rows_of_points[:, _components(nodes).ravel()])
+            spread = sp.csr_array(rows_of_points[:, components_of(nodes).ravel()])
         gradients = [pairs.gradients for pairs in all_pairs]
-        jacobian = _jacobian(starts, all_pairs, places, gradients, 2 * len(points), spread)
+        jacobian = jacobian_of(starts, all_pairs, places, gradients, 2 * len(points), spread)
         laws = [contact.enforcement for contact in self.contacts]
         return ContactLinearisation(
             tuple(all_pairs),
@@ -313,7 +243,7 @@ class ContactSystem:
         Points are the nodes of all surfaces, then those of `Surface.bends`.
         """
         n = int(self._first_node[-1])
-        surfaces = {id(each): each for contact in self.contacts for each in (contact.secondary, contact.primary)}
+        surfaces = {id(each): each for contact in self.contacts for each in contact.sides}
         numbers: dict[int, Ints] = {}
         ends, bends = [], []
         count = n
@@ -330,40 +260,15 @@ class ContactSystem:
         bend = np.concatenate(bends)
         factors = np.stack((0.5 - bend, 0.5 + bend), axis=1)  # complex: shares of both ends
         turns = np.stack((np.stack((factors.real, -factors.imag), -1), np.stack((factors.imag, factors.real), -1)), -2)
-        columns = np.broadcast_to(_components(np.concatenate(ends))[:, :, None, :], turns.shape)
-        rows = np.broadcast_to(_components(np.arange(count - n))[:, None, :, None], turns.shape)
+        columns = np.broadcast_to(components_of(np.concatenate(ends))[:, :, None, :], turns.shape)
+        rows = np.broadcast_to(components_of(np.arange(count - n))[:, None, :, None], turns.shape)
         middles = sp.coo_array((turns.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * (count - n), 2 * n))
         return numbers, sp.csr_array(sp.vstack((sp.eye_array(2 * n), middles)))
 
 
-def _jacobian(
-    starts: Ints,
-    all_pairs: Sequence[Pairs],
-    places: Sequence[Ints],
-    all_gradients: Sequence[Floats],
-    n: int,
-    spread: sp.csr_array | None,
-) -> sp.csr_array:
-    """Derivatives of all constraints by the touched nodes, from those (p, r, w, 2) of each contact's terms."""
-    rows, columns, values = [], [], []
-    for start, pairs, place, gradients in zip(starts[:-1], all_pairs, places, all_gradients, strict=True):
-        rows.append(np.broadcast_to(start + pairs.rows[:, :, None, None], gradients.shape).ravel())
-        columns.append(np.broadcast_to(_components(place)[:, None], gradients.shape).ravel())
-        values.append(gradients.ravel())
-    entries = (np.concatenate(rows), np.concatenate(columns))
-    found = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=(int(starts[-1]), n)))
-    return found if spread is None else sp.csr_array(found @ spread)
-
-
-def _no_slides(pairs: Pairs) -> Slides:
-    """Those of a contact without friction."""
-    nothing = np.zeros(pairs.gradients.shape)
-    return Slides(np.zeros(len(pairs.keys)), nothing, nothing, pairs.curvatures)
-
-
 def _refuse_twice(first: Contact, second: Contact) -> None:
     """Raise `InputError` if two contacts have edges of both bodies in common, whichever is secondary."""
-    mine, theirs = ((each.secondary, each.primary) for each in (first, second))
+    mine, theirs = (each.sides for each in (first, second))
     if any(all(map(_share_edges, mine, others)) for others in (theirs, theirs[::-1])):
         raise InputError(
             f"two contacts of {first.secondary.part.name!r} and {first.primary.part.name!r} along the same edges",
@@ -385,11 +290,6 @@ def _union(surfaces: list[Surface]) -> SurfaceNodes:
         if surface.curve is not None:
             shifts[np.searchsorted(nodes, surface.nodes)] = surface.shifts
     return SurfaceNodes(surfaces[0].part.body, nodes, shifts if shifts.any() else None)
-
-
-def _components(nodes: Ints) -> Ints:
-    """Numbers of the components of nodes (..., w), shape (..., w, 2)."""
-    return 2 * nodes[..., None] + np.arange(2)
 
 
 def _shifted(partners: Ints, first: np.int64) -> Ints:

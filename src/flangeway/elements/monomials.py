@@ -46,8 +46,7 @@ def exponents(degree: int) -> Ints:
 def index(powers: Ints) -> Ints:
     """Position of monomials in the order of `exponents`; ``powers`` has shape (..., 2)."""
     total = powers.sum(axis=-1)
-    position: Ints = total * (total + 1) // 2 + powers[..., 1]
-    return position
+    return total * (total + 1) // 2 + powers[..., 1]
 
 
 def evaluate(degree: int, local: Floats) -> Floats:

@@ -67,8 +67,7 @@ def edge_shapes(order: int, places: Floats) -> Floats:
     own = np.eye(order + 1, dtype=np.bool_)
     apart = np.where(own, 1.0, nodes[:, None] - nodes)
     factors = np.where(own, 1.0, (places[:, None, None] - nodes) / apart)
-    shapes: Floats = factors.prod(axis=2)
-    return shapes
+    return factors.prod(axis=2)
 
 
 @cache

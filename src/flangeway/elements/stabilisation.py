@@ -24,6 +24,15 @@ class Stabilisation(ABC):
         """Matrices of cells; arguments and result as in `Element.stabilise`."""
 
 
+class _WithFactor(Stabilisation):
+    """A stabilisation with a factor, > 0."""
+
+    factor: float
+
+    def __post_init__(self) -> None:
+        check_positive(type(self).__name__, "factor", self.factor, advice="leave the default")
+
+
 def mean_modulus(reconstruction: Reconstruction, consistency: Floats) -> Floats:
     """Mean modulus, shape (n_cells,): the energy of the coordinates x and y, whose gradients every projection keeps.
 
@@ -36,7 +45,7 @@ def mean_modulus(reconstruction: Reconstruction, consistency: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class IdentityStabilisation(Stabilisation):
+class IdentityStabilisation(_WithFactor):
     """Modulus times ``(I - D Pi)^T (I - D Pi)`` (Moherdaui 2021, 3.71; Beirao da Veiga et al., 2013).
 
     Parameters
@@ -47,9 +56,6 @@ class IdentityStabilisation(Stabilisation):
     """
 
     factor: float = 1.0
-
-    def __post_init__(self) -> None:
-        check_positive("IdentityStabilisation", "factor", self.factor, advice="leave the default")
 
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
         """Matrices of cells; see `Stabilisation.matrices`."""
@@ -86,7 +92,7 @@ def _identity_plus(reconstruction: Reconstruction, half: Floats, scale: Floats) 
 
 
 @dataclass(frozen=True)
-class DiagonalStabilisation(Stabilisation):
+class DiagonalStabilisation(_WithFactor):
     """``(I - D Pi)^T diag(max(modulus, K_c,ii)) (I - D Pi)``, the diagonal recipe.
 
     It follows the growth of the consistency's diagonal with the order (Beirao da Veiga, Dassi and Russo, 2017,
@@ -100,9 +106,6 @@ class DiagonalStabilisation(Stabilisation):
     """
 
     factor: float = 1.0
-
-    def __post_init__(self) -> None:
-        check_positive("DiagonalStabilisation", "factor", self.factor, advice="leave the default")
 
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
         """Matrices of cells; see `Stabilisation.matrices`."""
@@ -130,7 +133,7 @@ def _weighted_missed(reconstruction: Reconstruction, weights: Floats, projection
 
 
 @dataclass(frozen=True)
-class SpectralStabilisation(Stabilisation):
+class SpectralStabilisation(_WithFactor):
     """``(I - D Pi)^T diag(max(K_c,ii, factor m)) (I - D Pi)``, m the mean eigenvalue of the cell's own edges.
 
     The mean is the trace of the consistency over the degrees of freedom on the boundary, of all components, by the
@@ -147,9 +150,6 @@ class SpectralStabilisation(Stabilisation):
 
     factor: float = 1.0 / 3.0
 
-    def __post_init__(self) -> None:
-        check_positive("SpectralStabilisation", "factor", self.factor, advice="leave the default")
-
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
         """Matrices of cells; see `Stabilisation.matrices`."""
         n_components, order = len(consistency), reconstruction.order
@@ -161,7 +161,7 @@ class SpectralStabilisation(Stabilisation):
 
 
 @dataclass(frozen=True)
-class TraceStabilisation(Stabilisation):
+class TraceStabilisation(_WithFactor):
     """``factor tr(K_c) (I - Q Q^T)``, Q an orthonormal basis of the polynomials' unknowns (Moherdaui 2021, 3.96).
 
     Parameters
@@ -172,9 +172,6 @@ class TraceStabilisation(Stabilisation):
     """
 
     factor: float = 0.5
-
-    def __post_init__(self) -> None:
-        check_positive("TraceStabilisation", "factor", self.factor, advice="leave the default")
 
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
         """Matrices of cells; see `Stabilisation.matrices`."""

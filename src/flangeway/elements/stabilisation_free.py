@@ -176,7 +176,7 @@ def _free_motions(energetic: Reconstruction, m: int) -> Ints:
     matrices = blocks.transpose(4, 0, 2, 1, 3).reshape(-1, m * n, m * n)
     lost = ~np.isfinite(matrices).all(axis=(1, 2), keepdims=True)
     values = np.linalg.eigvalsh(np.where(lost, 0.0, matrices))  # no energy is known of these cells
-    return np.asarray((values[:, m * (m + 1) // 2 :] <= WITHOUT_ENERGY * values[:, -1:]).sum(axis=1))
+    return (values[:, m * (m + 1) // 2 :] <= WITHOUT_ENERGY * values[:, -1:]).sum(axis=1)
 
 
 def _in_frame(energetic: Reconstruction) -> Floats:

@@ -60,5 +60,4 @@ def point_text(point: Point | Floats) -> str:
 
 def cross_product(a: Floats, b: Floats) -> Floats:
     """Return the component out of the plane of the cross products of vectors (..., 2), positive if b is left of a."""
-    product: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    return product
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

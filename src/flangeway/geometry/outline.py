@@ -85,8 +85,7 @@ class Outline(Contour):
     @property
     def _middle(self) -> Floats:
         # far from the origin, moments about it would lose digits
-        middle: Floats = self.bounds().mean(axis=0)
-        return middle
+        return self.bounds().mean(axis=0)
 
     @property
     def area(self) -> float:

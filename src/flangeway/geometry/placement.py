@@ -61,8 +61,7 @@ class Placement:
 
     def points(self, local_points: ArrayLike) -> Floats:
         """Return local points (n, 2) in space (n, 2)."""
-        moved: Floats = as_points(local_points) @ self.matrix.T + np.array(self.translation)
-        return moved
+        return as_points(local_points) @ self.matrix.T + np.array(self.translation)
 
     def vectors(self, local_vectors: ArrayLike) -> Floats:
         """Return local vectors (n, 2) in space (n, 2), without the translation."""

@@ -91,13 +91,11 @@ class Line:
         """Return the points (n, 2) at the parameters (n,)."""
         t = _parameters(s)[:, None]
         # both ends exact
-        points: Floats = (1.0 - t) * np.array(self.start) + t * np.array(self.end)
-        return points
+        return (1.0 - t) * np.array(self.start) + t * np.array(self.end)
 
     def tangent(self, s: ArrayLike) -> Floats:
         """Return the unit tangents (n, 2) in the direction of travel."""
-        tangents: Floats = np.tile(self._step / self.length, (len(_parameters(s)), 1))
-        return tangents
+        return np.tile(self._step / self.length, (len(_parameters(s)), 1))
 
     def normal(self, s: ArrayLike) -> Floats:
         """Return the unit normals (n, 2), right of the direction of travel."""
@@ -359,8 +357,7 @@ def _beside(first: Sequence[Segment], second: Sequence[Segment], tolerance: floa
     """Return the numbers (n, 2) of segments of two chains, in order, whose boxes overlap to a tolerance."""
     corners = [np.reshape([segment.bounds for segment in chain], (-1, 4)) for chain in (first, second)]
     boxes = [shapely.box(*(ends + 0.5 * tolerance * np.array([-1.0, -1.0, 1.0, 1.0])).T) for ends in corners]
-    pairs: Ints = np.unique(shapely.STRtree(boxes[1]).query(boxes[0]).T, axis=0)
-    return pairs
+    return np.unique(shapely.STRtree(boxes[1]).query(boxes[0]).T, axis=0)
 
 
 def first_crossing(segments: Sequence[Segment], *, closed: bool, tolerance: float) -> tuple[int, int, Floats] | None:
@@ -391,6 +388,5 @@ def chains_meet(first: Sequence[Segment], second: Sequence[Segment], tolerance: 
     for i, j in _beside(first, second, 2.0 * tolerance).tolist():
         points = meetings(first[i], second[j], tolerance)
         if len(points):
-            place: Floats = points[0]
-            return place
+            return points[0]
     return None

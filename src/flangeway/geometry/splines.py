@@ -67,13 +67,11 @@ class Spline:
         return places, cKDTree(self._curve(places))
 
     def _inside(self, s: Floats) -> Floats:
-        inside: Floats = np.mod(s, 1.0) if self.closed else np.clip(s, 0.0, 1.0)
-        return inside
+        return np.mod(s, 1.0) if self.closed else np.clip(s, 0.0, 1.0)
 
     def point(self, s: ArrayLike) -> Floats:
         """Return the points (n, 2) at parameters (n,) from 0 to 1; on a closed curve they go around."""
-        points: Floats = self._curve(self._inside(np.atleast_1d(np.asarray(s, dtype=np.float64))))
-        return points
+        return self._curve(self._inside(np.atleast_1d(np.asarray(s, dtype=np.float64))))
 
     def closest(self, points: ArrayLike) -> tuple[Floats, Floats]:
         """Return parameters (n,) and distances (n,) of the closest points, by Newton's method from the best sample."""

@@ -88,8 +88,7 @@ def _counting_sort(values: IntArray, n_values: int) -> NDArray[np.int32]:
     """Stable order of integers in [0, n_values), which a change of sparse storage finds."""
     n = len(values)
     one_a_row = csr_array((np.empty(n, dtype=np.int8), values, np.arange(n + 1, dtype=np.int32)), shape=(n, n_values))
-    order: NDArray[np.int32] = one_a_row.tocsc().indices
-    return order
+    return one_a_row.tocsc().indices
 
 
 def edge_places(

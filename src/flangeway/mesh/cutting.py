@@ -113,7 +113,7 @@ def _notches(corners: Floats) -> Bools:
 def _angle(forward: Floats, back: Floats) -> Floats:
     """Counter-clockwise angle from one direction to another, 0 to 2 pi."""
     turn = np.arctan2(back[..., 1], back[..., 0]) - np.arctan2(forward[..., 1], forward[..., 0])
-    return np.asarray(np.mod(turn, 2.0 * np.pi))
+    return np.mod(turn, 2.0 * np.pi)
 
 
 def best_chord(x: Floats, at_notch: Bools) -> tuple[int, int] | None:

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flangeway.checks import is_finite
-from flangeway.errors import InputError, short
+from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, as_points, cross_product, point_text
 from flangeway.mesh.connectivity import edge_places, offsets_of, ordered_pairs, row_numbers
 from flangeway.mesh.edge_curves import EdgeCurves, united
@@ -22,7 +21,6 @@ MERGE = 1e-7
 """Distance of a point from a node over the shorter edge there, up to which it is the node."""
 COLLINEAR = 1e-6  # turn between edges, in rad, below which they are one straight line
 MAX_PAIRS = 1_000_000  # of nodes and edges that are examined at a time
-MIN_MERGE = 1e-8  # below it cells would have two corners at one place, see `flangeway.mesh.check`
 
 Edges = str | NDArray[np.integer]
 
@@ -113,11 +111,11 @@ def edges_halved(mesh: PolyMesh, edge_set: str) -> PolyMesh:
     return halved.with_cell_set("polygons", more).with_cell_set("triangles", ~more)
 
 
-def insert_nodes(mesh: PolyMesh, edges: Edges, points: ArrayLike, *, merge: float = MERGE) -> PolyMesh:
+def insert_nodes(mesh: PolyMesh, edges: Edges, points: ArrayLike) -> PolyMesh:
     """Return the mesh with nodes at the projections of points onto edges of its boundary.
 
-    Each point is projected onto the closest of the edges; one whose projection is a node already, or that of a point
-    before, gives none.
+    Each point is projected onto the closest of the edges; one whose projection is a node already, within `MERGE` of the
+    shorter edge there, or that of a point before, gives none.
 
     Parameters
     ----------
@@ -127,15 +125,12 @@ def insert_nodes(mesh: PolyMesh, edges: Edges, points: ArrayLike, *, merge: floa
         Edge set, or pairs of points (m, 2) in either direction.
     points
         Shape (n, 2).
-    merge
-        Distance from a node, over the shorter edge there, up to which a projection is that node, 1e-8 to 0.5.
 
     Raises
     ------
     InputError
-        If an edge is not at the boundary, or nodes nearer to each other than 1e-8 of an edge are asked for.
+        If an edge is not at the boundary.
     """
-    _check_merge("insert_nodes", merge)
     rows, given = _rows(mesh, edges), as_points(points)
     distances, places = np.full(len(given), np.inf), np.zeros(len(given))
     nearest = np.zeros(len(given), dtype=np.int64)
@@ -157,23 +152,21 @@ def insert_nodes(mesh: PolyMesh, edges: Edges, points: ArrayLike, *, merge: floa
         distance = np.hypot(*(given - foot).T)
         nearer = distance < distances
         distances[nearer], places[nearer], nearest[nearer] = distance[nearer], place[nearer], row
-    new = np.minimum(places, 1.0 - places) > merge
+    new = np.minimum(places, 1.0 - places) > MERGE
     order = np.flatnonzero(new)[np.lexsort((places[new], nearest[new]))]
-    apart = (np.diff(nearest[order], prepend=-1) != 0) | (np.diff(places[order], prepend=-1.0) > merge)
+    apart = (np.diff(nearest[order], prepend=-1) != 0) | (np.diff(places[order], prepend=-1.0) > MERGE)
     chosen = np.sort(order[apart])
     return divided(mesh, nearest[chosen], places[chosen])
 
 
-def match_boundaries(
-    one: PolyMesh, edges: Edges, other: PolyMesh, other_edges: Edges, *, merge: float = MERGE
-) -> tuple[PolyMesh, PolyMesh]:
+def match_boundaries(one: PolyMesh, edges: Edges, other: PolyMesh, other_edges: Edges) -> tuple[PolyMesh, PolyMesh]:
     """Return two meshes whose boundaries have nodes opposite each other: each gets those of the other one.
 
     Points are opposite each other along the normals of the second boundary, whose directions change linearly along its
     edges, from one mean direction of the edges at a node to the next (B. Yang, T. A. Laursen and X. Meng, 2005, Int. J.
     Numer. Meth. Engng. 62). So the order of the nodes is the same on both sides, whatever the gap is, as long as it is
-    below the radii of the second boundary. Where the other boundary is not opposite, an edge stays as it is. For
-    `NodeToNode` contact.
+    below the radii of the second boundary. Where the other boundary is not opposite, an edge stays as it is. A point
+    within `MERGE` of a node, over the shorter edge there, is that node. For `NodeToNode` contact.
 
     Parameters
     ----------
@@ -181,16 +174,12 @@ def match_boundaries(
         Meshes in common axes, where the bodies are before the deformation.
     edges, other_edges
         Their boundaries in contact: edge sets, or pairs of points (m, 2) in either direction.
-    merge
-        Distance from a node, over the shorter edge there, up to which an opposite point is that node, 1e-8 to 0.5.
 
     Raises
     ------
     InputError
-        If an edge is not at the boundary, nowhere the boundaries are opposite each other, or nodes nearer to each other
-        than 1e-8 of an edge are asked for.
+        If an edge is not at the boundary, or nowhere the boundaries are opposite each other.
     """
-    _check_merge("match_boundaries", merge)
     sides = (one, _rows(one, edges)), (other, _rows(other, other_edges))
     pairs = [mesh.boundary_edges[rows] for mesh, rows in sides]
     onto = opposite_places((one.points, pairs[0]), (other.points, pairs[1]))
@@ -203,7 +192,7 @@ def match_boundaries(
         )
     same = [np.zeros(mesh.n_points, dtype=np.bool_) for mesh, _ in sides]  # nodes that have an opposite node
     for side, its in enumerate(onto):
-        near = its.away <= merge
+        near = its.away <= MERGE
         same[side][its.nearest[near]] = True
         same[1 - side][its.points[near]] = True
     matched = []
@@ -343,13 +332,4 @@ def _rows(mesh: PolyMesh, edges: Edges) -> Ints:
             "edges of the boundary",
             "choose among mesh.boundary_edges",
         )
-    return np.asarray(rows, dtype=np.int64)
-
-
-def _check_merge(caller: str, merge: float) -> None:
-    if not (is_finite(merge) and MIN_MERGE <= merge < 0.5):
-        raise InputError(
-            f"{caller}(merge={short(merge)})",
-            f"a part of an edge, {MIN_MERGE:g} to 0.5: nodes nearer to each other make a cell degenerate",
-            "leave it out",
-        )
+    return rows

@@ -298,13 +298,11 @@ def _meant(mesh: PolyMesh, touching: Meeting, at_end: Bools, ends: Ints, cracks:
     low, high = np.minimum(touching.points, ends), np.maximum(touching.points, ends)
     place = np.where(at_end, low * mesh.n_points + high, -1 - (touching.on * mesh.n_points + touching.points))
     _, touch = np.unique(place, return_inverse=True)
-    meant: Bools = np.bincount(touch, weights=faces[touching.on] & faces[touching.of])[touch] > 0
-    return meant
+    return np.bincount(touch, weights=faces[touching.on] & faces[touching.of])[touch] > 0
 
 
 def _keys(mesh: PolyMesh, pairs: IntArray) -> Ints:
-    joined: Ints = pairs[:, 0].astype(np.int64) * mesh.n_points + pairs[:, 1]
-    return joined
+    return pairs[:, 0].astype(np.int64) * mesh.n_points + pairs[:, 1]
 
 
 def _check_edge_sets(mesh: PolyMesh) -> None:

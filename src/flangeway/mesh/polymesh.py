@@ -186,8 +186,7 @@ class PolyMesh:
 
     def _keys(self, pairs: IntArray) -> Ints:
         low, high = np.sort(pairs.astype(np.int64), axis=1).T
-        keys: Ints = low * self.n_points + high
-        return keys
+        return low * self.n_points + high
 
     @cached_property
     def _numbered(self) -> EdgeNumbers:
@@ -275,8 +274,7 @@ class PolyMesh:
         """Twice the signed areas of the triangles of every edge with the cell's first point."""
         a = self._local_corners
         b = a[self._following]
-        cross: Floats = cross_product(a, b)
-        return cross
+        return cross_product(a, b)
 
     @cached_property
     def cell_areas(self) -> Floats:
@@ -372,8 +370,7 @@ class PolyMesh:
     def batch_points(self, n_vertices: int, cells: IntArray) -> IntArray:
         """Return the point numbers (len(cells), n_vertices) of cells of one batch."""
         places = self.cell_offsets[cells][:, None] + np.arange(n_vertices)
-        corners: IntArray = self.cell_points[places]
-        return corners
+        return self.cell_points[places]
 
     # named sets
 

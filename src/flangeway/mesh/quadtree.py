@@ -4,11 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from flangeway.checks import check_integer, check_positive
+from flangeway.checks import check_integer
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import Point, as_point
+from flangeway.geometry.arrays import Point
 from flangeway.mesh.mesh_checks import conforming
 from flangeway.mesh.polymesh import PolyMesh
+from flangeway.mesh.structured import checked_rectangle
 from flangeway.system.memory_limits import refuse_large_mesh
 from flangeway.types import Bools, Floats, Ints
 
@@ -55,13 +56,9 @@ def quadtree(
     InputError
         If a length or number is not positive, or the function gives something else than truth values.
     """
-    for name, value in (("width", width), ("height", height)):
-        check_positive("quadtree", name, value, "a positive length")
-    for name, number in (("nx", nx), ("ny", ny)):
-        check_integer("quadtree", name, number, 1)
+    base = np.array(checked_rectangle("quadtree", (width, height), (nx, ny), origin))
     check_integer("quadtree", "levels", levels, 0, MAX_LEVELS)
     size = np.array([width / nx, height / ny]) / 2**levels  # of the smallest cells, in which places are counted
-    base = np.array(as_point(origin, "origin"))
     place = 2**levels * np.stack(np.meshgrid(np.arange(nx), np.arange(ny)), axis=-1).reshape(-1, 2)
     done: list[tuple[Ints, int]] = []
     for level in range(levels, -1, -1):

@@ -13,6 +13,15 @@ from flangeway.system.memory_limits import refuse_large_mesh
 BYTES_A_SQUARE = 140  # of triangles, the larger; measured
 
 
+def checked_rectangle(owner: str, sides: tuple[float, float], counts: tuple[int, int], origin: Point) -> Point:
+    """Check the sides and the numbers of cells of a rectangle, and return its lower-left corner."""
+    for name, value in zip(("width", "height"), sides, strict=True):
+        check_positive(owner, name, value, "a positive length")
+    for name, number in zip(("nx", "ny"), counts, strict=True):
+        check_integer(owner, name, number, 1)
+    return as_point(origin, "origin")
+
+
 def rectangle_grid(
     width: float,
     height: float,
@@ -47,11 +56,7 @@ def rectangle_grid(
     OutOfMemoryError
         If there is no memory for it.
     """
-    for name, value in (("width", width), ("height", height)):
-        check_positive("rectangle_grid", name, value, "a positive length")
-    for name, number in (("nx", nx), ("ny", ny)):
-        check_integer("rectangle_grid", name, number, 1)
-    x0, y0 = as_point(origin, "origin")
+    x0, y0 = checked_rectangle("rectangle_grid", (width, height), (nx, ny), origin)
     refuse_large_mesh(f"a grid of {nx:,} by {ny:,} squares", BYTES_A_SQUARE * nx * ny)
     x, y = np.meshgrid(np.linspace(x0, x0 + width, nx + 1), np.linspace(y0, y0 + height, ny + 1))
     grid = np.arange((nx + 1) * (ny + 1), dtype=np.int32).reshape(ny + 1, nx + 1)

@@ -3,8 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
+import scipy.sparse as sp
 import shapely
 from numpy.typing import ArrayLike
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from flangeway.checks import as_numbers, check_integer
@@ -137,7 +139,7 @@ class _Cells:
             raise InputError("two points of Voronoi cells at one place", "points that differ", "remove one")
         corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
         around = outline.bounds().mean(axis=0) + ENCLOSING * outline.size * corners
-        cells = shapely.voronoi_polygons(shapely.multipoints(np.vstack((points, around))), ordered=True)
+        cells = shapely.voronoi_polygons(shapely.linestrings(np.vstack((points, around))), ordered=True)
         self.cells = shapely.get_parts(cells)[: len(points)]
         self.cut = np.flatnonzero(~shapely.contains_properly(domain, self.cells))
         pieces, owner = shapely.get_parts(shapely.intersection(self.cells[self.cut], domain), return_index=True)
@@ -148,7 +150,6 @@ class _Cells:
         order = np.lexsort((-shapely.area(pieces), away, owner))
         first = np.diff(owner[order], prepend=-1) != 0
         self.cells[self.cut] = pieces[order[first]]
-        self.cells = shapely.orient_polygons(self.cells)
         self.further = shapely.get_coordinates(shapely.point_on_surface(pieces[order[~first]]))
 
     def centroids(self, size: Size | None) -> Floats:
@@ -169,7 +170,7 @@ class _Cells:
 
     def mesh(self, outline: Outline) -> PolyMesh:
         """The cells with common vertices; chords of an arc inside a cell become one."""
-        places, owner = shapely.get_coordinates(self.cells, return_index=True)
+        places, owner = shapely.get_coordinates(shapely.orient_polygons(self.cells), return_index=True)
         start = np.diff(owner, prepend=-1) != 0
         places, owner = places[~start], owner[~start]
         joints = np.array([segment.start for segment in outline.segments])
@@ -187,9 +188,9 @@ class _Cells:
             rows = np.flatnonzero(on_arc & (number == which))
             if len(rows):
                 places[rows] = outline.segments[which].point(outline.segments[which].closest(places[rows])[0])
-        first = np.arange(len(places))
-        for low, high in sorted(cKDTree(places).query_pairs(self.tolerance), reverse=True):
-            first[high] = low
-        kept, vertices = np.unique(first, return_inverse=True)
+        pairs = cKDTree(places).query_pairs(self.tolerance, output_type="ndarray")
+        near = sp.coo_array((np.ones(len(pairs)), pairs.T), shape=(len(places), len(places)))
+        _, vertices = connected_components(near, directed=False)
+        _, kept = np.unique(vertices, return_index=True)
         cells = np.split(vertices, np.cumsum(np.bincount(owner))[:-1])
         return PolyMesh.from_cells(places[kept], [list(dict.fromkeys(cell.tolist())) for cell in cells])

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Surface
+from flangeway.contact import Contact, ContactState, ContactSystem, Surface
 from flangeway.contact.pairs import Pairs
 from flangeway.post.pressure import MIN_SEGMENTS, PressurePatch, pressure_remark
-from flangeway.solve import ContactState
 
 SMALL_PENETRATION = 0.05
 """Penetration over the elastic sinking of the surfaces: about the relative error that it makes in the pressure."""
@@ -58,20 +57,16 @@ def check_contact(
     finer, stiffer
         How to get a finer mesh and a stiffer contact, for the advice.
     """
-    lin = state.linearisation
-    if not isinstance(lin, ContactLinearisation):
-        raise TypeError("a state of another system of constraints")
     if not (np.isfinite(state.forces).all() and np.isfinite(state.positions).all()):
         return ContactChecks(errors=("forces or positions are not finite numbers",))
     errors: list[str] = []
     warnings: list[str] = []
-    for number, (contact, name) in enumerate(zip(system.contacts, names, strict=True)):
-        inside = slice(lin.starts[number], lin.starts[number + 1])
-        forces = state.forces[inside]
+    solved = system.solved(state.linearisation, state.forces)
+    for number, ((contact, pairs, _, forces), name) in enumerate(zip(solved, names, strict=True)):
         if forces.min(initial=0.0) < -MAX_PULL * np.abs(forces).max(initial=0.0):
             errors.append(f"{name} pulls with {-forces.min():.3g} N at a node, which contact cannot")
         mine = [patch for patch in patches if patch.contact == number]
-        depth = float(-lin.gaps[inside][forces > 0.0].min(initial=0.0))
+        depth = float(-pairs.gaps[forces > 0.0].min(initial=0.0))
         sinking = max((_sinking(contact, patch) for patch in mine), default=np.inf)
         if depth > SMALL_PENETRATION * sinking:
             sentence = (
@@ -80,13 +75,13 @@ def check_contact(
             )
             (errors if depth > MAX_PENETRATION * sinking else warnings).append(sentence)
         # a barrier keeps surfaces apart: the mean gap by force, since at the ends of a contact it is the whole reach
-        apart = float((forces * np.maximum(lin.gaps[inside], 0.0)).sum()) / max(float(forces.sum()), 1e-300)
+        apart = float((forces * np.maximum(pairs.gaps, 0.0)).sum()) / max(float(forces.sum()), 1e-300)
         if apart > SMALL_PENETRATION * sinking:
             warnings.append(
                 f"surfaces of {name} are {apart:.1e} mm apart under pressure, {100.0 * apart / sinking:.0f} % of what "
                 "they sink, and the force is too large by about as much; take a smaller barrier"
             )
-        facets = _facet_depth(contact, lin.pairs[number], np.flatnonzero(forces > 0.0))
+        facets = _facet_depth(contact, pairs, np.flatnonzero(forces > 0.0))
         if facets > SMALL_PENETRATION * sinking:
             drawn = contact.secondary.curve is not None and contact.primary.curve is not None
             warnings.append(
@@ -104,12 +99,8 @@ def cut_zones(system: ContactSystem, state: ContactState) -> tuple[Surface, ...]
 
     Contact beyond such an end is missed, unless it was left out on purpose.
     """
-    lin = state.linearisation
-    if not isinstance(lin, ContactLinearisation):
-        raise TypeError("a state of another system of constraints")
     cut: list[Surface] = []
-    for number, (contact, pairs) in enumerate(zip(system.contacts, lin.pairs, strict=True)):
-        forces = state.forces[lin.starts[number] : lin.starts[number + 1]]
+    for contact, pairs, _, forces in system.solved(state.linearisation, state.forces):
         loaded = np.flatnonzero(forces > 0.0)
         if len(loaded):
             cut += _cut(contact, pairs, loaded)
@@ -136,7 +127,7 @@ def _facet_depth(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> f
 
 def _sinking(contact: Contact, patch: PressurePatch) -> float:
     """Maximum pressure times half width over the modulus of contact."""
-    softness = sum(surface.part.body.softness for surface in (contact.secondary, contact.primary))
+    softness = sum(part.body.softness for part in contact.parts)
     return float(patch.pressures.max()) * patch.half_width * softness
 
 

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import shapely
 
 from flangeway.contact.patch.contact_ellipse import ContactEllipse
-from flangeway.contact.patch.patch_body import PatchBody
+from flangeway.contact.patch.patch_body import PatchBody, points_along
 from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, PatchContact
 from flangeway.elements import Reconstruction
 from flangeway.exact.half_space_stresses import half_space_field, half_space_stresses
@@ -183,17 +184,13 @@ class DepthProfile:
 
 def depth_profile(section: SectionStresses, patch: ContactEllipse, depths: Floats) -> DepthProfile:
     """Stresses at depths (n,) below the centre of pressure of a patch."""
-    body = section.body
-    chain = body.chain
-    start, chords = chain[:-1], np.diff(chain, axis=0)
-    lengths = np.linalg.norm(chords, axis=1)
-    share = np.clip(np.einsum("ei,ei->e", patch.centre[:2] - start, chords) / lengths**2, 0.0, 1.0)
-    feet = start + share[:, None] * chords
-    nearest = int(np.linalg.norm(feet - patch.centre[:2], axis=1).argmin())
+    chain = section.body.chain
+    station = shapely.line_locate_point(shapely.LineString(chain), shapely.Point(patch.centre[:2]))
+    (foot,), (outward,) = points_along(chain, np.array([station]))
     inward = -patch.force / np.linalg.norm(patch.force)
-    if float(inward @ [-chords[nearest, 1], chords[nearest, 0]]) < 0.0:
+    if inward @ outward > 0.0:
         inward = -inward
-    stresses = section.at(feet[nearest] + depths[:, None] * inward)
+    stresses = section.at(foot + depths[:, None] * inward)
     turn = np.array([[inward[1], -inward[0]], [inward[0], inward[1]]])
     return DepthProfile(depths, stresses.turned(turn))
 

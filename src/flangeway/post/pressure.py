@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactLinearisation, ContactSystem, NodeToNode, SegmentToSegment
+from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, SegmentToSegment
 from flangeway.contact.pairs import Pairs
 from flangeway.results import Result, ResultTable
-from flangeway.solve import ContactState
 from flangeway.types import Floats, Ints
 
 CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one patch
@@ -86,14 +85,12 @@ class PressurePatch(Result):
     @property
     def force(self) -> Floats:
         """Resultant on the secondary side, shape (2,)."""
-        total: Floats = self.forces.sum(axis=0)
-        return total
+        return self.forces.sum(axis=0)
 
     @property
     def centre(self) -> Floats:
         """Centre of pressure, shape (2,)."""
-        middle: Floats = self.normal_forces @ self.points / self.normal_forces.sum()
-        return middle
+        return self.normal_forces @ self.points / self.normal_forces.sum()
 
     @property
     def oscillation(self) -> float:
@@ -144,19 +141,15 @@ def pressure_remark(n_segments: float, oscillation: float) -> str | None:
 
 def pressure_patches(system: ContactSystem, state: ContactState) -> list[PressurePatch]:
     """Regions of contact of a solution, contact by contact along the secondary surfaces."""
-    lin = state.linearisation
-    if not isinstance(lin, ContactLinearisation):
-        raise TypeError("a state of another system of constraints")
     patches = []
-    for number, contact in enumerate(system.contacts):
-        forces = state.forces[lin.starts[number] : lin.starts[number + 1]]
-        keys = _along(lin.pairs[number], contact)
+    for number, (contact, pairs, _, forces) in enumerate(system.solved(state.linearisation, state.forces)):
+        keys = _along(pairs, contact)
         loaded = np.flatnonzero(forces > 0.0)
         loaded = loaded[np.argsort(keys[loaded], kind="stable")]
         breaks = np.flatnonzero(np.diff(keys[loaded]) > CONSTRAINTS_APART) + 1
         points = state.positions[system.nodes_of(contact.secondary)]
         patches += [
-            _patch(number, contact, lin.pairs[number], points, forces, group, keys[group])
+            _patch(number, contact, pairs, points, forces, group, keys[group])
             for group in np.split(loaded, breaks)
             if len(group)
         ]
@@ -199,10 +192,8 @@ class ContactLine:
 
 def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLine]:
     """Pressures and gaps along the secondary surfaces of all contacts."""
-    patches, lin = pressure_patches(system, state), state.linearisation
-    assert isinstance(lin, ContactLinearisation)
-    found = []
-    for number, (contact, pairs) in enumerate(zip(system.contacts, lin.pairs, strict=True)):
+    patches, found = pressure_patches(system, state), []
+    for number, (contact, pairs, mine, _) in enumerate(system.solved(state.linearisation, state.forces)):
         surface, own = contact.secondary, ~pairs.guarded
         places = np.unique(contact.pairing.key_nodes(surface)).astype(np.int64)
         n, pressures = len(surface.nodes), np.zeros(len(surface.nodes))
@@ -221,7 +212,7 @@ def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLin
                 state.positions[system.nodes_of(surface)[places]],
                 pressures[places],
                 gaps[places],
-                *(each[places] for each in _sliding(pairs, state, slice(*lin.starts[number : number + 2]), n)),
+                *(each[places] for each in _sliding(pairs, state, mine, n)),
             )
         )
     return found
@@ -260,7 +251,7 @@ def _patch(
     along = np.concatenate(([0.0], np.cumsum(steps)))[nodes]
     share = force / force.sum()
 
-    secondary, primary = contact.secondary, contact.primary
+    secondary, primary = contact.sides
     on_secondary = secondary.part.body.nodes[secondary.nodes[nodes]]
     on_primary = pairs.opposite_points(primary.undeformed_edges)[group]
     touched = np.isin(pairs.rows, group).any(axis=1)
@@ -320,8 +311,7 @@ def _pressures(forces: Floats, areas: Floats, whole_areas: Floats, least: float 
     for sliver in np.flatnonzero(slivers):
         sides = [side for side in (sliver - 1, sliver + 1) if 0 <= side < n]
         label[label == label[sliver]] = label[max(sides, key=lambda side: areas[side])]
-    pressures: Floats = (np.bincount(label, forces, n) / np.maximum(np.bincount(label, areas, n), 1e-300))[label]
-    return pressures
+    return (np.bincount(label, forces, n) / np.maximum(np.bincount(label, areas, n), 1e-300))[label]
 
 
 def _groups(areas: Floats, least: float) -> Ints:

@@ -155,7 +155,7 @@ def _integrals(warping: TorsionSolution) -> _Integrals:
         weights = weights * (problem.cell_moduli[batch.cells] / problem.mean_modulus)
         monomials, local = reconstruction.at(points), warping.function[batch.dofs]
         value = np.einsum("aqe,ame,me->qe", monomials, reconstruction.projected_value, local, optimize=True)
-        coefficients = np.einsum("aime,me->iae", problem.cell_gradient(reconstruction), local)
+        coefficients = np.einsum("aime,me->iae", reconstruction.value_gradient, local)
         slope = np.einsum("iae,aqe->iqe", coefficients, monomials[: coefficients.shape[1]])
         x, y = (points - problem.centre[:, None]).swapaxes(0, 1)
         moments += [float(np.sum(weights * f)) for f in (y * y, x * x, x * y, x * value, y * value, value**2)]

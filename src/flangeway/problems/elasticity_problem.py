@@ -17,7 +17,7 @@ from flangeway.materials import Material
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.loads import Load, TemperatureChange
-from flangeway.problems.strains import STRAIN_PLACES, StrainOperators, strain_operators
+from flangeway.problems.strains import STRAIN_PLACES, STRAINS, StrainOperators, strain_operators
 from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support, axes
 from flangeway.space import CellBatch, CondensedMatrix, Space, SymmetricMatrix, assemble_condensed
 from flangeway.types import Floats
@@ -151,8 +151,7 @@ class Elasticity:
     def depth(self, points: Floats) -> Floats | float:
         """Length out of the plane at points (..., 2), shape (...): the thickness, or the circumference."""
         if self.axisymmetric:
-            circumference: Floats = 2.0 * np.pi * points[..., 0]
-            return circumference
+            return 2.0 * np.pi * points[..., 0]
         return self.thickness
 
     @property
@@ -335,13 +334,8 @@ class Elasticity:
         coefficients = self.strains(batch, reconstruction).coefficients
         stress = self._depth_factor * self._thermal_stress(batch)
         moments = self.cell_temperature(batch, reconstruction, loads)
-        forces = np.zeros((2, *coefficients.shape[2:]))
-        for component in range(2):
-            for slot in range(coefficients.shape[1]):
-                place = STRAIN_PLACES[component, slot]
-                if place >= 0:
-                    forces[component] += np.einsum("ame,ae->me", coefficients[:, slot], stress[place] * moments)
-        return forces
+        table = STRAINS[..., : coefficients.shape[1]]
+        return np.einsum("sia,pame,spe->ime", table, coefficients, stress[:, None] * moments, optimize=True)
 
     @cached_property
     def _heated(self) -> tuple[Material | None, ...]:
@@ -383,12 +377,8 @@ class Elasticity:
         reconstruction = batch.element.reconstruct(batch.outline)
         strains = self.strains(batch, reconstruction)
         local = displacement.reshape(-1, 2)[batch.dofs]
-        derivatives = np.einsum("asme,mei->isae", strains.coefficients, local)
-        strain = np.zeros((4, *derivatives.shape[2:]))
-        for component in range(2):
-            for slot in range(derivatives.shape[1]):
-                if STRAIN_PLACES[component, slot] >= 0:
-                    strain[STRAIN_PLACES[component, slot]] += derivatives[component, slot]
+        derivatives = np.einsum("pame,mei->iape", strains.coefficients, local)
+        strain = np.einsum("sia,iape->spe", STRAINS[..., : derivatives.shape[1]], derivatives)
         stress = np.einsum("ste,tae->sae", np.broadcast_to(self.matrices(batch), (4, 4, len(batch.cells))), strain)
         if self.thermal_loads:
             moments = self.cell_temperature(batch, reconstruction, self.thermal_loads)

@@ -5,7 +5,7 @@ and per thickness; in a body of revolution they act all around the axis.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -53,7 +53,36 @@ class Load(ABC):
 
 
 @dataclass(frozen=True)
-class Traction(Load):
+class _EdgeLoad(Load):
+    """Force per area on named edges."""
+
+    edges: str
+
+    @property
+    def _name(self) -> str:
+        return f"{type(self).__name__} on {short(self.edges)}"
+
+    def check(self, problem: LoadedProblem) -> None:
+        """See `Load.check`."""
+        problem.space.mesh.edge_set(self.edges)
+
+    def forces(self, problem: LoadedProblem) -> Floats:
+        """See `Load.forces`."""
+        rule = edge_quadrature(problem.space, problem.space.mesh.edge_set(self.edges))
+        values = self._tractions(rule.points.reshape(-1, 2), rule.normals.reshape(-1, 2)).reshape(rule.points.shape)
+        weights = rule.weights * problem.depth(rule.points)
+        at_nodes = np.einsum("eq,eqi,qm->emi", weights, values, rule.shapes)
+        forces = np.zeros((problem.space.n_dofs, 2))
+        np.add.at(forces, rule.nodes, at_nodes)
+        return forces
+
+    @abstractmethod
+    def _tractions(self, points: Floats, normals: Floats) -> Floats:
+        """Force per area at points with outward normals, each (n, 2)."""
+
+
+@dataclass(frozen=True)
+class Traction(_EdgeLoad):
     """Force per area on named edges, in a direction that does not follow them.
 
     Parameters
@@ -65,24 +94,17 @@ class Traction(Load):
 
     """
 
-    edges: str
     value: Vector
 
     def __post_init__(self) -> None:
-        check_vector(f"Traction on {short(self.edges)}", self.value)
+        check_vector(self._name, self.value)
 
-    def check(self, problem: LoadedProblem) -> None:
-        """See `Load.check`."""
-        problem.space.mesh.edge_set(self.edges)
-
-    def forces(self, problem: LoadedProblem) -> Floats:
-        """See `Load.forces`."""
-        name = f"Traction on {short(self.edges)}"
-        return _edge_forces(problem, self.edges, lambda points, _: vector_at(name, self.value, points))
+    def _tractions(self, points: Floats, normals: Floats) -> Floats:  # noqa: ARG002 (it does not follow the edges)
+        return vector_at(self._name, self.value, points)
 
 
 @dataclass(frozen=True)
-class Pressure(Load):
+class Pressure(_EdgeLoad):
     """Pressure on named edges, positive into the body; it keeps the direction of the undeformed edges.
 
     Parameters
@@ -94,22 +116,13 @@ class Pressure(Load):
 
     """
 
-    edges: str
     value: Scalar
 
     def __post_init__(self) -> None:
-        check_scalar(f"Pressure on {short(self.edges)}", self.value)
+        check_scalar(self._name, self.value)
 
-    def check(self, problem: LoadedProblem) -> None:
-        """See `Load.check`."""
-        problem.space.mesh.edge_set(self.edges)
-
-    def forces(self, problem: LoadedProblem) -> Floats:
-        """See `Load.forces`."""
-        name = f"Pressure on {short(self.edges)}"
-        return _edge_forces(
-            problem, self.edges, lambda points, normals: -scalar_at(name, self.value, points)[:, None] * normals
-        )
+    def _tractions(self, points: Floats, normals: Floats) -> Floats:
+        return -scalar_at(self._name, self.value, points)[:, None] * normals
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,19 +141,6 @@ class GivenForces(Load):
     def forces(self, problem: LoadedProblem) -> Floats:  # noqa: ARG002 (they are given)
         """See `Load.forces`."""
         return self.values
-
-
-def _edge_forces(problem: LoadedProblem, edges: str, traction: Callable[[Floats, Floats], Floats]) -> Floats:
-    """Forces of a traction, a function of points and normals (n, 2)."""
-    rule = edge_quadrature(problem.space, problem.space.mesh.edge_set(edges))
-    n_edges, n_points, _ = rule.points.shape
-    points = rule.points.reshape(-1, 2)
-    values = traction(points, rule.normals.reshape(-1, 2)).reshape(n_edges, n_points, 2)
-    weights = rule.weights * problem.depth(rule.points)
-    at_nodes = np.einsum("eq,eqi,qm->emi", weights, values, rule.shapes)
-    forces = np.zeros((problem.space.n_dofs, 2))
-    np.add.at(forces, rule.nodes, at_nodes)
-    return forces
 
 
 @dataclass(frozen=True)
@@ -243,6 +243,12 @@ class Gravity(Load):
         return np.array(densities)[problem.cell_material]
 
 
+def _add(forces: Floats, batch: CellBatch, local: Floats) -> None:
+    """Add forces of cells (2, n_local, n_cells) to those of all unknowns."""
+    for component, own in enumerate(local):
+        forces[:, component] += np.bincount(batch.dofs.ravel(), own.ravel(), minlength=len(forces))
+
+
 def _volume_forces(problem: LoadedProblem, value: Vector, factors: Floats) -> Floats:
     """Forces of a force per volume times a factor of each cell (n_cells,), on projections (Moherdaui 2021, 3.81)."""
     space = problem.space
@@ -260,8 +266,7 @@ def _volume_forces(problem: LoadedProblem, value: Vector, factors: Floats) -> Fl
         weights = weights * problem.depth(rows) * here
         products = np.einsum("aqe,qe,qei->iae", reconstruction.at(points), weights, values)
         local = np.einsum("iae,ame->ime", products, reconstruction.projected_value)
-        for component in range(2):
-            forces[:, component] += np.bincount(batch.dofs.ravel(), local[component].ravel(), minlength=space.n_dofs)
+        _add(forces, batch, local)
     return forces
 
 
@@ -300,6 +305,5 @@ class TemperatureChange(Load):
         for batch in problem.space.batches():
             reconstruction = batch.element.reconstruct(batch.outline)
             local = problem.thermal_forces(batch, reconstruction, [self])
-            for component in range(2):
-                forces[:, component] += np.bincount(batch.dofs.ravel(), local[component].ravel(), minlength=len(forces))
+            _add(forces, batch, local)
         return forces

@@ -67,5 +67,4 @@ def _far_from(nodes: Floats, missing: Bools) -> Bools:
     if not missing.any():
         return ~missing
     around = cKDTree(nodes).query(nodes, k=min(NEIGHBOURS, len(nodes)))[0]
-    far: Bools = cKDTree(nodes[missing]).query(nodes)[0] > 2.0 * around[:, -1]
-    return far
+    return cKDTree(nodes[missing]).query(nodes)[0] > 2.0 * around[:, -1]

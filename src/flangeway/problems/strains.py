@@ -14,6 +14,8 @@ from flangeway.types import Floats
 
 STRAIN_PLACES = np.array([[0, 2, 3], [2, 1, -1]])
 """Place among xx, yy, 2 xy, zz of the strain that is a component's (row) derivative by x, by y, or its hoop strain."""
+STRAINS = np.array([strain == STRAIN_PLACES for strain in range(4)], dtype=np.float64)
+"""Each strain by component and derivative, shape (4, 2, 3)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,12 +26,10 @@ from flangeway.types import Floats
 
 Formulation = Literal["warping", "prandtl"]
 Load = Literal["projected", "vertex_mean"]
-Gradient = Literal["energy", "l2"]
 
 _CHOICES = {
     "formulation": ("warping", "prandtl"),
     "load": ("projected", "vertex_mean"),
-    "gradient": ("energy", "l2"),
 }
 
 
@@ -89,10 +87,6 @@ class Torsion:
         How Prandtl's function is integrated, for the load and for the torsional rigidity: ``"projected"`` by the
         L2 projection (Moherdaui 2021, 3.81), or ``"vertex_mean"``, area times the mean of the vertices' values (order 1
         only; less accurate on polygons, the same on triangles).
-    gradient
-        Gradient of a virtual function in stiffness, rigidity and stresses: ``"energy"``, that of the projection that is
-        orthogonal in energy (Moherdaui 2021, 3.69), or ``"l2"``, the L2 projection of the gradient, which keeps its
-        rotation too. They differ on virtual elements of order 2 and more.
 
     Raises
     ------
@@ -105,7 +99,6 @@ class Torsion:
     shear_modulus: float | Mapping[str, float] = 1.0
     formulation: Formulation = "warping"
     load: Load = "projected"
-    gradient: Gradient = "energy"
 
     def __post_init__(self) -> None:
         for name, allowed in _CHOICES.items():
@@ -145,7 +138,7 @@ class Torsion:
         mesh = self.space.element_mesh
         weights = self.cell_moduli * mesh.cell_areas
         base = mesh.points[0]
-        return np.asarray(base + weights @ (mesh.cell_centroids - base) / weights.sum())
+        return base + weights @ (mesh.cell_centroids - base) / weights.sum()
 
     @cached_property
     def boundary(self) -> SectionBoundary:
@@ -162,18 +155,7 @@ class Torsion:
         moduli = self.cell_moduli[batch.cells]
         if self.formulation == "prandtl":
             moduli = 1.0 / moduli
-        if self.gradient == "energy":
-            return energy_stiffness(batch.element, reconstruction, moduli)
-        energetic = reconstruction.for_energy
-        matrices = energetic.gradient_energy(energetic.gradient, moduli)
-        stabilisation = batch.element.stabilise(reconstruction, matrices[None, None])
-        if stabilisation is not None:
-            matrices += stabilisation
-        return matrices
-
-    def cell_gradient(self, reconstruction: Reconstruction) -> Floats:
-        """Coefficients of the gradient chosen, (n_monomials(k - 1), 2, n_local, n_cells)."""
-        return reconstruction.value_gradient if self.gradient == "energy" else reconstruction.gradient
+        return energy_stiffness(batch.element, reconstruction, moduli)
 
     def load_vector(self) -> Floats:
         """Right-hand side, shape (n_dofs,); the holes' part of Prandtl's is in `reduced`."""
@@ -250,7 +232,7 @@ class Torsion:
         return np.concatenate(((frame.origin - self.centre[:, None])[:, None], inverse), axis=1)
 
     def cell_shear_stresses(self, batch: CellBatch, function: Floats) -> tuple[Reconstruction, Floats]:
-        """Shear stresses inside cells for ``theta' = 1``, from the reconstruction.
+        """Shear stresses inside cells for ``theta' = 1``, from the projection that is orthogonal in energy.
 
         Warping: ``G (psi,x - y)``, ``G (psi,y + x)``, of degree max(k - 1, 1).
         Prandtl: ``phi,y``, ``-phi,x``, of degree k - 1.
@@ -270,7 +252,7 @@ class Torsion:
 
         """
         reconstruction = batch.element.reconstruct(batch.outline)
-        gradient = np.einsum("aime,me->iae", self.cell_gradient(reconstruction), function[batch.dofs])
+        gradient = np.einsum("aime,me->iae", reconstruction.value_gradient, function[batch.dofs])
         if self.formulation == "prandtl":
             return reconstruction, np.stack((gradient[1], -gradient[0]))
         degree = max(self.space.order - 1, 1)

@@ -1,12 +1,10 @@
-"""Linear solvers, condensation, Newton's method for contact, and adaptive steps."""
+"""Linear solvers, condensation, handles, laws of contact, and adaptive steps."""
 
 from flangeway.solve.body_response import BodyResponse, SurfaceNodes
 from flangeway.solve.condensed import CondensedBodies, condensed_bytes
 from flangeway.solve.elasticity_solution import ElasticitySolution, solve_elasticity
 from flangeway.solve.handles import Handle
 from flangeway.solve.harmonic_solution import HarmonicSolution, solve_harmonic
-from flangeway.solve.linearisation import Constraints, Linearisation
-from flangeway.solve.newton import ContactState, solve_contact
 from flangeway.solve.nonlinear_solution import NonlinearSolution, solve_nonlinear
 from flangeway.solve.sparse import SparseBodies
 from flangeway.solve.status import Checks, Iteration, NewtonSettings, Status
@@ -20,13 +18,10 @@ __all__ = [
     "Checks",
     "ComplianceTable",
     "CondensedBodies",
-    "Constraints",
-    "ContactState",
     "ElasticitySolution",
     "Handle",
     "HarmonicSolution",
     "Iteration",
-    "Linearisation",
     "NewtonSettings",
     "NonlinearSolution",
     "SparseBodies",
@@ -38,7 +33,6 @@ __all__ = [
     "compliance_table",
     "condensed_bytes",
     "follow",
-    "solve_contact",
     "solve_elasticity",
     "solve_harmonic",
     "solve_nonlinear",

@@ -109,7 +109,7 @@ class Motions:
         along = np.abs(self.resultants) @ np.abs(forces) + np.abs(self.residual)
         maximum = np.zeros(int(self.parts.max(initial=0)) + 1)
         np.maximum.at(maximum, self.parts, along)
-        return np.asarray(maximum[self.parts])
+        return maximum[self.parts]
 
     def sprung(self, diagonal: Floats, stiffness: float) -> "Motions":
         """With springs against the motions of a step, so that equations that no constraint holds have a solution.
@@ -219,7 +219,7 @@ class Laws:
         if self.barred:
             slacks = slacks.copy()
             slacks[: self.m] -= standoffs(np.maximum(answer.forces[: self.m], 0.0), self.barriers)
-        return np.asarray(answer.forces - self.stiffness * slacks)
+        return answer.forces - self.stiffness * slacks
 
 
 def standoffs(normal: Floats, barriers: Floats) -> Floats:

@@ -198,7 +198,7 @@ class CondensedBodies(BodyResponse):
             bend = np.linalg.solve(matrix, stiffness @ result[np.ix_(bent[own], columns)])
             for here, mine, rows in bodies:  # each body yields to its own forces alone
                 result[here, columns] -= rows.T @ bend[mine]
-        return np.asarray(turn @ result)
+        return turn @ result
 
     def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:
         local = np.matmul(forces[:, None], rotations)[:, 0]

@@ -55,8 +55,7 @@ class ElasticitySolution(ElasticField):
 
     def displacement_at_node(self, point: tuple[float, float]) -> Floats:
         """Displacement (2,) of the node at a given place; an InputError where there is none."""
-        result: Floats = self.displacements[self.problem.node_at(point)]
-        return result
+        return self.displacements[self.problem.node_at(point)]
 
 
 def solve_elasticity(problem: Elasticity) -> ElasticitySolution:

@@ -154,7 +154,7 @@ class Factor:
         solution = self._solve(rhs)
         if digits < REFINED_BELOW:
             solution = solution + self._solve(rhs - self._inner @ solution)
-        return np.asarray(solution)
+        return solution
 
     def solve(self, load: ArrayLike, values: ArrayLike = 0.0) -> NDArray[Any]:
         """Solve with prescribed values of the fixed unknowns.

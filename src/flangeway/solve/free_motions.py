@@ -75,7 +75,7 @@ def _unheld(
     if problem.axisymmetric:  # a body of revolution only moves along its axis
         conditions.append(np.eye(3 * n_pieces)[np.arange(3 * n_pieces) % 3 != 1])
     _, values, vectors = np.linalg.svd(np.linalg.qr(np.concatenate(conditions), mode="r"))
-    return np.asarray(vectors[values <= FREE * max(values.max(), 1.0)].T)
+    return vectors[values <= FREE * max(values.max(), 1.0)].T
 
 
 def refuse_floating(body: LinearBody) -> None:

@@ -134,8 +134,7 @@ class Handle:
 
     def pivot_after(self, motion: Floats) -> Floats:
         """Pivot in space, shape (2,), after a motion (n_motions,)."""
-        moved: Floats = self.pivot + motion[: len(self.directions)] @ self.directions
-        return moved
+        return self.pivot + motion[: len(self.directions)] @ self.directions
 
     def forces(self, motion: Floats) -> Floats:
         """Forces along the slides, and moment about the pivot, of load and springs after a motion (n_motions,)."""

@@ -135,5 +135,4 @@ class SparseBodies(BodyResponse):
     def _solve(self, at_nodes: Floats) -> Floats:
         rhs = np.zeros(self.n_unknowns + 1)
         rhs[self._unknowns] = at_nodes
-        solution: Floats = self._undeformed.solve(rhs[:-1])
-        return solution
+        return self._undeformed.solve(rhs[:-1])

@@ -136,8 +136,7 @@ class SurfaceCells:
     @property
     def middles(self) -> Floats:
         """Middles of the cells' chords, shape (n_cells, 2)."""
-        middles: Floats = (self.ends[1:] + self.ends[:-1]) / 2.0
-        return middles
+        return (self.ends[1:] + self.ends[:-1]) / 2.0
 
     @cached_property
     def frames(self) -> Floats:

@@ -130,8 +130,7 @@ class ComplianceTable:
 def half_angles(frames: Floats) -> NDArray[np.complex128]:
     """Half of the angle from the tangent of each cell to that of each other one, as exp(i a), shape (n, n)."""
     tangents = frames[:, 0, :2] @ np.array([1.0, 1j])
-    result: NDArray[np.complex128] = np.sqrt(tangents / tangents[:, None])
-    return result
+    return np.sqrt(tangents / tangents[:, None])
 
 
 def turned(exact: Floats, frames: Floats) -> Floats:
@@ -156,8 +155,7 @@ def turned(exact: Floats, frames: Floats) -> Floats:
     turn[..., 0, 0] = turn[..., 1, 1] = half.real
     turn[..., 0, 1], turn[..., 1, 0] = half.imag, -half.imag
     turn[..., 2, 2] = 1.0
-    result: Floats = turn @ exact @ turn
-    return result
+    return turn @ exact @ turn
 
 
 def compliance_table(

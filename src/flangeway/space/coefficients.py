@@ -107,8 +107,7 @@ def _of_sets(space: Space, given: Mapping[str, ArrayLike]) -> Floats:
     shapes = {value.shape for value in parts.values()}
     if len(shapes) != 1:
         raise InputError(f"coefficients of shapes {sorted(shapes)}", "one shape", "give matrices to all cell sets")
-    values: Floats = np.array(list(parts.values()))[set_numbers(space.mesh, parts, "coefficient")]
-    return values
+    return np.array(list(parts.values()))[set_numbers(space.mesh, parts, "coefficient")]
 
 
 def _tensor(values: Floats, of: str) -> Floats:

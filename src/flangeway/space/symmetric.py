@@ -66,8 +66,7 @@ class SymmetricMatrix:
     def times(self, vector: Floats) -> Floats:
         """Product with a vector (n,)."""
         lower = self.lower
-        product: Floats = lower @ vector + lower.T @ vector - lower.diagonal() * vector
-        return product
+        return lower @ vector + lower.T @ vector - lower.diagonal() * vector
 
     def magnitudes(self, vector: Floats) -> Floats:
         """``|K| |u|``: of the terms that the product adds up, which round-off of the entries is relative to."""
@@ -174,8 +173,7 @@ class DifferenceProduct:
 
     def times(self, vector: Floats) -> Floats:
         """Forces on the free unknowns from their values, (n_free,)."""
-        result: Floats = self._transform.T @ self.at_nodes(self._transform @ vector)
-        return result
+        return self._transform.T @ self.at_nodes(self._transform @ vector)
 
     def at_nodes(self, vector: Floats) -> Floats:
         """Forces at the nodes from displacements there, (2 n_nodes,)."""
@@ -186,8 +184,7 @@ class DifferenceProduct:
         """See `SymmetricMatrix.magnitudes`: here ``g_i = sum_j |K_ij| |u_j - u_i|``, times the entries' round-off."""
         nodal = self._transform @ vector
         terms = self._round_off * self._sums(np.abs(self._values), nodal, np.abs)
-        result: Floats = abs(self._transform).T @ (terms + abs(self._added) @ np.abs(nodal))
-        return result
+        return abs(self._transform).T @ (terms + abs(self._added) @ np.abs(nodal))
 
     def _sums(self, values: Floats, vector: Floats, of: Callable[[Floats], Floats] = np.asarray) -> Floats:
         """Sums of values times a function of the differences of their column node's and row node's displacement.

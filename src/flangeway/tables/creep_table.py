@@ -374,16 +374,7 @@ class CreepTable:
 
         """
         nodes, weights = self.position(lateral_mm, yaw_mrad, load_kN, clamp=clamp)
-        return self._forces(nodes, weights, self._contacts(nodes, weights), creepages, friction)
-
-    def _forces(
-        self,
-        nodes: NDArray[np.intp],
-        weights: Floats,
-        contacts: Mapping[str, Floats],
-        creepages: ArrayLike,
-        friction: ArrayLike,
-    ) -> Floats:
+        contacts = self._contacts(nodes, weights)
         names = "normal_force_N", "stiffness_N", "radius_mm", "free_creepage"
         normal, stiffness, radius, free = (contacts[name] for name in names)
         given = np.asarray(creepages, float)

@@ -89,7 +89,7 @@ class Fading(Evolution):
 def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
     """A run that goes on from its file gives the same depths as one without interruption, to the last digit."""
     collective = Collective([state()])
-    evolution = Fading(collective, {"wheel": ENERGY}, settings(2e4, 0.1, max_error_mm=4e-3))
+    evolution = Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3))
     whole = evolution.run(tmp_path / "whole.sqlite")
     assert len(whole) > 2
 
@@ -107,7 +107,7 @@ def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
     key = ("wheel", "right")
     assert (parts[-1].surfaces[key].depth == whole[-1].surfaces[key].depth).all()
     assert (parts[-1].surfaces[key].depth > 0.0).any()
-    again = Fading(collective, {"wheel": ENERGY}, settings(2e4, 0.1, max_error_mm=4e-3, filter_mm=1.0))
+    again = Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3, filter_mm=1.0))
     with pytest.raises(InputError, match=r"parts\.sqlite"):
         again.run(tmp_path / "parts.sqlite")
 

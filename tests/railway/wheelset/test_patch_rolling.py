@@ -20,15 +20,6 @@ from studies.wheelset3d.one_wheel import as_half_spaces
 from tests.railway.wheelset.conftest import coarse_case
 
 
-def solved(half_spaces=False, **changes):
-    case = coarse_case()
-    problem, model = replace(case.problem(), **changes), case.spatial_model()
-    surfaces = running_surfaces(problem, model)
-    if half_spaces:
-        surfaces = {side: as_half_spaces(each) for side, each in surfaces.items()}
-    return solve_position(SpatialWheelset(problem, surfaces, model), {})
-
-
 @pytest.fixture(scope="module")
 def bodies(wheelset):
     """A wheelset in the middle of the track on a continuous foundation."""
@@ -51,9 +42,11 @@ def test_the_normal_part_is_that_of_normal_contact_and_forces_are_reciprocal(bod
     assert contact.force == pytest.approx(np.linalg.norm(patch.ellipse.force), rel=1e-3)
 
 
-def test_half_spaces_on_a_tread_are_flat_half_spaces():
+def test_half_spaces_on_a_tread_are_flat_half_spaces(wheelset):
     """Creep forces of cells on a curved rail are those of a plane patch to 0.5 % of the limit of friction."""
-    contact = rolling_contact_of(solved(half_spaces=True).patches[0], Friction(0.3))
+    half = {side: as_half_spaces(each) for side, each in wheelset.surfaces.items()}
+    found = solve_position(SpatialWheelset(wheelset.problem, half, wheelset.model), {})
+    contact = rolling_contact_of(found.patches[0], Friction(0.3))
     plane = RollingContact.between_half_spaces(contact.grid, contact.pressures, contact.friction, contact.materials)
     motion = Creepages(5e-4, -1e-3, 2e-5)
     one, other = roll(contact, motion), roll(plane, motion)
@@ -102,7 +95,11 @@ def test_spin_is_counter_clockwise_from_above(bodies):
 
 def test_different_materials_find_their_pressures_anew():
     """A softer wheel: pressures change with friction, their resultant does not."""
-    found = solved(wheel_material=Elastic(100e3, 0.33))
+    problem, model = (
+        replace(coarse_case().problem(), wheel_material=Elastic(100e3, 0.33)),
+        coarse_case().spatial_model(),
+    )
+    found = solve_position(SpatialWheelset(problem, running_surfaces(problem, model), model), {})
     contact = rolling_contact_of(found.patches[0], Friction(0.3))
     assert contact.pressed is not None
     state = roll(contact, Creepages(2e-3))

@@ -164,6 +164,7 @@ def test_a_flange_in_contact_has_nadals_limit_beside_it(wheelset):
     assert max(power) > 1e3
 
 
+@pytest.mark.ci
 def test_a_torque_above_friction_is_no_equilibrium(wheelset):
     """Friction cannot transmit it: the status says so."""
     one = coarse_case(lateral_mm=0.0, torque_kNm=80.0, **ROLLS)

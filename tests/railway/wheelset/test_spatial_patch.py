@@ -49,6 +49,7 @@ def test_a_wheel_on_the_crown_of_a_rail_touches_as_hertz_says() -> None:
     assert abs(found.patches[0].angle_rad) < 1e-6
 
 
+@pytest.mark.ci
 def test_both_sides_are_mirror_images() -> None:
     """On a symmetric track the pressures of both sides are equal to 1e-6, mirrored."""
     model = model_of("fem", 1, 0.5)

@@ -93,8 +93,7 @@ class CellForces:
     @property
     def across(self) -> Floats:
         """Middles of the cells along the surface, shape (n_cells,)."""
-        middles: Floats = self.cells.mean(axis=1)
-        return middles
+        return self.cells.mean(axis=1)
 
     @property
     def pressures(self) -> Floats:

@@ -73,7 +73,7 @@ class ElasticSurface:
     def interpolation(self, at: Floats, derivative: int = 0) -> Floats:
         """Weights of the tabulated stations at other ones, or of their derivatives, shape (m, n)."""
         inside = np.clip(at, self.stations[0], self.stations[-1])
-        return np.asarray(self._across(inside, derivative), dtype=np.float64)
+        return self._across(inside, derivative)
 
     @cached_property
     def _across(self) -> CubicSpline:
@@ -90,7 +90,7 @@ class ElasticSurface:
 
     def along(self, distances: Floats) -> Floats:
         """Weights of the tabulated distances along z at other ones, shape (m, n_z)."""
-        return np.asarray(self._along(np.minimum(distances, self.distances[-1])), dtype=np.float64)
+        return self._along(np.minimum(distances, self.distances[-1]))
 
 
 def elastic_surface(
@@ -147,8 +147,7 @@ def _remainder(cells: SurfaceCells, strip: float, numbers: Ints, tolerance: floa
     ends = np.stack((cells.limits[:-1], cells.limits[1:]), axis=1)
     flat = half_spaces_on((cells.material,), ends, cells.frames, strip, n_strips)
     own -= flat[:, :, numbers].transpose(2, 3, 0, 4, 1)
-    remainder: Floats = np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)
-    return remainder
+    return np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)
 
 
 def half_spaces_on(

@@ -71,7 +71,7 @@ class Convolution:
         else:
             product = np.matmul(matrices, padded)
         moved = scipy.fft.irfft(out.conj() * product, 2 * n_strips, axis=0)[:n_strips]
-        return np.asarray(moved.transpose(2, 1, 0).reshape(*forces.shape[:-2], -1, n_strips))
+        return moved.transpose(2, 1, 0).reshape(*forces.shape[:-2], -1, n_strips)
 
 
 @dataclass(frozen=True, eq=False)

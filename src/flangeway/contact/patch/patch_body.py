@@ -152,8 +152,7 @@ class PatchBody:
             sine = (z - along * out_of_plane) / (radii * level)
             cosine = np.sqrt(1.0 - sine**2)
         turned = cosine[:, None] * first + sine[:, None] * second
-        result: Floats = centre + along[:, None] * axis + radii[:, None] * turned
-        return result
+        return centre + along[:, None] * axis + radii[:, None] * turned
 
 
 def stations_of(chain: Floats) -> Floats:

@@ -103,8 +103,7 @@ class PatchContact:
     @property
     def force(self) -> Floats:
         """Resultant on the second body, shape (2,)."""
-        total: Floats = self.contact.forces.sum(axis=1) @ self.pair.gaps.normals
-        return total
+        return self.contact.forces.sum(axis=1) @ self.pair.gaps.normals
 
     @cached_property
     def patches(self) -> list[ContactEllipse]:

@@ -250,7 +250,7 @@ class _Step:
 
     def cells(self, values: Floats) -> Floats:
         """Numbers of the cells (n_cells, n_strips) in the box, in the direction of rolling."""
-        return np.asarray((values if self.motion.speed >= 0.0 else values[:, ::-1])[self.inside])
+        return (values if self.motion.speed >= 0.0 else values[:, ::-1])[self.inside]
 
     def rigid(self, along: Floats | float, across: Floats | float, spin: Floats | float) -> Floats:
         """Rigid slip in the box over the distance."""

@@ -43,7 +43,7 @@ class LimitSlopes:
             heat = self.heat_by_force * np.sum(self.directions * forces, axis=-2)
             heat = heat - self.heat_by_slip * np.sum(self.directions * slips, axis=-2)
             change = change + self.by_rise * (heat @ self.warming.T)
-        return np.asarray(change)
+        return change
 
     def transposed(self, values: Floats) -> tuple[Floats, Floats]:
         """Derivatives of the sum of limits times values (..., n_cells, n_strips) by forces and slip."""
@@ -85,7 +85,7 @@ class FallingLimits:
         force, slip = np.linalg.norm(forces, axis=1), np.linalg.norm(slips, axis=1)
         rise = self._rise(self.velocity / self.areas * force * slip)
         static, kinetic = self._limits
-        return np.asarray(kinetic + (static - kinetic) * self.friction.share(self.velocity * slip, rise))
+        return kinetic + (static - kinetic) * self.friction.share(self.velocity * slip, rise)
 
     @cached_property
     def _limits(self) -> tuple[Floats, Floats]:

@@ -139,7 +139,7 @@ class SimplifiedRolling(CreepForces):
         work = np.stack([np.interp(at, nodes, of) for at, of in zip(place, self._work, strict=True)])
         density = np.zeros(self.contact.pressures.shape)
         density[self.strips.inside] = -self.ellipse.direction * np.diff(work, axis=1) / (2.0 * half)
-        return np.asarray(abs(self.motion.speed) * density)
+        return abs(self.motion.speed) * density
 
     @cached_property
     def flash_temperatures(self) -> Floats | None:

@@ -314,7 +314,7 @@ class FrictionProblem:
     def _within(self, forces: Floats) -> Floats:
         """Forces cut at the limits."""
         length, limits = np.linalg.norm(forces, axis=1, keepdims=True), self.limits[:, None]
-        return np.asarray(forces * np.where(length > limits, limits / np.where(length > 0.0, length, 1.0), 1.0))
+        return forces * np.where(length > limits, limits / np.where(length > 0.0, length, 1.0), 1.0)
 
 
 def tangential_convolution(coefficients: Floats) -> Convolution:
@@ -325,7 +325,7 @@ def tangential_convolution(coefficients: Floats) -> Convolution:
 
 def _across(directions: Floats, values: Floats) -> Floats:
     """Parts of values (..., n_cells, 2, n_strips) across directions."""
-    return np.asarray(values - directions * np.sum(directions * values, axis=-2, keepdims=True))
+    return values - directions * np.sum(directions * values, axis=-2, keepdims=True)
 
 
 def _solved(law: Linear, near: Linear, right: Floats, tolerance: float) -> Floats:

@@ -188,8 +188,7 @@ class RollingContact:
     @cached_property
     def normal_forces(self) -> Floats:
         """Normal forces of the cells, shape (n_cells, n_strips)."""
-        forces: Floats = self.pressures * self.areas
-        return forces
+        return self.pressures * self.areas
 
     @property
     def force(self) -> float:
@@ -199,8 +198,7 @@ class RollingContact:
     @property
     def row_shares(self) -> Floats:
         """Shares of the rows of cells in the normal force, shape (n_cells,)."""
-        shares: Floats = self.normal_forces.sum(axis=1) / self.force
-        return shares
+        return self.normal_forces.sum(axis=1) / self.force
 
     @cached_property
     def places(self) -> tuple[Floats, Floats]:
@@ -236,8 +234,7 @@ class RollingContact:
             part = self._blocks[: n_strips + len(weights) - 1, rows, ::2, rows, ::2]
             return SlipOperator(part.reshape(-1, 2 * n_rows, 2 * n_rows), weights, n_strips)
 
-        operator: SlipOperator = self._shared((n_strips, rows.start, rows.stop, weights), make)
-        return operator
+        return self._shared((n_strips, rows.start, rows.stop, weights), make)
 
     def _shared(self, key: object, make: Callable[[], Any]) -> Any:
         if key not in self._operators:
@@ -265,8 +262,7 @@ class RollingContact:
             behind = blocks[:, :, ::2, :, 1].reshape(-1, 2 * n_cells, n_cells).swapaxes(1, 2)
             return Convolution(ahead, behind, (np.zeros(n_cells, dtype=bool), np.arange(2 * n_cells) % 2 == 1))
 
-        convolution: Convolution = self._shared("normal", make)
-        return convolution
+        return self._shared("normal", make)
 
     @cached_property
     def pressing(self) -> Floats:

@@ -134,7 +134,7 @@ class Rolling(CreepForces):
             gradients = (moved[..., BEYOND + 1 : 1 - BEYOND] - moved[..., BEYOND - 1 : -1 - BEYOND]) / 2.0
             rigid = abs(velocity) * self.motion.rigid(*self.contact.places)
             slips = (rigid - velocity * gradients / self.contact.grid.strip).swapaxes(1, 2)
-        return np.asarray(-np.sum(self.tractions * slips, axis=2))
+        return -np.sum(self.tractions * slips, axis=2)
 
     @property
     def frictional_power(self) -> float:

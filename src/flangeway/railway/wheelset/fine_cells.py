@@ -1,7 +1,7 @@
 """Cells of a side that are fine enough for its patches."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,6 +26,8 @@ LENGTHENED = 6.0
 """Longer side over shorter side of a cell, at most."""
 LONGEST = 1.8
 """Strips along the longest patch over those wanted along the shortest, at most."""
+UNLOADED, SHORTER = 2.0, 0.25
+"""Least size of cells without force over that of strips; part of a small gap up to which they reach along z."""
 MOST_ON_A_SIDE, MORE_ON_A_SIDE = 5000, 2.0
 """Cells in the windows of a side, at most, and the factor on them where more cells across a patch are wanted."""
 MAIN = 0.05
@@ -61,17 +63,23 @@ class _Window:
         return wanted
 
 
+def _span(intervals: Floats, inside: Bools, axis: int) -> tuple[float, float]:
+    """From the first to the last of the intervals (n, 2) of an axis in which some cells are."""
+    first, last = np.flatnonzero(inside.any(axis=1 - axis))[[0, -1]]
+    return float(intervals[first, 0]), float(intervals[last, 1])
+
+
 def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]:
     """One for each patch."""
     grid, pressures = state.grid.grid, state.cells.pressures
     windows: list[_Window] = []
     for patch in state.cells.patches(insides):
-        rows, columns = (np.flatnonzero(patch.inside.any(axis=axis)) for axis in (1, 0))
+        rows = np.flatnonzero(patch.inside.any(axis=1))
         highest = np.where(patch.inside, pressures, 0.0).max(axis=1)
         windows.append(
             _Window(
-                (float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])),
-                (float(grid.z[columns[0]]) - grid.strip / 2.0, float(grid.z[columns[-1]]) + grid.strip / 2.0),
+                _span(grid.cells, patch.inside, 0),
+                _span(grid.strip_ends, patch.inside, 1),
                 *patch.widths,
                 float(state.forces[patch.inside].sum() / state.forces.sum()),
                 rows,
@@ -81,15 +89,22 @@ def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]
     return windows
 
 
-def _nearby(state: SideState, within: float) -> list[_Window]:
-    """Windows where gaps are small, without force."""
-    grid, windows = state.grid.grid, list[_Window]()
-    for inside in separate_patches((state.gaps < within) & (within > 0.0)):
-        rows, columns = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
-        ends = float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])
-        planes = tuple((grid.z[columns[[0, -1]]] + grid.strip / 2.0 * np.array([-1.0, 1.0])).tolist())
-        windows.append(_Window(ends, planes, ends[1] - ends[0], planes[1] - planes[0], 0.0, rows, np.zeros((0, 2))))
-    return windows
+def _further(state: SideState, within: float, windows: Sequence[_Window]) -> list[_Window]:
+    """Windows outside of others, across, where there are forces or small gaps; theirs have no force.
+
+    Along z they are half as long as where gaps are small: about as long as a patch would be there.
+    """
+    grid, found = state.grid.grid, list[_Window]()
+    apart = np.ones(len(grid.cells), dtype=np.bool_)
+    for window in windows:
+        apart &= (grid.cells[:, 1] <= window.ends[0]) | (grid.cells[:, 0] >= window.ends[1])
+    for inside in separate_patches(((state.forces > 0.0) | (state.gaps < within)) & apart[:, None]):
+        least = float(state.gaps[inside].min())
+        close = (state.forces > 0.0) | (state.gaps <= least + SHORTER * max(within - least, 0.0))
+        ends, planes = _span(grid.cells, inside, 0), _span(grid.strip_ends, inside & close, 1)
+        none = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
+        found.append(_Window(ends, planes, ends[1] - ends[0], planes[1] - planes[0], 0.0, *none))
+    return found
 
 
 def _peaks(stations: Floats, values: Floats, size: float) -> Floats:
@@ -128,16 +143,17 @@ def finer(
     if not loaded.any():
         return old
     windows = _windows(state, insides)
-    for window in () if coarse is None else _windows(coarse, None) + _nearby(coarse, within):
-        if all(window.ends[1] < other.ends[0] or window.ends[0] > other.ends[1] for other in windows):
-            windows.append(replace(window, share=0.0, rows=np.zeros(0, dtype=np.int64), peaks=np.zeros((0, 2))))
+    windows += [] if coarse is None else _further(coarse, within, windows)
     windows.sort(key=lambda window: window.ends)
     middles = np.array([np.mean(window.ends) for window in windows])
     all_within = ((grid.cells[:, :1] <= middles) & (grid.cells[:, 1:] >= middles)).any(axis=0).all()
     main = [window for window in windows if window.share > MAIN]
     longest = max(window.along for window in main)
     strip = max(min(window.along for window in main) / n_across, longest / (n_across * LONGEST))
-    sizes = [min(max(window.across / n_across, strip / LENGTHENED), LENGTHENED * strip) for window in windows]
+    least = [strip / LENGTHENED if window.share else UNLOADED * strip for window in windows]
+    sizes = [
+        min(max(each.across / n_across, low), LENGTHENED * strip) for each, low in zip(windows, least, strict=True)
+    ]
     at_edge = grid.cuts(state.forces)
     enough = grid.strip <= COARSER * strip and all(
         (grid.widths[window.rows] <= COARSER * window.sizes(grid.cells[window.rows], size, n_across)).all()

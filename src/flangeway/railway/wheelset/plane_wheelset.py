@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flangeway.contact import ContactState, solve_contact
 from flangeway.geometry import Placement
 from flangeway.railway.rigid.elastic_start import rigid_start
 from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_WAY, Equilibrium, with_loads
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
-from flangeway.solve import BodyResponse, CondensedBodies, ContactState, Handle, Status, solve_contact
+from flangeway.solve import BodyResponse, CondensedBodies, Handle, Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
 

@@ -38,10 +38,9 @@ PRESSED_MM = 0.1
 """Depth below the rigid position, beyond what the rails sink, at which the search begins."""
 MAX_ITERATIONS = 120
 """Newton steps until the equilibrium."""
-ROLLING_RESIDUAL, FAST_RESIDUAL = 0.02, 1e-7
-"""Equilibrium residual with friction: where other cells follow, which change it by as much, and by fast theories, whose
-forces are not smooth."""
-LIFTED, TORQUE, YAW_MOMENT = 0.2, 3, 4
+FAST_RESIDUAL = 1e-7
+"""Equilibrium residual with friction by fast theories, whose forces are not smooth."""
+LIFTED, TORQUE, YAW_MOMENT = 0.1, 3, 4
 """Vertical or moment residual of wheels that do not carry the load; numbers of torque and yaw moment in residuals."""
 MAX_BENT_MM = 0.4
 """Displacement of a cell by creep forces in one step, at most."""
@@ -49,7 +48,7 @@ NEARBY = 5.0
 """Way over the step limits within which cells still fit."""
 GRID_RESIDUAL = 1e-3
 """Residual at which the cells are chosen."""
-FEWER_ACROSS, NESTED_RESIDUAL = 0.5, 2e-3
+FEWER_ACROSS, NESTED_RESIDUAL = 0.35, 2e-3
 """Cells across a patch over the final ones while creep forces are sought, and the residual on them."""
 MAX_GRIDS = 6
 """Fine grids that are made near the equilibrium, also to add patches outside of them."""
@@ -99,27 +98,25 @@ class SpatialWheelset:
     def solve(self, progress: Callable[[str], None] = lambda _: None) -> Equilibrium[SpatialState]:
         """Find the equilibrium, first on coarse cells over the whole running surfaces, then on fine ones.
 
-        With friction from the equilibrium without, and on few cells between both.
+        With friction from the equilibrium without on coarse cells, first on fewer fine cells: on coarse ones creep
+        forces jump with each cell that comes into contact.
         """
         start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM - self._sinking))
         kept = None, *self.problem.prescribed.components[1:]  # the wheelset is moved to a lateral position
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
-        motion, cells = self.model.rolling, self.model.patch_cells
-        newton = self._newton(position, None, None)
+        grids, yaw, tilts = self.whole(position, None, {}), self.model.yaw_rad, self._tilts_by_forces
+        newton = WheelsetNewton(self.problem, grids, position, yaw, tilts, None, None)
+        motion, across = self.model.rolling, self.model.patch_cells
         if motion is None:
-            return self._search(newton, ((cells, FINE_RESIDUAL),), progress)
-        free = self._search(newton, (), progress)
-        creep = WheelsetCreep(motion, rate_of(motion, free.state.sides), motion.theory, MAX_BENT_MM)
-        newton = self._newton(free.position, free.state, creep)
+            return self._search(newton, _Cells(self, position, ((across, FINE_RESIDUAL),)), progress)
+        free = self._search(newton, _Cells(self, position, ()), progress)
         last = FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
-        return self._search(newton, ((round(FEWER_ACROSS * cells), NESTED_RESIDUAL), (cells, last)), progress)
-
-    def _newton(
-        self, position: WheelsetPosition, near: SpatialState | None, creep: WheelsetCreep | None
-    ) -> WheelsetNewton:
-        """Start on coarse cells at a position, from a contact on such cells if it is known."""
-        grids = self.whole(position, near, {} if near is None else near.grids)
-        return WheelsetNewton(self.problem, grids, position, self.model.yaw_rad, self._tilts_by_forces, near, creep)
+        stages = (round(FEWER_ACROSS * across), NESTED_RESIDUAL), (across, last)
+        cells = _Cells(self, free.position, stages, free.state.sides)
+        grids, _ = cells.fine(free.state)
+        creep = WheelsetCreep(motion, rate_of(motion, free.state.sides), motion.theory, MAX_BENT_MM)
+        newton = WheelsetNewton(self.problem, grids, free.position, yaw, tilts, free.state, creep)
+        return self._search(newton, cells, progress)
 
     def whole(
         self, position: WheelsetPosition, near: SpatialState | None, before: Mapping[Side, GriddedSide]
@@ -129,17 +126,13 @@ class SpatialWheelset:
         return grids | {side: grid for side, grid in before.items() if grid.grid.covers(grids[side].grid)}
 
     def _search(
-        self, newton: WheelsetNewton, stages: Sequence[tuple[int, float]], progress: Callable[[str], None]
+        self, newton: WheelsetNewton, cells: "_Cells", progress: Callable[[str], None]
     ) -> Equilibrium[SpatialState]:
-        """Equilibrium by `WheelsetNewton`, first on the coarse cells of the whole running surfaces that it has.
+        """Equilibrium by `WheelsetNewton` from its cells, coarse ones of whole running surfaces or fine ones.
 
-        Then on cells that are fine enough for the patches, and that hold all of them. Where a patch comes to the end of
-        these, or the wheelset leaves the position that they are for, they are chosen by the contact on coarse cells.
-
-        - `stages`: cells across a patch, and the equilibrium residual; forces and tilts are found to the same share of
-          theirs. Near the equilibrium of the last stage cells are chosen by their own contact.
+        Fine cells suffice for the patches, and hold all of them. Where a patch comes to the end of these, or the
+        wheelset leaves the position that they are for, they are chosen by the contact on coarse cells.
         """
-        cells = _Cells(self, newton.position, stages)
         for iteration in range(MAX_ITERATIONS):
             newton.linearise()
             error = newton.relative.equilibrium_residual
@@ -293,7 +286,9 @@ class _Cells:
     """Cells of a search.
 
     - `place`: position that they are for.
-    - `stages`: see `SpatialWheelset._search`; `stage`: number of the current one.
+    - `stages`: cells across a patch, and the equilibrium residual; forces and tilts are found to the same share of
+      theirs. Near the equilibrium of the last stage cells are chosen by their own contact.
+    - `stage`: number of the current one.
     - `touching`: contact on coarse cells by which fine ones were chosen; empty on coarse cells.
     - `n_grids`: fine grids near the equilibrium; `last`: whether these do for it.
     - `status`: how the search ends.
@@ -312,7 +307,7 @@ class _Cells:
     def tolerance(self) -> float:
         """Equilibrium residual that is wanted on these cells."""
         if not self.touching:
-            return COARSE_RESIDUAL if self.wheelset.model.rolling is None else ROLLING_RESIDUAL
+            return COARSE_RESIDUAL
         wanted = self.stages[self.stage][1]
         return wanted if self.last else max(GRID_RESIDUAL, wanted)
 
@@ -344,7 +339,7 @@ class _Cells:
         if found.status.converged and any(each.grid.grid.cuts(each.forces) for each in self.touching.values()):
             self.status = Status(False, AT_END, found.status.iterations)
         self.last = False
-        return self._fine(SpatialState(self.touching) if far else found.state, NEAR_MM)
+        return self.fine(SpatialState(self.touching) if far else found.state, NEAR_MM)
 
     def _refined(self, found: Equilibrium[SpatialState]) -> Placed:
         """Cells of the next stage, or better ones for the equilibrium of the last one."""
@@ -354,19 +349,19 @@ class _Cells:
         elif self.stage < len(self.stages) - 1 or not self.touching:
             self.stage += bool(self.touching)
             self.touching = self.touching or state.sides
-            return self._fine(state)
+            return self.fine(state)
         elif self.n_grids < MAX_GRIDS:
             self.n_grids += 1
-            grids, _ = self._fine(state)
+            grids, _ = self.fine(state)
             beyond = self.wheelset.beyond(found, self.touching) if grids == state.grids and self.last else {}
             if beyond:
                 self.touching = {**self.touching, **beyond}
-                grids, state = self._fine(SpatialState({**state.sides, **beyond}))
+                grids, state = self.fine(SpatialState({**state.sides, **beyond}))
         if grids == found.state.grids:
             self.status, self.last = found.status if self.last else self.status, True
         return grids, state
 
-    def _fine(self, state: SpatialState, within: float = 0.0) -> Placed:
+    def fine(self, state: SpatialState, within: float = 0.0) -> Placed:
         """Fine cells of both sides for a contact, see `finer`."""
         across = self.stages[self.stage][0]
         sides = state.sides.items()

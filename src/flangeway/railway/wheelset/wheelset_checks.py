@@ -5,13 +5,14 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from flangeway.contact import ContactState
 from flangeway.contact.overlap import BodyOverlap
 from flangeway.post import cell_stresses, check_contact
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel
-from flangeway.solve import ContactState, Status
+from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
 MAX_RESIDUAL = 1e-6  # difference of contact forces and load over the vertical load; the search stops below 1e-10

@@ -7,10 +7,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from flangeway.contact import ContactSolution
+from flangeway.contact import ContactSolution, ContactState
 from flangeway.report.figures.drawing import GREY, INK, NODES, legend_below, name_axes, panels, power_of_ten
 from flangeway.report.page.tables import SummaryTable
-from flangeway.solve import ContactState
 
 MIN_ERROR = 1e-17  # value for errors of exactly zero on the logarithmic axis
 ERRORS = {"residual": "residual over the total force", "change": "change over the maximum displacement"}

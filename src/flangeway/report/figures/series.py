@@ -8,7 +8,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flangeway.contact import ContactSystem
+from flangeway.contact import ContactState, ContactSystem
 from flangeway.errors import InputError
 from flangeway.formats import write_vtu, write_vtu_lines
 from flangeway.geometry import Placement
@@ -16,7 +16,6 @@ from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses, contact_lines
 from flangeway.problems import ElasticField
 from flangeway.report.figures.display import shown_cells
-from flangeway.solve import ContactState
 from flangeway.types import Floats
 
 

@@ -76,8 +76,12 @@ def write_stresses(result: SpatialResult, side: Side, role: Role, path: Path) ->
     stresses: list[Floats] = []
     mises: list[Floats] = []
     for patch, field in found:
-        shown = field.depths <= DEPTH * patch.ellipse.semi_axes[1]
-        depths, along, z = np.meshgrid(field.depths[shown], field.along, field.z, indexing="ij")
+        # beyond the last cells the surface has no points of its own
+        low, high = patch.state.grid.grid.stations[[0, -1]]
+        shown = np.ix_(field.depths <= DEPTH * patch.ellipse.semi_axes[1], (field.along >= low) & (field.along <= high))
+        depths, along, z = np.meshgrid(
+            field.depths[shown[0].ravel()], field.along[shown[1].ravel()], field.z, indexing="ij"
+        )
         grids.append(patch.points_below(role, along.ravel(), depths.ravel(), z.ravel()).reshape(*z.shape, 3))
         stresses.append(field.components[shown])
         mises.append(field.von_mises[shown])

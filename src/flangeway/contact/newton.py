@@ -1,0 +1,696 @@
+"""Newton's method for placed linear bodies in unilateral contact.
+
+Unknowns are the contact forces p >= 0. Every iteration linearises the gaps ``g(x)`` and the direction of the forces
+about the current positions and solves the linear complementarity problem that follows: with the bodies' stiffness K and
+the geometric stiffness ``G = -sum p d2g`` of the *current* forces,
+
+    (K + G) u' = B^T p' + G u,   0 <= p',   0 <= g + B (u' - u) + C p',   p' . (...) = 0,
+
+where ``B = dg/du`` and C is the compliance of the contact law (0: no penetration; 1/penalty: Moherdaui (2021) 2.66 with
+the sign of the errata). Once the active set has settled this is Newton's method with the consistent tangent (Moherdaui
+2021, 3.118).
+
+With a barrier of the product w and the reach r, forces act at a gap: ``0 <= g + ... - w / (p' + w / r)``.
+
+A step is halved until the residual is below the maximum of the last steps (L. Grippo, F. Lampariello and S. Lucidi,
+1986, SIAM J. Numer. Anal. 23). What this does not reach from the start is reached along a path of smaller motions and
+loads (`flangeway.solve.steps`).
+
+Where a penetration is to be within a tolerance (augmented Lagrange), C acts on ``p' - p0`` instead. Until it is, the
+forces p0 are corrected to those found (Uzawa's method), and the penalty grows with each correction (D. P. Bertsekas,
+1982, Constrained Optimization and Lagrange Multiplier Methods, 2.2): with one penalty, patterns of forces that hardly
+displace the bodies are corrected hardly at all.
+
+With friction, tangential forces q are added. The slips w since the last converged step are linearised as the gaps are,
+with ``S = dw/du``, and their forces act along T, so that the linear problem is
+
+    (K + G) u' = B^T p' + T^T q' + G u,   |q'| <= mu p',   w + S (u' - u) + C q' + e = 0 or against q' at the limit,
+
+with Coulomb's law in place of the complementarity (`flangeway.solve.active_set`). The geometric stiffness has the turn
+of the tangential forces, ``-sum q dT``, and is not symmetric. C is the same as for the gaps; e is the slip ``-C q``
+that it had let back before.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from flangeway.contact.linearisation import (
+    ContactLinearisation,
+    Sliding,
+    carried_forces,
+    changed_keys,
+    contact_loads,
+    nodal_forces_of,
+    residual_of,
+)
+from flangeway.contact.system import ContactSystem
+from flangeway.geometry import Placement
+from flangeway.solve import active_set
+from flangeway.solve.active_set import CoulombState
+from flangeway.solve.body_response import BodyResponse, Constrained
+from flangeway.solve.handles import Handle, Handles
+from flangeway.solve.status import Iteration, NewtonSettings, Status, is_at_round_off
+from flangeway.types import Bools, Floats
+
+MEMORY, MAX_GROWTH, MIN_FRACTION = 12, 2.0, 1.0 / 32.0
+"""A step is halved while its residual is above the maximum of so many iterations before it, times the growth, until the
+fraction of the step. Active sets change in the first iterations, so that the residual need not fall in each; without
+any limit nodes on edges far shorter than their share of the surface, which are not stable under pressure, run away.
+After as many, pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
+
+SPRINGS = (1e-6, 1e-4, 1e-2, 1.0)
+"""Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint: the first one
+where all goes well."""
+
+NEAR = 0.5
+"""Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
+after the first iteration."""
+
+UNHELD = 1e-9
+"""Force left on a floating part over the maximum load, or the total force, above which a message names it."""
+
+NOT_BALANCED = 1e-6
+"""Force along a motion over the maximum load, above which a message names it."""
+
+ROUND_OFF = 1e-13
+"""Force over the maximum one below which it is round-off of the solved equations: its constraint is open."""
+
+UNHELD_AFTER = 12
+"""Iterations after which a part slides away if friction did not hold its load in one: by about its size."""
+
+MOST_DENSE_EQUATIONS = 4000
+"""Equations of a contact with friction up to which a dense matrix of them is made where there is another way."""
+
+NAMED = 3
+"""How many constraints a message names."""
+
+MAX_TRAVEL = 2.0
+"""Way over the size of the largest part after which no surface comes within reach of a part that nothing touches."""
+
+MAX_ROUNDS = 20
+"""Rounds of further constraints for nodes that penetrate."""
+
+PENALTY_GROWTH, MAX_CORRECTIONS = 10.0, 10
+"""Growth of the penalty with a correction of the forces, and corrections after which round-off hides the tolerance."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContactState:
+    """Solution of a contact problem for given placements.
+
+    Parameters
+    ----------
+    status
+        How the iteration ended.
+    placements
+        Placements of the bodies, those on handles as found.
+    displacements
+        Of the surface nodes, relative to their placed bodies, shape (n_nodes, 2).
+    positions
+        Of the surface nodes, shape (n_nodes, 2).
+    linearisation
+        Gaps about the final positions.
+    forces
+        Contact forces of its constraints, >= 0, shape (m,).
+    nodal_forces
+        Forces on the surface nodes, shape (n_nodes, 2).
+    history
+        One entry an iteration.
+    friction
+        Tangential forces and slips of the constraints; None without friction.
+    motions
+        Rigid motions of handles since their given placements, see `Handles`, shape (n,).
+    stable
+        Whether handles come back after a small push; None where that has no meaning: not converged, with friction,
+        without handles, or where a motion is free.
+    response
+        The bodies, with their loads.
+
+    """
+
+    status: Status
+    placements: tuple[Placement, ...]
+    displacements: Floats
+    positions: Floats
+    linearisation: ContactLinearisation
+    forces: Floats
+    nodal_forces: Floats
+    history: tuple[Iteration, ...] = field(default=())
+    friction: CoulombState | None = None
+    motions: Floats = field(default_factory=lambda: np.zeros(0))
+    stable: bool | None = None
+    response: BodyResponse | None = None
+
+
+def solve_contact(
+    response: BodyResponse,
+    constraints: ContactSystem,
+    placements: tuple[Placement, ...],
+    *,
+    handles: Sequence[Handle | None] | None = None,
+    start: ContactState | None = None,
+    keep_guards: bool = True,
+    settings: NewtonSettings | None = None,
+    origin: Floats | None = None,
+) -> ContactState:
+    """Find the contact forces of placed bodies.
+
+    Parameters
+    ----------
+    response
+        The bodies.
+    constraints
+        The contacts among them.
+    placements
+        Placement of each body.
+    handles
+        Handle of each body, the same object for all that share it, whose motion after the placements is unknown; None
+        for a body or all: there is none.
+    start
+        A solution of the same constraints for a neighbouring position, whose forces are the first guess. Where the
+        bodies have moved by little since, the first iteration also takes its linearisation. With friction it is the
+        converged step before: slip is counted from its positions.
+    keep_guards
+        Whether constraints of nodes that penetrated at the start stay: where positions are searched, forces have to be
+        continuous in them. Bodies that slide along a path leave the places of earlier steps.
+    settings
+        Limits of the iteration.
+    origin
+        Positions of the surface nodes from which slip is counted without a start, shape (n_nodes, 2); left out: those
+        of the placed bodies before deformation.
+
+    Returns
+    -------
+    ContactState
+        Its status says whether it converged.
+
+    """
+    settings = settings or NewtonSettings()
+    parts = Handles(response, placements, handles)
+    return _Run(response, constraints, parts, settings, start, origin, keep_guards).solve()
+
+
+_Step = tuple[Floats, Floats, Floats, Floats]
+"""New contact forces, tangential ones, nodal forces in equilibrium with them, and rigid motions."""
+
+
+class _Here(NamedTuple):
+    """State of a run from which steps are taken; see `ContactState`."""
+
+    motions: Floats
+    displacements: Floats
+    current: ContactLinearisation
+    forces: Floats
+    tangential: Floats
+    applied: Floats
+
+
+class _Run:
+    """One call of `solve_contact`: the current state and what was done."""
+
+    def __init__(
+        self,
+        response: BodyResponse,
+        constraints: ContactSystem,
+        parts: Handles,
+        settings: NewtonSettings,
+        start: ContactState | None,
+        origin: Floats | None,
+        keep_guards: bool,
+    ) -> None:
+        self.response, self.constraints, self.parts, self.settings = response, constraints, parts, settings
+        self.neutral, self.unheld = np.zeros((2, parts.n, 0)), np.zeros(parts.n)
+        self.tangent: tuple[Floats, active_set.Motions, Bools]
+        self.move(np.zeros(parts.n) if start is None else start.motions)
+        self.applied = np.zeros_like(self.reference) if start is None else start.nodal_forces
+        self.begun = self.reference
+        self.history: list[Iteration] = []
+        self.start, self.before = start, self.reference if origin is None else origin
+        self.displacements = np.zeros_like(self.reference)
+        if start is None:
+            self.current = after = constraints.linearise(self.reference, None)
+            self.forces = self.tangential = np.zeros(len(after.keys))
+        else:
+            self.before, self.current, self.forces = start.positions, start.linearisation, start.forces
+            self.tangential = np.zeros_like(start.forces) if start.friction is None else start.friction.forces
+            after = self.current
+            if not keep_guards:
+                # without the corner that holds it, a part on a handle would go where its load takes it
+                holding = self.forces if parts.n else np.zeros_like(self.forces)
+                after = constraints.unguarded(start.positions, after, holding)
+            if _is_near(start, self.reference):  # the first iteration uses the gaps of the start
+                self.displacements = start.positions - self.reference
+            else:
+                everywhere = np.arange(response.n_nodes)
+                self.displacements = response.displacements(self.rotations, everywhere, start.nodal_forces)
+                after = constraints.linearise(self.reference + self.displacements, after)
+        self.take_over(after)
+        self.stalled, self.corrections = False, 0
+        self.stable: bool | None = None
+        self.correct()
+
+    def move(self, motions: Floats) -> None:
+        """Place the parts on handles."""
+        self.motions = motions
+        self.placements = self.parts.placements(motions)
+        self.rotations = self.response.rotations(self.placements)
+        self.reference = self.response.reference(self.placements)
+
+    def solve(self) -> ContactState:
+        """Solve, and guard nodes that penetrate, until none does and penetrations are within their tolerance."""
+        rounds = 0
+        while True:
+            failure = self.iterate()
+            if failure is not None:
+                return self.result(failure, converged=False)
+            if self.excess() <= 1.0:
+                if not self.guard():
+                    more = f" and {_counted(self.corrections, 'correction')} of the forces" if self.corrections else ""
+                    if self.stalled:
+                        more += f", to round-off: the residual is {self.history[-1].residual:.1e}"
+                    return self.result(f"converged in {_counted(len(self.history), 'iteration')}{more}", converged=True)
+                rounds += 1
+                if rounds == MAX_ROUNDS:
+                    return self.result(
+                        f"not converged: nodes still penetrate after {rounds} rounds; take a finer mesh",
+                        converged=False,
+                    )
+            elif self.corrections == MAX_CORRECTIONS:
+                return self.result(
+                    f"not converged in {MAX_CORRECTIONS} corrections of the forces: the penetration is "
+                    f"{self.excess():.3g} times the tolerated one, which is below round-off; take a larger tolerance",
+                    converged=False,
+                )
+            else:
+                self.corrections += 1
+                self.correct()
+
+    def guard(self) -> bool:
+        """Add constraints where bodies overlap although those that there are hold; whether there are any."""
+        maximum = float(np.abs(self.displacements).max(initial=0.0))
+        more = self.constraints.guarded(self.reference + self.displacements, self.current, self.forces, maximum)
+        if more is None:
+            return False
+        self.take_over(more)
+        self.correct()
+        return True
+
+    def take_over(self, after: ContactLinearisation) -> None:
+        """Go on with another linearisation about the same positions or new ones; forces stay where constraints do."""
+        self.forces, self.tangential = (
+            carried_forces(self.current, each, after) for each in (self.forces, self.tangential)
+        )
+        self.current, self.slides = after, self._slides(after, self.displacements)
+
+    def correct(self) -> None:
+        """Take the forces found as those about which a tolerated penetration gives."""
+        self.anchor = (self.current, self.forces, self.tangential)
+
+    def excess(self) -> float:
+        """Maximum penetration, or gap under force, over the tolerated one."""
+        gaps = np.where(self.forces > 0.0, np.abs(self.current.gaps), -self.current.gaps)
+        if self.slides is not None and np.isfinite(self.current.tolerances).any():
+            # what the law lets back of the slips
+            gaps = np.maximum(gaps, np.abs(self._let_back(self.current, self.tangential)))
+        return float((gaps / self.current.tolerances).max(initial=0.0))
+
+    def iterate(self) -> str | None:
+        """Newton's method with the forces corrected last; None if it converged, else why not."""
+        first = len(self.history)
+        before = sum(each.correction == self.corrections for each in self.history)
+        for iteration in range(self.settings.max_iterations - before):
+            if loose := self._approach():
+                return loose
+            if iteration >= UNHELD_AFTER and self.unheld.any():
+                words = "; ".join(self.parts.describe(self.motions, self.unheld[:, None]))
+                what = "a load" if self.parts.load.any() else "what the motion presses"
+                return (
+                    f"no friction holds {what}: {words}; take a smaller load or motion, a larger coefficient of "
+                    "friction, or hold the part in Body(held=...)"
+                )
+            # deep in first overlaps the geometric stiffness can make the tangent indefinite: K on stiff springs is not
+            step = self._step() or self._step(bend=False)
+            if step is None:
+                return (
+                    "not converged: the contact laws of a linearised step have no solution; take smaller steps, a "
+                    "finer mesh or a softer penalty"
+                )
+            here, fraction, settle = self._here(), 1.0, len(self.history) >= MEMORY
+            limit = MAX_GROWTH * max((each.residual for each in self.history[-MEMORY:]), default=np.inf)
+            taken = self._take(here, step, fraction, settle=settle)
+            while taken.residual > limit and fraction > MIN_FRACTION:
+                fraction /= 2.0
+                taken = self._take(here, step, fraction, settle=settle)
+            self.history.append(taken)
+            floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / self._scale()
+            # the residual is that of the new state, its law of contact included, whatever changed on the way there
+            met = taken.residual <= max(self.settings.tolerance, floor) and fraction == 1.0
+            self.stalled = not met and is_at_round_off(self.history[first:])
+            if met or self.stalled:
+                return None
+        return self._explain()
+
+    def _here(self) -> "_Here":
+        return _Here(self.motions, self.displacements, self.current, self.forces, self.tangential, self.applied)
+
+    def _take(self, here: "_Here", step: "_Step", share: float, *, settle: bool) -> Iteration:
+        """Go a share of a step from a state; what that did."""
+        new_forces, new_tangential, applied, motion = step
+        nodes, before = here.current.nodes, (here.forces, here.tangential)
+        if self.parts.n:
+            self.move(here.motions + share * motion)
+        moved = self.response.displacements(self.rotations, nodes, applied[nodes])
+        if share < 1.0:
+            # bodies are linear: a share of the displacements is that by a share of the forces
+            moved, applied, new_forces, new_tangential = (
+                old + share * (new - old)
+                for old, new in (
+                    (here.displacements, moved),
+                    (here.applied, applied),
+                    (here.forces, new_forces),
+                    (here.tangential, new_tangential),
+                )
+            )
+        after = self.constraints.linearise(self.reference + moved, here.current, settle=settle)
+        self.current, self.displacements, self.forces, self.tangential = here.current, moved, new_forces, new_tangential
+        self.take_over(after)
+        carried, tangential, scale = self.forces, self.tangential, self._scale()
+        self.applied = applied
+        nodal, left = self._nodal(), self._left()
+        left -= self.neutral[0] @ (self.neutral[0].T @ left)
+        unbalanced = np.append(nodal - applied, left)
+        most = max(float(np.abs(each).max(initial=0.0)) for each in (applied, self.parts.load))
+        slack = self._gaps(after) + self._compliances(after) * carried - active_set.standoffs(carried, after.barriers)
+        residual = residual_of(slack, carried, unbalanced, most, scale)
+        if self.slides is not None:
+            slips = self._slips(after, self.slides) + self._let_back(after, tangential)
+            beyond, wrong = active_set.violation(carried, tangential, slips, after.coefficients)
+            residual = max(residual, beyond / max(float(carried.sum()), 1e-300), wrong / scale)
+        change = float(np.abs(moved - here.displacements).max(initial=0.0)) / scale
+        changed = changed_keys(here.current, before, after, (carried, tangential))
+        return Iteration(change, residual, int((carried > 0).sum()), changed, self.corrections)
+
+    def _scale(self) -> float:
+        """Maximum displacement, or way of a placed body."""
+        ways = self.displacements, self.reference - self.begun
+        return max(*(float(np.abs(each).max(initial=0.0)) for each in ways), 1e-300)
+
+    def _gaps(self, lin: ContactLinearisation) -> Floats:
+        """Gaps less what the corrected forces press in."""
+        return lin.gaps - self._compliances(lin) * self._anchored(self.anchor[1], lin)
+
+    def _compliances(self, lin: ContactLinearisation) -> Floats:
+        """Penetration for each force, by the penalty that has grown with the corrections of the forces, (m,)."""
+        grown = np.isfinite(lin.tolerances)
+        return np.where(grown, lin.compliances / PENALTY_GROWTH**self.corrections, lin.compliances)
+
+    def _anchored(self, forces: Floats, lin: ContactLinearisation) -> Floats:
+        """Forces of the anchor where they are corrected."""
+        return np.where(np.isfinite(lin.tolerances), carried_forces(self.anchor[0], forces, lin), 0.0)
+
+    def _slides(self, lin: ContactLinearisation, displacements: Floats) -> Sliding | None:
+        """Slips since the last step, where there is friction."""
+        if len(lin.keys) == 0 or not lin.coefficients.any():
+            return None
+        return lin.slides(self.reference + displacements, self.before)
+
+    def _slips(self, lin: ContactLinearisation, slides: Sliding) -> Floats:
+        """Slips since the last step, with the elastic ones of it."""
+        if self.start is None or self.start.friction is None:
+            return slides.slips
+        elastic = carried_forces(self.start.linearisation, self.start.friction.elastic, lin)
+        return slides.slips + elastic
+
+    def _let_back(self, lin: ContactLinearisation, tangential: Floats) -> Floats:
+        """What the compliance of the law takes from the slips."""
+        return self._compliances(lin) * (tangential - self._anchored(self.anchor[2], lin))
+
+    def _step(self, *, bend: bool = True) -> _Step | None:
+        """One iteration; None if the laws of the linearised problem have no solution.
+
+        - `bend`: with the geometric stiffness, by which the tangent may be indefinite deep in a first overlap.
+        """
+        current, applied = self.current, np.zeros_like(self.displacements)
+        if len(current.nodes) == 0:
+            return self.forces, self.tangential, applied, np.zeros(self.parts.n)
+        geometric, constrained = self._laws(bend=bend)
+        if (sparse := self._without_matrix(geometric, constrained)) is not None:
+            return self._sparse_step(geometric, constrained, *sparse)
+        by_loads, matrix, offset, rigid = self._problem(geometric, constrained)
+        m, n = len(self.forces), self.parts.n
+        guess = np.concatenate((self.forces, self.tangential))[: len(offset)]
+        for spring in SPRINGS[:1] if bend or not n else SPRINGS:
+            sprung = rigid.sprung(matrix.diagonal(), spring) if n else rigid
+            own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
+            laws = active_set.Laws(current.coefficients, current.barriers, own)
+            found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+            if found is not None:
+                break
+        if found is not None and n:
+            # with springs there always is a solution; without them Newton's method for the motions goes on from there
+            equations = active_set.DenseEquations(matrix, offset, laws, rigid)
+            left, right, loose = equations.free_motions(found)
+            self.neutral = np.stack([np.linalg.qr(each)[0] for each in (left, right)])
+            basis = _complement(left), _complement(right)
+            held = active_set.DenseEquations(matrix, offset, laws, rigid.without(*basis))
+            exact = None if loose else active_set.solve(laws, held, found.forces)
+            if exact is not None:
+                found = exact._replace(motions=basis[1] @ exact.motions)
+                self.unheld = np.zeros(self.parts.n)
+            elif self.slides is not None and not self.unheld.any():
+                self.unheld = rigid.unbalanced(found, self.neutral[0])
+        if found is None:
+            return None
+        self.tangent = matrix, rigid, found.forces[:m] > 0.0
+        motion = self.parts.shortened(found.motions, self.parts.velocities(self.motions, self.reference))
+        moved = by_loads @ np.concatenate((found.forces, (1.0,), motion))
+        nodal = constrained.directions.T @ found.forces - geometric @ (moved - constrained.displacements)
+        applied[current.nodes] = nodal.reshape(-1, 2)
+        return found.forces[:m], found.forces[m:] if self.slides is not None else self.tangential, applied, motion
+
+    def _without_matrix(
+        self, geometric: sp.csr_array, constrained: Constrained
+    ) -> tuple[active_set.SolvedRows, Floats] | None:
+        """See `BodyResponse.constrained`; None where a dense matrix of the constraints serves."""
+        barrier = self.current.barriers[:, 0].any()
+        if self.slides is None or self.parts.n or barrier or len(constrained.violations) <= MOST_DENSE_EQUATIONS:
+            return None
+        return self.response.constrained(self.rotations, self.current.nodes, geometric, constrained)
+
+    def _sparse_step(
+        self, geometric: sp.csr_array, constrained: Constrained, solved: active_set.SolvedRows, own: Floats
+    ) -> _Step | None:
+        """One iteration without a matrix of all constraints, see `BodyResponse.constrained`."""
+        current, m = self.current, len(self.forces)
+        laws = active_set.Laws(current.coefficients, current.barriers, own)
+        both = np.concatenate((self.forces, self.tangential))
+        found = active_set.solve(laws, active_set.sparse_equations(solved, laws), both)
+        if found is None:
+            return None
+        loads = constrained.directions.T @ found.forces + geometric @ constrained.displacements
+        column = sp.csr_array(loads[:, None])
+        given = self.rotations, current.nodes, geometric, column
+        moved = self.response.respond(*given, symmetric=self.slides is None)[:, 0]
+        applied = np.zeros_like(self.displacements)
+        applied[current.nodes] = (loads - geometric @ moved).reshape(-1, 2)
+        return found.forces[:m], found.forces[m:], applied, np.zeros(0)
+
+    def _laws(self, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
+        """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""
+        current = self.current
+        geometric = current.curvature(-self.forces)
+        at_nodes = self.displacements[current.nodes].ravel()
+        jacobian, directions, compliances = current.jacobian, current.jacobian, self._compliances(current)
+        violations = self._gaps(current)
+        if (slides := self.slides) is not None:
+            geometric = geometric + slides.curvature(-self.tangential)
+            directions, jacobian = (
+                sp.csr_array(sp.vstack((jacobian, own))) for own in (slides.directions, slides.jacobian)
+            )
+            compliances = np.tile(compliances, 2)
+            slips = self._slips(current, slides) + self._let_back(current, np.zeros(len(violations)))
+            violations = np.concatenate((violations, slips))
+        geometric = geometric if bend else sp.csr_array(geometric.shape)
+        return geometric, Constrained(at_nodes, jacobian, directions, compliances, violations)
+
+    def _problem(
+        self, geometric: sp.csr_array, constrained: Constrained
+    ) -> tuple[Floats, Floats, Floats, active_set.Motions]:
+        """Linear complementarity problem of an iteration.
+
+        Displacements by the forces, now and by rigid motions; flexibility and offset of gaps and slips; and the
+        equations of the rigid motions, see `flangeway.solve.handles`.
+        """
+        parts, nodes, slides = self.parts, self.current.nodes, self.slides
+        at_nodes, jacobian, directions = constrained.displacements, constrained.jacobian, constrained.directions
+        n = 2 * len(nodes)
+        m = len(constrained.violations)
+        positions = self.reference + self.displacements
+        rigid = parts.velocities(self.motions, positions)[nodes].reshape(n, parts.n)
+        turned = parts.turned(self.applied)[nodes].reshape(n, parts.n)
+        by_rigid, by_forces = turned - geometric @ rigid, turned - geometric.T @ rigid
+        loads = contact_loads(directions, np.column_stack((geometric @ at_nodes, by_rigid)))
+        answer = self.response.respond(self.rotations, nodes, geometric, loads, symmetric=slides is None)
+        stiffness = by_forces.T @ answer[:, m + 1 :] - rigid.T @ (geometric @ rigid)
+        # of the rotation's own second derivative; that of a rotation and a slide vanishes in equilibrium
+        stiffness[np.diag_indices(parts.n)] += np.einsum("dq,dq->q", turned, rigid)
+        stiffness += parts.tangent(self.motions)
+        residual = by_forces.T @ (answer[:, m] - at_nodes) + parts.forces(self.motions)
+        resultants = by_forces.T @ answer[:, :m] + (directions @ rigid).T
+        answer[:, m + 1 :] += rigid
+        at_gaps = jacobian @ answer
+        matrix = at_gaps[:, :m] + np.diag(constrained.compliances)
+        matrix = (matrix + matrix.T) / 2.0 if slides is None else matrix
+        offset = constrained.violations - jacobian @ at_nodes + at_gaps[:, m]
+        by_motion = at_gaps[:, m + 1 :]
+        if slides is None:  # symmetric but for rounding
+            stiffness, resultants = (stiffness + stiffness.T) / 2.0, by_motion.T
+        motions = active_set.Motions(by_motion, resultants, stiffness, residual, parts.numbers, parts.sizes)
+        return answer, matrix, offset, motions
+
+    def _nodal(self) -> Floats:
+        """Forces of the constraints on all surface nodes, shape (n_nodes, 2)."""
+        return nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
+
+    def _left(self) -> Floats:
+        """What is left of forces, loads and springs along the motions of handles, shape (n,)."""
+        return self.parts.residual(self.motions, self.reference + self.displacements, self._nodal())
+
+    def _stays_free(self) -> str:
+        """Words for the motions that nothing holds in the solution."""
+        if not self.parts.n:
+            return ""
+        (kept, free), unstable = self.neutral, np.zeros((self.parts.n, 0))
+        if not self.forces.any():
+            kept = free = np.eye(self.parts.n)
+        elif free.shape[1] < self.parts.n and self.slides is None:
+            matrix, rigid, active = self.tangent  # of the last step, which changes nothing any more
+            unstable = rigid.unstable(matrix, active, kept)
+            self.stable = False if unstable.size else None if free.size else True
+        left = self._left()
+        size = float(np.abs(kept.T @ left).max(initial=0.0))
+        why = "nothing prevents"
+        if size > UNHELD * self.forces.sum():
+            why = f"hardly anything prevents: it is kept in place, against a force of {size:.2g}"
+        named = [f"{words}, which {why}" for words in self.parts.describe(self.motions, free)]
+        named += [f"{words} out of an unstable equilibrium" for words in self.parts.describe(self.motions, unstable)]
+        return "".join(f"; {words}" for words in named)
+
+    def _explain(self) -> str:
+        last = self.history[-1]
+        if loose := self._loose():
+            return loose
+        unbalanced = self._unbalanced()
+        advice = "take smaller steps, a softer penalty or a finer mesh"
+        if not last.changed:
+            reason = f"the displacements still change by {last.change:.1e} of the maximum one"
+        else:
+            positions = self.reference + self.displacements
+            named = [self.constraints.describe(key, positions) for key in last.changed[:NAMED]]
+            more = f" and {len(last.changed) - NAMED} more" if len(last.changed) > NAMED else ""
+            reason = f"contact still comes and goes at {'; '.join(named)}{more}"
+            advice += (
+                "; with node-to-segment contact, nodes opposite each other change between two edges: take elements of "
+                "another size on one side, as half of it, or segment-to-segment"
+            )
+        return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}{unbalanced}; {advice}"
+
+    def _unbalanced(self) -> str:
+        """Words for the maximum force that is left on a handle."""
+        left = self._left()
+        if not (np.abs(left) > NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)).any():
+            return ""
+        most = np.zeros_like(left)
+        most[np.abs(left).argmax()] = 1.0
+        words = "; ".join(self.parts.describe(self.motions, most[:, None]))
+        return f"; a force of {np.abs(left).max():.3g} is not balanced, under which {words}"
+
+    def _approach(self) -> str:
+        """Move handles that nothing touches along their loads until a surface is within reach; words if none comes.
+
+        Their equations have no contact that answers: springs alone, or nothing but the way to the next surface.
+        """
+        if not self.parts.n:
+            return ""
+        scale, reach, travel = NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0), self.constraints.reach, 0.0
+        while travel <= MAX_TRAVEL * self.parts.size:
+            alone = self.parts.untouched(self.current.nodes)
+            left = np.where(alone, self.parts.forces(self.motions), 0.0)
+            if not (np.abs(left) > scale).any():
+                return ""
+            stiffness, step = self.parts.springs[np.ix_(alone, alone)], np.zeros(self.parts.n)
+            step[alone] = np.linalg.lstsq(stiffness, left[alone], rcond=None)[0]
+            left[alone] -= stiffness @ step[alone]
+            velocities = self.parts.velocities(self.motions, self.reference)
+            if (np.abs(left) > scale).any():  # no spring holds it: as far as the next surface is found
+                left = (
+                    self.parts.without_turns(left) if (self.parts.without_turns(np.abs(left)) > scale).any() else left
+                )
+                step += left * reach / float(np.linalg.norm(velocities @ left, axis=1).max())
+            length = float(np.linalg.norm(velocities @ step, axis=1).max())
+            travel += min(length, reach)
+            self.move(self.motions + step * min(1.0, reach / length))
+            self.take_over(self.constraints.linearise(self.reference + self.displacements, self.current))
+        return self._loose()
+
+    def _loose(self) -> str:
+        """Names the parts that move away because nothing answers to their loads."""
+        left = self._left()
+        velocities = self.parts.velocities(self.motions, self.reference + self.displacements)
+        held = np.einsum("niq,ni->q", np.abs(velocities), np.abs(self._nodal()))
+        beyond = NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)
+        pushed = np.where((np.abs(left) > beyond) & (held < beyond), left, 0.0)
+        words = self.parts.describe(self.motions, pushed[:, None] / np.abs(pushed).max()) if pushed.any() else []
+        if not words:
+            return ""
+        return (
+            f"no contact holds a load: {'; '.join(words)}; check its direction and its size, place the part "
+            "before what is to hold it, hold it in Body(held=...), or leave its load out"
+        )
+
+    def result(self, message: str, *, converged: bool) -> ContactState:
+        message += self._stays_free() if converged else ""
+        # which constraints are said to be closed must not rest on the last digit of the others' forces
+        self.forces = np.where(self.forces > ROUND_OFF * self.forces.max(initial=0.0), self.forces, 0.0)
+        friction = None
+        if (slides := self.slides) is not None:
+            slips, let_back = self._slips(self.current, slides), self._let_back(self.current, self.tangential)
+            given = self.forces, self.tangential, slips, let_back
+            previous = np.zeros(len(self.forces))
+            if self.start is not None:
+                previous = carried_forces(self.start.linearisation, self.start.forces, self.current)
+            friction = active_set.friction_state(*given, self.current.coefficients, previous)
+        return ContactState(
+            Status(converged, message, len(self.history)),
+            self.placements,
+            self.displacements,
+            self.reference + self.displacements,
+            self.current,
+            self.forces,
+            self._nodal(),
+            tuple(self.history),
+            friction,
+            self.motions,
+            self.stable,
+            self.response,
+        )
+
+
+def _complement(directions: Floats) -> Floats:
+    """Orthonormal directions (n, n - r) across those of the columns (n, r)."""
+    n, r = directions.shape
+    return np.linalg.qr(directions, mode="complete")[0][:, r:] if r else np.eye(n)
+
+
+def _counted(number: int, word: str) -> str:
+    return f"{number} {word}{'s' * (number != 1)}"
+
+
+def _is_near(start: ContactState, reference: Floats) -> bool:
+    """Whether a start's bodies have moved by less than a part of their displacements."""
+    moved = np.abs(reference - (start.positions - start.displacements)).max()
+    return bool(moved <= NEAR * np.abs(start.displacements).max())

@@ -1,0 +1,142 @@
+"""Overlaps, paths through bodies, large strains, slow slides, and floating bodies."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flangeway.contact import (
+    AugmentedLagrange,
+    Contact,
+    ContactSolution,
+    Enforcement,
+    Multiplier,
+    NodeToNode,
+    NodeToSegment,
+    Pairing,
+    SegmentToSegment,
+    Surface,
+    press,
+)
+from flangeway.contact.overlap import Boundary
+from flangeway.elements import Lagrange
+from flangeway.geometry import Placement, circle
+from flangeway.materials import Elastic
+from flangeway.mesh import rectangle_grid, triangulate
+from flangeway.problems import Body, Part
+from flangeway.solve import Handle
+
+STEEL = Elastic(210e3, 0.3)
+
+
+def blocks(pairing: Pairing, law: Enforcement | None = None, friction: float = 0.0, n: int = 8) -> Contact:
+    """A block of 4 x 4 mm above one of 10 x 10 mm, held at its top and its bottom."""
+    upper = rectangle_grid(4.0, 4.0, n, 4, origin=(-2.0, 0.0))
+    lower = rectangle_grid(10.0, 10.0, 20, 8, origin=(-5.0, -10.0))
+    top = Part("upper", Body("upper", upper, Lagrange(1), STEEL, "top"))
+    base = Part("lower", Body("lower", lower, Lagrange(1), STEEL, "bottom"))
+    sides = Surface(top, upper.edge_sets["bottom"]), Surface(base, lower.edge_sets["top"])
+    return Contact(*sides, pairing, law or Multiplier(), friction)
+
+
+def moved(contact: Contact, *shifts: tuple[float, float]) -> ContactSolution:
+    """The upper part moved by shifts, one after the other."""
+    return press([contact], [{contact.secondary.part: Placement(0.0, shift)} for shift in shifts])
+
+
+def test_straight_sides_that_bend_explain_no_overlap() -> None:
+    """Chords of a drawn arc have their sagitta; a straight side has none, also where it bends."""
+    mesh = rectangle_grid(4.0, 1.0, 8, 1)
+    part = Part("box", Body("box", mesh, Lagrange(1), STEEL))
+    bent = mesh.points + np.column_stack((np.zeros(len(mesh.points)), 0.1 * np.sin(mesh.points[:, 0])))
+    assert Boundary.of_part(part, bent).sagittas.max() == 0.0
+    arc = triangulate(circle(1.0), size=0.2)
+    n = len(arc.boundary_edges)
+    disc = Part("disc", Body("disc", arc, Lagrange(1), STEEL))
+    assert Boundary.of_part(disc, arc.points).sagittas == pytest.approx(1.0 - np.cos(np.pi / n), rel=0.05)
+
+
+@pytest.mark.parametrize("pairing", [SegmentToSegment()])
+def test_a_body_that_moved_through_another_has_not_converged(pairing: Pairing) -> None:
+    """Below the plate nothing touches, but the way leads through it; beside and above it leads nowhere."""
+    contact = blocks(pairing)
+    through = moved(contact, (0.0, -100.0))
+    assert not through.status.converged
+    assert "moved through" in through.status.message or through.status.checks is None
+    for shifts in ([(0.0, 50.0)], [(50.0, 0.0), (0.0, -100.0)], [(0.0, -0.01), (0.0, 0.02)]):
+        assert moved(contact, *shifts).status.converged
+
+
+def test_a_thin_plate_is_no_less_an_obstacle() -> None:
+    """A plate of a micrometre is passed by the nodes of a block in one step."""
+    plate = rectangle_grid(10.0, 1e-3, 4, 1, origin=(-5.0, -1e-3))
+    upper = rectangle_grid(4.0, 4.0, 2, 2, origin=(-2.0, 1.0))
+    parts = [
+        Part(name, Body(name, mesh, Lagrange(1), STEEL, side))
+        for name, mesh, side in (("upper", upper, "top"), ("plate", plate, "bottom"))
+    ]
+    contact = Contact(
+        Surface(parts[0], upper.edge_sets["bottom"]),
+        Surface(parts[1], plate.edge_sets["top"]),
+        SegmentToSegment(),
+        Multiplier(),
+    )
+    assert "moved through" in moved(contact, (0.0, -100.0)).status.message
+
+
+def test_strains_beyond_the_linear_range_are_said_with_their_size() -> None:
+    """The largest strain grows with the motion; a notice names it from 5 % on."""
+    small, large = (moved(blocks(NodeToSegment()), (0.0, -depth)) for depth in (0.01, 1.0))
+    assert small.status.checks is not None
+    assert large.status.checks is not None
+    assert small.status.checks.warnings == ()
+    assert large.status.checks.max_strain == pytest.approx(100.0 * small.status.checks.max_strain, rel=0.1)
+    assert large.status.checks.max_strain > 0.05
+    assert "not linear" in large.status.message
+
+
+@pytest.mark.parametrize(
+    ("pairing", "law", "friction"),
+    [(NodeToNode(), Multiplier(), 0.0), (NodeToSegment(), AugmentedLagrange(1e6, per="length", penetration=1e-6), 0.5)],
+)
+def test_sliding_ends_in_seconds(pairing: Pairing, law: Enforcement, friction: float) -> None:
+    """Sliding by more than an edge ends, whatever its outcome, in 20 s of processor; node-to-node had none in 300 s."""
+    started = time.process_time()
+    status = moved(blocks(pairing, law, friction), (0.0, -0.01), (0.6, 0.0)).status
+    assert time.process_time() - started < 20.0
+    assert status.converged == (not isinstance(pairing, NodeToNode))
+
+
+@pytest.mark.parametrize(("pairing", "friction"), [(NodeToSegment(), 0.0), (SegmentToSegment(), 0.4)])
+def test_floating_bodies_are_balanced(pairing: Pairing, friction: float) -> None:
+    """A block on a handle that slides and turns carries an eccentric load: forces and moments are left at round-off."""
+    contact = blocks(pairing, friction=friction)
+    part = contact.secondary.part
+    handle = Handle((part,), np.array([0.0, 4.0]), load=np.array([30.0, -1000.0, 0.0]), load_point=np.array([0.3, 4.0]),
+                    stiffness=np.diag([1e4, 0.0, 0.0]))  # fmt: skip
+    solution = press([contact], {}, handles=[handle])
+    assert solution.status.converged, solution.status.message
+    checks = solution.status.checks
+    assert checks is not None
+    assert max(checks.force_residual, checks.moment_residual) < 1e-8
+    forces = solution.nodal_forces(part)
+    assert forces.sum(axis=0)[1] == pytest.approx(1000.0, rel=1e-8)
+    at = solution.placement(part).points(part.body.nodes + solution.field(part).displacements[: len(part.body.nodes)])
+    pivot = solution.placement(part).points([handle.pivot])[0]
+    arms = at - pivot
+    lever = solution.placement(part).points([handle.load_point])[0] - pivot
+    moment = (arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]).sum() + lever[0] * -1000.0 - lever[1] * 30.0
+    assert abs(moment) < 1e-6 * 1000.0 * 4.0
+
+
+def test_an_unbalanced_solution_is_refused() -> None:
+    """A nodal force changed by a thousandth in a state that had converged is an error of balance."""
+    contact = blocks(NodeToSegment())
+    solution = moved(contact, (0.0, -0.01))
+    forces = solution.state.nodal_forces.copy()
+    forces[np.abs(forces).sum(axis=1).argmax()] *= 1.001
+    wrong = replace(solution, state=replace(solution.state, nodal_forces=forces))
+    given = [(part.placement, None) for part in solution.system.parts]
+    assert wrong.checked(given).status.converged is False
+    assert solution.checked(given).status.converged

@@ -1,0 +1,149 @@
+"""Measured profiles as instruments write them, and one surface for start and gap."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from flangeway.cases.wheelset.wheelset_profiles import rail_named, side_warnings, wheel_named
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.materials import Elastic
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
+from flangeway.railway.rigid.rigid_side import RigidSide
+from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.wheelset.supported_rail import RailSupport, supported_rail
+
+GAUGE = {"gauge_mm": 1435.0, "rail_inclination": 0.025, "gauge_depth_mm": 14.0}
+
+
+@cache
+def head(corner_mm: float = 0.0) -> np.ndarray:
+    """A 60E1's head from its top, from the field side to the gauge side, its gauge corner worn."""
+    points = rail("60E1").running_surface.sampled(spacing=0.3) - [0.0, 172.0]
+    points[:, 1] -= corner_mm * np.exp(-(((points[:, 0] + 27.0) / 9.0) ** 2)) * (points[:, 1] > -12.0)
+    return points[np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 0.02])]
+
+
+@cache
+def tread() -> np.ndarray:
+    """An S1002 from its flange's back to its rim, which goes on upright for 25 mm."""
+    points = wheel("S1002").running_surface.sampled(spacing=0.3)
+    end = points[-1]
+    steps = np.linspace(0.0, np.pi / 2.0, 20)[1:, None]
+    corner = end + 3.0 * np.column_stack((np.sin(steps), 1.0 - np.cos(steps)))
+    upright = corner[-1] + np.column_stack((np.zeros(80), np.linspace(0.3, 25.0, 80)))
+    return np.vstack((points, corner, upright))
+
+
+def saved(folder, points, name):
+    path = folder / name
+    path.write_text(write_miniprof(points, "rail" if name.endswith("ban") else "wheel", "measured"), encoding="utf-8")
+    return str(path)
+
+
+def test_points_at_a_joint_far_from_contact_are_projected(tmp_path):
+    """Points up to 2 mm beside the chords of a joined section are at the nearest point of its boundary."""
+    points = head(1.0) * [0.97, 1.0]
+    profile = rail_named(saved(tmp_path, points, "worn.ban"), None, "60E1")
+    found = supported_rail(profile, Elastic(210e3, 0.3), RailSupport(), 25.0)
+    mesh = found.problem.elasticity.space.mesh
+    corners = np.vstack([segment.start for segment in profile.outline.part(profile.head_names).segments])
+    beside = corners + np.random.default_rng(3).uniform(-1.4, 1.4, corners.shape)
+    nodes, shares = found.on_surface(beside)
+    ends = mesh.points[mesh.boundary_edges]
+    dense = (ends[:, :1] + np.linspace(0.0, 1.0, 401)[:, None] * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
+    nearest = np.linalg.norm(beside[:, None] - dense, axis=2).min(axis=1)
+    # nodes of the middles of edges are not points of the mesh
+    corner = nodes < mesh.n_points
+    held = np.where(corner[..., None], mesh.points[np.where(corner, nodes, 0)], 0.0)
+    middle = held.sum(axis=1) / corner.sum(axis=1)[:, None]
+    at = np.einsum("np,npx->nx", shares, np.where(corner[..., None], held, middle[:, None]))
+    np.testing.assert_allclose(np.linalg.norm(beside - at, axis=1), nearest, atol=0.02)
+    with pytest.raises(InputError, match="surface"):
+        found.on_surface(np.array([[0.0, 100.0]]))
+
+
+def test_an_overhang_beyond_the_tread_is_left_out_and_said(tmp_path):
+    """An upright rim, beyond which the body juts out, is left out of contact; a note has the file's own coordinates."""
+    path = saved(tmp_path, tread(), "rim.whl")
+    profile = wheel_named(path, "heavy-haul")
+    (note,) = [each for each in profile.notices if each.startswith("Beyond")]
+    x, y = 70.0 + tread()[-80, 0], -tread()[-80, 1]
+    assert f"x = {x:.4g}" in note
+    assert "rim.whl" in note
+    assert "rim" in note.rpartition("(")[2]
+    assert float(note.partition("y = ")[2].partition(" ")[0]) == pytest.approx(y, abs=1.0)
+    worn, new = (
+        RigidGeometry.of(Track(rail("60E1"), **GAUGE), Wheelset(each, 1360.0, 488.0))
+        for each in (profile, wheel("S1002"))
+    )
+    at = np.array([-4.0, 0.0, 3.0])
+    np.testing.assert_allclose(
+        worn.locus(at).right.rolling_radii_mm[:, 0], new.locus(at).right.rolling_radii_mm[:, 0], atol=0.02
+    )
+
+
+def test_a_touch_does_not_depend_on_what_else_is_computed():
+    """At a large roll the first touch is the highest of all points of the wheel over the rail, alone or not."""
+    side = RigidSide.of(Track(rail("60E1"), **GAUGE), Wheelset(wheel("S1002"), 1360.0, 488.0), "right")
+    arcs = np.linspace(0.0, side.wheel.length, 40_001)
+    for lateral, roll in ((2.0, 0.012), (3.0, 0.02), (1.0, -0.01)):
+        lift = side._placed(np.full(len(arcs), lateral), np.full(len(arcs), roll), arcs)
+        inside = (lift.x > side.rail.joints[0]) & (lift.x < side.rail.joints[-1])
+        alone = side.touches(np.array([lateral]), np.array([roll]))
+        among = side.touches(np.array([lateral, lateral - 9.0]), np.array([roll, -roll]))
+        assert alone.lift[0, 0] == pytest.approx(lift.lift[inside].max(), abs=1e-5)
+        assert among.lift[0, 0] == pytest.approx(alone.lift[0, 0], abs=1e-9)
+
+
+def test_a_web_below_the_head_is_left_out_and_said(tmp_path):
+    """A head whose file goes on down an upright line for 25 mm stands as the head alone; a note has the coordinates."""
+    points = head()
+    down = points[-1] - np.column_stack((np.zeros(100), np.linspace(0.25, 25.0, 100)))
+    with_web = rail_named(saved(tmp_path, np.vstack((points, down)), "web.ban"), None, "60E1")
+    plain = rail_named(saved(tmp_path, points, "plain.ban"), None, "60E1")
+    (note,) = [each for each in with_web.notices if "below the head" in each]
+    assert "web.ban (gauge side)" in note
+    assert with_web.outline.area == pytest.approx(plain.outline.area, rel=2e-3)
+    at = np.linspace(-20.0, 20.0, 41)
+    tops = [one.running_surface.sampled(spacing=0.05) for one in (with_web, plain)]
+    heights = [np.interp(at, points[::-1, 0], points[::-1, 1]) for points in tops]
+    np.testing.assert_allclose(heights[0], heights[1], atol=2e-3)
+
+
+def test_a_left_rail_is_mirrored_with_a_warning(tmp_path):
+    """Wear of 3 mm at the field side mirrors a head, with a warning that names the key; 1 mm does not, nor the key."""
+    right = read_profile(saved(tmp_path, head(3.0), "right.ban"))
+    left = saved(tmp_path, head(3.0) * [-1.0, 1.0], "left.ban")
+    np.testing.assert_allclose(read_profile(left).points, right.points, atol=1e-8)
+    (warning,) = side_warnings(Track(rail_named(left, None, "60E1"), **GAUGE))
+    assert "left-hand" in warning
+    assert "rail_mirror" in warning
+    kept = read_profile(left, ReadOptions(mirror=False))
+    np.testing.assert_allclose(kept.points[::-1], right.points * [-1.0, 1.0], atol=1e-8)
+    small = saved(tmp_path, head(1.0) * [-1.0, 1.0], "small.ban")
+    assert not read_profile(small).orientation.mirrored
+    assert any("field side" in each for each in side_warnings(Track(rail_named(small, None, "60E1"), **GAUGE)))
+
+
+def test_the_only_face_that_is_measured_is_the_gauge_face(tmp_path):
+    """A head of which only the face at the field side was measured is a left-hand one, with the other face not."""
+    half = head(0.5)[head(0.5)[:, 0] < 18.0]
+    for points, mirrored in ((half, False), (half * [-1.0, 1.0], True)):
+        assert read_profile(saved(tmp_path, points, "half.ban")).orientation.mirrored is mirrored
+
+
+def test_a_wheel_worn_in_memory_stands_on_its_worn_surface():
+    """A running surface 0.6 mm higher lowers the rigid wheelset by 0.6 mm and its rolling radius as much."""
+    new = wheel("S1002")
+    worn = replace(new, fine=new.running_surface.transformed(Placement(translation=(0.0, 0.6))))
+    track = Track(rail("60E1"), **GAUGE)
+    found = [RigidGeometry.of(track, Wheelset(each, 1360.0, 488.0)).locus(np.array([0.0])) for each in (worn, new)]
+    assert found[0].vertical_mm[0] - found[1].vertical_mm[0] == pytest.approx(-0.6, abs=1e-9)
+    radii = [each.right.rolling_radii_mm[0, 0] for each in found]
+    assert radii[1] - radii[0] == pytest.approx(0.6, abs=1e-9)

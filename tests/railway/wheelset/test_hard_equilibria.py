@@ -1,0 +1,82 @@
+"""Wheelsets in space that stood without being found, on small forces, steep flanges and a free yaw."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from flangeway.contact.rolling.friction import Friction
+from flangeway.railway.track.placements import SIDE_SIGN
+from flangeway.railway.wheelset.equilibrium import loads_of
+from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_result import solve_position
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from tests.railway.wheelset.conftest import coarse_case
+
+
+@lru_cache(maxsize=8)
+def surfaces_of(wheel, rail, inclination):
+    """Running surfaces of a bundled pair on coarse meshes."""
+    case = coarse_case(wheel=wheel, rail=rail, rail_inclination=inclination)
+    return running_surfaces(case.problem(), case.spatial_model())
+
+
+def solved(wheel, rail, motion=None, **inputs):
+    """The wheelset in equilibrium."""
+    case = coarse_case(wheel=wheel, rail=rail, **inputs)
+    model = replace(case.spatial_model(), rolling=motion)
+    return solve_position(SpatialWheelset(case.problem(), surfaces_of(wheel, rail, case.rail_inclination), model), {})
+
+
+def unbalanced(found):
+    """Sum of the cells' normal forces and the load, over the load, (2,)."""
+    position = found.equilibrium.position
+    total = loads_of(found.problem).on_axle(position.roll_rad)[:2]
+    for side, state in found.equilibrium.state.sides.items():
+        total = total + (state.forces.sum(axis=1) @ state.normals) * (SIDE_SIGN[side], 1.0)
+    return total / found.problem.load.vertical_N
+
+
+@pytest.mark.parametrize(("force_kN", "lateral_mm"), [(10.0, 5.60), (30.0, 6.84)])
+def test_a_heavy_haul_wheel_stands_on_136re_under_small_and_large_forces(force_kN, lateral_mm):
+    """Stable on the side to which it is pushed, where an independent Newton's method had found it."""
+    found = solved("heavy-haul", "136RE", axle_load_kN=200, lateral_force_kN=force_kN)
+    assert found.status.converged
+    assert found.equilibrium.stable
+    assert np.abs(unbalanced(found)).max() < 1e-8
+    lateral = found.equilibrium.position.lateral_mm
+    assert lateral == pytest.approx(lateral_mm, abs=0.04)
+
+
+@pytest.mark.parametrize(
+    ("wheel", "inputs"),
+    [
+        ("S1002", {"lateral_mm": 8.5}),
+        pytest.param("R-519-A", {"lateral_force_kN": 60}, marks=pytest.mark.ci),
+    ],
+)
+def test_a_steep_flange_stands_on_136re(wheel, inputs):
+    """A singular matrix, forces that changed without end: now in equilibrium, the flange loaded."""
+    found = solved(wheel, "136RE", axle_load_kN=200, **inputs)
+    assert found.status.converged
+    assert np.abs(unbalanced(found))[1] < 1e-8
+    held = "lateral_mm" in inputs
+    assert held or abs(unbalanced(found)[0]) < 1e-8
+    assert found.flange_touches("right")
+
+
+def test_a_wheelset_with_free_yaw_runs_on_the_rolling_line():
+    """Cones in a balanced curve stand at r0 l / (R gamma) with yaw 0."""
+    radius_m, speed = 4000.0, 20.0
+    for friction in (0.3,):
+        motion = RollingMotion(
+            speed, Friction(friction), curve_radius_m=radius_m, yaw_stiffness_Nm_per_rad=0.0, theory="fastsim"
+        )
+        found = solved("AAR-1B", "136RE", motion)
+        assert found.status.converged
+        assert found.equilibrium.state.rolled.yaw_rad == pytest.approx(0.0, abs=2e-5)
+        distance = np.mean([abs(patch.centre_mm[0]) for patch in found.patches])
+        rigid = 460.0 * distance / (1e3 * radius_m * 0.05)
+        assert found.equilibrium.position.lateral_mm == pytest.approx(rigid, rel=0.06)

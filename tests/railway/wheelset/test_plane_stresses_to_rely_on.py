@@ -1,0 +1,107 @@
+"""Warnings and the first picture are about stresses below contacts; Hertz stands beside contacts of his."""
+
+import numpy as np
+import pytest
+
+from flangeway.cases import WheelsetTangentCase
+from flangeway.post import cell_stresses
+from flangeway.railway.profiles.measures import conforming
+from flangeway.railway.wheelset.wheelset_checks import above_the_web, below_contacts
+from flangeway.report.figures.fields import part_fields
+from flangeway.report.wheelset.wheelset_figure import wheelset_figure
+from flangeway.report.wheelset.wheelset_page import results_table, wheelset_record
+
+
+@pytest.fixture(scope="module")
+def usual():
+    """Contacts of Hertz: 136RE and AAR-1B."""
+    return WheelsetTangentCase.from_values({"size_scale": 5.0}).run()
+
+
+@pytest.fixture(scope="module")
+def pushed():
+    """A wheel that runs at the gauge side of an upright head: the web is bent, and stressed more than the contact."""
+    return WheelsetTangentCase.from_values({"size_scale": 5.0, "rail_inclination": -0.05}).run()
+
+
+@pytest.fixture(scope="module")
+def conformed():
+    """S1002 on 60E1 at 1:40, which touch where the tread's curvature changes."""
+    values = {"size_scale": 5.0, "rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0, "back_to_back_mm": 1360.0}
+    return WheelsetTangentCase.from_values(values).run()
+
+
+def rail_stresses(run):
+    """Maximum von Mises stress of the rails' cells below the contacts, and anywhere."""
+    model, below, anywhere = run.result.model, 0.0, 0.0
+    for name in ("rail-left", "rail-right"):
+        mises = cell_stresses(model.parts[name].body.elasticity, run.result.displacements[name]).von_mises
+        below = max(below, mises[below_contacts(model, run.result.patches, name)].max())
+        anywhere = max(anywhere, mises.max())
+    return below, anywhere
+
+
+def test_yield_is_warned_of_by_the_stress_below_the_contact(pushed):
+    """The factor of the warning is that of cells within two half widths of a contact, not that of the web."""
+    strength = 510.0
+    (warning,) = [each for each in pushed.warnings if "exceed" in each]
+    assert "below the contacts" in warning
+    below, anywhere = rail_stresses(pushed)
+    assert f"{below / strength:.1f} times in the rail" in warning
+    assert anywhere > 1.2 * below
+    # below a contact of Hertz von Mises reaches 0.56 of the maximum pressure
+    pressure = max(each["max_pressure_MPa"] for each in pushed.summary["patches"])
+    assert below == pytest.approx(0.56 * pressure, rel=0.25)
+
+
+def test_a_web_beyond_yield_alone_is_no_warning(pushed):
+    """Where only web and fillets pass the strength that is given, nothing is said of yielding below contacts."""
+    between = 0.5 * sum(rail_stresses(pushed))
+    run = pushed.case.model_copy(update={"yield_MPa": between}).run()
+    assert not any("yield" in each for each in run.warnings)
+
+
+def test_the_first_picture_shows_what_may_be_believed(pushed):
+    """Its scale ends at the stresses above the web, and the web is hatched, which its words say."""
+    fields = {part.name: part.stresses.von_mises for part in part_fields(pushed.result)}
+    above = {name: above_the_web(pushed.result.model, name) for name in fields}
+    shown = max(stresses[above[name]].max() for name, stresses in fields.items())
+    web = max(stresses[~above[name]].max() for name, stresses in fields.items() if name.startswith("rail"))
+    figure = wheelset_figure(pushed)
+    bar = figure.axes[-1]
+    assert bar.get_xlim()[1] < 1.35 * shown
+    assert web > shown * 1.05
+    assert "hatched: not valid" in bar.get_xlabel()
+    hatched = [patch for axes in figure.axes for patch in axes.patches if patch.get_hatch() is not None]
+    assert sum(len(patch.get_path().vertices) > 0 for patch in hatched) == 2
+    assert "not valid for a rail" in wheelset_record(pushed).pictures[0].caption
+
+
+def test_hertz_is_left_out_where_profiles_conform(usual, conformed):
+    """Hertz's pressure stands beside a contact of constant curvature, not beside one that conforms."""
+    assert all(contact["hertz_pressure_MPa"] for contact in usual.summary["patches"])
+    assert all(contact["hertz_pressure_MPa"] is None for contact in conformed.summary["patches"])
+    rows = {row[0].strip(): row[1:] for row in results_table(conformed).rows}
+    assert set(rows["Hertz, MPa"]) == set(rows["Hertz, mm"]) == {"–"}
+    assert any("Hertz's theory is left out" in each for each in conformed.case.assumptions(conformed.result))
+    assert not any("Hertz" in each for each in usual.case.assumptions(usual.result))
+
+
+def test_the_criterion_follows_load_and_curvature(usual):
+    """A small contact on constant curvatures is one of Hertz's; a wide one, or one at a change, is not."""
+    patch, model = usual.result.patches[1], usual.result.model
+    wheel, rail = model.problem.wheelset.wheel_of("right"), model.problem.track.rail_of("right")
+    places = patch.wheel_point_mm, patch.rail_point_mm
+    found = [conforming(wheel, places[0], rail, places[1], width) for width in (0.1, 6.0, 40.0)]
+    assert found == [False, False, True]
+    # at the end of the crown its radius of 254 mm becomes one of 31.75 mm
+    end = np.array(rail.outline.part(["crown"]).segments[0].end)
+    assert conforming(wheel, places[0], rail, end, 6.0)
+
+
+def test_the_maximum_stress_below_a_wide_contact_is_not_that_of_the_web(conformed):
+    """The maximum shear and von Mises stresses below a contact are sought within two half widths."""
+    for contact in conformed.summary["patches"]:
+        for body in ("in_rail", "in_wheel"):
+            for name in ("max_in_plane_shear", "max_von_mises"):
+                assert contact[f"{body}_{name}_depth_mm"] <= 2.0 * contact["half_width_mm"] * (1.0 + 1e-9)

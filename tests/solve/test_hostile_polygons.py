@@ -1,0 +1,172 @@
+"""Hostile cells: thin V shapes, spirals, stars, a hundred sides. Three motions without energy; digits are reported."""
+
+import warnings
+
+import numpy as np
+import pytest
+from scipy.linalg import LinAlgWarning
+
+from flangeway.elements import StabilisationFree, Virtual
+from flangeway.errors import InputError
+from flangeway.forms import interpolate, linear, solve, stiffness
+from flangeway.materials import Elastic
+from flangeway.mesh import PolyMesh
+from flangeway.problems import Elasticity, PrescribedDisplacement, Traction, fixed
+from flangeway.solve import solve_elasticity
+from flangeway.space import Space
+
+MATERIAL = Elastic(1.0, 0.3)
+STRESS = np.array([[1.0, 0.4], [0.4, -0.3]])
+
+
+def vee(thickness):
+    return np.array(
+        [[0.0, 0.0], [1.0, 1.0], [1.0, 1.0 + thickness], [0.0, thickness], [-1.0, 1.0 + thickness], [-1.0, 1.0]]
+    )
+
+
+def spiral(thickness, turns=2, n=40):
+    angle = np.linspace(0.0, 2.0 * np.pi * turns, n)
+    radius, unit = 0.2 + angle / 10.0 / np.pi, np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    return np.concatenate(((radius + thickness)[:, None] * unit, (radius[:, None] * unit)[::-1]))
+
+
+def star(n, inner):
+    angle = np.pi * np.arange(2 * n) / n
+    return np.where(np.arange(2 * n) % 2, inner, 1.0)[:, None] * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+
+
+SHAPES = {
+    "V of 1e-3": vee(1e-3),
+    "thin spiral": spiral(1e-3),
+    "100 sides": star(50, 1.0),
+    "star of 100 sides": star(50, 0.1),
+    "star with thin rays": star(7, 1e-2),
+}
+ELEMENTS = [
+    *(Virtual(order) for order in (1, 2, 4, 7, 8)),
+    *(StabilisationFree(order) for order in (1, 3)),
+]
+
+
+def one_cell(points):
+    """Mesh of one cell whose edges have names."""
+    n = np.arange(len(points))
+    edges = np.stack((n, np.roll(n, -1)), axis=1)
+    return PolyMesh(points, [0, len(points)], n, edge_sets={f"edge {i}": edges[i : i + 1] for i in n})
+
+
+@pytest.mark.parametrize("element", [Virtual(1), Virtual(2)])
+@pytest.mark.parametrize("name", SHAPES)
+def test_three_motions_have_no_energy(name, element):
+    """Three eigenvalues of the cell's stiffness are round-off, and the fourth is a hundred times larger or more."""
+    problem = Elasticity(Space(one_cell(SHAPES[name]), element), MATERIAL)
+    (batch,) = problem.space.batches()
+    values = np.linalg.eigvalsh(problem.cell_stiffness(batch)[..., 0])
+    assert np.abs(values[:3]).max() < 1e-15 * values[-1] * 5.0
+    assert values[3] > 1e-13 * 0.5 * values[-1]
+    assert values[3] > 1e2 * np.abs(values[:3]).max()
+
+
+def uniform_stress(points, element):
+    """One cell under its tractions: error of the displacements, and the solution; an `InputError` if refused."""
+    loads = []
+    for i, (a, b) in enumerate(zip(points, np.roll(points, -1, axis=0), strict=True)):
+        normal = np.array([(b - a)[1], -(b - a)[0]]) / np.linalg.norm(b - a)
+        loads.append(Traction(f"edge {i}", tuple(STRESS @ normal)))
+    xx, yy, twice_xy = np.linalg.solve(MATERIAL.matrix[:3, :3], [STRESS[0, 0], STRESS[1, 1], STRESS[0, 1]])
+    exact = (points - points[0]) @ np.array([[xx, twice_xy / 2.0], [twice_xy / 2.0, yy]])
+    far = int(np.abs(points[:, 0] - points[0, 0]).argmax())
+    supports = [fixed(tuple(points[0])), PrescribedDisplacement(tuple(points[far]), y=float(exact[far, 1]))]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        space = Space(one_cell(points), element)
+        solution = solve_elasticity(Elasticity(space, MATERIAL, loads=loads, supports=supports))
+    return np.abs(solution.displacements[: len(points)] - exact).max() / np.abs(exact).max(), solution
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.parametrize("name", SHAPES)
+def test_an_answer_is_right_or_says_how_many_digits_are(name, element):
+    """Uniform stress under its tractions: the error is that of the digits in the status, or the input is refused."""
+    try:
+        error, solution = uniform_stress(SHAPES[name], element)
+    except InputError:
+        assert isinstance(element, StabilisationFree) or element.order > (2 if name.startswith("V") else 6)
+        return
+    digits = solution.status.digits
+    assert error < 10.0 ** ((1.7 if element.order <= 4 else 4.7) - digits)
+    if error > 1e-4:
+        assert f"{digits:.0f} digits" in solution.status.message or not solution.status.converged
+
+
+def by_forms(points, element):
+    """The same by `forms.solve`: error of the displacements, and warnings; an `InputError` if refused."""
+    mesh = one_cell(points)
+    space = Space(mesh, element)
+    xx, yy, twice_xy = np.linalg.solve(MATERIAL.matrix[:3, :3], [STRESS[0, 0], STRESS[1, 1], STRESS[0, 1]])
+    gradient = np.array([[xx, twice_xy / 2.0], [twice_xy / 2.0, yy]])
+    exact = interpolate(space, lambda p: (p - points[0]) @ gradient)
+    held = np.zeros((space.n_dofs, 2), dtype=bool)
+    held[0] = held[int(np.abs(points[:, 0] - points[0, 0]).argmax()), 1] = True
+    forces = linear(
+        space, lambda v, w: (v.value * (w.normals @ STRESS)).sum(axis=1), components=2, on=mesh.boundary_edges
+    )
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        found = solve(stiffness(space, MATERIAL.stiffness), forces, held, exact)
+    assert all(issubclass(warning.category, LinAlgWarning) for warning in said)
+    corners = np.arange(len(points))
+    return np.abs(found - exact)[corners].max() / np.abs(exact[corners]).max(), said
+
+
+def random_polygon(random):
+    """A star, a spiral, a V, an ellipse with points at random angles, or a star-shaped one, turned and scaled."""
+    kind = random.integers(5)
+    if kind == 0:
+        points = star(int(random.integers(3, 51)), 10.0 ** random.uniform(-3.0, -0.05))
+    elif kind == 1:
+        points = spiral(10.0 ** random.uniform(-3.0, -1.2), random.uniform(0.5, 3.0), int(random.integers(8, 60)))
+    elif kind == 2:
+        points = vee(10.0 ** random.uniform(-3.0, -0.5)) * [1.0, random.uniform(0.1, 3.0)]
+    else:
+        angles = np.sort(random.uniform(0.0, 2.0 * np.pi, int(random.integers(50, 130) if kind == 3 else 20)))
+        radii = 1.0 if kind == 3 else 10.0 ** random.uniform(-2.0, 0.0, len(angles))
+        points = (radii * np.array([np.cos(angles), np.sin(angles)])).T
+        points *= [1.0, 10.0 ** random.uniform(-3.0, 0.0) if kind == 3 else 1.0]
+    angle = random.uniform(0.0, 2.0 * np.pi)
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return points @ turn * 10.0 ** random.uniform(-3.0, 3.0)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 3, 6, 2004, 7001])
+def test_an_error_above_1e_4_in_a_random_polygon_is_said(seed):
+    """No other exception than a refusal; an answer of fewer than four digits says so, or has not converged."""
+    points = random_polygon(np.random.default_rng(seed))
+    for element in ELEMENTS:
+        try:
+            error, solution = uniform_stress(points, element)
+        except InputError:
+            continue
+        assert error < 1e-4 or "digits" in solution.status.message
+
+
+@pytest.mark.parametrize("seed", [24, 26, 29, 30])
+def test_forms_say_an_error_above_1e_4_in_a_random_polygon(seed):
+    """The same of `forms.solve`, which warns or refuses."""
+    points = random_polygon(np.random.default_rng(seed))
+    for element in ELEMENTS:
+        try:
+            error, said = by_forms(points, element)
+        except InputError:
+            continue
+        assert error < 1e-4 or said
+
+
+@pytest.mark.parametrize(("seed", "height"), [(228, 1.1e-3), (2, 5e-4)])
+def test_soft_motions_that_the_load_does_not_move_count(seed, height):
+    """A flat ellipse of 102 sides of very different lengths: 2e-4 to 5e-3 off, in other motions than the load's."""
+    angles = np.sort(np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, 102))
+    points = np.stack((np.cos(angles), height * np.sin(angles)), axis=1) @ np.array([[0.6, 0.8], [-0.8, 0.6]])
+    error, solution = uniform_stress(points, Virtual(2))
+    assert error < 10.0 ** (1.7 - solution.status.digits)

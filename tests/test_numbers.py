@@ -1,0 +1,210 @@
+"""A number is a number wherever Python gives one, and what is out of range says why and what to do."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from flangeway.contact import NodeToSegment, Penalty
+from flangeway.elements import TraceStabilisation, Virtual
+from flangeway.errors import InputError
+from flangeway.exact import LineContact, ThickCylinder
+from flangeway.geometry import Placement, circle, rectangle
+from flangeway.materials import Elastic, Orthotropic
+from flangeway.mesh import (
+    PolyMesh,
+    doerfler_marking,
+    dual,
+    rectangle_grid,
+    refined,
+    triangulate,
+)
+from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Spring, Traction, fixed
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.rigid.conicity import RollingRadiusDifference
+from flangeway.railway.track.discretisation import Discretisation
+from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.track.wheelset_load import WheelsetLoad
+from flangeway.railway.track.wheelset_problem import Prescribed
+from flangeway.solve import NewtonSettings, StepSettings, solve_elasticity
+from flangeway.space import Space
+
+GRID = rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals")
+STEEL = Elastic(210e3, 0.3)
+ORTHOTROPIC = {"young": (12.0, 0.8, 0.5), "poisson": (0.4, 0.35, 0.45), "shear": 0.7}
+SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+NO_NUMBERS = ["2", True, 2j, [2], 10**400, np.array([2.0])]
+
+
+def space() -> Space:
+    return Space(GRID, Virtual(2))
+
+
+PLACES = {
+    "order": Virtual,
+    "factor": TraceStabilisation,
+    "young": lambda value: Elastic(value, 0.3),
+    "poisson": lambda value: Elastic(1.0, value),
+    "expansion": lambda value: Elastic(1.0, 0.3, expansion=value),
+    "orthotropic expansion": lambda value: Orthotropic(**ORTHOTROPIC, expansion=(0.0, 0.0, value)),
+    "thickness": lambda value: Elasticity(space(), STEEL, thickness=value),
+    "pressure": lambda value: Pressure("top", value),
+    "prescribed": lambda value: PrescribedDisplacement("top", x=value),
+    "spring": lambda value: Spring("top", x=value),
+    "circle": circle,
+    "rotation": Placement,
+    "spacing": lambda value: rectangle(1.0, 1.0).sampled(spacing=value, max_deviation=1.0),
+    "squares of a grid": lambda value: rectangle_grid(1.0, 1.0, 1, value),
+    "size of triangles": lambda value: triangulate(rectangle(9.0, 9.0), size=value),
+    "hanging points": lambda value: refined(GRID, most_hanging=value),
+    "iterations": lambda value: NewtonSettings(max_iterations=value),
+    "penalty": lambda value: Penalty(value, per="length"),
+    "reach of nodes": NodeToSegment,
+    "gauge": lambda value: Track(rail(), value),
+    "back to back": lambda value: Wheelset(wheel(), value),
+    "height of the load": lambda value: Wheelset(wheel(), centre_of_gravity_height_mm=value),
+    "weight": WheelsetLoad,
+    "size in contact": lambda value: Discretisation(contact_size_mm=value),
+    "order of wheelsets": lambda value: Discretisation(order=value),
+    "prescribed motion": lambda value: Prescribed(lateral_mm=value),
+    "force of a line contact": lambda value: LineContact(value, 1.0, 1.0),
+    "pressure in a cylinder": lambda value: ThickCylinder(1.0, 3.0, value),
+}
+MAY_BE_MISSING = {
+    "expansion",
+    "prescribed",
+    "spacing",
+    "hanging points",
+    "penalty",
+    "reach of nodes",
+    "prescribed motion",
+}
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_a_number_is_a_number(place: str) -> None:
+    """No text, truth value, missing value, complex number or list is taken for a number; each is an InputError."""
+    for value in NO_NUMBERS if place in MAY_BE_MISSING else [*NO_NUMBERS, None]:
+        with pytest.raises(InputError) as error:
+            PLACES[place](value)
+        assert error.value.allowed
+        assert error.value.advice
+
+
+@pytest.mark.parametrize("values", [["1", "2"], [True, 1.0], [[1.0], [1.0, 2.0]]])
+def test_arrays_hold_numbers(values) -> None:
+    """Texts, truth values and rows of unlike length are refused where arrays of numbers are given."""
+    for make in (
+        doerfler_marking,
+        lambda given: RollingRadiusDifference([1.0, 2.0], given),
+    ):
+        with pytest.raises(InputError):
+            make(values)
+
+
+@pytest.mark.parametrize("order", [2.0, True, 0, 11])
+def test_an_order_is_a_whole_number(order) -> None:
+    """Virtual(2.0) and Virtual(True) are refused where they are written, not later."""
+    with pytest.raises(InputError, match="orders 1 to 10"):
+        Virtual(order)
+    assert Virtual(np.int64(2)) == Virtual(2)
+
+
+def test_a_stabilisation_is_a_stabilisation() -> None:
+    """A class, a name or a number in its place is refused where it is written."""
+    for value in (TraceStabilisation, "trace", 0.5):
+        with pytest.raises(InputError, match="stabilisation"):
+            Virtual(2, value)
+
+
+def test_numbers_of_all_kinds_are_taken() -> None:
+    """Whole numbers, fractions and NumPy's scalars are numbers."""
+    for young in (210000, np.float32(210000), np.int32(210000), Fraction(210000), np.array(210000.0)):
+        assert Elastic(young, 0).matrix == pytest.approx(Elastic(210e3, 0.0).matrix)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Elastic(1e-308, 0.3),
+        lambda: Elastic(1e300, 0.3),
+        lambda: Elasticity(space(), STEEL, thickness=1e-320),
+        lambda: Orthotropic((1e-308, 1.0, 1.0), (0.0, 0.0, 0.0), 1.0),
+        lambda: TraceStabilisation(1e-320),
+    ],
+)
+def test_vanishing_numbers_say_the_range(make) -> None:
+    """Positive numbers whose products vanish or overflow are refused with the range that is allowed."""
+    with pytest.raises(InputError) as error:
+        make()
+    assert "1e-100 to 1e+100" in error.value.allowed
+
+
+def test_poisson_near_a_half() -> None:
+    """What is nearer to 1/2 than round-off allows is refused by the material, and the word is 0.4999."""
+    for poisson in (0.4999999999999999, 0.4999999999999, np.nextafter(0.5, 0.0), 0.5):
+        with pytest.raises(InputError, match="poisson") as error:
+            Elastic(1.0, poisson)
+        assert "0.4999" in error.value.advice
+    for hypothesis in ("plane_strain", "axisymmetric"):
+        assert np.isfinite(Elastic(1.0, 0.499999999, hypothesis).matrix).all()
+
+
+@pytest.mark.parametrize("poisson", [-1.5, -1.0, 0.7, 30.0])
+def test_an_impossible_poisson_is_not_advised_to_be_nearly_a_half(poisson: float) -> None:
+    """Only what is near 1/2 is advised to take 0.4999."""
+    with pytest.raises(InputError, match="poisson") as error:
+        Elastic(1.0, poisson)
+    assert "0.4999" not in error.value.advice
+
+
+@pytest.mark.parametrize(
+    ("make"),
+    [
+        lambda: Elastic(200.0, 0.5, "plane_stress"),
+        lambda: Orthotropic((200.0,) * 3, (0.5,) * 3, 200.0 / 3.0, 0.3, "plane_stress"),
+    ],
+    ids=["isotropic", "orthotropic"],
+)
+def test_an_incompressible_sheet_is_well_posed(make) -> None:
+    """In plane stress nu = 1/2 has a solution: a pulled sheet becomes narrower by half of its strain."""
+    loads = [Traction("top", (0.0, 2.0))]
+    supports = [PrescribedDisplacement("bottom", y=0.0), PrescribedDisplacement("left", x=0.0)]
+    found = solve_elasticity(Elasticity(space(), make(), loads=loads, supports=supports))
+    assert found.displacement_at_node((1.0, 1.0)) == pytest.approx([-0.005, 0.01])
+    assert np.linalg.eigvalsh(make().matrix[:3, :3]).min() > 0.0
+
+
+def test_an_incompressible_sheet_keeps_its_limits() -> None:
+    """Above 1/2 nothing is allowed in plane stress either, and just below it nothing is lost."""
+    with pytest.raises(InputError, match=r"0\.50001"):
+        Elastic(1.0, 0.50001, "plane_stress")
+    for poisson in (0.4999999999999999, np.nextafter(0.5, 0.0)):
+        sheet = Elastic(1.0, poisson, "plane_stress")
+        assert sheet.matrix == pytest.approx(Elastic(1.0, 0.5, "plane_stress").matrix)
+        assert sheet.stabilisation_factor == 1.0
+        work = [
+            solve_elasticity(Elasticity(space(), each, loads=[Pressure("top", 1.0)], supports=[fixed("bottom")]))
+            for each in (sheet, Elastic(1.0, 0.5, "plane_stress"))
+        ]
+        assert work[0].load_work == pytest.approx(work[1].load_work)
+
+
+WRONG = {
+    "material": lambda: Elasticity(space(), Pressure("top", 1.0)),
+    "support": lambda: Elasticity(space(), STEEL, supports=[Pressure("top", 1.0)]),
+    "number": lambda: Elastic(np.array([1.0, np.nan]), 0.3),
+    "function": lambda: WheelsetLoad(lambda: None),
+    "steps": lambda: StepSettings(first=np.float64(3.0)),
+    "refined": lambda: refined(GRID, np.array([np.int64(99)])),
+    "flat triangles": lambda: dual(PolyMesh([(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], [0, 3], [0, 1, 2])),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_messages_hold_no_python_objects(wrong: str) -> None:
+    """What was given is written with numbers, texts and names of classes, not as Python prints objects and arrays."""
+    with pytest.raises(InputError) as error:
+        WRONG[wrong]()
+    for word in ("<", "np.", "array(", "PosixPath", "object at", "matrix="):
+        assert word not in error.value.given
