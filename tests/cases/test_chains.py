@@ -34,6 +34,7 @@ def test_a_stack_slides_where_friction_is_least(enforcement: str) -> None:
     assert max(step.state.status.iterations for step in run.contact.steps) <= 30
 
 
+@pytest.mark.ci
 def test_a_roller_rolls_by_half_of_the_way(tmp_path) -> None:
     """Its middle moves by half of the plate's shift and turns by that over its radius; files have the tractions."""
     run = load_case("roller-between-plates", **coarse("roller-between-plates", 3, 0.15)).run()

@@ -10,12 +10,13 @@ from flangeway.errors import InputError
     ("name", "given", "halved", "key", "change"),
     [
         ("wheelset-tangent", {"size_scale": 4.0}, {"size_scale": 2.0}, "left_max_pressure_MPa", 0.02),
-        (
+        pytest.param(
             "wheelset",
             {"size_scale": 6.0, "patch_cells": 12, "order": 1, "rail_support": "fixed"},
             {"size_scale": 3.0, "patch_cells": 24},
             "left_max_pressure_MPa",
             0.02,
+            marks=pytest.mark.ci,
         ),
         (
             "rolling-patch",

@@ -51,6 +51,7 @@ def rolled(steps: StepSettings | None) -> ContactSolution:
     return solution
 
 
+@pytest.mark.ci
 def test_dissipated_work_does_not_depend_on_steps_that_nobody_gave() -> None:
     """The work by default is that of 60 steps within 5 %, in fewer of them; one step is wrong by a factor of 2."""
     fine = rolled(StepSettings(1.0 / 60.0, 1.0 / 60.0)).dissipated_work.sum()

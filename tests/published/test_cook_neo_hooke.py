@@ -40,6 +40,7 @@ CASES = {
 }
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("case", CASES)
 def test_the_corner_rises_as_published(case):
     """Triangles and polygons, convex or not, come within 1 to 3 % of the published displacement on coarse meshes."""

@@ -36,6 +36,7 @@ def test_finite_and_virtual_elements_agree() -> None:
     np.testing.assert_allclose(fem.centre, vem.centre, atol=0.02)
 
 
+@pytest.mark.ci
 def test_a_wheel_on_the_crown_of_a_rail_touches_as_hertz_says() -> None:
     """Pressure of AAR-1B on 136RE under 150 kN to 1 %, semi-axes to 1 %."""
     found = patch_of("vem", 1, 0.5)

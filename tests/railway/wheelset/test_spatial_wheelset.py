@@ -101,6 +101,7 @@ def test_pressure_and_area_change_smoothly_as_the_wheelset_moves(wheelset):
     assert found.max() < 3e-3
 
 
+@pytest.mark.ci
 def test_the_lateral_force_does_the_work_that_the_energy_changes_by(wheelset):
     """As the flange climbs to more than 40 kN, by Gauss's rule over steps of 0.5 mm: to 0.1 %, on a rigid axle."""
     rigid = replace(wheelset, model=replace(wheelset.model, axle=None))
