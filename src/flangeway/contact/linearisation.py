@@ -114,10 +114,10 @@ class ContactLinearisation:
         """Sum of ``force * second derivative`` by a function of each contact, which has those of its terms."""
         rows, columns, values = [], [], []
         for number, second in enumerate(seconds):
-            mine = forces[self.starts[number] : self.starts[number + 1]]
-            if not mine.any():
+            own = forces[self.starts[number] : self.starts[number + 1]]
+            if not own.any():
                 continue
-            loaded, found = second(mine)
+            loaded, found = second(own)
             dofs = components_of(self.term_points[number][loaded]).reshape(len(loaded), -1)
             rows.append(np.broadcast_to(dofs[:, :, None], found.shape).ravel())
             columns.append(np.broadcast_to(dofs[:, None, :], found.shape).ravel())

@@ -143,14 +143,14 @@ class ContactSolution(Result):
         lin = self.state.linearisation
         result = np.zeros((len(self.system.contacts), 2, 3))
         positions = lin.points(self.state.positions)
-        for number, (contact, pairs, mine, forces) in enumerate(
+        for number, (contact, pairs, inside, forces) in enumerate(
             self.system.solved(self.state.linearisation, self.state.forces)
         ):
             points = positions[lin.term_points[number]]
             at_terms = np.einsum("pr,prwi->pwi", forces[pairs.rows], pairs.gradients)
             if (friction := self.state.friction) is not None and contact.friction_coefficient:
                 directions = pairs.slides(points, points).directions
-                at_terms += np.einsum("pr,prwi->pwi", friction.forces[mine][pairs.rows], directions)
+                at_terms += np.einsum("pr,prwi->pwi", friction.forces[inside][pairs.rows], directions)
             moments = points[..., 0] * at_terms[..., 1] - points[..., 1] * at_terms[..., 0]
             each = np.concatenate((at_terms, moments[..., None]), axis=-1)
             width = pairs.secondary_members.shape[1]

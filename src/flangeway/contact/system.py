@@ -85,8 +85,8 @@ class ContactSystem:
 
     def solved(self, lin: ContactLinearisation, all_forces: Floats) -> list[SolvedContact]:
         """The contacts with their parts of a linearisation and of the forces of its constraints."""
-        insides = (slice(*ends) for ends in itertools.pairwise(lin.starts.tolist()))
-        given = zip(self.contacts, lin.pairs, insides, strict=True)
+        slices = (slice(*ends) for ends in itertools.pairwise(lin.starts.tolist()))
+        given = zip(self.contacts, lin.pairs, slices, strict=True)
         return [SolvedContact(contact, pairs, inside, all_forces[inside]) for contact, pairs, inside in given]
 
     def nodes_of(self, surface: Surface) -> Ints:
@@ -268,8 +268,8 @@ class ContactSystem:
 
 def _refuse_twice(first: Contact, second: Contact) -> None:
     """Raise `InputError` if two contacts have edges of both bodies in common, whichever is secondary."""
-    mine, theirs = (each.sides for each in (first, second))
-    if any(all(map(_share_edges, mine, others)) for others in (theirs, theirs[::-1])):
+    sides, others = (each.sides for each in (first, second))
+    if any(all(map(_share_edges, sides, each)) for each in (others, others[::-1])):
         raise InputError(
             f"two contacts of {first.secondary.part.name!r} and {first.primary.part.name!r} along the same edges",
             "each pair of edges in one contact",

@@ -193,7 +193,7 @@ class ContactLine:
 def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLine]:
     """Pressures and gaps along the secondary surfaces of all contacts."""
     patches, found = pressure_patches(system, state), []
-    for number, (contact, pairs, mine, _) in enumerate(system.solved(state.linearisation, state.forces)):
+    for number, (contact, pairs, inside, _) in enumerate(system.solved(state.linearisation, state.forces)):
         surface, own = contact.secondary, ~pairs.guarded
         places = np.unique(contact.pairing.key_nodes(surface)).astype(np.int64)
         n, pressures = len(surface.nodes), np.zeros(len(surface.nodes))
@@ -212,20 +212,20 @@ def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLin
                 state.positions[system.nodes_of(surface)[places]],
                 pressures[places],
                 gaps[places],
-                *(each[places] for each in _sliding(pairs, state, mine, n)),
+                *(each[places] for each in _sliding(pairs, state, inside, n)),
             )
         )
     return found
 
 
-def _sliding(pairs: Pairs, state: ContactState, mine: slice, n: int) -> tuple[Floats, Floats]:
+def _sliding(pairs: Pairs, state: ContactState, inside: slice, n: int) -> tuple[Floats, Floats]:
     """Tractions and slips at the n nodes of a surface; those of several constraints of a node are averaged."""
     if state.friction is None:
         return np.zeros(n), np.zeros(n)
-    at, areas = pairs.nodes, pairs.areas * (state.forces[mine] > 0.0)
+    at, areas = pairs.nodes, pairs.areas * (state.forces[inside] > 0.0)
     whole = np.maximum(np.bincount(at, areas, n), 1e-300)
-    slips = np.bincount(at, areas * state.friction.slips[mine], n) / whole
-    return np.bincount(at, state.friction.forces[mine], n) / whole, slips
+    slips = np.bincount(at, areas * state.friction.slips[inside], n) / whole
+    return np.bincount(at, state.friction.forces[inside], n) / whole, slips
 
 
 def _along(pairs: Pairs, contact: Contact) -> NDArray[np.int64]:

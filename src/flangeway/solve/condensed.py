@@ -16,6 +16,7 @@ from flangeway.solve.body_response import BodyResponse, SurfaceNodes, turning
 from flangeway.solve.constraints import components
 from flangeway.solve.linear import digits_left, factorise, indefinite, relative_maximum
 from flangeway.solve.status import MIN_DIGITS, Status
+from flangeway.space.symmetric import EPS
 from flangeway.system.disk_cache import Cache, content_key
 from flangeway.system.memory_limits import refuse_beyond_memory
 from flangeway.types import Floats, Ints
@@ -27,7 +28,7 @@ DENSE_COPIES = 6
 POWER_ITERATIONS = 3
 """Iterations until the softest displacement has 1e-6 of others, if these are a hundred times as stiff."""
 
-ZERO_PIVOT, EPS = 1e-13, float(np.finfo(np.float64).eps)
+ZERO_PIVOT = 1e-13
 """Pivot over the diagonal entry that it began as which rounding leaves of a zero, as in the sparse factorisation."""
 
 

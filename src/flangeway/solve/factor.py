@@ -13,8 +13,9 @@ from scipy.sparse.linalg import splu
 
 from flangeway._core import NotPositiveDefiniteError, SingularMatrixError
 from flangeway.errors import InputError, short
-from flangeway.solve.linear import EPS, MAX_DIGITS, NO_UNKNOWNS, cholesky, ldlt
+from flangeway.solve.linear import MAX_DIGITS, NO_UNKNOWNS, cholesky, ldlt
 from flangeway.space import SymmetricMatrix
+from flangeway.space.symmetric import EPS
 from flangeway.types import Bools, Floats
 
 ASYMMETRY = 1e-13

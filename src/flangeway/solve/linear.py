@@ -13,6 +13,7 @@ from flangeway.problems import LinearBody
 from flangeway.solve.free_motions import refuse_floating
 from flangeway.solve.status import Status
 from flangeway.space import SymmetricMatrix
+from flangeway.space.symmetric import EPS
 from flangeway.system.memory_limits import memory_left, out_of_memory
 from flangeway.types import Floats
 
@@ -27,8 +28,6 @@ MAX_CORRECTIONS = 30
 
 MAX_DIGITS = 16.0
 """Decimal digits of double precision."""
-
-EPS = float(np.finfo(np.float64).eps)
 
 RAISED_DIAGONAL = 1e-12
 """Relative increase of diagonal entries: above round-off of pivots, below all but a slender body's softest modes."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from flangeway.types import Floats
 
 EPS = float(np.finfo(np.float64).eps)
+"""Round-off of a double precision number of one."""
 
 
 @dataclass(frozen=True, eq=False)
