@@ -19,7 +19,7 @@ from flangeway.contact import (
     Surface,
 )
 from flangeway.contact import press as press_parts
-from flangeway.contact.edge_pieces import find_pieces, integrate
+from flangeway.contact.edge_pieces import PieceIntegrals, find_pieces
 from flangeway.contact.kinematics import node_edge_gaps
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.slip import node_edge_slides
@@ -89,7 +89,7 @@ def test_derivatives_of_the_slip_of_a_node(order: int) -> None:
     def slides(numbers: np.ndarray):
         points = numbers.reshape(-1, 2)
         gaps = node_edge_gaps(points[:1], points[None, 1:])
-        return node_edge_slides(points[None, 1:], gaps.gaps, gaps.parameters, before[:1], before[None, 1:])
+        return node_edge_slides(points[:1], points[None, 1:], gaps.parameters, before[:1], before[None, 1:])
 
     _, rates, _, turns = slides(now.ravel())
     for number, change in enumerate(STEP * np.eye(now.size)):
@@ -111,7 +111,7 @@ def test_derivatives_of_the_mean_slip_of_a_segment(order: int) -> None:
     def slides(numbers: np.ndarray):
         points, n = numbers.reshape(1, -1, 2), order + 1
         pieces = find_pieces(points[:, :n], points[:, n:], (np.array([0]), np.array([0])), 9.0, 9.0)
-        found = integrate(pieces, points[:, :n], points[:, n:], np.array([3.0])).points
+        found = PieceIntegrals(pieces, points[:, :n], points[:, n:], np.array([3.0]))
         return found.slips(before[:, :n], before[:, n:]), found.turns(factors)[0]
 
     (_, rates, _), turns = slides(now.ravel())
@@ -130,7 +130,7 @@ def test_a_slip_over_several_edges_is_the_way_along_them() -> None:
         node = ends[:, 0] + share * (ends[:, 1] - ends[:, 0])
         gaps = node_edge_gaps(node, ends)
         was = np.array([[0.2, -0.1]])
-        slip = node_edge_slides(ends, gaps.gaps, gaps.parameters, was, before[None, [edge, edge + 1]])[0][0]
+        slip = node_edge_slides(node, ends, gaps.parameters, was, before[None, [edge, edge + 1]])[0][0]
         way = before[edge, 0] + share * (before[edge + 1, 0] - before[edge, 0]) - 0.2
         assert slip == pytest.approx(way, abs=1e-12)
 

@@ -1,23 +1,24 @@
 """Shape functions on an edge, and the gap between a node and an edge with its derivatives.
 
 With the closest point ``x_m(xi)``, the edge's tangent ``t = x_m,xi`` and its unit normal n, which points out of the
-primary body, the gap is ``g = n . (x_s - x_m)``: open where positive (Moherdaui 2021, 3.5.1 to 3.5.6).
+primary body, the gap is ``g = n . (x_s - x_m)``: open where positive (Moherdaui 2021, 3.5.1 to 3.5.6). Derivatives are
+those of this formula, see `flangeway.contact.taylor`.
 
 Where an edge is evaluated many times its points are a power series in the parameter. Vectors of the plane are complex
-numbers there, x + i y: the real part of ``conj(a) b`` is the dot product of two, the imaginary part a's cross b.
+numbers there, x + i y.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.contact.taylor import Taylor, as_complex, as_vectors, cross, dot, implicit
 from flangeway.elements.quadrature import gauss_lobatto
-from flangeway.types import Complex, Floats
-
-Number = TypeVar("Number", np.float64, np.complex128)
+from flangeway.types import Bools, Complex, Floats
 
 ENOUGH = 1e-9
 """Change of a parameter after which another of Newton's, of the size of its square, is round-off."""
@@ -62,36 +63,54 @@ def shape_functions(order: int, xi: Floats, highest: int = 2) -> tuple[Floats, .
     return tuple(results)
 
 
-def as_complex(vectors: Floats) -> Complex:
-    """Vectors (..., 2) as complex numbers, shape (...)."""
-    return np.ascontiguousarray(vectors).view(np.complex128)[..., 0]
-
-
-def as_vectors(numbers: Complex) -> Floats:
-    """Complex numbers (...) as vectors (..., 2)."""
-    return np.stack((numbers.real, numbers.imag), axis=-1)
-
-
-def edge_series(edges: Floats) -> Complex:
-    """Coefficients of the powers of the parameter for points of edges (..., order + 1, 2), shape (order + 1, ...)."""
+def edge_series(edges: Floats) -> list[Complex]:
+    """Coefficients of the powers of the parameter for points of edges (..., order + 1, 2), each (...)."""
     coefficients = _coefficients(edges.shape[-2] - 1)
-    return np.ascontiguousarray(np.moveaxis(as_complex(edges) @ coefficients.T, -1, 0))
+    return list(np.ascontiguousarray(np.moveaxis(as_complex(edges) @ coefficients.T, -1, 0)))
 
 
-def derivative(series: NDArray[Number]) -> NDArray[Number]:
-    """Coefficients of the derivative by the parameter of power series (n_powers, ...), one power less."""
-    powers = np.arange(1.0, len(series)).reshape(-1, *[1] * (series.ndim - 1))
-    return powers * series[1:]
+def taylor_series(points: Taylor, start: int, stop: int) -> list[Taylor]:
+    """The same, each (p,), for edges whose nodes are columns from ``start`` to ``stop`` of points (p, n)."""
+    weights = np.zeros((stop - start, points.value.shape[1]))
+    weights[:, start:stop] = _coefficients(stop - start - 1)
+    return [points.weighted(row) for row in weights]
 
 
-def horner(series: NDArray[Number], xi: Floats) -> NDArray[Number]:
-    """Values of power series (n_powers, ...) at parameters, whose shape goes with that of each coefficient."""
-    if len(series) == 0:
-        return np.zeros(xi.shape, dtype=series.dtype)
-    value = series[-1] + 0.0 * xi
+def derivative(series: Sequence[Any]) -> list[Any]:
+    """Coefficients of the derivative by the parameter of power series, one power less."""
+    return [power * coefficient for power, coefficient in enumerate(series)][1:]
+
+
+def horner(series: Sequence[Any], xi: Any) -> Any:
+    """Values of power series at parameters, whose shape goes with that of each coefficient."""
+    value = series[-1] if len(series) > 1 else 0.0 * xi + (series[0] if series else 0.0)
     for coefficient in series[-2::-1]:
         value = value * xi + coefficient
     return value
+
+
+def foot(series: Sequence[Taylor], node: Taylor, parameters: Floats, moves: Bools | None = None) -> Taylor:
+    """Parameters of the closest points of edges to nodes, with derivatives.
+
+    Parameters
+    ----------
+    series
+        The edges, see `taylor_series`.
+    node
+        The nodes, shape (p,).
+    parameters
+        Values, shape (p,), from `closest_parameters`.
+    moves
+        Which are feet, shape (p,); others stay as they are. Left out: all.
+
+    """
+    slopes = derivative(series)
+    values = [coefficient.value for coefficient in series]
+    slope = horner(derivative(values), parameters)
+    bend = horner(derivative(derivative(values)), parameters)
+    rate = np.abs(slope) ** 2 + (np.conj(horner(values, parameters) - node.value) * bend).real
+    rate = rate if moves is None else np.where(moves, rate, np.inf)
+    return implicit(lambda xi: dot(horner(series, xi) - node, horner(slopes, xi)), node.constant(parameters), rate)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +164,7 @@ def closest_parameters(nodes: Floats, edges: Floats) -> Floats:
 
     """
     series, points = edge_series(edges), as_complex(nodes)
-    chord = series[1:].sum(axis=0)
+    chord = sum(series[1:])
     xi: Floats = (np.conj(chord) * (points - series[0])).real / (chord * np.conj(chord)).real
     slopes = derivative(series)
     bends = derivative(slopes)
@@ -159,20 +178,20 @@ def closest_parameters(nodes: Floats, edges: Floats) -> Floats:
     return xi
 
 
-def ray_parameters(series: Complex, points: Complex, tangents: Complex) -> Floats:
+def ray_parameters(series: Sequence[Complex], points: Complex, tangents: Complex) -> Floats:
     """Parameters of edges where normals to tangents through points meet them.
 
     Parameters
     ----------
     series
-        Power series of the edges, shape (order + 1, ...).
+        Power series of the edges.
     points, tangents
         Of the secondary, of a shape that goes with the series'.
 
     """
-    along = (np.conj(tangents) * series).real
-    along[0] -= (np.conj(tangents) * points).real
-    eta: Floats = -along[0] / along[1:].sum(axis=0)
+    along = [(np.conj(tangents) * coefficient).real for coefficient in series]
+    along[0] = along[0] - (np.conj(tangents) * points).real
+    eta: Floats = -along[0] / sum(along[1:])
     if len(along) == 2:
         return eta
     slopes = derivative(along)
@@ -195,29 +214,12 @@ def node_edge_gaps(nodes: Floats, edges: Floats) -> NodeEdgeGaps:
         Current positions of the edges' nodes in direction, shape (n, order + 1, 2).
 
     """
-    order = edges.shape[1] - 1
-    xi = closest_parameters(nodes, edges)
-    value, first, second = shape_functions(order, xi)
-    tangent = np.einsum("na,nai->ni", first, edges)
-    metric = np.einsum("ni,ni->n", tangent, tangent)
-    unit = tangent / np.sqrt(metric)[:, None]
-    normal = np.stack((unit[:, 1], -unit[:, 0]), axis=1)
-    gap = np.einsum("ni,ni->n", nodes - np.einsum("na,nai->ni", value, edges), normal)
-    curvature = np.einsum("ni,na,nai->n", normal, second, edges)
-
-    ones, zeros = np.ones((len(xi), 1)), np.zeros((len(xi), 1))
-    apart = np.concatenate((ones, -value), axis=1)
-    slope = np.concatenate((zeros, first), axis=1)
-    gradient = apart[:, :, None] * normal[:, None, :]
-    turning = slope[:, :, None] * normal[:, None, :]
-    sliding = apart[:, :, None] * tangent[:, None, :] + gap[:, None, None] * turning
-    sliding /= (metric - gap * curvature)[:, None, None]
-
-    n_local = 2 * apart.shape[1]
-    turn, slide = turning.reshape(-1, n_local), sliding.reshape(-1, n_local)
-    rotation = turn + curvature[:, None] * slide
-    hessian = (gap / metric)[:, None, None] * rotation[:, :, None] * rotation[:, None, :]
-    cross = turn[:, :, None] * slide[:, None, :]
-    hessian -= cross + cross.swapaxes(1, 2)
-    hessian -= curvature[:, None, None] * slide[:, :, None] * slide[:, None, :]
-    return NodeEdgeGaps(xi, gap, normal, gradient, hessian)
+    points = Taylor.of_points(np.concatenate((nodes[:, None], edges), axis=1), second=True)
+    n_points = points.value.shape[1]
+    node, series = points.weighted(np.eye(n_points)[0]), taylor_series(points, 1, n_points)
+    xi = foot(series, node, closest_parameters(nodes, edges))
+    slope = horner(derivative(series), xi)
+    gap = -cross(slope, node - horner(series, xi)) / slope.abs
+    normals = as_vectors(-1j * slope.value / np.abs(slope.value))
+    assert gap.second is not None
+    return NodeEdgeGaps(xi.value, gap.value, normals, gap.first.reshape(-1, n_points, 2), gap.second)

@@ -52,9 +52,9 @@ class NodePairs(Pairs):
     def slides(self, points: Floats, before: Floats) -> Slides:
         """See `Pairs.slides`."""
         each = np.arange(len(self.slots))[:, None]
-        edges, was = points[each, self.slots[:, 1:]], before[each, self.slots]
-        gaps, parameters = self.kinematics.gaps, self.kinematics.parameters
-        slips, *by_points, turns = node_edge_slides(edges, gaps, parameters, was[:, 0], was[:, 1:])
+        now, was = points[each, self.slots], before[each, self.slots]
+        given = now[:, 0], now[:, 1:], self.kinematics.parameters, was[:, 0], was[:, 1:]
+        slips, *by_points, turns = node_edge_slides(*given)
         rates, directions = (self._on_points(found.reshape(*self.slots.shape, 2)) for found in by_points)
         return Slides(slips, rates, directions, lambda forces: self._on_terms(forces, turns))
 

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.contact.kinematics import shape_functions
+from flangeway.contact.kinematics import derivative, edge_series, foot, horner, taylor_series
+from flangeway.contact.taylor import Taylor, as_complex, dot
 from flangeway.types import Floats, Ints
 
 
@@ -42,18 +43,18 @@ class Slides:
 
 
 def node_edge_slides(
-    edges: Floats, gaps: Floats, parameters: Floats, nodes_before: Floats, edges_before: Floats
+    nodes: Floats, edges: Floats, parameters: Floats, nodes_before: Floats, edges_before: Floats
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Slips of nodes along edges.
 
     Parameters
     ----------
-    edges
-        Current positions of the edges' nodes, shape (n, order + 1, 2).
-    gaps, parameters
-        From `NodeEdgeGaps`, each (n,).
+    nodes, edges
+        Current positions of the nodes (n, 2) and of the edges' nodes, shape (n, order + 1, 2).
+    parameters
+        From `NodeEdgeGaps`, (n,).
     nodes_before, edges_before
-        Earlier positions of the nodes (n, 2) and of the edges' nodes.
+        Earlier positions of the same.
 
     Returns
     -------
@@ -62,43 +63,17 @@ def node_edge_slides(
         (n, d), unit tangential forces (n, d), and the derivatives of these (n, d, d).
 
     """
-    values = shape_functions(edges.shape[1] - 1, parameters, 3)
-    slope, bend, twist = (np.einsum("na,nai->ni", each, edges) for each in values[1:])
-    length = np.linalg.norm(slope, axis=1)[:, None]
-    tangent = slope / length
-    normal = np.stack((tangent[:, 1], -tangent[:, 0]), axis=1)
-    gap = gaps[:, None]
-    bend_t, bend_n, twist_n = (
-        np.einsum("ni,ni->n", *pair)[:, None] for pair in ((tangent, bend), (normal, bend), (normal, twist))
-    )
-    metric = length**2 - gap * bend_n
-    ones, zeros = np.ones_like(gap), np.zeros_like(gap)
-    apart = np.concatenate((ones, -values[0]), axis=1)
-    slopes, bends = (np.concatenate((zeros, each), axis=1) for each in values[1:3])
+    points = Taylor.of_points(np.concatenate((nodes[:, None], edges), axis=1), second=True)
+    n_points = points.value.shape[1]
+    series = taylor_series(points, 1, n_points)
+    xi = foot(series, points.weighted(np.eye(n_points)[0]), parameters)
+    length = horner(derivative(series), xi).abs
+    assert xi.second is not None
+    # the unit force T_i = |x'| dxi/du_i, and dT_i/du_j
+    directions = length.value[:, None] * xi.first
+    turns = xi.first[:, :, None] * length.first[:, None, :] + length.value[:, None, None] * xi.second
 
-    def along(shapes: Floats, direction: Floats) -> Floats:
-        return (shapes[:, :, None] * direction[:, None, :]).reshape(len(shapes), 2 * shapes.shape[1])
-
-    def outer(one: Floats, other: Floats) -> Floats:
-        return one[:, :, None] * other[:, None, :]
-
-    apart_t, apart_n = along(apart, tangent), along(apart, normal)
-    slope_t, slope_n, across = along(slopes, tangent), along(slopes, normal), along(bends, normal)
-    slide = (length * apart_t + gap * slope_n) / metric
-    turn, stretch = slope_n + bend_n * slide, slope_t + bend_t * slide
-    metric_rate = 2.0 * length * stretch - bend_n * apart_n
-    metric_rate -= gap * (across + twist_n * slide - turn * bend_t / length)
-    direction = length * slide
-    turns = outer(apart_t, stretch) - outer(slope_t, length * slide + gap / length * turn) + outer(apart_n, turn)
-    turns += outer(slope_n, apart_n) + outer(across, gap * slide)
-    turns *= (length / metric)[..., None]
-    turns += outer(direction, stretch / length - metric_rate / metric)
-
-    slope, bend = (np.einsum("na,nai->ni", each, edges_before) for each in values[1:3])
-    before = np.linalg.norm(slope, axis=1)
-    tangent = slope / before[:, None]
-    normal = np.stack((tangent[:, 1], -tangent[:, 0]), axis=1)
-    away = nodes_before - np.einsum("na,nai->ni", values[0], edges_before)
-    slips = -np.einsum("ni,ni->n", tangent, away)
-    by_parameter = before - np.einsum("ni,ni->n", normal, bend) * np.einsum("ni,ni->n", normal, away) / before
-    return slips, by_parameter[:, None] * slide, direction, turns
+    before = edge_series(edges_before)
+    slope = horner(derivative(before), xi)
+    slips = dot(slope, horner(before, xi) - as_complex(nodes_before)) / slope.abs
+    return slips.value, slips.first, directions, turns
