@@ -25,7 +25,6 @@ from flangeway.geometry import Placement, circle
 from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid, triangulate
 from flangeway.problems import Body, Part
-from flangeway.solve import Handle
 
 STEEL = Elastic(210e3, 0.3)
 
@@ -68,23 +67,6 @@ def test_a_body_that_moved_through_another_has_not_converged(pairing: Pairing) -
         assert moved(contact, *shifts).status.converged
 
 
-def test_a_thin_plate_is_no_less_an_obstacle() -> None:
-    """A plate of a micrometre is passed by the nodes of a block in one step."""
-    plate = rectangle_grid(10.0, 1e-3, 4, 1, origin=(-5.0, -1e-3))
-    upper = rectangle_grid(4.0, 4.0, 2, 2, origin=(-2.0, 1.0))
-    parts = [
-        Part(name, Body(name, mesh, Lagrange(1), STEEL, side))
-        for name, mesh, side in (("upper", upper, "top"), ("plate", plate, "bottom"))
-    ]
-    contact = Contact(
-        Surface(parts[0], upper.edge_sets["bottom"]),
-        Surface(parts[1], plate.edge_sets["top"]),
-        SegmentToSegment(),
-        Multiplier(),
-    )
-    assert "moved through" in moved(contact, (0.0, -100.0)).status.message
-
-
 def test_strains_beyond_the_linear_range_are_said_with_their_size() -> None:
     """The largest strain grows with the motion; a notice names it from 5 % on."""
     small, large = (moved(blocks(NodeToSegment()), (0.0, -depth)) for depth in (0.01, 1.0))
@@ -106,28 +88,6 @@ def test_sliding_ends_in_seconds(pairing: Pairing, law: Enforcement, friction: f
     status = moved(blocks(pairing, law, friction), (0.0, -0.01), (0.6, 0.0)).status
     assert time.process_time() - started < 20.0
     assert status.converged == (not isinstance(pairing, NodeToNode))
-
-
-@pytest.mark.parametrize(("pairing", "friction"), [(NodeToSegment(), 0.0), (SegmentToSegment(), 0.4)])
-def test_floating_bodies_are_balanced(pairing: Pairing, friction: float) -> None:
-    """A block on a handle that slides and turns carries an eccentric load: forces and moments are left at round-off."""
-    contact = blocks(pairing, friction=friction)
-    part = contact.secondary.part
-    handle = Handle((part,), np.array([0.0, 4.0]), load=np.array([30.0, -1000.0, 0.0]), load_point=np.array([0.3, 4.0]),
-                    stiffness=np.diag([1e4, 0.0, 0.0]))  # fmt: skip
-    solution = press([contact], {}, handles=[handle])
-    assert solution.status.converged, solution.status.message
-    checks = solution.status.checks
-    assert checks is not None
-    assert max(checks.force_residual, checks.moment_residual) < 1e-8
-    forces = solution.nodal_forces(part)
-    assert forces.sum(axis=0)[1] == pytest.approx(1000.0, rel=1e-8)
-    at = solution.placement(part).points(part.body.nodes + solution.field(part).displacements[: len(part.body.nodes)])
-    pivot = solution.placement(part).points([handle.pivot])[0]
-    arms = at - pivot
-    lever = solution.placement(part).points([handle.load_point])[0] - pivot
-    moment = (arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]).sum() + lever[0] * -1000.0 - lever[1] * 30.0
-    assert abs(moment) < 1e-6 * 1000.0 * 4.0
 
 
 def test_an_unbalanced_solution_is_refused() -> None:

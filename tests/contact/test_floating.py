@@ -313,13 +313,6 @@ def test_a_block_that_friction_alone_holds_is_dragged(pairing, law) -> None:
     assert (solution.dissipated_work >= 0.0).all()
 
 
-def test_both_paths_agree_with_friction() -> None:
-    """On all unknowns the answer is that on the surfaces alone, its rigid motions included."""
-    (one, _), (other, _) = (dragged(NodeToSegment(), Multiplier(), path) for path in ("condensed", "sparse"))
-    np.testing.assert_allclose(one.state.positions, other.state.positions, atol=1e-10)
-    np.testing.assert_allclose(one.state.motions, other.state.motions, atol=1e-10)
-
-
 def test_a_roller_between_plates_rolls() -> None:
     """Its centre goes half of the way of the upper plate, and it turns by that over its radius."""
     plates = [block(name, 4.0, 1.0, name, (-2.0, y), (40, 6)) for name, y in (("bottom", -1.0), ("top", 2.0))]

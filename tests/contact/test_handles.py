@@ -83,17 +83,6 @@ def test_a_force_on_two_punches_is_shared_by_the_lever_rule() -> None:
     assert moment_about(found, now) + moment == pytest.approx(0.0, abs=1e-8 * 30.0)
 
 
-def test_a_force_on_an_axle_is_shared_by_the_lever_rule() -> None:
-    """Rollers on level ground bear a force on their axle in the inverse ratio of their distances from it."""
-    base = block("base", 9.0, 2.0, "bottom", (-2.0, -3.0), (180, 8), Placement())
-    (left, one), (right, other) = (roller(name, (at_x, 0.0)) for name, at_x in (("left", 0.0), ("right", 5.0)))
-    contacts = [Contact(each, side(base, "top"), *LAW) for each in (one, other)]
-    handle = Handle((left, right), np.zeros(2), load=np.array([0.0, -10.0, 0.0]), load_point=np.array([0.3, 0.0]))
-    found = press(contacts, {}, handles=[handle])
-    assert found.status.converged, found.status.message
-    np.testing.assert_allclose(found.forces[:, 1], [9.4, 0.6], rtol=2e-3)
-
-
 def test_punches_on_columns_share_a_force_as_springs_do() -> None:
     """Columns of stiffness E b / h side by side under a handle that does not turn carry shares b of the force."""
     heights, widths = 2.0, (1.0, 3.0)
@@ -165,24 +154,6 @@ def test_bodies_bolted_together_are_one_body() -> None:
     both = zip(one.state.placements[:1] * 2, [two.state.placements[i] for i in (0, 2)], (0.0, 4.0), strict=True)
     for whole, foot, x in both:
         np.testing.assert_allclose(whole.points([[x, 1.0]]), foot.points([[0.0, 1.0]]), atol=1e-11)
-
-
-def test_a_chain_bolted_together_passes_its_force_on() -> None:
-    """A column bolted of two, between a foundation and a punch, shortens as one column of their heights."""
-    base, low = block("base", 2.0, 1.0, "bottom"), block("low", 2.0, 2.0, "top", (0.0, 1.0))
-    high = block("high", 2.0, 3.0, "bottom", (0.0, 3.0), (5, 4))
-    top = block("top", 2.0, 1.0, "top", (0.0, 6.0), (3, 2))
-    contacts = [
-        Contact(side(low, "bottom"), side(base, "top"), *LAW),
-        Contact(side(high, "top"), side(top, "bottom"), *LAW),
-    ]
-    x, y = along((0.0, -0.007))
-    handle = Handle((low, high), at((1.0, 3.0)), along((0.0, 1.0))[None], turns=True)
-    found = press(contacts, {top: Placement(0.0, (x, y))}, handles=[handle])
-    assert found.status.converged, found.status.message
-    force = 0.007 * YOUNG * 2.0 / 7.0
-    np.testing.assert_allclose(found.forces, [along((0.0, force)), along((0.0, -force))], atol=1e-8 * force)
-    np.testing.assert_allclose(moved(found, low).translation, along((0.0, -0.003)), atol=1e-11)
 
 
 @pytest.mark.parametrize("spring", [0.7, 1.25])

@@ -179,42 +179,6 @@ def block_into_corner(
     return ContactCase(contacts, {pressed: moved(*motion)})
 
 
-def stack_of_three(
-    discretisations: tuple[BoxDiscretisation, BoxDiscretisation, BoxDiscretisation],
-    pairing: Pairing,
-    enforcement: Enforcement,
-    *,
-    depth: float = 0.02,
-) -> ContactCase:
-    """A plate held at its ends between a block above that is pressed down and one below that is held.
-
-    Parameters
-    ----------
-    discretisations
-        Of the block above, the plate, and the block below.
-    pairing, enforcement
-        Of both contacts.
-    depth
-        How far the upper block's held top moves down.
-
-    """
-    upper = discretisations[0].part("upper", rectangle(2.0, 1.0, centre=(0.0, 0.75)), "top")
-    plate = discretisations[1].part(
-        "plate",
-        polygon(
-            [(x, -0.25) for x in (-3.0, -2.0, 2.0, 3.0)] + [(x, 0.25) for x in (3.0, 2.0, -2.0, -3.0)],
-            ["left_below", "bottom", "right_below", "right", "right_above", "top", "left_above", "left"],
-        ),
-        {"left": "xy", "right": "xy"},
-    )
-    lower = discretisations[2].part("lower", rectangle(3.0, 1.0, centre=(0.3, -0.75)), "bottom")
-    contacts = (
-        Contact(surface_of(upper, "bottom"), surface_of(plate, "top"), pairing, enforcement),
-        Contact(surface_of(plate, "bottom"), surface_of(lower, "top"), pairing, enforcement),
-    )
-    return ContactCase(contacts, {upper: moved(0.0, -depth)})
-
-
 @pytest.fixture(scope="module")
 def solved(imbalance: Callable[[ContactSolution], float]) -> Solve:
     """Solve a case, which must converge and be balanced."""
@@ -277,17 +241,6 @@ def test_block_into_a_corner(
     # constraint of its own makes the contact stiffer there
     near = 0.08 if isinstance(way[0], NodeToSegment) else 0.02 if isinstance(way[1], Penalty) else 1e-6
     assert as_one.forces[0] == pytest.approx(total, rel=near)
-
-
-@EACH_WAY
-def test_stack_of_three(
-    solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[BoxDiscretisation, BoxDiscretisation]
-) -> None:
-    """A plate between two blocks passes on the force of the one to the other, but for what its held ends take."""
-    case = stack_of_three((sides[0], sides[1], sides[0]), *way)
-    solution = solved(case)
-    assert (solution.forces[:, 1] > 400.0).all()
-    assert solution.forces[0, 1] == pytest.approx(solution.forces[1, 1], rel=0.02)
 
 
 @pytest.mark.parametrize(

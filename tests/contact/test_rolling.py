@@ -222,15 +222,6 @@ def test_a_creep_curve_starts_each_point_from_the_one_before(circle) -> None:
     assert all(each.status.converged for each in curve)
 
 
-def test_two_forces_are_found_from_creepages_at_which_everything_slips(circle) -> None:
-    """Prescribed forces along and across are met from any first guess."""
-    limit = MU * circle.force
-    for guess in (0.0, 2.0, 200.0):
-        found = roll(circle, Creepages(-guess, guess), force_along=0.3 * limit, force_across=-0.6 * limit)
-        assert found.status.converged
-        assert (found.along, found.across) == pytest.approx((0.3 * limit, -0.6 * limit), abs=1e-5 * limit)
-
-
 def test_a_grid_that_cuts_the_patch_off_is_named() -> None:
     """Pressures that reach the edge of the grid are noticed."""
     gaps = np.linspace(-1.0, 1.0, 8)[:, None] ** 2 + np.linspace(-1.0, 1.0, 8) ** 2
