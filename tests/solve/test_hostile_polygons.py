@@ -44,7 +44,7 @@ SHAPES = {
     "star with thin rays": star(7, 1e-2),
 }
 ELEMENTS = [
-    *(Virtual(order) for order in (1, 2, 4, 7, 8)),
+    *(Virtual(order) for order in (1, 2, 4, 8)),
     *(StabilisationFree(order) for order in (1, 3)),
 ]
 
@@ -123,7 +123,8 @@ def by_forms(points, element):
 def test_forms_say_an_error_above_1e_4():
     """The same of `forms.solve`, which warns or refuses."""
     warned = []
-    for points in SHAPES.values():
+    for name in ("V of 1e-3", "thin spiral", "star with thin rays"):
+        points = SHAPES[name]
         for element in ELEMENTS:
             try:
                 error, said = by_forms(points, element)

@@ -49,10 +49,10 @@ class CellBatch:
     dofs: Ints
     outline: Floats
 
-    def part(self, columns: Ints) -> "CellBatch":
+    def part(self, columns: NDArray[np.integer]) -> "CellBatch":
         """Some of the cells, by their places in the batch (m,)."""
-        arrays = (self.cells, self.vertices, self.dofs, self.outline)
-        return CellBatch(self.element, *(np.ascontiguousarray(each[..., columns]) for each in arrays))
+        dofs, outline = np.ascontiguousarray(self.dofs[:, columns]), self.outline[..., columns]
+        return CellBatch(self.element, self.cells[columns], self.vertices[..., columns], dofs, outline)
 
     def vector_dofs(self, n_components: int) -> Ints:
         """Unknowns of a field with components, numbered ``n_components * dof + component``."""
