@@ -49,6 +49,11 @@ class CellBatch:
     dofs: Ints
     outline: Floats
 
+    def part(self, columns: NDArray[np.integer]) -> "CellBatch":
+        """Some of the cells, by their places in the batch (m,)."""
+        dofs, outline = np.ascontiguousarray(self.dofs[:, columns]), self.outline[..., columns]
+        return CellBatch(self.element, self.cells[columns], self.vertices[..., columns], dofs, outline)
+
     def vector_dofs(self, n_components: int) -> Ints:
         """Unknowns of a field with components, numbered ``n_components * dof + component``."""
         numbers = self.dofs[:, None] * n_components + np.arange(n_components, dtype=np.int32)[:, None]
