@@ -135,6 +135,25 @@ def test_forms_say_an_error_above_1e_4():
     assert any(warned)
 
 
+def random_polygon(random):
+    """A star, a spiral, a V, an ellipse with points at random angles, or a star-shaped one, turned and scaled."""
+    kind = random.integers(5)
+    if kind == 0:
+        points = star(int(random.integers(3, 51)), 10.0 ** random.uniform(-3.0, -0.05))
+    elif kind == 1:
+        points = spiral(10.0 ** random.uniform(-3.0, -1.2), random.uniform(0.5, 3.0), int(random.integers(8, 60)))
+    elif kind == 2:
+        points = vee(10.0 ** random.uniform(-3.0, -0.5)) * [1.0, random.uniform(0.1, 3.0)]
+    else:
+        angles = np.sort(random.uniform(0.0, 2.0 * np.pi, int(random.integers(50, 130) if kind == 3 else 20)))
+        radii = 1.0 if kind == 3 else 10.0 ** random.uniform(-2.0, 0.0, len(angles))
+        points = (radii * np.array([np.cos(angles), np.sin(angles)])).T
+        points *= [1.0, 10.0 ** random.uniform(-3.0, 0.0) if kind == 3 else 1.0]
+    angle = random.uniform(0.0, 2.0 * np.pi)
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return points @ turn * 10.0 ** random.uniform(-3.0, 3.0)
+
+
 @pytest.mark.parametrize(("seed", "order"), [(100039, 3), (100125, 5), (100115, 7), (100150, 8)])
 def test_round_off_of_projections_counts(seed, order):
     """Thin cells in which round-off of the projections takes one to three digits: errors of 1.6e-4 to 4e-4 are said."""
