@@ -336,8 +336,6 @@ class _Cells:
         for side, each in found.state.sides.items():
             forces, creep = transferred(each, whole[side]), transferred_creep(each, whole[side])
             self.touching = {**self.touching, side: solve_side(whole[side], each.pose, forces, creep=creep)}
-        if found.status.converged and any(each.grid.grid.cuts(each.forces) for each in self.touching.values()):
-            self.status = Status(False, AT_END, found.status.iterations)
         self.last = False
         return self.fine(SpatialState(self.touching) if far else found.state, NEAR_MM)
 
@@ -358,7 +356,10 @@ class _Cells:
                 self.touching = {**self.touching, **beyond}
                 grids, state = self.fine(SpatialState({**state.sides, **beyond}))
         if grids == found.state.grids:
-            self.status, self.last = found.status if self.last else self.status, True
+            if self.last:
+                lost = any(each.grid.leaves(each.forces) for each in state.sides.values())
+                self.status = Status(False, AT_END, found.status.iterations) if lost else found.status
+            self.last = True
         return grids, state
 
     def fine(self, state: SpatialState, within: float = 0.0) -> Placed:

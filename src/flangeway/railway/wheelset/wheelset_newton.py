@@ -102,7 +102,7 @@ MAX_GROWTH, HALVED = 4.0, 0.25
 SADDLE = 1e-6
 """Push across the track over the stiffness of the rest, in mm, that is round-off."""
 LEAST_STIFFNESS = 1e-6
-"""Of a wheel that does not touch, weight per mm, so that it goes where it is pushed."""
+"""Of a wheel that does not touch, weight per mm, so that it goes where it is pushed; per rate of rotation and rad too."""
 ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.1, 1e-2, 1e-3
 """Error of the law of friction over the residual of the position before, its largest one, and the residual that other
 cells give an equilibrium."""
@@ -149,8 +149,10 @@ class WheelsetNewton:
         if creep is not None:
             held += [True, creep.motion.yaw_is_free]
         self.free = np.array(held)
-        arm = problem.wheelset.back_to_back_mm / 2.0
-        self._least = LEAST_STIFFNESS * float(loads_of(problem).weight) * np.array([1.0, 1.0, arm**2])
+        arm, radius = problem.wheelset.back_to_back_mm / 2.0, problem.wheelset.tape_radius_mm
+        turning = [] if creep is None else [radius / creep.rate_rad_s, arm]
+        least = np.array([1.0, 1.0, arm**2, 0.0, 0.0, *turning])
+        self._least = np.diag(LEAST_STIFFNESS * float(loads_of(problem).weight) * least)
 
     def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
         """Go on with other cells, from a contact if it is known."""
@@ -197,7 +199,7 @@ class WheelsetNewton:
     @property
     def reaches_an_end(self) -> bool:
         """Whether a patch has come to an end of its cells."""
-        return any(each.grid.grid.cuts(each.forces) for each in self.sides.values())
+        return any(each.grid.cuts(each.forces) for each in self.sides.values())
 
     @property
     def _is_halved(self) -> bool:
@@ -310,8 +312,7 @@ class WheelsetNewton:
         limits = self._limits
         columns, rows = self.free.copy(), self.free.copy()
         columns[0] = False
-        jacobian = self.jacobian.copy()
-        jacobian[[0, 1, 2], [0, 1, 2]] -= self._least
+        jacobian = self.jacobian - self._least
         if self.steers is None:
             steers = across and n > YAW and bool(self.free[YAW])
             self.steers = steers and _steers(jacobian, self.free, self.yaw_stiffness)
