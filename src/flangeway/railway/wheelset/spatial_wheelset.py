@@ -182,7 +182,7 @@ class SpatialWheelset:
         elif torque_kNm and errors.argmax() == TORQUE:
             unit = 1e-6 * self.problem.load.in_track[1] * self.problem.wheelset.tape_radius_mm
             missing = unit * abs(residuals.torque_residual)
-            cause = f"friction does not transmit the torque: {missing:.1f} of {torque_kNm:.1f} kN m are left"
+            cause = f"friction does not transmit the torque: {missing:.3g} of {torque_kNm:.3g} kN m are left"
             advice = "give a smaller torque, or more friction"
         elif errors.argmax() == 0:
             cause = f"{place}, a lateral force of {1e-3 * abs(force):.1f} kN to the {_way(force)} is not balanced"

@@ -112,8 +112,9 @@ DIRECT = 4.0
 """See `_steers`."""
 MAX_YAW_RAD = 1e-3
 """Step limit of the yaw."""
-RATE, YAW = 5, 6
-"""Numbers of the unknowns that friction adds behind position and tilts: the rate of rotation, and the yaw."""
+TILTS, RATE, YAW = (3, 4), 5, 6
+"""Numbers of the unknowns behind the position: tilts of both wheels, and with friction the rate of rotation and the
+yaw."""
 
 
 class WheelsetNewton:
@@ -319,12 +320,18 @@ class WheelsetNewton:
         row, sense = (YAW, -1.0) if self.steers else (0, 1.0)
         if across:
             rows[row] = False
-        step, by_x = np.zeros(n), np.zeros(n)
-        matrix = jacobian[np.ix_(rows, columns)]
-        right = -np.stack((self.missed, self.jacobian[:, 0]), axis=1)[rows]
-        step[columns], by_x[columns] = np.linalg.solve(matrix, right).T
+        right = -np.stack((self.missed, self.jacobian[:, 0]), axis=1)
+        step, by_x = _solved(jacobian, right, rows, columns)
         if self.creep is not None:
             limits[RATE] = self.creep.reach.limit_of(float(step[RATE]), halved=self._is_halved)
+        # an unknown whose step is limited goes where it is pushed, and the rest comes into equilibrium all the same:
+        # moments of wheels that slip everywhere hardly depend on rate and yaw
+        limited = columns & rows & (np.abs(step) > limits) & ~np.isin(np.arange(n), TILTS)
+        if limited.any():
+            part = np.where(limited, np.copysign(limits, self.missed), 0.0)
+            right[:, 0] -= jacobian @ part
+            step, by_x = _solved(jacobian, right, rows & ~limited, columns & ~limited)
+            step += part
         excess = float((np.abs(step) / limits).max())
         if excess > 1.0:
             return step / excess
@@ -381,6 +388,13 @@ class WheelsetNewton:
             stable = is_stable(self.problem, whole)
         state = SpatialState(states, rolled)
         return Equilibrium(status, self.position, self.relative, state, self.residual, stable)
+
+
+def _solved(jacobian: Floats, right: Floats, rows: Bools, columns: Bools) -> Floats:
+    """Solutions of some equations for some unknowns, the others 0, one for each right-hand side (n, 2); (2, n)."""
+    found = np.zeros(right.shape[::-1])
+    found[:, columns] = np.linalg.solve(jacobian[np.ix_(rows, columns)], right[rows]).T
+    return found
 
 
 def _steers(jacobian: Floats, free: Bools, yaw_stiffness: float) -> bool:
