@@ -167,12 +167,3 @@ def test_contact_that_cannot_happen_is_a_result_that_says_so(motion, wanted, tol
     assert told in out.splitlines()[0]
     assert ("NOT converged" in out) == (wanted == 1)
     assert "Traceback" not in err
-
-
-def test_what_was_assumed_is_said(with_files):
-    """A mirrored wheel without a unit is read, and what was assumed is printed as notes."""
-    status, out, err, _ = with_files("profile mirrored.txt --no-pictures", {})
-    assert status == 0, err
-    notes = " ".join(line for line in out.splitlines() if line.startswith("Note: "))
-    assert "it is mirrored" in notes
-    assert "unit mm is assumed" in notes

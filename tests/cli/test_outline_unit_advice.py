@@ -21,4 +21,4 @@ def test_an_outline_without_a_unit_is_told_what_works(text, call, tmp_path):
     assert call("check", "case.toml")[0] == 0
     status, _, err = call("section", "a.csv")
     assert status == 2
-    assert call("section", "a.csv", "--unit", "mm", "--size", "3")[0] == 0
+    assert call("section", "a.csv", "--unit", "mm", "--size", "3", "--no-pictures")[0] == 0

@@ -6,13 +6,12 @@ import itertools
 import math
 
 import ezdxf
-import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from flangeway.errors import InputError
-from flangeway.formats import DrawnSection, read_section
+from flangeway.formats import read_section
 from flangeway.geometry import Arc
 
 BOX = 'unit = "mm"\n[outer]\npoints = [[0, 0], [40, 0], [40, 20], [0, 20]]\n'
@@ -354,18 +353,6 @@ def test_unknown_endings_and_missing_files_are_refused(tmp_path):
         read_section(tmp_path / "a.toml", mirrored=True)
 
 
-@given(ending=st.sampled_from([".toml", ".csv", ".dxf"]), content=st.binary(max_size=200))
-def test_no_content_breaks_the_reader(tmp_path_factory, ending, content):
-    """Whatever bytes a file holds, reading it gives a section or an InputError."""
-    file = tmp_path_factory.mktemp("junk") / f"junk{ending}"
-    file.write_bytes(content)
-    try:
-        found = read_section(file)
-    except InputError:
-        return
-    assert isinstance(found, DrawnSection)
-
-
 SOUND = {
     ".toml": """title = "all"
 unit = "cm"
@@ -431,12 +418,3 @@ def test_damaged_outlines_are_read_or_refused(tmp_path, ending, changes):
     except InputError:
         return
     assert math.isfinite(found.section.area)
-
-
-def test_bundled_csv_files_read_as_half_outlines():
-    """The rail files that come with the package are read by their columns and mirrored."""
-    from importlib.resources import files  # noqa: PLC0415
-
-    for name, area in (("136RE_R10_A_arcs.csv", 8602.42), ("60E1_arcs.csv", 7670.0)):
-        found = read_section(files("flangeway.railway.profiles") / "data" / name, mirrored=True)
-        np.testing.assert_allclose(found.section.area, area, rtol=1e-5)

@@ -1,7 +1,5 @@
 """Files for ParaView, read back."""
 
-import xml.etree.ElementTree as ET
-
 import meshio
 import numpy as np
 import pytest
@@ -11,7 +9,7 @@ from flangeway.post import Stresses
 from flangeway.railway.track.placements import SIDES
 from flangeway.report import part_fields
 from flangeway.report.figures.fields import write_part
-from flangeway.report.figures.series import write_collection, write_contacts
+from flangeway.report.figures.series import write_contacts
 
 
 @pytest.mark.parametrize("method", ["fem", "vem"])
@@ -64,13 +62,3 @@ def test_pressures_along_the_surface_carry_the_load(tmp_path):
     assert np.abs(gaps[pressures > 0.0]).max() < 1e-3
     assert (gaps[pressures == 0.0] > -1e-3).sum() > 20
     assert np.isnan(gaps).any() or (gaps[pressures == 0.0] > 0.05).any()
-
-
-def test_the_collection_names_all_parts(tmp_path):
-    """The collection is XML that names one file a part, numbered from zero."""
-    write_collection(tmp_path / "all.pvd", [(0.0, "a", "a.vtu"), (0.0, "b & c", "b.vtu")])
-    sets = ET.parse(tmp_path / "all.pvd").getroot().findall("Collection/DataSet")
-    assert [(s.get("part"), s.get("name"), s.get("file")) for s in sets] == [
-        ("0", "a", "a.vtu"),
-        ("1", "b & c", "b.vtu"),
-    ]

@@ -1,14 +1,12 @@
 """Files, report and terminal summary of a wheelset in three dimensions."""
 
 import csv
-import io
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
 import meshio
 import numpy as np
 import pytest
-from rich.console import Console
 from scipy.interpolate import interp1d
 from typer.testing import CliRunner
 
@@ -24,7 +22,6 @@ from flangeway.railway.wheelset.whole_sections import whole_sections
 from flangeway.report.case_outputs import case_record, write_case
 from flangeway.report.figures.drawing import png
 from flangeway.report.page import html_page
-from flangeway.report.page.record import print_record
 from flangeway.report.wheelset.pressure_scene import BELOW_MM, below_fields, pressure_scene
 from flangeway.report.wheelset.running_surface_files import write_section, write_stresses
 
@@ -314,17 +311,3 @@ def test_the_tables_have_columns_of_friction(rolling, folder):
     start, end = text.index('<h2 id="rolling">'), text.index('<h2 id="numbers">')
     assert text.index('<h2 id="pictures">') < start < end
     assert text[start:end].count("<figure>") == 3
-
-
-def test_the_terminal_has_room_for_it(rolling):
-    """Status first, then pressures, forces and creep forces of each patch, in 80 columns."""
-    console = Console(file=io.StringIO(), width=80)
-    print_record(console, case_record(rolling))
-    text = console.file.getvalue()
-    assert text.startswith("wheelset: converged")
-    assert max(len(line) for line in text.splitlines() if not line.startswith(("Warning: ", "wheelset: "))) <= 80
-    for patch in rolling.result.rolling:
-        assert f"{1e-3 * patch.lateral_creep_force_N:.4f}" in text
-    for patch in rolling.patches:
-        assert f"{patch.max_pressure:.1f}" in text
-        assert f"{1e-3 * patch.normal_force:.2f}" in text

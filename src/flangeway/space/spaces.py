@@ -49,6 +49,11 @@ class CellBatch:
     dofs: Ints
     outline: Floats
 
+    def part(self, columns: Ints) -> "CellBatch":
+        """Some of the cells, by their places in the batch (m,)."""
+        arrays = (self.cells, self.vertices, self.dofs, self.outline)
+        return CellBatch(self.element, *(np.ascontiguousarray(each[..., columns]) for each in arrays))
+
     def vector_dofs(self, n_components: int) -> Ints:
         """Unknowns of a field with components, numbered ``n_components * dof + component``."""
         numbers = self.dofs[:, None] * n_components + np.arange(n_components, dtype=np.int32)[:, None]

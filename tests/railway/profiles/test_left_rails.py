@@ -1,18 +1,13 @@
 """A left rail that is read as a right one is noticed, and every profile takes mirror, unit and tape_mm."""
 
-import json
-
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from flangeway.cases import WheelsetTangentCase
 from flangeway.cases.rigid.rigid_case import GeometryCase
-from flangeway.cli import app
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
-from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
 
 
 def head(corner_mm=0.0, face_mm=0.0, lean=0.0):
@@ -30,36 +25,6 @@ def saved(folder, points, name="rail.ban"):
     path = folder / name
     path.write_text(write_miniprof(points, "rail", "a rail"), encoding="utf-8")
     return path
-
-
-@pytest.mark.parametrize("wear", [{"corner_mm": 2.0}, {"face_mm": 4.0}, {"corner_mm": 1.5, "lean": 0.025}])
-def test_wear_at_the_field_side_is_noticed(wear, tmp_path):
-    """A left rail's worn side lands on the field side and a notice says so; mirrored it does not."""
-    right = read_profile(saved(tmp_path, head(**wear)))
-    left = saved(tmp_path, head(**wear) * [-1.0, 1.0], "left.ban")
-    found, mirrored = (read_profile(left, ReadOptions(mirror=mirror)) for mirror in (False, True))
-    assert any("worn more at the field side" in notice for notice in found.notices)
-    for each in (right, mirrored):
-        assert not any("field side" in notice for notice in each.notices)
-    np.testing.assert_allclose(mirrored.points, right.points, atol=1e-8)
-
-
-def test_new_heads_and_bundled_rails_have_no_worn_side(tmp_path):
-    """A head without wear is worn at neither side, upright or inclined towards the track's middle."""
-    for lean in (0.0, 0.05):
-        notices = read_profile(saved(tmp_path, head(lean=lean))).notices
-        assert not any("worn more" in notice for notice in notices)
-
-
-def test_the_profiles_summary_reports_the_side(tmp_path):
-    """`flangeway profile` prints and writes which side is worn more, and by how much."""
-    path = saved(tmp_path, head(corner_mm=2.0) * [-1.0, 1.0])
-    done = CliRunner().invoke(app, ["profile", str(path), "--no-mirror", "--out", str(tmp_path / "out")])
-    assert done.exit_code == 0
-    assert "worn more at" in done.output
-    side = json.loads((tmp_path / "out" / "profile.json").read_text(encoding="utf-8"))["worn_more_at"]
-    assert side.startswith("field side, by ")
-    assert float(side.split()[3]) == pytest.approx(1.9, abs=0.3)
 
 
 @pytest.mark.parametrize("case", [WheelsetTangentCase, GeometryCase])

@@ -157,18 +157,6 @@ def test_without_roll_each_wheel_comes_down_by_itself(heavy_haul):
     assert (locus.roll_rad == 0.0).all()
 
 
-def test_wrong_lateral_motions_are_refused(heavy_haul):
-    """Lateral motions are a list of finite numbers."""
-    with pytest.raises(InputError, match="finite"):
-        heavy_haul.locus([math.nan])
-
-
-def test_wheels_beside_the_rails_are_refused():
-    """A gauge that does not fit the wheelset is an error that names both measures."""
-    with pytest.raises(InputError, match="gauge_mm and back_to_back_mm"):
-        RigidGeometry.of(Track(rail("136RE"), gauge_mm=1200.0), Wheelset(wheel("AAR-1B")))
-
-
 def test_a_gauge_below_the_head_is_refused():
     """The gauge is measured where the profile has a face."""
     with pytest.raises(InputError, match="below the head of the right rail"):

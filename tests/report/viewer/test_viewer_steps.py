@@ -229,33 +229,6 @@ def test_one_scale_for_all_steps_or_one_for_each(open_page, page):
     assert set(common) == {own[-1]}
 
 
-def test_paper_has_the_last_step(open_page, page):
-    """Printing from an earlier step shows the last one with its name, and the earlier one again afterwards."""
-    opened = open_page(page)
-    choose(opened, 1)
-    opened.page.evaluate(
-        "addEventListener('beforeprint', () => (window.seen = document.querySelector('#viewer-step-name').textContent))"
-    )
-    opened.page.pdf()
-    assert opened.page.evaluate("window.seen") == "Load step 4 of 4: 100 % of loads and displacements"
-    assert opened.page.input_value("#viewer-step") == "1"
-    opened.page.emulate_media(media="print")
-    assert opened.page.locator("#viewer-step-name").is_visible()
-    for control in ("#viewer-step", "#viewer-play", "#viewer-next", "#viewer-common"):
-        assert not opened.page.locator(control).is_visible()
-
-
-def test_the_chooser_fits_a_narrow_window(open_page, page):
-    """In a window of 400 pixels the page does not scroll sideways, and the slider is wide enough to drag."""
-    opened = open_page(page, "dark", 400)
-    assert opened.page.evaluate("document.documentElement.scrollWidth") <= 400
-    boxes = [opened.page.locator(name).bounding_box() for name in ("#viewer-step", "#viewer-previous", "#viewer-play")]
-    assert all(box["x"] >= 0 and box["x"] + box["width"] <= 400 for box in boxes)
-    assert boxes[0]["width"] >= 96
-    ground = opened.shot(".viewer-steps")[-3, -3].mean()
-    assert ground < 0.2
-
-
 def test_the_files_have_every_load_step(run, page, tmp_path):
     """A case's collection for ParaView has one file of each body for each load step, in order, with its fields."""
     files = write_case(run, tmp_path)
