@@ -102,7 +102,7 @@ MAX_GROWTH, HALVED = 4.0, 0.25
 SADDLE = 1e-6
 """Push across the track over the stiffness of the rest, in mm, that is round-off."""
 LEAST_STIFFNESS = 1e-6
-"""Of a wheel that does not touch, weight per mm, so that it goes where it is pushed; per rate of rotation and rad too."""
+"""Of a wheel that does not touch, weight per mm, so that it goes where it is pushed; also for rate and yaw."""
 ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.1, 1e-2, 1e-3
 """Error of the law of friction over the residual of the position before, its largest one, and the residual that other
 cells give an equilibrium."""
