@@ -21,6 +21,7 @@ from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.campaign.campaign_outputs import campaign_record, write_export
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import print_record
+from tests.campaign.conftest import computed
 
 SWEEP = """
 case = "wheelset-tangent"
@@ -29,18 +30,6 @@ size_scale = 8
 [vary]
 lateral_mm = { from = -2, to = 2, n = 12 }
 """
-
-
-def computed(folder, text):
-    """Compute a campaign in this process."""
-    file = folder / "c.toml"
-    file.write_text(text, encoding="utf-8")
-    campaign = Campaign.from_file(file)
-    with CampaignDatabase(folder / "c.sqlite") as store:
-        store.begin(campaign)
-        for first, rows in campaign.chunks:
-            store.store(rows, compute(Chunk(rows, first)).results)
-    return campaign, results(folder / "c.sqlite")
 
 
 def record_of(_campaign, found):

@@ -206,23 +206,6 @@ def test_a_whole_section_comes_from_a_file(tmp_path) -> None:
     assert found.outline.bounds(["cut"]) == pytest.approx(whole.outline.bounds(["cut"]))
 
 
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"rim_mm": 0.0}, "rim_mm"),
-        ({"web_middle_mm": (0.0, np.inf)}, "web_middle_mm"),
-        ({"hub_mm": (10.0, 10.0)}, "a hub from 10 to 10 mm"),
-        ({"bore_radius_mm": 150.0}, "a bore smaller than the hub"),
-        ({"hub_radius_mm": 430.0}, "parts that follow each other"),
-        ({"fillet_mm": 200.0}, "a smaller fillet_mm"),
-    ],
-)
-def test_wrong_dimensions_are_refused(wrong, message) -> None:
-    """Lengths that are not positive, and parts that do not fit each other, end in clear errors."""
-    with pytest.raises(InputError, match=message):
-        whole_wheel(wheel("S1002"), RADIUS, WheelDisc(**wrong))
-
-
 def test_cells_elsewhere_and_sections_on_the_axis_are_refused() -> None:
     """Cells beside the wheel, a bore of nothing, and tables of waves along z of a body of revolution."""
     whole, cells = s1002()
