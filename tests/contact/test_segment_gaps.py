@@ -36,8 +36,8 @@ def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int], r
     secondary = chain(3, orders[0], 2.0, 0.05, 0.10, backwards=False)
     primary = chain(4, orders[1], 2.3, 0.0, -0.07, backwards=True)
     pieces, own, other = pieces_between(secondary, primary)
-    assert pieces.start_is_foot.any()
-    assert pieces.end_is_foot.any()
+    assert (pieces.starts > 0.0).any()
+    assert (pieces.ends < 1.0).any()
     lengths = np.full(len(pieces), 0.7)
     radii = np.tile((0.4, 1.9), (len(pieces), 1)) if revolved else None
     both = np.concatenate((own, other), axis=1)
@@ -46,8 +46,8 @@ def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int], r
     def evaluate(positions: np.ndarray):
         # the ends of pieces move with the nodes
         a, b = positions[:, :width], positions[:, width:]
-        starts = np.where(pieces.start_is_foot, closest_parameters(b[:, -1], a), pieces.starts)
-        ends = np.where(pieces.end_is_foot, closest_parameters(b[:, 0], a), pieces.ends)
+        starts = np.where(pieces.starts > 0.0, closest_parameters(b[:, -1], a), pieces.starts)
+        ends = np.where(pieces.ends < 1.0, closest_parameters(b[:, 0], a), pieces.ends)
         return PieceIntegrals(replace(pieces, starts=starts, ends=ends), a, b, lengths, radii)
 
     exact = evaluate(both)

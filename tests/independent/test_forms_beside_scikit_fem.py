@@ -17,7 +17,6 @@ from flangeway.forms import (
     linear,
     mass,
     newmark_steps,
-    newton,
     solve,
     stiffness,
     theta_steps,
@@ -34,10 +33,6 @@ SPACE = Space(MESH, Lagrange(2))
 BASIS = skfem.Basis(THEIRS, skfem.ElementTriP2(), intorder=6)
 FACETS = skfem.FacetBasis(THEIRS, skfem.ElementTriP2(), intorder=6)
 FIXED, DIRICHLET = SPACE.boundary_dofs(), BASIS.get_dofs().all()
-
-
-def dot(a, b):
-    return (a * b).sum(axis=-1)
 
 
 def at_points(theirs):
@@ -108,43 +103,6 @@ def test_a_wave():
     )
     np.testing.assert_allclose(ours[: MESH.n_points], at_points(u), atol=1e-10 * np.abs(u).max())
     np.testing.assert_allclose(speed[: MESH.n_points], at_points(v), atol=1e-10 * np.abs(v).max())
-
-
-def test_a_minimal_surface():
-    """Newton's method for ``div(grad u / sqrt(1 + |grad u|^2)) = 0`` with a curved rim, to 1e-8."""
-
-    @skfem.BilinearForm
-    def tangent(u, v, w):
-        p = w["w"].grad
-        size = 1.0 + p[0] ** 2 + p[1] ** 2
-        along = p[0] * u.grad[0] + p[1] * u.grad[1]
-        across = p[0] * v.grad[0] + p[1] * v.grad[1]
-        return (u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]) / size**0.5 - along * across / size**1.5
-
-    @skfem.LinearForm
-    def residual(v, w):
-        p = w["w"].grad
-        return (p[0] * v.grad[0] + p[1] * v.grad[1]) / (1.0 + p[0] ** 2 + p[1] ** 2) ** 0.5
-
-    def rim(x):
-        return 0.3 * np.sin(np.pi * (x[0] + 2.0 * x[1]))
-
-    accurate = skfem.Basis(THEIRS, skfem.ElementTriP2(), intorder=16)  # the integrand is no polynomial
-    theirs = np.zeros(BASIS.N)
-    theirs[DIRICHLET] = rim(BASIS.doflocs[:, DIRICHLET])
-    theirs = skfem.solve(*skfem.condense(laplace.assemble(BASIS), x=theirs, D=DIRICHLET))
-    for _ in range(12):
-        K, f = tangent.assemble(accurate, w=theirs), residual.assemble(accurate, w=theirs)
-        theirs = theirs + skfem.solve(*skfem.condense(K, -f, D=DIRICHLET))
-
-    def form(u, v, w):
-        return dot(u.gradient, v.gradient) / np.sqrt(1.0 + dot(u.gradient, u.gradient))
-
-    start = np.zeros(SPACE.n_dofs)
-    start[FIXED] = rim(SPACE.nodes[FIXED].T)
-    solution = newton(SPACE, form, start, fixed=FIXED, degree=16)
-    assert solution.status.converged
-    np.testing.assert_allclose(solution.dofs[: MESH.n_points], at_points(theirs), atol=1e-8)
 
 
 def test_stokes_of_taylor_and_hood():

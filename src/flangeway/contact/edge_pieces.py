@@ -47,9 +47,8 @@ class Pieces:
     edges, partners
         Secondary and primary edge, each of shape (p,).
     starts, ends
-        Parameters of the piece on the secondary edge, shape (p,).
-    start_is_foot, end_is_foot
-        Whether that is the foot of a node of the primary edge (else an end of the secondary edge), shape (p,).
+        Parameters of the piece on the secondary edge, shape (p,): 0 and 1 at its ends, else the foot of a node of the
+        primary edge.
 
     """
 
@@ -57,8 +56,6 @@ class Pieces:
     partners: Ints
     starts: Floats
     ends: Floats
-    start_is_foot: Bools
-    end_is_foot: Bools
 
     def __len__(self) -> int:
         """Return the number of pieces."""
@@ -66,10 +63,7 @@ class Pieces:
 
     def take(self, chosen: Ints | Bools) -> "Pieces":
         """Some of the pieces."""
-        return Pieces(
-            self.edges[chosen], self.partners[chosen], self.starts[chosen], self.ends[chosen],
-            self.start_is_foot[chosen], self.end_is_foot[chosen],
-        )  # fmt: skip
+        return Pieces(self.edges[chosen], self.partners[chosen], self.starts[chosen], self.ends[chosen])
 
 
 def find_pieces(
@@ -90,9 +84,8 @@ def find_pieces(
     edges, partners = _over_chords(secondary, primary, candidates)
     own, other = secondary[edges], primary[partners]
     high, low = (closest_parameters(other[:, end], own) for end in (0, -1))
-    start_is_foot, end_is_foot = low > SNAP, high < 1.0 - SNAP
-    starts, stops = np.where(start_is_foot, low, 0.0), np.where(end_is_foot, high, 1.0)
-    pieces = Pieces(edges, partners, starts, stops, start_is_foot, end_is_foot)
+    starts, stops = np.where(low > SNAP, low, 0.0), np.where(high < 1.0 - SNAP, high, 1.0)
+    pieces = Pieces(edges, partners, starts, stops)
     distance = _distances(own, other, (starts + stops) / 2.0)
     return pieces.take(np.flatnonzero((stops - starts > SNAP) & (distance < reach) & (distance > -depth)))
 
@@ -182,8 +175,8 @@ class PieceIntegrals:
         own, other = taylor_series(nodes, 0, n_own), taylor_series(nodes, n_own, n_nodes)
         units = np.eye(n_nodes)
         # the primary runs against the secondary
-        start = foot(own, nodes.weighted(units[-1]), pieces.starts, pieces.start_is_foot)
-        end = foot(own, nodes.weighted(units[n_own]), pieces.ends, pieces.end_is_foot)
+        start = foot(own, nodes.weighted(units[-1]), pieces.starts, pieces.starts > 0.0)
+        end = foot(own, nodes.weighted(units[n_own]), pieces.ends, pieces.ends < 1.0)
         own, other = ([coefficient[:, None] for coefficient in series] for series in (own, other))
         parts, weights = gauss(max(self._orders) + 1)
         width = (end - start)[:, None]

@@ -8,9 +8,9 @@ Where an edge is evaluated many times its points are a power series in the param
 numbers there, x + i y.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from flangeway.contact.taylor import Taylor, as_complex, as_vectors, cross, dot,
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.types import Bools, Complex, Floats
 
+MAX_STEPS = 20
 ENOUGH = 1e-9
 """Change of a parameter after which another of Newton's, of the size of its square, is round-off."""
 
@@ -113,42 +114,6 @@ def foot(series: Sequence[Taylor], node: Taylor, parameters: Floats, moves: Bool
     return implicit(lambda xi: dot(horner(series, xi) - node, horner(slopes, xi)), node.constant(parameters), rate)
 
 
-@dataclass(frozen=True, eq=False)
-class NodeEdgeGaps:
-    """Gaps of n pairs of a node and an edge of some order.
-
-    Parameters
-    ----------
-    parameters
-        Closest points' parameters xi, shape (n,).
-    gaps
-        Shape (n,).
-    normals
-        Unit normals out of the primary side, shape (n, 2).
-    gradients
-        First derivatives by the positions of the node and then the edge's nodes, shape (n, 2 + order, 2).
-    hessians
-        Second derivatives, shape (n, 2 (2 + order), 2 (2 + order)).
-
-    """
-
-    parameters: Floats
-    gaps: Floats
-    normals: Floats
-    gradients: Floats
-    hessians: Floats
-
-    def take(self, chosen: NDArray[np.int64] | NDArray[np.bool_]) -> "NodeEdgeGaps":
-        """Some of the pairs."""
-        return NodeEdgeGaps(
-            self.parameters[chosen],
-            self.gaps[chosen],
-            self.normals[chosen],
-            self.gradients[chosen],
-            self.hessians[chosen],
-        )
-
-
 def closest_parameters(nodes: Floats, edges: Floats) -> Floats:
     """Parameter of the point of each edge (extended beyond its ends) that is closest to a node.
 
@@ -166,16 +131,17 @@ def closest_parameters(nodes: Floats, edges: Floats) -> Floats:
     series, points = edge_series(edges), as_complex(nodes)
     chord = sum(series[1:])
     xi: Floats = (np.conj(chord) * (points - series[0])).real / (chord * np.conj(chord)).real
+    if len(series) == 2:
+        return xi
     slopes = derivative(series)
     bends = derivative(slopes)
-    for _ in range(20 if len(series) > 2 else 0):
+
+    def change(xi: Floats) -> Floats:
         apart, tangent = points - horner(series, xi), horner(slopes, xi)
-        slope = (np.conj(apart) * horner(bends, xi)).real - (tangent * np.conj(tangent)).real
-        change = np.clip((np.conj(apart) * tangent).real / slope, -0.5, 0.5)
-        xi = xi - change
-        if np.abs(change).max(initial=0.0) < ENOUGH:
-            break
-    return xi
+        slope = (np.conj(apart) * horner(bends, xi)).real - np.abs(tangent) ** 2
+        return np.asarray((np.conj(apart) * tangent).real / slope)
+
+    return _newton(change, xi)
 
 
 def ray_parameters(series: Sequence[Complex], points: Complex, tangents: Complex) -> Floats:
@@ -195,12 +161,81 @@ def ray_parameters(series: Sequence[Complex], points: Complex, tangents: Complex
     if len(along) == 2:
         return eta
     slopes = derivative(along)
-    for _ in range(20):
-        change = np.clip(horner(along, eta) / horner(slopes, eta), -0.5, 0.5)
-        eta = eta - change
-        if np.abs(change).max(initial=0.0) < ENOUGH:
+    return _newton(lambda eta: np.asarray(horner(along, eta) / horner(slopes, eta)), eta)
+
+
+def _newton(change: Callable[[Floats], Floats], parameters: Floats) -> Floats:
+    """Parameters after Newton's method, by what is to be taken from them, at most half an edge at a time."""
+    for _ in range(MAX_STEPS):
+        step = np.clip(change(parameters), -0.5, 0.5)
+        parameters = parameters - step
+        if np.abs(step).max(initial=0.0) < ENOUGH:
             break
-    return eta
+    return parameters
+
+
+def gaps_over(points: Taylor, parameters: Floats) -> tuple[Taylor, Taylor, Taylor]:
+    """Feet of nodes on edges, the gaps, and the lengths of the edges' tangents there, each (p,).
+
+    Points are a node and then the nodes of the edge that it faces, shape (p, order + 2); parameters those of the feet.
+    """
+    n_points = points.value.shape[1]
+    series = taylor_series(points, 1, n_points)
+    node = points.weighted(np.eye(n_points)[0])
+    xi = foot(series, node, parameters)
+    slope = horner(derivative(series), xi)
+    length = slope.abs
+    return xi, -cross(slope, node - horner(series, xi)) / length, length
+
+
+@dataclass(frozen=True, eq=False)
+class NodeEdgeGaps:
+    """Gaps of n pairs of a node and an edge of some order.
+
+    Parameters
+    ----------
+    nodes, edges
+        Positions, shapes (n, 2) and (n, order + 1, 2).
+    parameters
+        Closest points' parameters xi, shape (n,).
+
+    """
+
+    nodes: Floats
+    edges: Floats
+    parameters: Floats
+
+    @cached_property
+    def normals(self) -> Floats:
+        """Unit normals out of the primary side, shape (n, 2)."""
+        slope = horner(derivative(edge_series(self.edges)), self.parameters)
+        return as_vectors(-1j * slope / np.abs(slope))
+
+    @cached_property
+    def gaps(self) -> Floats:
+        """The gaps, shape (n,)."""
+        apart = as_complex(self.nodes) - horner(edge_series(self.edges), self.parameters)
+        return (np.conj(as_complex(self.normals)) * apart).real
+
+    @cached_property
+    def _gaps(self) -> Taylor:
+        points = np.concatenate((self.nodes[:, None], self.edges), axis=1)
+        return gaps_over(Taylor.of_points(points, second=True), self.parameters)[1]
+
+    @property
+    def gradients(self) -> Floats:
+        """First derivatives by the positions of the node and then the edge's nodes, shape (n, 2 + order, 2)."""
+        return self._gaps.first.reshape(len(self.nodes), -1, 2)
+
+    @property
+    def hessians(self) -> Floats:
+        """Second derivatives, shape (n, 2 (2 + order), 2 (2 + order))."""
+        assert self._gaps.second is not None
+        return self._gaps.second
+
+    def take(self, chosen: NDArray[np.int64] | NDArray[np.bool_]) -> "NodeEdgeGaps":
+        """Some of the pairs."""
+        return NodeEdgeGaps(self.nodes[chosen], self.edges[chosen], self.parameters[chosen])
 
 
 def node_edge_gaps(nodes: Floats, edges: Floats) -> NodeEdgeGaps:
@@ -214,12 +249,4 @@ def node_edge_gaps(nodes: Floats, edges: Floats) -> NodeEdgeGaps:
         Current positions of the edges' nodes in direction, shape (n, order + 1, 2).
 
     """
-    points = Taylor.of_points(np.concatenate((nodes[:, None], edges), axis=1), second=True)
-    n_points = points.value.shape[1]
-    node, series = points.weighted(np.eye(n_points)[0]), taylor_series(points, 1, n_points)
-    xi = foot(series, node, closest_parameters(nodes, edges))
-    slope = horner(derivative(series), xi)
-    gap = -cross(slope, node - horner(series, xi)) / slope.abs
-    normals = as_vectors(-1j * slope.value / np.abs(slope.value))
-    assert gap.second is not None
-    return NodeEdgeGaps(xi.value, gap.value, normals, gap.first.reshape(-1, n_points, 2), gap.second)
+    return NodeEdgeGaps(nodes, edges, closest_parameters(nodes, edges))

@@ -151,7 +151,7 @@ class SegmentToSegment(Pairing):
         depth = (
             self.depth or min(float(np.linalg.norm(np.ptp(side, axis=(0, 1)))) for side in (edges, primary_edges)) / 2.0
         )
-        candidates = candidate_pairs(edges, primary_edges, max(reach, depth))
+        candidates = candidate_pairs(_swept(edges, reach, depth), primary_edges, secondary.edge_lengths)
         pieces = find_pieces(edges, primary_edges, candidates, reach, depth)
         pieces = pieces.take(~_through_itself(pieces, edges, primary_edges))
         found = _integrals(pieces, edges, primary_edges, secondary)
@@ -208,6 +208,13 @@ def _integrals(pieces: Pieces, edges: Floats, primary_edges: Floats, secondary: 
     radii = None if secondary.radii is None else secondary.radii[pieces.edges]
     both = edges[pieces.edges], primary_edges[pieces.partners]
     return PieceIntegrals(pieces, *both, lengths, radii)
+
+
+def _swept(edges: Floats, reach: float, depth: float) -> Floats:
+    """Points of edges (n, order + 1, 2) moved outwards by a reach and inwards by a depth, beside each other."""
+    chords = edges[:, -1] - edges[:, 0]
+    outwards = np.column_stack((chords[:, 1], -chords[:, 0])) / np.hypot(*chords.T)[:, None]
+    return np.concatenate((edges + reach * outwards[:, None], edges - depth * outwards[:, None]), axis=1)
 
 
 def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> Bools:

@@ -11,9 +11,7 @@ Contact and Impact Mechanics", 4.2): it is in equilibrium on both bodies.
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
-from flangeway.contact.kinematics import derivative, edge_series, foot, horner, taylor_series
+from flangeway.contact.kinematics import derivative, edge_series, gaps_over, horner
 from flangeway.contact.taylor import Taylor, as_complex, dot
 from flangeway.types import Floats, Ints
 
@@ -42,38 +40,34 @@ class Slides:
     turns: Callable[[Floats], tuple[Ints, Floats]]
 
 
-def node_edge_slides(
-    nodes: Floats, edges: Floats, parameters: Floats, nodes_before: Floats, edges_before: Floats
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Slips of nodes along edges.
+def node_edge_slips(points: Taylor, parameters: Floats, before: Floats) -> tuple[Taylor, Floats]:
+    """Slips of nodes along edges since an earlier position, and unit tangential forces.
 
     Parameters
     ----------
-    nodes, edges
-        Current positions of the nodes (n, 2) and of the edges' nodes, shape (n, order + 1, 2).
+    points
+        Current positions of each node and of the nodes of its edge, shape (p, order + 2), with derivatives.
     parameters
-        From `NodeEdgeGaps`, (n,).
-    nodes_before, edges_before
-        Earlier positions of the same.
+        Those of the feet, shape (p,).
+    before
+        Earlier positions, shape (p, order + 2, 2).
 
     Returns
     -------
-    tuple of Floats
-        Slips (n,); with d numbers for the components of the node and then of the edge's nodes: their derivatives
-        (n, d), unit tangential forces (n, d), and the derivatives of these (n, d, d).
+    tuple
+        Slips (p,), and the forces on the points by their d variables, shape (p, d).
 
     """
-    points = Taylor.of_points(np.concatenate((nodes[:, None], edges), axis=1), second=True)
-    n_points = points.value.shape[1]
-    series = taylor_series(points, 1, n_points)
-    xi = foot(series, points.weighted(np.eye(n_points)[0]), parameters)
-    length = horner(derivative(series), xi).abs
-    assert xi.second is not None
-    # the unit force T_i = |x'| dxi/du_i, and dT_i/du_j
-    directions = length.value[:, None] * xi.first
-    turns = xi.first[:, :, None] * length.first[:, None, :] + length.value[:, None, None] * xi.second
+    xi, _, length = gaps_over(points, parameters)
+    series = edge_series(before[:, 1:])
+    slope = horner(derivative(series), xi)
+    slips = dot(slope, horner(series, xi) - as_complex(before[:, 0])) / slope.abs
+    return slips, length.value[:, None] * xi.first
 
-    before = edge_series(edges_before)
-    slope = horner(derivative(before), xi)
-    slips = dot(slope, horner(before, xi) - as_complex(nodes_before)) / slope.abs
-    return slips.value, slips.first, directions, turns
+
+def node_edge_turns(points: Taylor, parameters: Floats) -> Floats:
+    """Derivatives (p, d, d) of unit tangential forces ``|x'| dxi/du``; points with second ones."""
+    xi, _, length = gaps_over(points, parameters)
+    assert xi.second is not None
+    turns: Floats = xi.first[:, :, None] * length.first[:, None, :] + length.value[:, None, None] * xi.second
+    return turns

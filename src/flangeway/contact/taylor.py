@@ -13,7 +13,7 @@ from typing import Any, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.types import Complex, Floats
+from flangeway.types import Complex, Floats, Ints
 
 Array = NDArray[Any]
 Factor = Union["Taylor", Array, complex]
@@ -41,11 +41,17 @@ class Taylor:
     __array_ufunc__ = None  # an array on the left leaves the operation to this class
 
     @classmethod
-    def of_points(cls, points: Floats, *, second: bool) -> "Taylor":
-        """Complex positions of points (p, n, 2) whose d = 2 n components, point by point, are the variables: (p, n)."""
+    def of_points(cls, points: Floats, *, second: bool, slots: Ints | None = None) -> "Taylor":
+        """Complex positions of points (p, n, 2) whose d = 2 n components, point by point, are the variables: (p, n).
+
+        With ``slots`` only those points, in each row others, shape (p, k).
+        """
         n = points.shape[1]
-        components = np.kron(np.eye(n), [1.0, 1.0j])[None]
-        return cls(as_complex(points), components, np.zeros((1, 1, 1, 1)) if second else None)
+        value, first = as_complex(points), np.kron(np.eye(n), [1.0, 1.0j])
+        if slots is not None:
+            value = np.take_along_axis(value, slots, axis=1)
+        first = first[None] if slots is None else first[slots]
+        return cls(value, first, np.zeros((1, 1, 1, 1)) if second else None)
 
     def constant(self, value: Array) -> "Taylor":
         """Constants as functions of the same variables, derivatives of the same order."""
