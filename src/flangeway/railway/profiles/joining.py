@@ -149,7 +149,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     if offset:
         notices = (*notices, f"The head is moved sideways by {offset:.2f} mm: its field side lies on the nominal one.")
     _refuse_short(surface, kind)
-    title = f"{measured.title} on {nominal.title}"
+    title = f"{measured.title} (body of {nominal.title})"
     certainty = (
         f"Running surface as measured, joined by straight transitions to the nominal {nominal.title}."
         f"{_tape_text(measured)}"
