@@ -201,7 +201,7 @@ def clipped_notices(
     words = RAIL_SIDES[::-1] if measured.kind == "rail" else WHEEL_SIDES
     if others and extent(others[0]) > MAX_CLIPPED * extent(kept):
         raise InputError(
-            f"a running surface divided by an overhang, about {measured.place(ends[int(others[0][0, 0] > x)], moved)}",
+            f"a surface that overhangs at {measured.place(ends[int(others[0][0, 0] > x)], moved)}",
             f"one running surface, or parts beyond an overhang up to {MAX_CLIPPED:g} of its width",
             "save the part that the wheel runs on alone, and remove hooks of the measurement",
         )
