@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.measurement import NO_PEER, Measurement
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState
+from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
 from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
 from flangeway.railway.damage.surface_wear import row_wear
@@ -42,9 +42,10 @@ def quick() -> Iterator[Measurement]:
 def collective() -> Collective:
     """The bundled mixed line."""
     states = []
-    for each in COLLECTIVES["mixed-line"]:
-        case = SpatialWheelsetCase.from_values(SHARED | each.values)
-        states.append(RunningState(each.name, each.share, case.problem(), case.spatial_model()))
+    for each in [part for state in COLLECTIVES["mixed-line"] for part in parts_of(state)]:
+        name, share = each.pop("name"), each.pop("share")
+        case = SpatialWheelsetCase.from_values(SHARED | each)
+        states.append(RunningState(name, share, case.problem(), case.spatial_model()))
     return Collective(states)
 
 

@@ -1,16 +1,12 @@
 """Campaign files: what they vary, and what is reported about wrong ones before anything is computed."""
 
-import json
 import re
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from flangeway import campaign
 from flangeway.campaign import Campaign
-from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail
 
 
@@ -130,78 +126,6 @@ def test_a_file_counts_by_what_is_in_it(tmp_path):
     assert identities[0] == identities[1]
     (tmp_path / "a.txt").write_text("\n".join(f"{x:.4f} {y - 0.01 * (abs(x) < 5):.4f}" for x, y in head))
     assert read(tmp_path, text.format("a.txt")).identity != identities[0]
-
-
-def written(value):
-    """Value as TOML writes it."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if value == "0x":  # a number that Python does not write
-        return "0x" + "f" * 5000
-    if isinstance(value, str):
-        return json.dumps(value).replace("\x7f", "\\u007f")
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{json.dumps(key)} = {written(each)}" for key, each in value.items()) + " }"
-    if isinstance(value, list):
-        return f"[{', '.join(map(written, value))}]"
-    return str(value)
-
-
-SOUND = {
-    "inputs": {"rail": "60E1", "gauge_mm": 1600, "curve_radius_m": 400.0, "wheel": "AAR-1B", "method": "vem"},
-    "vary": {
-        "rail_inclination": [0.0, 0.05],
-        "lateral_mm": {"from": -1, "to": 1, "n": 3},
-        "axle_load_kN": {"from": 100, "to": 200, "step": 50},
-        "speed_km_h": [50, 70],
-        "superelevation_mm": [0, 30],
-        "left_rail": ["136RE", "a.txt"],
-        "table": "rows.csv",
-    },
-    "results": {"columns": ["lateral_mm", "left_max_pressure_MPa"]},
-}
-CASE_NAMES = st.sampled_from(["wheelset-tangent"] * 12 + ["base.toml"] * 3 + ["hertz", "c.toml", "/", "", "\0"])
-NUMBER = st.sampled_from([0, 1, -1, 0.025, 1e-320, 1e308, 10**400, float("nan"), float("inf")]) | st.floats()
-TEXT = st.sampled_from(["0x", "60E2", "a.txt", "b.txt", "c.toml", "", "/", "x" * 300]) | st.text("aé/.,\0 ", max_size=5)
-PLAIN = NUMBER | TEXT | st.booleans() | st.dates()
-RANGE = st.dictionaries(st.sampled_from(["from", "to", "n", "step"]), NUMBER | st.integers(-2, 9), min_size=1)
-VALUES = st.lists(PLAIN | st.lists(NUMBER, max_size=2), max_size=3) | RANGE | PLAIN
-KEYS = st.sampled_from(["gauge_mm", "rail", "body_size_mm", "columns", "bodies", "table"]) | st.text('ab."', max_size=4)
-CELLS = st.text("rail_inclination,gauge_mm;0123456789.-\n\"'é\0", max_size=40)
-TABLES = ("thickness_mm,primary\n8,rail\n9,wheel\n", "thickness_mm\n" + "9" * 200_000)
-
-
-@st.composite
-def tables(draw):
-    """Tables of a sound campaign without some of its keys, with some values of other kinds and some other keys."""
-    found = {}
-    for name, sound in SOUND.items():
-        keys = draw(st.lists(st.sampled_from(sorted(sound)), unique=True, min_size=int(name == "vary"), max_size=4))
-        found[name] = {key: sound[key] for key in keys}
-    for name in draw(st.lists(st.sampled_from(sorted(SOUND)), max_size=2)):
-        key = draw(st.sampled_from(sorted(found[name])) | KEYS) if found[name] else draw(KEYS)
-        found[name][key] = draw(VALUES)
-    return found
-
-
-@settings(settings.get_profile("costly"), suppress_health_check=list(HealthCheck))
-@given(case=CASE_NAMES, content=tables(), cells=st.sampled_from(TABLES) | CELLS)
-def test_any_campaign_is_read_or_refused(tmp_path, case, content, cells):
-    """Whatever a campaign names, fixes and varies: rows that are cases, or an error that names a file."""
-    lines = [f"case = {written(case)}"]
-    for name, table in content.items():
-        lines += [f"[{name}]", *(f"{json.dumps(key)} = {written(value)}" for key, value in table.items())]
-    files = {"base_toml": 'case = "wheelset-tangent"\norder = 2\n', "rows_csv": cells, "a_txt": "0 0\n1 0\n"}
-    found, refused = None, None
-    try:
-        found = read(tmp_path, "\n".join(lines), **files)
-        found.identity  # noqa: B018 (reads the files that rows name)
-    except InputError as reason:
-        refused = reason
-    if refused is None:
-        assert found.rows
-    else:
-        assert str(tmp_path) in refused.given or refused.given.startswith(("table ", "campaign c: "))
 
 
 def test_campaigns_know_no_kind_of_case():

@@ -10,19 +10,18 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from flangeway.campaign import Campaign, CampaignProgress, chunk, results
+from flangeway.campaign import Campaign, CampaignProgress, results
 from flangeway.campaign import database as table
 from flangeway.campaign.campaign import Row
 from flangeway.campaign.chunk import Chunk, compute
 from flangeway.campaign.columns import RowResult
 from flangeway.campaign.database import CampaignDatabase
 from flangeway.errors import InputError, MissingLibraryError
-from flangeway.railway.wheelset import wheelset_mesh
 from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.campaign.campaign_outputs import campaign_record, write_export
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import print_record
-from flangeway.system.latest_values import LatestValues
+from tests.campaign.conftest import computed
 
 SWEEP = """
 case = "wheelset-tangent"
@@ -31,18 +30,6 @@ size_scale = 8
 [vary]
 lateral_mm = { from = -2, to = 2, n = 12 }
 """
-
-
-def computed(folder, text):
-    """Compute a campaign in this process."""
-    file = folder / "c.toml"
-    file.write_text(text, encoding="utf-8")
-    campaign = Campaign.from_file(file)
-    with CampaignDatabase(folder / "c.sqlite") as store:
-        store.begin(campaign)
-        for first, rows in campaign.chunks:
-            store.store(rows, compute(Chunk(rows, first)).results)
-    return campaign, results(folder / "c.sqlite")
 
 
 def record_of(_campaign, found):
@@ -90,20 +77,6 @@ def test_many_positions_together_are_each_as_computed_alone(sweep, tmp_path):
     of_segments = [text for text in alone.warnings if "segments wide" in text]
     assert len(of_segments) == 2
     assert [each for each in json.loads(found.rows["warnings"][7]) if "segments wide" in each] == of_segments
-
-
-def test_other_workers_find_bodies_in_the_users_cache(tmp_path, monkeypatch):
-    """What one worker meshed and condensed the next one reads: it computes the same numbers without a mesher."""
-    monkeypatch.setenv("FLANGEWAY_CACHE", str(tmp_path / "cache"))
-    file = tmp_path / "c.toml"
-    file.write_text(SWEEP, encoding="utf-8")
-    ((first, rows),) = Campaign.from_file(file).chunks
-    monkeypatch.setattr(chunk, "_prepared", LatestValues(1))
-    before = compute(Chunk(rows[:2], first)).results
-    monkeypatch.setattr(chunk, "_prepared", LatestValues(1))
-    monkeypatch.setattr(wheelset_mesh, "triangulate", None)
-    after = compute(Chunk(rows[:2], first)).results
-    assert [result.values for result in after] == [result.values for result in before]
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
@@ -195,14 +168,6 @@ def test_failures_are_grouped_by_reason(tmp_path):
     assert said.getvalue().startswith(f"{found.name}: NOT converged with ")
     assert f"2 {status}: {message}" in said.getvalue()
     assert "rows 2, 3" in said.getvalue()
-
-
-def test_warnings_that_differ_in_numbers_are_one(tmp_path):
-    """Rows whose stresses exceed the yield strength by different factors give one sentence with their number."""
-    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\naxle_load_kN = [300, 500]\n'
-    found = record_of(*computed(tmp_path, text)).warnings
-    assert len([each for each in found if "yield strength" in each]) == 1
-    assert any(each.startswith("in 2 rows, numbers of the first: ") for each in found)
 
 
 def test_a_changed_campaign_is_refused_until_it_is_fresh(sweep, tmp_path):

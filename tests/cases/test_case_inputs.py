@@ -65,30 +65,6 @@ def test_every_input_reaches_the_problem():
         assert repr(WheelsetTangentCase.from_values({**others, key: value}).problem()) != before, key
 
 
-@pytest.mark.parametrize(
-    ("values", "given", "allowed", "advice"),
-    [
-        ({"size_scale": float("nan")}, "size_scale = nan", "from 0.05", "default 1"),
-        ({"crown_radius_in": 9}, "crown_radius_in = 9", "8, 10, 14", "choose"),
-        ({"rail": "UIC33"}, "rail 'UIC33'", "136RE", "a file"),
-        ({"wheel": "S1003"}, "wheel 'S1003'", "AAR-1B", "S1002"),
-    ],
-)
-def test_wrong_inputs_are_named(values, given, allowed, advice):
-    """A wrong input is refused with what was given, what is allowed, and what to do."""
-    with pytest.raises(InputError) as caught:
-        WheelsetTangentCase.from_values(values).problem()
-    assert given in caught.value.given
-    assert allowed in caught.value.allowed
-    assert advice in caught.value.advice
-
-
-def test_all_wrong_inputs_are_named_at_once():
-    """Two wrong inputs give one message that names both."""
-    with pytest.raises(InputError, match=r"size_scale = -1; thickness_mm = 0|thickness_mm = 0; size_scale = -1"):
-        WheelsetTangentCase.from_values({"size_scale": -1, "thickness_mm": 0})
-
-
 def test_a_curve_to_the_right_is_the_mirror_image():
     """A negative radius turns force and superelevation round: from the speed, less a deficiency, or by default."""
     for values in (
@@ -103,6 +79,13 @@ def test_a_curve_to_the_right_is_the_mirror_image():
         assert left.tilt_rad > 0.0
         assert left.lateral_N > 0.0
         assert (right.lateral_N, right.tilt_rad) == (-left.lateral_N, -left.tilt_rad)
+
+
+@pytest.mark.parametrize(("inputs", "base"), [({}, 1600.0), ({"superelevation_base_mm": 1665.0}, 1665.0)])
+def test_superelevation_is_over_the_gauge_or_the_base_that_is_given(inputs, base):
+    """The angle has the sine of the height over the gauge, or over the given base."""
+    case = WheelsetCurveCase.from_values({"superelevation_mm": 30.0, **inputs})
+    assert case.load().tilt_rad == pytest.approx(math.asin(30.0 / base))
 
 
 def test_what_is_taken_off_the_balanced_superelevation_is_the_deficiency():

@@ -42,19 +42,6 @@ def test_a_key_without_effect_is_refused(choice: dict[str, str], key: str, value
         case.check()
 
 
-@pytest.mark.parametrize(
-    "values",
-    [
-        {"enforcement": "penalty", "penalty_MPa_mm": 1e5},
-        {"enforcement": "barrier", "barrier_N_per_mm": 1.0, "barrier_reach_mm": 0.01},
-        {"enforcement": "multiplier", "weighting": "standard", "penetration_mm": 1e-5},
-    ],
-)
-def test_a_key_with_effect_or_its_default_is_taken(values: dict[str, object]) -> None:
-    """Defaults that are written out are no error."""
-    load_case("two-bodies", **contact(**values)).check()
-
-
 def test_a_table_that_the_file_lacks(tmp_path: Path) -> None:
     """`--set steps.number=2` makes the table; an unknown key in it is refused as in a file."""
     file = tmp_path / "case.toml"

@@ -45,14 +45,6 @@ def test_thin_strip_is_an_open_section():
     assert found.warping_constant == pytest.approx(100.0**3 / 144.0, rel=2e-2)
 
 
-def test_thin_tube_follows_bredt():
-    """A closed tube of thickness R/100: Bredt's 2 pi R^3 t to 0.1 %, ten thousand times the same tube slit open."""
-    radius, thickness = 100.0, 1.0
-    tube = Region(circle(radius + 0.5), (circle(radius - 0.5),))
-    found = run_section(drawn(tube)).constants
-    assert found.torsion_constant == pytest.approx(2.0 * math.pi * radius**3 * thickness, rel=1e-3)
-
-
 def test_maximum_shear_stress_of_a_disc_and_none_at_a_notch():
     """A disc's maximum stress per torque is 2 / (pi R^3); a section with a reentrant corner has none, and says so."""
     found = run_section(drawn(Region(circle(10.0)))).summary
@@ -60,18 +52,6 @@ def test_maximum_shear_stress_of_a_disc_and_none_at_a_notch():
     ell = run_section(drawn(Region(polygon([(0, 0), (30, 0), (30, 5), (5, 5), (5, 30), (0, 30)])))).summary
     assert ell["max_shear_stress_per_torque_per_mm3"] is None
     assert "reentrant corner, the first at (5, 5)" in ell["notices"][0]
-
-
-def test_composite_of_one_material_is_the_whole():
-    """A rectangle of two parts with one material has the constants of the whole rectangle."""
-    parts = Section({"left": Region(rectangle(4.0, 3.0, (2.0, 0.0))), "right": Region(rectangle(2.0, 3.0, (5.0, 0.0)))})
-    steel = PartMaterial(210e3, 0.3)
-    whole = DrawnSection("two parts", parts, "mm", {"left": steel, "right": steel})
-    found = run_section(whole)
-    assert found.constants.torsion_constant == pytest.approx(Rectangle(6.0, 3.0).torsion_constant, rel=1e-4)
-    assert found.constants.centroid == pytest.approx((3.0, 0.0))
-    assert found.summary["poisson"] == 0.3
-    assert found.summary["weights"]["reference_young_MPa"] == pytest.approx(210e3)
 
 
 def test_composite_tube_adds_its_layers():
@@ -106,21 +86,6 @@ def test_keys_bear_the_unit_and_sizes_are_usual():
     disc = Section({"disc": Region(circle(1.0))})
     assert 0.03 < usual_size(disc) < 0.08
     assert usual_size(Section({"foil": Region(rectangle(1e5, 1.0))})) == pytest.approx(20.0, rel=1e-2)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"size": 0.0}, "size = 0"),
-        ({"order": 4}, "1 to 3"),
-        ({"order": 7, "method": "vem"}, "order = 7"),
-        ({"poisson": 0.6}, "poisson = 0.6"),
-    ],
-)
-def test_wrong_options_are_refused(options, message):
-    """Sizes, orders, methods and ratios that do not exist are refused by the option's name."""
-    with pytest.raises(InputError, match=message):
-        _ = TorsionCase.from_values(options).element
 
 
 def test_bending_has_radii_and_section_moduli():

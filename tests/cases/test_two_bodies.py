@@ -8,10 +8,7 @@ import pytest
 
 from flangeway.cases import load_case
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
-from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
-from flangeway.formats import read_mesh
-from flangeway.mesh import rectangle_grid
 from flangeway.report.case_outputs import write_case
 
 WIDTH, UPPER, LOWER = 6.0, 2.0, 3.0
@@ -64,34 +61,6 @@ def test_a_force_on_stacked_boxes_gives_uniform_pressure_and_their_shortening(ga
     assert forces["lower"]["supports_N"] == pytest.approx([0.0, 240.0], rel=1e-6, abs=1e-6)
 
 
-def sliding(gap, turned, loads):
-    """The stack, its boxes held at one side alone, upright or turned by a right angle; the upper one can slide."""
-    values = stack(gap).model_dump()
-    for body in values["bodies"]:
-        body["rotation_deg"] = 90.0 if turned else 0.0
-    side = {"at_y_mm" if turned else "at_x_mm": -WIDTH / 2.0, "hold": "y" if turned else "x"}
-    values["supports"] = [
-        {"body": "upper", **side},
-        {"body": "lower", **side},
-        {"body": "lower", "edges": "bottom", "hold": "x" if turned else "y"},
-    ]
-    return TwoBodiesCase.from_values({**values, "loads": [{"body": "upper", **load} for load in loads]})
-
-
-@pytest.mark.parametrize(("gap", "turned"), [(0.0, False), (0.4, True)])
-def test_a_box_that_slides_rests_on_the_contact(gap, turned):
-    """A box under pressure, held by nothing along its way, rests on the other: p is uniform and its top comes down."""
-    run = sliding(gap, turned, [{"edges": "top", "pressure_MPa": 20.0}]).run()
-    assert run.status.converged
-    assert pressures(run) == pytest.approx(20.0, rel=1e-6)
-    field = run.bodies["upper"].field
-    nodes = field.problem.space.nodes
-    motion = run.bodies["upper"].moved(nodes, field.displacements[: len(nodes)])
-    height, fall = (-nodes[:, 0], motion[:, 0]) if turned else (nodes[:, 1], -motion[:, 1])
-    shorter = 20.0 * (UPPER * (1.0 - UPPER_POISSON**2) / 1000.0 + LOWER * (1.0 - LOWER_POISSON**2) / 3000.0)
-    assert fall[height > gap + UPPER - 1e-9] == pytest.approx(gap + shorter, rel=1e-6)
-
-
 @pytest.mark.parametrize("supports", [[{"at_x_mm": -3.0, "hold": "x"}], [{"point_mm": [-3.0, 2.0], "hold": "x"}], []])
 def test_a_body_that_its_supports_leave_free_rests_on_the_contact(supports):
     """Slides, turns or floats: under a pressure the contact carries it; without one the case is valid too."""
@@ -104,8 +73,24 @@ def test_a_body_that_its_supports_leave_free_rests_on_the_contact(supports):
     assert pressures(run) == pytest.approx(1.0, rel=1e-5)
 
 
-@pytest.mark.parametrize("n_steps", [3])
-def test_loads_deform_bodies_before_they_touch(n_steps):
+@pytest.mark.parametrize(
+    ("motion", "converged", "words"),
+    [
+        ({"push_N": [0.0, 100.0]}, False, "no contact holds a load: `upper` can slide in y"),
+        ({"push_N": [0.0, -1e12]}, False, "check its direction and its size"),
+        ({"shift_mm": [0.0, 5.0]}, True, "nothing touches"),
+    ],
+)
+def test_contact_that_cannot_happen_is_a_result_that_says_so(motion, converged, words):
+    """A push away or through the other body does not converge, with the reason; no touch without a push does."""
+    values = stack(motions=[{"body": "upper", **motion}]).model_dump()
+    values["supports"] = [{"body": "upper", "edges": "top"}, {"body": "lower", "edges": "bottom"}]
+    status = TwoBodiesCase.from_values(values).run().status
+    assert status.converged == converged
+    assert words in status.message
+
+
+def test_loads_deform_bodies_before_they_touch():
     """A hanging column under body force b meets a standing one: their pressure is b h / 4, for equal columns."""
     h, b = 3.0, 40.0
     values = {
@@ -114,11 +99,11 @@ def test_loads_deform_bodies_before_they_touch(n_steps):
         "supports": [{"body": "upper", "edges": "top"}, {"body": "lower", "edges": "bottom"}],
         "loads": [{"body": "upper", "body_force_N_mm3": [0.0, -b]}],
         "contacts": [{**PAIR, "enforcement": "multiplier"}],
-        "steps": {"number": n_steps},
+        "steps": {"number": 3},
     }
     values["bodies"] = [{**body, "order": 2} for body in values["bodies"]]
     run = TwoBodiesCase.from_values(values).run()
-    assert len(run.contact.steps) == n_steps
+    assert len(run.contact.steps) == 3
     assert pressures(run) == pytest.approx(b * h / 4.0, rel=1e-6)
     forces = run.summary["forces"][0]
     assert forces["loads_N"] == pytest.approx([0.0, -b * h * WIDTH], abs=1e-6)
@@ -160,25 +145,14 @@ def test_one_body_without_contact_is_plane_elasticity(load):
         assert top == pytest.approx(stretch, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("keys", "pressure", "width"),
-    [
-        ({"lower": "block", "force_N": 2e4, "lower_method": "vem"}, 0.02, 0.05),
-        ({"order": 2, "lower_young_MPa": 70e3, "size_mm": 0.15, "force_N": 2e4}, 0.02, 0.05),
-    ],
-)
-def test_cylinders_agree_with_hertz(keys, pressure, width):
+def test_cylinders_agree_with_hertz():
     """Maximum pressure and half width of cylinders are within 2 and 5 % of Hertz's under the same force."""
-    run = load_case("hertz", **keys).run()
-    results = run.summary["results"]
-    curvature = 1.0 / 40.0 + (0.0 if keys.get("lower") else 1.0 / 40.0)
-    lower = keys.get("lower_young_MPa", 200e3)
-    modulus = contact_modulus(200e3 / (1.0 - 1.0 / 9.0), lower / (1.0 - 1.0 / 9.0))
-    hertz = LineContact(results["force_N"] / 10.0, curvature, modulus)
-    assert run.status.converged
-    assert results["force_N"] == pytest.approx(keys.get("force_N", results["force_N"]), rel=1e-6)
-    assert results["max_pressure_MPa"] == pytest.approx(hertz.max_pressure, rel=pressure)
-    assert results["half_width_mm"] == pytest.approx(hertz.half_width, rel=width)
+    results = load_case("hertz", order=2, lower_young_MPa=70e3, size_mm=0.15, force_N=2e4).run().summary["results"]
+    modulus = contact_modulus(200e3 / (1.0 - 1.0 / 9.0), 70e3 / (1.0 - 1.0 / 9.0))
+    hertz = LineContact(2e4 / 10.0, 1.0 / 40.0 + 1.0 / 40.0, modulus)
+    assert results["force_N"] == pytest.approx(2e4, rel=1e-6)
+    assert results["max_pressure_MPa"] == pytest.approx(hertz.max_pressure, rel=0.02)
+    assert results["half_width_mm"] == pytest.approx(hertz.half_width, rel=0.05)
     assert results["hertz_max_pressure_MPa"] == pytest.approx(hertz.max_pressure, rel=1e-12)
     assert not results["reaches_an_end"]
 
@@ -209,7 +183,7 @@ def test_node_to_node_cases_get_the_nodes_that_they_need(method, order):
 
 
 def test_supports_tell_what_they_bear():
-    """Supports of a beam bear its loads, and share what two of them hold; pressed boxes stand on their far sides."""
+    """Supports of a beam bear its loads, and share what two of them hold."""
     clamped = TwoBodiesCase.from_values(
         {
             "bodies": [{"name": "beam", "rectangle": {"width_mm": 8.0, "height_mm": 2.0}, "order": 2, "size_mm": 1.0}],
@@ -225,123 +199,6 @@ def test_supports_tell_what_they_bear():
     assert forces.sum(axis=0) == pytest.approx([-10.0, 3.0])
     assert forces[0, 1] == forces[2, 0] == 0.0
     assert abs(forces[1]).min() > 0.0
-    rows = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).run().summary["supports"]
-    assert [(row["number"], row["body"]) for row in rows] == [(1, "upper"), (2, "upper"), (3, "lower"), (4, "lower")]
-    wanted = np.array([[0.0, -240.0], [0.0, 0.0], [0.0, 240.0], [0.0, 0.0]])
-    assert np.array([row["force_N"] for row in rows]) == pytest.approx(wanted, rel=1e-6, abs=1e-2)
-
-
-DECK = """*HEADING
-two blocks, made by hand
-*NODE
-1, 0., 0.
-2, 2., 0.
-3, 4., 0.
-4, 0., 1.
-5, 2., 1.
-6, 4., 1.
-11, 0., 1.
-12, 1.5, 1.
-13, 4., 1.
-14, 0., 2.
-15, 1.5, 2.
-16, 4., 2.
-*ELEMENT, TYPE=CPE4, ELSET=LOWER
-1, 1, 2, 5, 4
-2, 2, 3, 6, 5
-*ELEMENT, TYPE=CPE4, ELSET=UPPER
-3, 11, 12, 15, 14
-4, 12, 13, 16, 15
-*NSET, NSET=BASE
-1, 2, 3
-*NSET, NSET=LID
-14, 15, 16
-*SURFACE, NAME=MASTER
-LOWER, S3
-*SURFACE, NAME=SLAVE
-UPPER, S1
-"""
-CASE = """case = "two-bodies"
-[[bodies]]
-name = "upper"
-file = "blocks.inp"
-cells = "UPPER"
-method = "vem"
-poisson = 0.0
-[[bodies]]
-name = "lower"
-file = "blocks.inp"
-cells = "LOWER"
-method = "vem"
-poisson = 0.0
-[[supports]]
-body = "upper"
-edges = "LID"
-[[supports]]
-body = "lower"
-edges = "BASE"
-[[motions]]
-body = "upper"
-shift_mm = [0.0, -0.01]
-[[contacts]]
-secondary = "upper"
-secondary_edges = "SLAVE"
-primary = "lower"
-primary_edges = "MASTER"
-enforcement = "multiplier"
-"""
-
-
-def test_both_blocks_of_one_abaqus_file_are_pressed(tmp_path):
-    """A deck with two blocks in touch runs with its own sets and surfaces; without contraction p = E d / (h1 + h2)."""
-    (tmp_path / "blocks.inp").write_text(DECK, encoding="utf-8")
-    (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
-    run = load_case(tmp_path / "case.toml").run()
-    assert pressures(run) == pytest.approx(210e3 * 0.01 / 2.0, rel=1e-9)
-    metres = load_case(tmp_path / "case.toml", **{"bodies.1.unit": "m", "bodies.2.unit": "m"}).run()
-    assert pressures(metres) == pytest.approx(210e3 * 0.01 / 2000.0, rel=1e-9)
-
-
-def test_a_gmsh_mesh_is_the_same_as_its_shape(tmp_path):
-    """A box meshed elsewhere, with its names in a .msh file, carries the force of the same box by its measures."""
-    mesh = rectangle_grid(WIDTH, UPPER, 6, 2, cells="triangles")
-    points = np.column_stack((mesh.points - [WIDTH / 2.0, 0.0], np.zeros(mesh.n_points)))
-    cells = [
-        ("triangle", mesh.cell_points.reshape(-1, 3)),
-        ("line", mesh.edge_sets["top"]),
-        ("line", mesh.edge_sets["bottom"]),
-    ]
-    tags = [np.full(len(data), number) for number, (_, data) in zip((1, 2, 3), cells, strict=True)]
-    names = {"box": np.array([1, 2]), "top": np.array([2, 1]), "bottom": np.array([3, 1])}
-    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
-    meshio.write(
-        tmp_path / "box.msh", meshio.Mesh(points, cells, cell_data=data, field_data=names), file_format="gmsh22"
-    )
-    assert set(read_mesh(tmp_path / "box.msh").mesh.edge_sets) == {"top", "bottom"}
-    values = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).model_dump()
-    values["bodies"][0] = {
-        "name": "upper", "file": str(tmp_path / "box.msh"), "cells": "box", "young_MPa": 1000.0, "poisson": 0.2,
-    }  # fmt: skip
-    run = TwoBodiesCase.from_values(values).run()
-    assert pressures(run) == pytest.approx(20.0, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "told"),
-    [
-        ("size_mm", 1.0, "the file's mesh as it is"),
-        ("cells", "MIDDLE", "LOWER, UPPER"),
-        ("method", "fem", 'method = "vem"'),
-        ("materials", {"MIDDLE": {}}, "LOWER"),
-    ],
-)
-def test_what_a_mesh_file_does_not_take_is_told(tmp_path, key, value, told):
-    """Keys that contradict a mesh file are refused with what is there."""
-    (tmp_path / "blocks.inp").write_text(DECK, encoding="utf-8")
-    body = {"name": "a", "file": str(tmp_path / "blocks.inp"), "method": "vem", "cells": "LOWER", key: value}
-    with pytest.raises(InputError) as caught:
-        TwoBodiesCase.from_values({"bodies": [body]}).check()
-    assert told in str(caught.value)
 
 
 def test_several_materials_are_taken_by_cell_sets(tmp_path):

@@ -2,15 +2,11 @@
 
 import errno
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-
-from flangeway.errors import InputError
-from flangeway.system.output_folder import write_together
 
 MAIN = "from flangeway.cli import main; main()"
 RUN = ("run", "hertz", "--set", "size_mm=0.5", "--no-pictures")
@@ -58,43 +54,6 @@ def test_a_full_disk_leaves_no_half_file(call, monkeypatch, tmp_path):
     assert "Traceback" not in err
     assert "Report:" not in out
     assert everything(tmp_path) == []
-
-
-def test_a_device_without_room_is_told(tmp_path):
-    """A writer that meets a device without room leaves the former files as they were."""
-    if not Path("/dev/full").exists():
-        pytest.skip("this system has no /dev/full")
-    (tmp_path / "x").write_text("before")
-
-    def write(path):
-        path.symlink_to("/dev/full")
-        path.write_text("after")
-
-    with pytest.raises(InputError, match="No space left on device"):
-        write_together(tmp_path, {"x": lambda path: path.write_text("after"), "y": write})
-    assert everything(tmp_path) == ["x"]
-    assert (tmp_path / "x").read_text() == "before"
-
-
-def test_a_read_only_folder_is_refused(tmp_path):
-    """In a folder without permission to write, status 2 and the reason, before anything is computed."""
-    # root may write anywhere, unless it gives up its capabilities
-    run = ["setpriv", "--bounding-set=-all", "--inh-caps=-all"] if os.geteuid() == 0 else []
-    if run and (shutil.which("setpriv") is None or subprocess.run([*run, "true"], check=False).returncode):
-        pytest.skip("root cannot give up its capabilities here")
-    locked = tmp_path / "locked"
-    locked.mkdir()
-    locked.chmod(0o555)
-    done = subprocess.run(
-        [*run, sys.executable, "-c", MAIN, *RUN],
-        cwd=locked, capture_output=True, text=True, env=environment(), check=False,
-    )  # fmt: skip
-    assert done.returncode == 2, done.stderr
-    assert "Permission denied" in done.stderr
-    assert "what to do: " in done.stderr
-    assert "Traceback" not in done.stderr
-    assert "meshing" not in done.stderr
-    assert everything(locked) == []
 
 
 def test_no_memory_is_told(call, monkeypatch, tmp_path):

@@ -8,9 +8,8 @@ import pytest
 
 from flangeway.cases import load_case
 from flangeway.cases.case_file import read_case
-from flangeway.cases.rigid.rigid_case import GEOMETRY_CASES, find_geometry_case, read_geometry_case
+from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case
 from flangeway.cases.rigid.rigid_run import run_geometry
-from flangeway.railway.profiles.bundled import wheel
 
 COARSE = ("--set", "step_mm=0.1")
 
@@ -75,23 +74,6 @@ def test_unequal_wheels_swing_aside():
     assert at == pytest.approx(-0.2 / (2.0 * 0.05), abs=1e-4)
 
 
-def test_profiles_from_files_run_through(tmp_path):
-    """A wheel written as points and read again gives the contact geometry of the wheel itself to a few micrometres."""
-    profile = wheel("S1002")
-    points = profile.outline.part(profile.running_names).sampled(spacing=0.2)
-    points = points[(points[:, 0] > -69.0) & (points[:, 0] < 59.0)]
-    file = tmp_path / "worn.txt"
-    header = "# unit = mm\n# kind = wheel\n# origin = tape\n"
-    file.write_text(header + "\n".join(f"{x:.5f} {y:.5f}" for x, y in points) + "\n", encoding="utf-8")
-    values = {"left_wheel": str(file), "wheel_body": "S1002", "step_mm": 0.05}
-    mixed = find_geometry_case("s1002-60e1", values).geometry()
-    plain = find_geometry_case("s1002-60e1", {}).geometry()
-    lateral = np.linspace(-5.5, 5.5, 23)
-    one, other = mixed.locus(lateral), plain.locus(lateral)
-    assert np.abs(one.vertical_mm - other.vertical_mm).max() < 0.005
-    assert np.abs(one.left.contact_angles_rad[:, 0] - other.left.contact_angles_rad[:, 0]).max() < 0.01
-
-
 def test_the_geometry_of_the_main_job_has_its_inputs(tmp_path):
     """A file of the wheelset in three dimensions gives the same track, wheels and load; what has no effect is named."""
     file = tmp_path / "c.toml"
@@ -108,17 +90,6 @@ def test_the_geometry_of_the_main_job_has_its_inputs(tmp_path):
     assert find_geometry_case("wheelset", {}).load() == load_case("wheelset").load()
 
 
-@pytest.mark.parametrize("name", GEOMETRY_CASES)
-def test_conicity_is_finite_at_all_amplitudes(name):
-    """Every bundled case has a conicity at every amplitude, by both methods of the same size."""
-    run = run_geometry(name, find_geometry_case(name, {"step_mm": 0.1, "lateral_force_kN": 0.0}))
-    assert len(run.conicities.amplitudes_mm) > 40
-    assert np.isfinite(run.conicities.integration).all()
-    assert (run.conicities.integration > 0.0).all()
-    # the regression gives jumps another weight
-    assert (np.abs(run.conicities.regression / run.conicities.integration - 1.0) < 0.8).all()
-
-
 def test_without_roll_the_tread_of_1_20_is_its_conicity():
     """Without roll the AAR-1B's conicity is the slope of its tread; with roll about five percent more."""
     values = {"step_mm": 0.1, "maximum_lateral_mm": 5.0}
@@ -130,20 +101,8 @@ def test_without_roll_the_tread_of_1_20_is_its_conicity():
 
 def test_several_wheels_give_one_table_and_one_picture(call, tmp_path):
     """Every wheel on every rail, with the numbers that each pair has by itself."""
-    code, out, err = call(
-        "geometry",
-        "s1002-60e1",
-        "--set",
-        "step_mm=0.25",
-        "--wheel",
-        "S1002",
-        "--wheel",
-        "R-519-A",
-        "--rail",
-        "60E1",
-        "--rail",
-        "136RE",
-    )
+    pairs = ("--wheel", "S1002", "--wheel", "R-519-A", "--rail", "60E1", "--rail", "136RE")
+    code, out, err = call("geometry", "s1002-60e1", "--set", "step_mm=0.5", "--set", "maximum_lateral_mm=5", *pairs)
     assert code == 0, err
     assert "R-519-A" in out
     folder = tmp_path / "out" / "geometry-s1002-60e1"

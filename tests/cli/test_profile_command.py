@@ -2,7 +2,6 @@
 
 import csv
 import json
-import re
 
 import numpy as np
 import pytest
@@ -64,51 +63,6 @@ def test_conversion_keeps_the_smoothed_wheel(call, files):
     assert np.abs(again.surface.closest(first.smoothing.points)[2]).max() < 1e-3
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("heavy-haul", "tape line is"),
-        ("60E1", "head width at 14 mm"),
-    ],
-)
-def test_bundled_profiles_are_shown_with_their_certainty(name, words, call, tmp_path):
-    """Every bundled profile goes through the command, and says how certain it is and where it comes from."""
-    status, out, err = call("profile", name, "--out", "here")
-    assert status == 0, err
-    assert words in " ".join(out.split())
-    assert "Certainty:" in out
-    assert "Source:" in out
-    assert {path.name for path in (tmp_path / "here").iterdir()} == FILES
-
-
-@pytest.mark.parametrize(
-    ("name", "ending"),
-    [("S1002", "whl"), ("60E1", "prr")],
-)
-def test_bundled_profiles_are_converted(name, ending, call):
-    """A bundled running surface, written for another program, lies within a micrometre of the nominal one."""
-    assert call("profile", name, "--to", f"n.{ending}", "--no-pictures")[0] == 0
-    found = read_profile(f"n.{ending}")
-    nominal = run_profile(name)
-    surface = nominal.profile.surface
-    shift = [0.0, 0.0] if nominal.profile.kind == "wheel" else [0.0, surface.bounds()[1, 1]]
-    assert surface.closest(found.points + shift)[2].max() < 1e-3
-
-
-def test_a_failing_picture_leaves_nothing(call, files, tmp_path, monkeypatch):
-    """If a picture cannot be drawn, no file is left at its place, the conversion neither."""
-
-    def fail(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("flangeway.report.profile.profile_outputs.curvature_figure", fail)
-    status, _, err = call("profile", "tread.txt", "--to", "y.txt")
-    assert status == 130
-    assert "interrupted" in err
-    assert not (tmp_path / "out").exists()
-    assert not (tmp_path / "y.txt").exists()
-
-
 def test_several_profiles_give_one_table_and_one_picture(call, files, tmp_path):
     """A row for each profile with its measures; the picture has them all; options of one file are refused."""
     status, out, err = call("profile", "tread.txt", "S1002", "60E1", "--out", "b")
@@ -127,20 +81,6 @@ def test_several_profiles_give_one_table_and_one_picture(call, files, tmp_path):
     assert rows[2]["flange_height_mm"] == ""
     assert min(imread(tmp_path / "b" / "profiles.png").shape[:2]) > 400
     assert call("profile", "S1002", "60E1", "--to", "x.csv")[0] == 2
-
-
-def test_profiles_of_one_title_have_the_names_of_their_files(call, tmp_path):
-    """Files of one instrument share a title: table and notes name the file."""
-    for name, lift in (("a.whl", 0.0), ("b.whl", 0.8)):
-        assert call("profile", "S1002", "--to", name, "--no-pictures")[0] == 0
-        lines = (tmp_path / name).read_text(encoding="utf-8").splitlines()
-        head, points = lines[: lines.index("") + 1], lines[lines.index("") + 1 :]
-        moved = (f"{x} {float(y) + lift:.9f}" for x, y in map(str.split, points))
-        (tmp_path / name).write_text("\n".join([*head, *moved]), encoding="utf-8")
-    status, out, err = call("profile", "a.whl", "b.whl", "60E1", "--no-pictures")
-    assert status == 0, err
-    assert re.search(r"^S1002, a\.whl +28\.000", out, flags=re.MULTILINE)
-    assert re.search(r"moved to zero\. \(S1002, b\.whl\)", out.replace("\n", " "))
 
 
 def test_a_worn_wheel_is_below_the_new_one_in_the_overlay(files):

@@ -4,12 +4,11 @@ import os
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 
 from flangeway.campaign import Row
 from flangeway.campaign.chunk import Chunk, compute
-from flangeway.cases import CASES, find_case
+from flangeway.cases import find_case
 from flangeway.errors import UnforeseenError
 from flangeway.system.own_process import in_own_process
 
@@ -71,38 +70,6 @@ def test_processes_that_work_for_others_tell_one_sentence(monkeypatch):
     assert "\n" not in str(caught.value)
 
 
-def test_a_push_below_rounding_is_said():
-    """A half disc between two plates, nearly weightless: not converged, with the reason."""
-    plate = {"width_mm": 40.0, "height_mm": 5.0}
-    case = CASES["two-bodies"].from_values(
-        {
-            "bodies": [
-                {
-                    "name": "disc",
-                    "disc": {"radius_mm": 10.0, "centre_mm": [0.0, 10.0], "half": "lower"},
-                    "size_mm": 4.0,
-                },
-                {"name": "low", "rectangle": {**plate, "centre_mm": [0.0, -2.5]}, "size_mm": 5.0},
-                {"name": "up", "rectangle": {**plate, "centre_mm": [0.0, 12.5]}, "size_mm": 5.0},
-            ],
-            "supports": [
-                {"body": "low", "edges": "bottom"},
-                {"body": "up", "edges": "top"},
-                {"body": "disc", "point_mm": [0.0, 0.0], "hold": "x"},
-                {"body": "disc", "point_mm": [10.0, 10.0], "hold": "x"},
-            ],
-            "loads": [{"body": "disc", "body_force_N_mm3": [0.0, -1e-300]}],
-            "contacts": [
-                {"secondary": "disc", "secondary_edges": "rim", "primary": "low", "primary_edges": "top"},
-                {"secondary": "disc", "secondary_edges": "cut", "primary": "up", "primary_edges": "bottom"},
-            ],
-        }
-    )
-    run = case.run()
-    assert "against a force of 1.5e-298; nothing touches" in run.status.message
-    assert np.isfinite(run.contact.forces).all()
-
-
 @pytest.mark.parametrize(
     ("text", "told"),
     [
@@ -133,12 +100,8 @@ def test_names_that_no_file_can_have_are_refused(call, tmp_path):
         ("init", "hertz", "--to", f"{long}.toml"),
         ("schema", "--to", long),
         ("section", "136RE", "--out", f"{long}/inner"),
-        ("profile", "S1002", "--to", f"{long}.dxf"),
-        ("reproduce", "all", "--page", f"{long}.md"),
         ("run", "cook", "--out", ""),
         ("init", "cook", "--to", " "),
-        ("schema", "--to", ""),
-        ("campaign", "c.toml", "--out", ""),
         ("run", "cook", "--out", "\udcff"),
     ):
         status, out, err = call(*words)
@@ -150,13 +113,13 @@ def test_names_that_no_file_can_have_are_refused(call, tmp_path):
 
 def test_a_wrong_backend_of_matplotlib_does_not_matter(tmp_path):
     """Pictures go to files: a backend for windows that does not exist is not looked for."""
+    code = "import flangeway.cli, matplotlib.figure; matplotlib.figure.Figure().savefig('a.png')"
     done = subprocess.run(
-        [sys.executable, "-c", "from flangeway.cli import main; main()", "section", "136RE", "--size", "30"],
-        cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300,
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300,
         env={**os.environ, "MPLBACKEND": "nonsense", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert list((tmp_path / "out" / "section-136RE").glob("*.png"))
+    assert (tmp_path / "a.png").exists()
 
 
 def test_a_reader_that_has_seen_enough_is_no_error(tmp_path):

@@ -19,10 +19,11 @@ from flangeway.contact import (
     Surface,
 )
 from flangeway.contact import press as press_parts
-from flangeway.contact.edge_pieces import find_pieces, integrate
-from flangeway.contact.kinematics import node_edge_gaps
+from flangeway.contact.edge_pieces import PieceIntegrals, find_pieces
+from flangeway.contact.kinematics import closest_parameters
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.slip import node_edge_slides
+from flangeway.contact.slip import node_edge_slips, node_edge_turns
+from flangeway.contact.taylor import Taylor
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.mesh import rectangle_grid
@@ -88,8 +89,10 @@ def test_derivatives_of_the_slip_of_a_node(order: int) -> None:
 
     def slides(numbers: np.ndarray):
         points = numbers.reshape(-1, 2)
-        gaps = node_edge_gaps(points[:1], points[None, 1:])
-        return node_edge_slides(points[None, 1:], gaps.gaps, gaps.parameters, before[:1], before[None, 1:])
+        parameters = closest_parameters(points[:1], points[None, 1:])
+        first, second = (Taylor.of_points(points[None], second=each) for each in (False, True))
+        slips, directions = node_edge_slips(first, parameters, before[None])
+        return slips.value, slips.first, directions, node_edge_turns(second, parameters)
 
     _, rates, _, turns = slides(now.ravel())
     for number, change in enumerate(STEP * np.eye(now.size)):
@@ -111,7 +114,7 @@ def test_derivatives_of_the_mean_slip_of_a_segment(order: int) -> None:
     def slides(numbers: np.ndarray):
         points, n = numbers.reshape(1, -1, 2), order + 1
         pieces = find_pieces(points[:, :n], points[:, n:], (np.array([0]), np.array([0])), 9.0, 9.0)
-        found = integrate(pieces, points[:, :n], points[:, n:], np.array([3.0])).points
+        found = PieceIntegrals(pieces, points[:, :n], points[:, n:], np.array([3.0]))
         return found.slips(before[:, :n], before[:, n:]), found.turns(factors)[0]
 
     (_, rates, _), turns = slides(now.ravel())
@@ -128,9 +131,9 @@ def test_a_slip_over_several_edges_is_the_way_along_them() -> None:
     for edge, share in ((0, 0.3), (1, 0.5), (2, 0.9)):
         ends = now[None, [edge, edge + 1]]
         node = ends[:, 0] + share * (ends[:, 1] - ends[:, 0])
-        gaps = node_edge_gaps(node, ends)
-        was = np.array([[0.2, -0.1]])
-        slip = node_edge_slides(ends, gaps.gaps, gaps.parameters, was, before[None, [edge, edge + 1]])[0][0]
+        points = Taylor.of_points(np.concatenate((node[:, None], ends), axis=1), second=False)
+        was = np.array([[[0.2, -0.1], *before[[edge, edge + 1]]]])
+        slip = node_edge_slips(points, closest_parameters(node, ends), was)[0].value[0]
         way = before[edge, 0] + share * (before[edge + 1, 0] - before[edge, 0]) - 0.2
         assert slip == pytest.approx(way, abs=1e-12)
 

@@ -70,28 +70,6 @@ def test_products_by_transform_are_those_of_the_whole_matrix(seed) -> None:
     np.testing.assert_allclose(Convolution(coefficients)(forces), exact, atol=1e-12)
 
 
-def test_a_start_near_by_saves_iterations() -> None:
-    """From the forces of a load 0.1 % less, a load needs fewer iterations than from nothing."""
-    strip = 0.5
-    influence = Convolution(half_space_influence(210e3, 0.3, strip * np.arange(41), strip, 30, (1,)))
-    places = [strip * (np.arange(n) - (n - 1) / 2.0) for n in (40, 30)]
-    gaps = places[0][:, None] ** 2 / 500.0 + places[1] ** 2 / 900.0
-    cold = solve_normal(influence, gaps, force=50e3)
-    near = solve_normal(influence, gaps, force=49.95e3)
-    warm = solve_normal(influence, gaps, force=50e3, start=near.forces)
-    assert warm.status.iterations < 0.8 * cold.status.iterations
-    np.testing.assert_allclose(warm.forces, cold.forces, atol=1e-5 * cold.forces.max())
-
-
-def test_surfaces_that_an_approach_does_not_bring_together_carry_nothing() -> None:
-    """Without contact the forces are zero and the gaps are what the approach leaves."""
-    influence, gaps, _ = grid_of(3)
-    found = solve_normal(influence, gaps, approach=gaps.min() / 2.0)
-    assert found.status.converged
-    assert not found.forces.any()
-    np.testing.assert_allclose(found.gaps, gaps - gaps.min() / 2.0)
-
-
 @pytest.mark.parametrize("wrong", [{}, {"force": 1.0, "approach": 1.0}, {"force": 0.0}, {"force": np.nan}])
 def test_one_positive_force_or_one_approach_is_asked_for(wrong) -> None:
     """Neither, both, and a force that does not press end in a clear error."""

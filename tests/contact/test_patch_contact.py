@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
-from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
+from scipy.special import ellipeinc, ellipkinc
 
 from flangeway.contact.patch.patch_body import Axis, PatchBody
 from flangeway.contact.patch.patch_contact import PatchContact, press_patch
 from flangeway.contact.patch.patch_grid import grid_about
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError
+from flangeway.exact import PointContact
 from flangeway.geometry import Arc, Line, Outline, Placement
 from flangeway.materials import Elastic
 from flangeway.mesh import Refinement, dual, triangulate
@@ -48,18 +48,8 @@ def hertz(one: float, other: float, force: float, angle: float = np.pi / 2.0) ->
     modulus = STEEL.plane_modulus / 2.0
     total = 0.5 * (1.0 / one + 1.0 / other)
     difference = 0.5 * np.sqrt(1 / one**2 + 1 / other**2 + 2.0 / (one * other) * np.cos(2.0 * angle))
-    smaller, larger = total - difference, total + difference
-    if difference < 1e-12:
-        radius = (3.0 * force / (4.0 * modulus * total)) ** (1.0 / 3.0)
-        return radius, radius, 1.5 * force / (np.pi * radius**2)
-
-    def ratio(square: float) -> float:
-        return (ellipe(square) / (1.0 - square) - ellipk(square)) / (ellipk(square) - ellipe(square))
-
-    square = brentq(lambda m: ratio(m) - larger / smaller, 1e-9, 1.0 - 1e-9)
-    long = (3.0 * force * ellipe(square) / (2.0 * np.pi * modulus * (1.0 - square) * total)) ** (1.0 / 3.0)
-    short = long * np.sqrt(1.0 - square)
-    return long, short, 1.5 * force / (np.pi * long * short)
+    ellipse = PointContact(force, 1.0 / (total - difference), 1.0 / (total + difference), modulus)
+    return *ellipse.semi_axes, ellipse.max_pressure
 
 
 def check(found: PatchContact, wanted: tuple[float, float, float], axes: float, pressure: float) -> None:

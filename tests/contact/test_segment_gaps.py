@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.contact.edge_pieces import find_pieces, integrate
+from flangeway.contact.edge_pieces import PieceIntegrals, find_pieces
 from flangeway.contact.kinematics import closest_parameters
 from flangeway.contact.search import candidate_pairs
 from flangeway.elements.quadrature import gauss_lobatto
@@ -36,8 +36,8 @@ def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int], r
     secondary = chain(3, orders[0], 2.0, 0.05, 0.10, backwards=False)
     primary = chain(4, orders[1], 2.3, 0.0, -0.07, backwards=True)
     pieces, own, other = pieces_between(secondary, primary)
-    assert pieces.start_is_foot.any()
-    assert pieces.end_is_foot.any()
+    assert (pieces.starts > 0.0).any()
+    assert (pieces.ends < 1.0).any()
     lengths = np.full(len(pieces), 0.7)
     radii = np.tile((0.4, 1.9), (len(pieces), 1)) if revolved else None
     both = np.concatenate((own, other), axis=1)
@@ -46,12 +46,12 @@ def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int], r
     def evaluate(positions: np.ndarray):
         # the ends of pieces move with the nodes
         a, b = positions[:, :width], positions[:, width:]
-        starts = np.where(pieces.start_is_foot, closest_parameters(b[:, -1], a), pieces.starts)
-        ends = np.where(pieces.end_is_foot, closest_parameters(b[:, 0], a), pieces.ends)
-        return integrate(replace(pieces, starts=starts, ends=ends), a, b, lengths, radii)
+        starts = np.where(pieces.starts > 0.0, closest_parameters(b[:, -1], a), pieces.starts)
+        ends = np.where(pieces.ends < 1.0, closest_parameters(b[:, 0], a), pieces.ends)
+        return PieceIntegrals(replace(pieces, starts=starts, ends=ends), a, b, lengths, radii)
 
     exact = evaluate(both)
-    hessians = [exact.points.hessians(np.broadcast_to(factors, (len(pieces), 2))) for factors in np.eye(2)]
+    hessians = [exact.hessians(np.broadcast_to(factors, (len(pieces), 2))) for factors in np.eye(2)]
     step = 1e-5
     for variable in range(both[0].size):
         moved = []
@@ -60,7 +60,7 @@ def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int], r
             positions.reshape(len(both), -1)[:, variable] += sign * step
             moved.append(evaluate(positions))
         for hat in range(2):
-            slope = (moved[0].gaps - moved[1].gaps)[:, hat] / (2 * step)
-            bend = (moved[0].gradients - moved[1].gradients)[:, hat] / (2 * step)
-            np.testing.assert_allclose(exact.gradients[:, hat, variable], slope, atol=1e-8)
+            slope = (moved[0].gaps[0] - moved[1].gaps[0])[:, hat] / (2 * step)
+            bend = (moved[0].gaps[1] - moved[1].gaps[1])[:, hat] / (2 * step)
+            np.testing.assert_allclose(exact.gaps[1][:, hat, variable], slope, atol=1e-8)
             np.testing.assert_allclose(hessians[hat][:, variable], bend, atol=1e-7)

@@ -86,15 +86,6 @@ def test_one_body_is_in_equilibrium_with_itself_as_two_halves_are() -> None:
     np.testing.assert_allclose(one.resultants[0, 0], -one.resultants[0, 1], atol=1e-9 * np.abs(one.resultants).max())
 
 
-def test_the_sparse_path_has_the_same_answer() -> None:
-    """Condensed and sparse agree to 1e-8, here with virtual elements."""
-    condensed, sparse = (
-        squeezed(of_one_body(element=Virtual(1)), SegmentToSegment(), path) for path in ("condensed", "sparse")
-    )
-    assert sparse.status.converged
-    np.testing.assert_allclose(sparse.forces, condensed.forces, atol=1e-8 * np.abs(condensed.forces).max())
-
-
 def test_a_body_that_overlaps_itself_elsewhere_is_no_solution() -> None:
     """Where the edges that meet were not given, the body overlaps itself, and the status says so."""
     found = squeezed(of_one_body("inner"), SegmentToSegment())

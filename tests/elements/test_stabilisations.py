@@ -6,8 +6,6 @@ import pytest
 from flangeway.elements import (
     DiagonalStabilisation,
     IdentityStabilisation,
-    Lagrange,
-    NoStabilisation,
     SpectralStabilisation,
     TraceStabilisation,
     Virtual,
@@ -69,20 +67,3 @@ def test_published_choice_depends_on_the_number_of_components():
     vector[0, 0] = vector[1, 1] = scalar[0, 0]
     assert np.array_equal(Virtual(1).stabilise(cell, scalar), IdentityStabilisation().matrices(cell, scalar))
     assert np.array_equal(Virtual(1).stabilise(cell, vector), SpectralStabilisation().matrices(cell, vector))
-
-
-def test_without_stabilisation_a_square_has_two_free_motions():
-    """The consistency alone misses the hourglass of a square of order 1."""
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])[:, :, None]
-    element = Virtual(1, NoStabilisation())
-    cell = element.reconstruct(square)
-    assert element.stabilise(cell, consistency_of(cell)) is None
-    assert np.sum(np.abs(np.linalg.eigvalsh(consistency_of(cell)[0, 0, :, :, 0])) < 1e-12) == 2
-
-
-def test_lagrange_needs_none():
-    """A Lagrange triangle is its own reconstruction and has no stabilisation."""
-    triangle = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])[:, :, None]
-    cell = Lagrange(2).reconstruct(triangle)
-    assert cell.exact
-    assert Lagrange(2).stabilise(cell, consistency_of(cell)) is None

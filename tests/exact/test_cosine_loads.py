@@ -1,8 +1,5 @@
 """Prisms and bodies of revolution under loads that vary as a cosine, beside closed forms."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -16,10 +13,9 @@ from flangeway.problems.harmonic import Foundation, Harmonic, LongitudinalTracti
 from flangeway.solve import solve_elasticity
 from flangeway.solve.harmonic_solution import solve_harmonic
 from flangeway.space import Space
+from studies.spatial.cosine_loads import exact_bar
 
 ELEMENTS = [Lagrange(1), Lagrange(2), Virtual(1), Virtual(2), Virtual(3)]
-# Love's stress function with modified Bessel functions: radius 1, E = 1, nu = 0.3, pressure cos(kz); computed
-BAR = {1.0: (-0.6950629357626225, 0.43798730937247654), 5.0: (-0.36968701158613104, -0.07986827215442914)}
 
 
 def disc(n_sides, element):
@@ -50,7 +46,7 @@ def bar_error(n_sides, element, wavenumber):
     found = solve_harmonic(Harmonic(problem), wavenumber)
     assert found.status.converged
     # int u . n ds = 2 A u_r, on the polygon and on the circle
-    return -found.energy / float(space.mesh.cell_areas.sum()) / BAR[wavenumber][0] - 1.0
+    return -found.energy / float(space.mesh.cell_areas.sum()) / exact_bar()[wavenumber][0] - 1.0
 
 
 @pytest.mark.parametrize(
@@ -72,7 +68,7 @@ def test_a_bar_as_a_body_of_revolution_is_the_same_bar(element) -> None:
     pressure = Pressure("outer", lambda points: np.cos(wavenumber * points[:, 1]))
     problem = Elasticity(space, Elastic(1.0, 0.3, "axisymmetric"), loads=[pressure])
     found = solve_harmonic(Harmonic(problem, held={"low": "y", "top": "y"}), 0)
-    assert found.amplitudes[problem.node_at((1.0, 0.0)), 0] == pytest.approx(BAR[wavenumber][0], rel=2e-3)
+    assert found.amplitudes[problem.node_at((1.0, 0.0)), 0] == pytest.approx(exact_bar()[wavenumber][0], rel=2e-3)
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
@@ -172,14 +168,3 @@ def test_what_is_not_held_is_named() -> None:
         solve_harmonic(harmonic, 0.0)
     with pytest.raises(InputError, match="wavenumber -1"):
         solve_harmonic(harmonic, -1.0)
-
-
-def test_the_reference_file_has_the_same_bar() -> None:
-    """The closed form of this file is that of the reference numbers, where they are at hand."""
-    path = Path(__file__).parents[3] / "shared" / "reference" / "spatial_and_rolling.json"
-    if not path.is_file():
-        pytest.skip("the reference numbers are not beside this checkout")
-    rows = json.loads(path.read_text(encoding="utf-8"))["bar_under_cosine_pressure"]["rows"]
-    for row in rows:
-        if row["ka"] in BAR:
-            assert (row["ur_surface"], row["uz_surface"]) == BAR[row["ka"]]

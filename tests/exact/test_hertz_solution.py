@@ -96,14 +96,6 @@ def test_what_is_not_below_the_surface_is_refused(contact):
         contact.axis_stresses_in_disc([8.5], 4.0)
 
 
-def test_a_sphere_touches_in_a_circle() -> None:
-    """Equal radii give a^3 = 3 P R / (4 E*) and the approach a^2 / R."""
-    sphere = PointContact(1000.0, 50.0, 50.0, 1e5)
-    radius = np.cbrt(0.75 * 1000.0 * 50.0 / 1e5)
-    assert sphere.semi_axes == pytest.approx((radius, radius), rel=1e-12)
-    assert sphere.approach == pytest.approx(radius**2 / 50.0, rel=1e-12)
-
-
 NODES = roots_legendre(2000)
 """Nodes and weights of Gauss's rule."""
 

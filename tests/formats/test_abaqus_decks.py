@@ -101,6 +101,36 @@ def test_no_answer_comes_from_a_deck_that_is_not_read_whole(change, call, tmp_pa
         assert keyword in notice
 
 
+def test_both_blocks_of_one_file_are_pressed(tmp_path):
+    """Blocks in touch run with the deck's sets and surfaces; without contraction p = E d / (h1 + h2), in metres too."""
+    (tmp_path / "deck.inp").write_text(MESH, encoding="utf-8")
+    (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
+    for unit, height in (("mm", 2.0), ("m", 2000.0)):
+        inputs = {
+            f"bodies.{number}.{key}": value for number in (1, 2) for key, value in (("unit", unit), ("poisson", 0))
+        }
+        (patch,) = load_case(tmp_path / "case.toml", **inputs).run().patches
+        assert patch.pressures == pytest.approx(210e3 * 0.01 / height, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "told"),
+    [
+        ("size_mm", 1.0, "the file's mesh as it is"),
+        ("cells", "MIDDLE", "LOWER, UPPER"),
+        ("method", "fem", 'method = "vem"'),
+        ("materials", {"MIDDLE": {}}, "LOWER"),
+    ],
+)
+def test_what_a_mesh_file_does_not_take_is_told(tmp_path, key, value, told):
+    """Keys that contradict a mesh file are refused with what is there."""
+    (tmp_path / "deck.inp").write_text(MESH, encoding="utf-8")
+    body = {"name": "a", "file": str(tmp_path / "deck.inp"), "method": "vem", "cells": "LOWER", key: value}
+    with pytest.raises(InputError) as caught:
+        load_case("two-bodies", bodies=[body]).check()
+    assert told in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("line", "told"),
     [

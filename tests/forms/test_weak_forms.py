@@ -9,7 +9,6 @@ from flangeway.forms import (
     Field,
     bilinear,
     buckling,
-    error_norms,
     interpolate,
     linear,
     load,
@@ -250,23 +249,6 @@ def test_generalised_alpha_has_second_order():
     assert 3.7 < errors[0] / errors[1] < 4.3
 
 
-def test_mixed_orders_couple_two_spaces():
-    """The divergence of a quadratic displacement, tested with linear pressures, is its exact moment."""
-    mesh = MESHES["duals"]
-    space, pressures = Space(mesh, Virtual(2)), Space(mesh, Virtual(1))
-    coupling = bilinear(
-        space,
-        lambda u, q, w: (u.gradient[:, 0, 0] + u.gradient[:, 1, 1]) * q.value,
-        components=2,
-        test=pressures,
-        test_components=1,
-    )
-    assert coupling.shape == (pressures.n_dofs, 2 * space.n_dofs)
-    u = interpolate(space, lambda p: np.stack((p[:, 0] ** 2, p[:, 0] * p[:, 1]), axis=1))
-    wanted = load(pressures, lambda p: 3.0 * p[:, 0])
-    np.testing.assert_allclose(coupling @ u.ravel(), wanted, atol=1e-13)
-
-
 @pytest.mark.parametrize("order", [2, 4])
 def test_a_column_buckles_at_eulers_load(order):
     """A cantilever of slenderness 20 under pressure at its end: ``pi^2 E I / (2 L)^2`` to 2 % (shear and width)."""
@@ -306,26 +288,3 @@ def test_wrong_forms_are_named():
         Field(space, np.zeros(3))
     with pytest.raises(InputError, match="mesh"):
         bilinear(space, lambda u, v, w: u.value * v.value, test=Space(MESHES["agglomerates"], Virtual(1)))
-
-
-def test_errors_of_a_nonlinear_problem_fall_with_the_order():
-    """``-div((1 + u) grad u) = f`` with a smooth solution: the L2 error of order 2 falls eight times per halving."""
-
-    def exact(p):
-        return np.sin(2.0 * p[:, 0]) * np.exp(p[:, 1])
-
-    def gradient(p):
-        return np.exp(p[:, 1])[:, None] * np.stack((2.0 * np.cos(2.0 * p[:, 0]), np.sin(2.0 * p[:, 0])), axis=1)
-
-    def form(u, v, w):
-        source = 3.0 * (1.0 + exact(w.points)) * exact(w.points) - dot(gradient(w.points), gradient(w.points))
-        return (1.0 + u.value) * dot(u.gradient, v.gradient) - source * v.value
-
-    errors = []
-    for size in (0.2, 0.1):
-        space = Space(dual(triangulate(square(1.0, (0.5, 0.5)), size=size)), Virtual(2))
-        start = interpolate(space, exact)
-        solution = newton(space, form, start, fixed=space.boundary_dofs())
-        assert solution.status.converged
-        errors.append(error_norms(space, solution.dofs, exact, gradient).l2)
-    assert 6.0 < errors[0] / errors[1] < 14.0

@@ -62,12 +62,6 @@ def test_ends_are_exact(segment):
     assert np.array_equal(segment.point([0.0, 1.0]), [segment.start, segment.end])
 
 
-def test_bounds_of_an_arc_include_its_poles():
-    """The long way from east to north passes south and west: its box is the whole circle's."""
-    assert np.array_equal(LONG_WAY.bounds, [[-2.0, -2.0], [2.0, 2.0]])
-    assert np.array_equal(QUARTER.bounds, [[0.0, 0.0], [2.0, 2.0]])
-
-
 @given(arcs())
 def test_bounds_hold_every_point_tightly(case):
     """The box of an arc holds its points, and each side of the box is touched."""

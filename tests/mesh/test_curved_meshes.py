@@ -8,7 +8,7 @@ import meshio
 import numpy as np
 import pytest
 
-from flangeway.elements import Element, Lagrange, Serendipity, StabilisationFree, Virtual
+from flangeway.elements import Serendipity, StabilisationFree, Virtual
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, write_vtu
 from flangeway.geometry import Arc, Line, Outline, Placement, Spline, circle, rectangle
@@ -113,25 +113,6 @@ def test_an_arc_that_leaves_its_cell_is_refused_with_the_place(depth: float) -> 
     assert Space(mesh, Virtual(1)).n_dofs == 4  # edges of order 1 are chords
 
 
-def test_curves_without_edges_and_elements_without_curves_are_refused() -> None:
-    """An outline elsewhere, a spline of three points, and an element for straight edges say what to do."""
-    with pytest.raises(InputError, match="on which no edge of the mesh lies"):
-        curved(ring(), circle(9.0))
-    with pytest.raises(InputError, match="on which no edge of the mesh lies"):
-        triangulate(OUTER, size=0.5, outline=circle(9.0))
-    with pytest.raises(InputError, match="through 3 points"):
-        Spline([[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]])
-    with pytest.raises(InputError, match="twice in a row"):
-        Spline([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [2.0, 1.0]])
-
-    class Straight(Lagrange):
-        curved = False
-
-    assert issubclass(Straight, Element)
-    with pytest.raises(InputError, match="Straight on cells with curved edges"):
-        Space(curved(ring(), [OUTER, HOLE]), Straight(2))
-
-
 def test_agglomerated_polygons_and_halved_edges_stay_on_the_curves() -> None:
     """Both keep every edge of the boundary curved, and the exact area; polygons inside have no curved edge left."""
     mesh = dual(curved(ring(), [OUTER, HOLE]))
@@ -219,6 +200,9 @@ def bent_cell(points: list[list[float]], pair: tuple[int, int], curve: Spline | 
             lambda: bent_cell([[-1, 0], [1, 0], [1, 1], [-1, 1]], (0, 1), BULGE, 0.9),
             r"the edge \(0, 1\) .* from its curve",
         ),
+        (lambda: curved(ring(), circle(9.0)), "on which no edge of the mesh lies"),
+        (lambda: Spline([[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]]), "through 3 points"),
+        (lambda: Spline([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [2.0, 1.0]]), "twice in a row"),
         (lambda: triangulate(OUTER, size=0.5, outline="circle"), "'c' as a curve of the boundary"),
         (lambda: curved(ring(), 3.0), "3.0 as a curve of the boundary"),
         (lambda: curved(ring(), [[[0.0, 1.0], [1.0, 0.0]]]), "as a curve of the boundary"),

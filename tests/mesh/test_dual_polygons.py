@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
 from flangeway.errors import InputError
-from flangeway.geometry import Placement, circle, polygon
-from flangeway.mesh import PolyMesh, check, dual, rectangle_grid, triangulate
+from flangeway.mesh import PolyMesh, check, dual, rectangle_grid
 
 
 def corners(mesh, cell):
@@ -23,17 +22,6 @@ def test_dual_of_one_triangle_by_hand():
     assert corners(cells, 0).tolist() == [[0, 0], [3, 0], [2, 2], [0, 3]]
     assert corners(cells, 1).tolist() == [[6, 0], [3, 3], [2, 2], [3, 0]]
     np.testing.assert_allclose(cells.cell_areas, 6.0)
-
-
-def test_inner_cells_are_made_of_the_barycentres():
-    """The inner points of a grid get hexagons whose corners are the centroids about them."""
-    mesh = rectangle_grid(3.0, 3.0, 3, 3)
-    cells = dual(mesh)
-    sizes = cells.cell_sizes.reshape(4, 4)
-    assert np.all(sizes[1:-1, 1:-1] == 6)
-    assert sizes[0].tolist() == [5, 6, 6, 4]
-    found = {tuple(p) for p in np.round(corners(cells, 5) * 3).astype(int).tolist()}
-    assert found == {(4, 5), (5, 4), (4, 2), (2, 1), (1, 2), (2, 4)}
 
 
 @st.composite
@@ -69,13 +57,6 @@ def test_dual_of_any_triangulation_fills_the_body(mesh):
         assert np.array_equal(corners(cells, cell)[0], mesh.points[cell])
 
 
-@given(triangulations(), st.booleans())
-def test_dual_commutes_with_placement(mesh, mirrored):
-    """The dual of a placed mesh has the areas of the dual, cell by cell."""
-    placed = mesh.placed(Placement(0.4, (3.0, 1.0), mirrored))
-    np.testing.assert_allclose(dual(placed).cell_areas, dual(mesh).cell_areas, rtol=1e-10)
-
-
 def test_outline_and_edge_sets_survive():
     """Boundary points are kept, every boundary edge is halved, and sets keep order and length."""
     mesh = rectangle_grid(4.0, 2.0, 4, 3)
@@ -87,27 +68,6 @@ def test_outline_and_edge_sets_survive():
         np.testing.assert_allclose(fine[1::2], 0.5 * (coarse[1:] + coarse[:-1]))
     middles = np.array([cells.edge_cells[e] for e in cells.edge_numbers(cells.edge_set("top"))])
     assert middles[:, 0].tolist() == [19, 18, 18, 17, 17, 16, 16, 15]
-
-
-def test_reentrant_corners_keep_their_shape():
-    """At the reentrant corners of a cross and a slit-like notch the duals fit together."""
-    cross = [(1, 0), (2, 0), (2, 1), (3, 1), (3, 2), (2, 2), (2, 3), (1, 3), (1, 2), (0, 2)]
-    cross += [(0, 1), (1, 1)]
-    notch = [(0, 0), (3, 0), (3, 3), (1.6, 3), (1.5, 0.5), (1.4, 3), (0, 3)]
-    for shape in (cross, notch):
-        outline = polygon(shape)
-        for size in (1.0, 0.31, 0.1):
-            mesh = triangulate(outline, size=size)
-            cells = dual(mesh)
-            check(cells, region_area=outline.area)
-            kept = {tuple(p) for p in cells.points}
-            assert {tuple(map(float, p)) for p in shape} <= kept
-
-
-def test_holes_keep_their_duals():
-    """About a hole the dual cells fit as on the outside."""
-    mesh = triangulate(circle(3.0), size=0.5, holes=[circle(1.0)])
-    check(dual(mesh), region_area=mesh.cell_areas.sum(), area_tolerance=1e-12)
 
 
 def test_flat_triangles_that_would_fold_the_polygon_are_refused():

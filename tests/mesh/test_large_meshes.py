@@ -256,6 +256,7 @@ def working(folder, width):
     return process, begun[0]
 
 
+@pytest.mark.ci
 @NEEDS_LINUX
 @pytest.mark.parametrize("with_signal", [signal.SIGINT, signal.SIGKILL])
 def test_an_end_while_gmsh_works_is_prompt(with_signal, tmp_path, interruptible):

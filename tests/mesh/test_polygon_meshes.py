@@ -110,13 +110,6 @@ def test_cells_are_graded_like_a_size_field():
     assert ratio.max() < 1.6 * ratio.min()
 
 
-def test_iterations_of_lloyd_make_cells_even():
-    """The ratio of extreme areas falls."""
-    before, after = (voronoi(square(1.0), 60, iterations=n).cell_areas for n in (0, 15))
-    assert after.max() / after.min() < 3.0
-    assert before.max() / before.min() > 5.0
-
-
 def test_a_quadtree_is_fine_where_the_function_says():
     """Sides halve from level to level towards the corner; cells beside finer ones have more than four points."""
     mesh = MESHES["quadtree"]()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.geometry import Placement, Region, Section, circle, polygon, rectangle, square
+from flangeway.geometry import Region, Section, circle, rectangle, square
 from flangeway.mesh import Refinement, check, dual_section, triangulate_section
 
 
@@ -49,15 +49,6 @@ def test_overlapping_parts_are_refused_with_the_place():
         triangulate_section(Section(parts), size=0.5)
 
 
-def test_parts_apart_are_meshed_side_by_side():
-    """Parts that do not touch are two pieces with their own areas and names of segments."""
-    parts = {"a": Region(square(1.0)), "b": Region(polygon([(3, 0), (5, 0), (3, 2)], ["u", "v", "w"]))}
-    mesh = triangulate_section(Section(parts), size=0.4)
-    check(mesh)
-    assert mesh.cell_areas.sum() == pytest.approx(3.0, rel=1e-12)
-    assert set(mesh.edge_sets) == {"bottom", "right", "top", "left", "u", "v", "w"}
-
-
 def test_duals_of_parts_are_glued_where_they_touch():
     """Polygons of three parts, two of which meet at a point of the third, keep areas, sets and boundary length."""
     section = Section(
@@ -77,14 +68,3 @@ def test_duals_of_parts_are_glued_where_they_touch():
     assert {name: len(pairs) for name, pairs in polygons.edge_sets.items()} == {
         name: 2 * len(pairs) for name, pairs in triangles.edge_sets.items()
     }
-
-
-def test_sections_far_from_the_origin_are_meshed_like_near_ones():
-    """A small section a million times its size away has as many cells and the same areas as at the origin."""
-    section = Section({"a": Region(square(0.2)), "b": Region(square(0.2, (0.2, 0.0)))})
-    near = triangulate_section(section, size=0.05)
-    far = triangulate_section(section.transformed(Placement(translation=(1e6, -3e5))), size=0.05)
-    check(far)
-    np.testing.assert_allclose(far.cell_areas.sum(), 0.08, rtol=1e-7)
-    assert far.n_cells == near.n_cells
-    assert far.cell_centroids[:, 0].min() > 999_999.0

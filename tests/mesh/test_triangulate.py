@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, Line, Outline, Placement, circle, polygon, rectangle, square
+from flangeway.geometry import Arc, Line, Outline, circle, polygon, rectangle, square
 from flangeway.mesh import Refinement, check, triangulate
 
 HALF_DISC = Outline.from_segments(
@@ -31,31 +31,6 @@ def test_a_square_gets_the_edges_asked_for(n):
     check(mesh, region_area=1.0)
     for name in ("bottom", "right", "top", "left"):
         np.testing.assert_allclose(spacings(mesh, name), 1.0 / n, rtol=1e-9)
-
-
-def test_edge_sets_follow_the_outline():
-    """Sides have their names, and together they are the whole boundary once round."""
-    mesh = triangulate(rectangle(3.0, 1.0), size=0.25)
-    assert np.all(mesh.points[mesh.chain("right")][:, 0] == 1.5)
-    around = mesh.chain("bottom", "right", "top", "left")
-    assert len(around) == len(mesh.boundary_edges) + 1
-
-
-def test_boundary_points_lie_on_the_arcs():
-    """Points of a circular boundary are on the circle to 1e-12 of its radius, ends exactly."""
-    outline = HALF_DISC.transformed(Placement(0.3, (100.0, 50.0)))
-    mesh = triangulate(outline, size=0.1)
-    points = mesh.points[mesh.chain("round")]
-    np.testing.assert_allclose(np.hypot(*(points - [100.0, 50.0]).T), 2.0, atol=1e-12)
-    arc = outline.segments[outline.names.index("round")]
-    assert np.array_equal(points[[0, -1]], [arc.start, arc.end])
-
-
-def test_area_converges_to_the_disc_with_the_square_of_the_size():
-    """What chords cut off a disc shrinks with the square of the size."""
-    missing = [1.0 - triangulate(circle(1.0), size=size).cell_areas.sum() / math.pi for size in (0.2, 0.1, 0.05)]
-    ratios = np.array(missing[:-1]) / missing[1:]
-    np.testing.assert_allclose(ratios, 4.0, rtol=0.1)
 
 
 @pytest.mark.parametrize("n_arcs", [2, 3])

@@ -74,16 +74,6 @@ def test_thin_channel():
     assert found.warping_constant == pytest.approx(warping, rel=0.02)
 
 
-def test_thin_angle_has_its_shear_centre_at_the_corner():
-    """A thin angle: the middle lines meet in the shear centre; it hardly warps."""
-    found = constants(ANGLE, 0.1)
-    assert found.shear_centre_trefftz == pytest.approx((0.1, 0.1), abs=0.05)
-    i_max, i_min = found.principal_moments
-    turned = 0.5 * np.degrees(2.0 * found.principal_angle)
-    assert i_max > i_min > 0.0
-    assert 45.0 < abs(turned) < 90.0
-
-
 def test_principal_axes_turn_with_the_section():
     """A section turned by 25 degrees has its principal angle turned by as much, and all else unchanged."""
     still = constants(ANGLE, 0.1)
@@ -92,26 +82,6 @@ def test_principal_axes_turn_with_the_section():
     assert np.degrees(change) % 180.0 == pytest.approx(25.0, abs=1e-6)
     assert turned.principal_moments == pytest.approx(still.principal_moments)
     assert turned.warping_constant == pytest.approx(still.warping_constant, rel=1e-2)
-
-
-def test_principal_axis_carries_no_product_of_inertia():
-    """About the angle given, the maximum moment is the one of `principal_moments`."""
-    found = constants(ANGLE, 0.1)
-    ixx, iyy, ixy = found.second_moments
-    c, s = np.cos(found.principal_angle), np.sin(found.principal_angle)
-    about = ixx * c**2 + iyy * s**2 - 2.0 * ixy * s * c
-    assert about == pytest.approx(found.principal_moments[0])
-
-
-def test_warping_constant_is_least_about_trefftz_centre():
-    """About any other centre the integral of the warping function squared is larger: 1, x, y are orthogonal to it."""
-    found = constants(CHANNEL, 0.2)
-    x, y = np.subtract(found.shear_centre_trefftz, found.centroid)
-    assert found.warping_constant > 0.0
-    # the warping function about the centroid has the larger square
-    ixx, iyy, ixy = found.second_moments
-    shift = x**2 * ixx + y**2 * iyy - 2.0 * x * y * ixy
-    assert shift > found.warping_constant
 
 
 def test_composite_weights_by_modulus():

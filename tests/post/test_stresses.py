@@ -1,11 +1,10 @@
 """Stresses inside cells and what is derived from them."""
 
-import itertools
-
 import numpy as np
 import pytest
 
 from flangeway.elements import Lagrange, Virtual
+from flangeway.forms import interpolate
 from flangeway.geometry import square
 from flangeway.materials import Elastic
 from flangeway.mesh import dual, triangulate
@@ -38,7 +37,6 @@ def test_a_quadratic_displacement_has_linear_stresses(method) -> None:
         mesh = dual(mesh)
     material = Elastic(100.0, 0.3)
     problem = Elasticity(Space(mesh, method(2)), material)
-    space = problem.space
 
     def exact(points: np.ndarray) -> np.ndarray:
         x, y = points.T
@@ -51,27 +49,8 @@ def test_a_quadratic_displacement_has_linear_stresses(method) -> None:
         normal = np.einsum("kl,kln->n", material.out_of_plane, gradient)
         return np.stack((tensor[0, 0], tensor[1, 1], tensor[0, 1], normal), axis=1)
 
-    displacement = np.zeros((space.n_dofs, 2))
-    displacement[: space.n_nodes] = exact(space.nodes)
-    for batch in space.batches():
-        if batch.element.n_interior():
-            # the moment of a quadratic over a cell, by its exact reconstruction from three corners' triangles
-            displacement[batch.dofs[-1]] = mean_over(batch.vertices, exact)
+    displacement = interpolate(problem.space, exact)
     corners = corner_stresses(problem, displacement).components
     assert corners == pytest.approx(stress(mesh.points[mesh.cell_points]), abs=1e-9)
     means = cell_stresses(problem, displacement).components
     assert means == pytest.approx(stress(mesh.cell_centroids), abs=1e-9)
-
-
-def mean_over(vertices: np.ndarray, function) -> np.ndarray:
-    """Means over convex polygons of a quadratic, by the middles of the edges of a fan of triangles."""
-    means = []
-    for polygon in np.moveaxis(vertices, -1, 0):
-        total, area = np.zeros(2), 0.0
-        for b, c in itertools.pairwise(polygon):
-            a = polygon[0]
-            size = 0.5 * ((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
-            total += size * function(np.stack(((a + b) / 2, (b + c) / 2, (a + c) / 2))).mean(axis=0)
-            area += size
-        means.append(total / area)
-    return np.array(means)

@@ -11,12 +11,10 @@ has one point and no yaw.
 """
 
 import math
-import sys
 
 import numpy as np
 import pytest
 
-from flangeway import cli
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import Track, Wheelset
@@ -150,15 +148,3 @@ def test_heights_and_roll(locus):
     assert np.abs(height - published)[before].max() < 0.025
     assert np.abs(height - published)[~before].max() < 0.2
     assert roll == pytest.approx(TABLE[:, 0], rel=0.07, abs=1e-6)
-
-
-def test_the_equivalent_conicity_is_printed(tmp_path, monkeypatch, capsys):
-    """`flangeway geometry s1002-60e1` prints the equivalent conicity at 3 mm: 0.177, 0.17 to 0.18 being usual."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "120")
-    monkeypatch.setattr(sys, "argv", ["flangeway", "geometry", "s1002-60e1", "--set", "step_mm=0.05"])
-    with pytest.raises(SystemExit) as caught:
-        cli.main()
-    assert caught.value.code == 0
-    line = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("equivalent conicity at 3 mm"))
-    assert float(line.split()[-1]) == pytest.approx(0.177, abs=0.002)

@@ -56,10 +56,3 @@ def test_quadratic_after_the_active_set_has_settled(
     assert len(steps) >= 2
     assert steps[:, 0].max() > 1e-4  # far enough from round-off to see an order
     assert orders(steps).min() > 1.6, steps
-
-
-def test_orders_differ_between_linear_and_quadratic_sequences() -> None:
-    """The orders of a sequence that gains two digits in each step fall below 1.6, those of a quadratic one are 2."""
-    linear, quadratic = 0.01 ** np.arange(1.0, 6.0), 0.1 ** (2.0 ** np.arange(4.0))
-    assert orders(np.column_stack((linear[:-1], linear[1:])))[1:].max() <= 1.5
-    assert orders(np.column_stack((quadratic[:-1], quadratic[1:]))) == pytest.approx(2.0)

@@ -6,7 +6,7 @@ import pytest
 from flangeway.elements import Lagrange, Virtual
 from flangeway.geometry import square
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
+from flangeway.mesh import PolyMesh, dual, quadtree, rectangle_grid, triangulate
 from flangeway.post import error_norms
 from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
 from flangeway.solve import solve_elasticity
@@ -42,22 +42,7 @@ def body_force(points):
 
 def hanging(n):
     """Squares of which every other one is cut into four, so that its neighbours have hanging nodes."""
-    numbers, cells = {}, []
-    for i in range(n):
-        for j in range(n):
-            x, y = 2 * i, 2 * j
-            if (i + j) % 2 == 0:
-                quarters = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)]
-                cells += [[(a, b), (a + 1, b), (a + 1, b + 1), (a, b + 1)] for a, b in quarters]
-            else:
-                around = [(x, y), (x + 1, y), (x + 2, y), (x + 2, y + 1), (x + 2, y + 2), (x + 1, y + 2)]
-                around += [(x, y + 2), (x, y + 1)]
-                outer = [(x + 1, y)] * (j == 0) + [(x + 1, y + 2)] * (j == n - 1)
-                outer += [(x, y + 1)] * (i == 0) + [(x + 2, y + 1)] * (i == n - 1)
-                cells.append([p for p in around if p not in outer])
-    flat = [numbers.setdefault(point, len(numbers)) for cell in cells for point in cell]
-    points = np.array(list(numbers), dtype=np.float64) / (2 * n)
-    return PolyMesh(points, np.cumsum([0] + [len(cell) for cell in cells]), flat)
+    return quadtree(1.0, 1.0, n, n, finer=lambda c, _: np.floor(c * n).sum(axis=1) % 2 == 0, levels=1)
 
 
 def mixed(n):

@@ -7,11 +7,10 @@ import pytest
 from matplotlib.text import Text
 
 from flangeway.railway.track.placements import SIDES
-from flangeway.report.figures.drawing import power_of_ten, shade_of
+from flangeway.report.figures.drawing import shade_of
 from flangeway.report.figures.fields import drawn_parts
 from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
-from flangeway.report.wheelset.wheelset_figure import deformation_factor, wheelset_figure
-from flangeway.report.wheelset.wheelset_patches import _view
+from flangeway.report.wheelset.wheelset_figure import wheelset_figure
 
 
 def figures(run):
@@ -95,26 +94,3 @@ def test_deformed_surfaces_meet(runs):
             if surface.part.name == "wheel-right":
                 sunk = result.placements["wheel-right"].points(nodes) - at_touch.place(nodes, 0.0 * nodes)
                 assert np.allclose(sunk, (0.0, -result.approach_mm), atol=1e-8)
-
-
-def test_the_factor_makes_the_motion_visible(runs):
-    """The deformed picture shows the maximum motion as a hundredth to a fortieth of a part's size."""
-    result = runs["fem"].result
-    touch, whole = (
-        [body.points for side in SIDES for body in drawn_parts(result, side, f).values()] for f in (0.0, 1.0)
-    )
-    maximum = max(np.abs(after - before).max() for after, before in zip(whole, touch, strict=True))
-    size = max(np.ptp(points, axis=0).max() for points in touch)
-    assert size / 101.0 < deformation_factor(result) * maximum <= size / 39.0
-
-
-def test_powers_of_ten_are_labelled():
-    """Labels of logarithmic axes are powers with signs and all digits."""
-    assert [power_of_ten(value) for value in (1e-16, 0.1, 1.0, 1e23)] == ["10⁻¹⁶", "10⁻¹", "10⁰", "10²³"]
-
-
-def test_a_section_is_shown_about_the_head_wherever_the_rail_went():
-    """A rail that a search without equilibrium left 40 mm lower is in the middle like one in its place."""
-    rail = np.array([[-36.0, -40.0], [-36.0, 0.0], [36.0, 0.0], [36.0, -40.0]])
-    shift = np.array([3.0, -40.0])
-    assert _view(rail + shift, "right") == pytest.approx(_view(rail, "right") + shift)

@@ -9,7 +9,7 @@ from flangeway.elements import Virtual
 from flangeway.errors import InputError
 from flangeway.geometry import circle, rectangle
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, dual, rectangle_grid, refined, triangulate
+from flangeway.mesh import PolyMesh, dual, refined, triangulate
 from flangeway.post import corner_stresses, displacements_at, stresses_at
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.report.figures.display import NO_EDGE, display, displayed_stresses
@@ -110,33 +110,6 @@ def test_pictures_show_the_values_and_say_the_units():
     wanted = stress_quantity(displayed_stresses(solution, shown), "principal_3")
     assert drawn.get_array().max() == pytest.approx(wanted.max())
     assert not plt.get_fignums()
-
-
-def test_a_picture_of_cells_with_constant_stress_has_their_colours():
-    """Rendered, the middle of each of two cells has the colour of its own value, without a blend between them."""
-    grid = rectangle_grid(2.0, 1.0, 2, 1, cells="quadrilaterals")
-    soft = grid.with_cell_set("soft", [0]).with_cell_set("hard", [1])
-    problem = Elasticity(
-        Space(soft, Virtual(1)),
-        {"soft": Elastic(1.0, 0.0), "hard": Elastic(4.0, 0.0)},
-        loads=[Traction("top", (0.0, 1.0))],
-        supports=[fixed("bottom")],
-    )
-    solution = solve_elasticity(problem)
-    figure = Figure(figsize=(4.0, 2.0), dpi=100)
-    axes = plot_stress(solution, "yy", figure.add_axes((0.0, 0.0, 1.0, 1.0)))
-    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
-
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    image = np.asarray(canvas.buffer_rgba())
-    (drawn,) = [c for c in axes.collections if isinstance(c, TriMesh)]
-    values = stresses_at(solution, soft.cell_centroids).components[:, 1]
-    assert abs(values[0] - values[1]) > 0.1
-    for place, value in zip(soft.cell_centroids, values, strict=True):
-        column, row = axes.transData.transform(place)
-        pixel = image[image.shape[0] - 1 - int(row), int(column), :3] / 255.0
-        np.testing.assert_allclose(pixel, drawn.cmap(drawn.norm(value))[:3], atol=0.02)
 
 
 def test_named_edges_are_in_the_legend():

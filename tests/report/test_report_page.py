@@ -2,7 +2,6 @@
 
 import base64
 import re
-from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
@@ -10,11 +9,8 @@ import pytest
 from flangeway.report import write_case
 from flangeway.report.figures.drawing import png
 from flangeway.report.page import html_page
-from flangeway.report.page.html_page import report_page
-from flangeway.report.page.tables import SummaryTable
 from flangeway.report.wheelset import wheelset_page as outputs
 from flangeway.report.wheelset.wheelset_page import PLANE_PICTURES as PICTURES
-from flangeway.report.wheelset.wheelset_page import wheelset_record
 
 VOID = {"meta", "img", "br", "link", "input"}
 
@@ -99,15 +95,3 @@ def test_pictures_of_the_page_are_the_files(folder, text):
     """Each picture inside the page is one of the files, in their order."""
     inside = [base64.b64decode(image["src"].split(",")[1]) for image in Page(text).images]
     assert inside == [(folder / name).read_bytes() for name, *_ in PICTURES]
-
-
-def test_long_tables_are_folded_and_names_of_files_set_apart(runs):
-    """A table of 41 rows is behind its caption, one of 40 is not; what stands between backticks is code."""
-    record = wheelset_record(runs["fem"])
-    rows = tuple((f"row {number}", "word", "1.5") for number in range(41))
-    tables = [SummaryTable("long", ("", "a", "b"), rows), SummaryTable("short", ("", "a", "b"), rows[:-1])]
-    page = report_page(replace(record, tables=tables, sentences=["in `a_b.csv` & more"]))
-    assert "<details><summary>long</summary>" in page
-    assert "<summary>short</summary>" not in page
-    assert "in <code>a_b.csv</code> &amp; more" in page
-    assert '<th scope="col" class=text>a</th><th scope="col">b</th>' in page

@@ -1,10 +1,8 @@
 """Forces by the laws of contact and friction of linear problems."""
 
-import itertools
-
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flangeway.solve.active_set import Answer, DenseEquations, Laws, Motions, solve
@@ -34,41 +32,6 @@ def forces_of(
     return None if answer is None else answer.forces
 
 
-def normal_problem(seed: int, n: int) -> tuple[Floats, Floats]:
-    """A positive definite matrix and an offset."""
-    rng = np.random.default_rng(seed)
-    factor = rng.normal(size=(n, n))
-    return factor @ factor.T + 0.1 * np.eye(n), rng.normal(size=n)
-
-
-@given(seed=st.integers(0, 10_000), n=st.integers(1, 12), closed=st.booleans())
-def test_conditions_hold(seed: int, n: int, closed: bool) -> None:
-    """P >= 0, s = M p + q >= 0 and p s = 0, whatever the first guess."""
-    matrix, offset = normal_problem(seed, n)
-    p = forces_of(matrix, offset, guess=np.full(n, float(closed)))
-    assert p is not None
-    s = matrix @ p + offset
-    assert p.min() >= 0.0
-    assert s.min() > -1e-8
-    assert np.abs(p * s).max() < 1e-8
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_enumeration_agrees(seed: int) -> None:
-    """The only active set of all 2^5 that satisfies the conditions is the one found."""
-    matrix, offset = normal_problem(seed, 5)
-    p = forces_of(matrix, offset)
-    solutions = []
-    for active in itertools.product([False, True], repeat=5):
-        mask = np.array(active)
-        trial = np.zeros(5)
-        trial[mask] = np.linalg.solve(matrix[np.ix_(mask, mask)], -offset[mask])
-        if trial.min() >= 0.0 and (matrix @ trial + offset)[~mask].min(initial=0.0) >= 0.0:
-            solutions.append(trial)
-    assert len(solutions) == 1
-    assert p == pytest.approx(solutions[0], abs=1e-10)
-
-
 def test_an_unsolvable_problem_has_no_solution() -> None:
     """An indefinite matrix without a solution gives None, not a wrong answer."""
     assert forces_of(np.array([[-1.0]]), np.array([-1.0])) is None
@@ -84,15 +47,14 @@ def test_repeated_constraints_share_one_force() -> None:
     assert forces[2] == 0.0
 
 
-@settings(max_examples=50, deadline=None)
-@given(seed=st.integers(0, 10**6), n=st.integers(1, 25), mu=st.floats(0.0, 1.0))
-def test_forces_satisfy_coulombs_law(seed: int, n: int, mu: float) -> None:
-    """For random matrices: complementarity of forces and gaps, and friction against slip at its limit."""
+@given(seed=st.integers(0, 10**6), n=st.integers(1, 25), mu=st.floats(0.0, 1.0), closed=st.booleans())
+def test_forces_satisfy_coulombs_law(seed: int, n: int, mu: float, closed: bool) -> None:
+    """From any guess, complementarity of forces and gaps, and friction against slip at its limit: random matrices."""
     rng = np.random.default_rng(seed)
     root = rng.normal(size=(2 * n, 2 * n))
     matrix = root @ root.T / n + np.eye(2 * n)
     matrix, offset = matrix + 1e-3 * rng.normal(size=matrix.shape), rng.normal(size=2 * n)
-    forces = forces_of(matrix, offset, np.full(n, mu))
+    forces = forces_of(matrix, offset, np.full(n, mu), guess=np.repeat([float(closed), 0.0], n))
     assert forces is not None
     gaps, slips = np.split(matrix @ forces + offset, 2)
     normal, tangential = np.split(forces, 2)

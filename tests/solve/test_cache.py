@@ -77,7 +77,7 @@ import sys
 from pathlib import Path
 import numpy as np
 from flangeway.system.disk_cache import Cache
-for _ in range(40):
+for _ in range(15):
     value = float(sys.argv[2])
     Cache(Path(sys.argv[1]), 10**9).store("shared", {"a": np.full(200_000, value), "b": np.full(200_000, value)})
 """

@@ -5,12 +5,11 @@ import pytest
 
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError
-from flangeway.geometry import Placement, square
+from flangeway.geometry import Placement
 from flangeway.materials import Elastic, Orthotropic
-from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
+from flangeway.mesh import PolyMesh, dual, rectangle_grid
 from flangeway.post import cell_stresses, corner_stresses, reactions
 from flangeway.problems import (
-    Body,
     BodyForce,
     Elasticity,
     Gravity,
@@ -24,7 +23,7 @@ from flangeway.problems import (
     fixed,
 )
 from flangeway.solve import solve_elasticity
-from flangeway.space import Space, assemble_condensed
+from flangeway.space import Space
 
 STEEL = Elastic(1000.0, 0.3, density=2.0, expansion=1e-3)
 SYMMETRY = (PrescribedDisplacement("bottom", y=0.0), PrescribedDisplacement("left", x=0.0))
@@ -144,20 +143,6 @@ def test_free_thermal_expansion(space: Space, hypothesis: str) -> None:
     assert stress - expected == pytest.approx(0.0, abs=1e-7)
     energy = 0.5 * out_of_plane**2 / 1000.0 * 2.0
     assert solution.energy == pytest.approx(energy, abs=1e-9)
-
-
-def test_heating_a_held_bar_presses_it() -> None:
-    """Between rigid walls in plane stress the stress is -E alpha T, its energy half stress times strain."""
-    material = Elastic(1000.0, 0.3, "plane_stress", expansion=1e-3)
-    supports = [*SYMMETRY, PrescribedDisplacement("right", x=0.0)]
-    problem = Elasticity(Space(dual(block()), Virtual(2)), material, loads=[TemperatureChange(10.0)], supports=supports)
-    solution = solve_elasticity(problem)
-    stress = cell_stresses(problem, solution.displacements).components
-    assert stress - np.array([-10.0, 0.0, 0.0, 0.0]) == pytest.approx(0.0, abs=1e-9)
-    assert solution.energy == pytest.approx(0.5 * 10.0 * 0.01 * 2.0)
-    by_support = reactions(solution)
-    assert by_support[2].force == pytest.approx([-10.0, 0.0], abs=1e-9)
-    assert by_support[1].force == pytest.approx([10.0, 0.0], abs=1e-9)
 
 
 def test_a_temperature_that_varies_bends_a_strip() -> None:
@@ -282,22 +267,6 @@ def test_a_support_on_a_handle_s_end_guides_it() -> None:
     assert total == pytest.approx([0.0, 1.0], abs=1e-10)
 
 
-def test_two_materials_share_a_load_by_their_stiffness() -> None:
-    """In plane stress, layers pulled together bear stresses in the ratio of their moduli."""
-    mesh = block()
-    upper = mesh.cell_centroids[:, 1] > 0.5
-    mesh = mesh.with_cell_set("upper", upper).with_cell_set("lower", ~upper)
-    materials = {
-        "upper": Elastic(3000.0, 0.0, "plane_stress"),
-        "lower": Orthotropic((1000.0, 500.0, 500.0), (0.0, 0.0, 0.0), 300.0, hypothesis="plane_stress"),
-    }
-    supports = [*SYMMETRY, RigidHandle("right", x=0.01, rotation=0.0)]
-    problem = Elasticity(Space(mesh, Lagrange(2)), materials, supports=supports)
-    stress = cell_stresses(problem, solve_elasticity(problem).displacements).components[:, 0]
-    assert stress[upper] == pytest.approx(15.0)
-    assert stress[~upper] == pytest.approx(5.0)
-
-
 def test_gravity_and_pressure_on_a_ring() -> None:
     """Forces on a body of revolution are summed around its axis: weight is density times its volume."""
     mesh = rectangle_grid(2.0, 1.0, 6, 4, origin=(1.0, 0.0))
@@ -322,39 +291,6 @@ def test_a_handle_on_a_ring_moves_along_the_axis_only() -> None:
     area = np.pi * (1.5**2 - 1.0)
     assert solution.handle_motions[0] == pytest.approx([0.0, 10.0 * 2.0 / (1000.0 * area), 0.0], abs=1e-12)
     assert reactions(solution)[0].force == pytest.approx([0.0, -10.0])
-
-
-def test_a_body_in_contact_takes_several_materials_but_no_thickness_of_a_ring() -> None:
-    """`Body` accepts several materials, and axisymmetric ones without a thickness: forces are summed around."""
-    mesh = block()
-    upper = mesh.cell_centroids[:, 1] > 0.5
-    mesh = mesh.with_cell_set("upper", upper).with_cell_set("lower", ~upper)
-    materials = {"upper": STEEL, "lower": Elastic(1.0, 0.3)}
-    body = Body("pad", mesh, Lagrange(1), materials, "bottom")
-    assert body.stiffness.n == 2 * (mesh.n_points - 7)
-    with pytest.raises(InputError, match="revolution"):
-        Body("pad", mesh, Lagrange(1), Elastic(1.0, 0.3, "axisymmetric"), "bottom", thickness=2.0)
-
-
-@pytest.mark.parametrize("element", [Lagrange(3), Virtual(2), Virtual(3)])
-def test_condensation_changes_nothing(element) -> None:
-    """The condensed system has the Schur complement of the full one, and gives the same displacements inside too."""
-    mesh = triangulate(square(1.0), size=0.4)
-    mesh = mesh if isinstance(element, Lagrange) else dual(mesh)
-    problem = Elasticity(Space(mesh, element), STEEL, loads=[BodyForce((1.0, -2.0))], supports=[fixed("bottom")])
-    space, full = problem.space, problem.stiffness().full().toarray()
-    n = 2 * space.n_nodes
-    schur = full[:n, :n] - full[:n, n:] @ np.linalg.solve(full[n:, n:], full[n:, :n])
-    condensed = assemble_condensed(space, problem.cell_stiffness, 2)
-    assert condensed.matrix.full().toarray() == pytest.approx(schur, abs=1e-10 * np.abs(schur).max())
-    free = np.ones((space.n_dofs, 2), dtype=bool)
-    free[problem.support_nodes(problem.supports[0])] = False
-    free = free.ravel()
-    direct = np.zeros(len(full))
-    direct[free] = np.linalg.solve(full[np.ix_(free, free)], problem.load_vector().ravel()[free])
-    solved = solve_elasticity(problem)
-    assert solved.displacements.ravel() == pytest.approx(direct, abs=1e-12 * np.abs(direct).max())
-    assert solved.energy == pytest.approx(0.5 * direct @ full @ direct)
 
 
 def test_a_mesh_for_a_space_and_a_word_for_a_material_are_told() -> None:

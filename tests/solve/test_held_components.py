@@ -8,7 +8,7 @@ import pytest
 import scipy.sparse as sp
 
 from flangeway.contact import solve_contact
-from flangeway.elements import Lagrange, Virtual
+from flangeway.elements import Lagrange
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
@@ -79,20 +79,6 @@ def test_both_paths_answer_alike_where_a_surface_is_held_sideways() -> None:
         tangent = sp.csr_array(100.0 * root @ root.T)
         answers.append(response.respond(rotations, np.arange(len(surface.nodes)), tangent, loads))
     np.testing.assert_allclose(answers[0], answers[1], atol=1e-10 * np.abs(answers[1]).max())
-
-
-def test_elements_by_cell_set() -> None:
-    """A body of two kinds of elements strains uniformly under a uniform load."""
-    mesh = rectangle_grid(WIDTH, HEIGHT, 4, 3)
-    left = mesh.cell_centroids[:, 0] < 1.0
-    mesh = mesh.with_cell_set("left", left).with_cell_set("right", ~left)
-    body = Body(
-        "block", mesh, {"left": Lagrange(2), "right": Virtual(2)}, MATERIAL, {"bottom": "y", (0.0, 0.0): "x"}, 3.0
-    )
-    surface, forces = pressed_top(body)
-    response = CondensedBodies([surface])
-    moved = response.displacements(response.rotations([Placement()]), np.arange(len(surface.nodes)), forces)
-    np.testing.assert_allclose(moved[:, 1], -PRESSURE * (1.0 - MATERIAL.poisson**2) / MATERIAL.young, rtol=1e-11)
 
 
 @pytest.mark.parametrize(

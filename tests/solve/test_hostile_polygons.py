@@ -8,7 +8,7 @@ from scipy.linalg import LinAlgWarning
 
 from flangeway.elements import StabilisationFree, Virtual
 from flangeway.errors import InputError
-from flangeway.forms import interpolate, linear, solve, stiffness
+from flangeway.forms import Factor, bilinear, interpolate, linear, mass, solve, stiffness
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh
 from flangeway.problems import Elasticity, PrescribedDisplacement, Traction, fixed
@@ -44,7 +44,7 @@ SHAPES = {
     "star with thin rays": star(7, 1e-2),
 }
 ELEMENTS = [
-    *(Virtual(order) for order in (1, 2, 4, 7, 8)),
+    *(Virtual(order) for order in (1, 2, 4, 8)),
     *(StabilisationFree(order) for order in (1, 3)),
 ]
 
@@ -120,6 +120,21 @@ def by_forms(points, element):
     return np.abs(found - exact)[corners].max() / np.abs(exact[corners]).max(), said
 
 
+def test_forms_say_an_error_above_1e_4():
+    """The same of `forms.solve`, which warns or refuses."""
+    warned = []
+    for name in ("V of 1e-3", "thin spiral", "star with thin rays"):
+        points = SHAPES[name]
+        for element in ELEMENTS:
+            try:
+                error, said = by_forms(points, element)
+            except InputError:
+                continue
+            assert error < 1e-4 or said
+            warned.append(error > 1e-4)
+    assert any(warned)
+
+
 def random_polygon(random):
     """A star, a spiral, a V, an ellipse with points at random angles, or a star-shaped one, turned and scaled."""
     kind = random.integers(5)
@@ -139,28 +154,12 @@ def random_polygon(random):
     return points @ turn * 10.0 ** random.uniform(-3.0, 3.0)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 3, 6, 2004, 7001])
-def test_an_error_above_1e_4_in_a_random_polygon_is_said(seed):
-    """No other exception than a refusal; an answer of fewer than four digits says so, or has not converged."""
-    points = random_polygon(np.random.default_rng(seed))
-    for element in ELEMENTS:
-        try:
-            error, solution = uniform_stress(points, element)
-        except InputError:
-            continue
-        assert error < 1e-4 or "digits" in solution.status.message
-
-
-@pytest.mark.parametrize("seed", [24, 26, 29, 30])
-def test_forms_say_an_error_above_1e_4_in_a_random_polygon(seed):
-    """The same of `forms.solve`, which warns or refuses."""
-    points = random_polygon(np.random.default_rng(seed))
-    for element in ELEMENTS:
-        try:
-            error, said = by_forms(points, element)
-        except InputError:
-            continue
-        assert error < 1e-4 or said
+@pytest.mark.parametrize(("seed", "order"), [(100039, 3), (100125, 5), (100115, 7), (100150, 8)])
+def test_round_off_of_projections_counts(seed, order):
+    """Thin cells in which round-off of the projections takes one to three digits: errors of 1.6e-4 to 4e-4 are said."""
+    error, solution = uniform_stress(random_polygon(np.random.default_rng(seed)), Virtual(order))
+    assert 1e-4 < error < 10.0**-solution.status.digits
+    assert solution.status.digits < 4.0
 
 
 @pytest.mark.parametrize(("seed", "height"), [(228, 1.1e-3), (2, 5e-4)])
@@ -170,3 +169,18 @@ def test_soft_motions_that_the_load_does_not_move_count(seed, height):
     points = np.stack((np.cos(angles), height * np.sin(angles)), axis=1) @ np.array([[0.6, 0.8], [-0.8, 0.6]])
     error, solution = uniform_stress(points, Virtual(2))
     assert error < 10.0 ** (1.7 - solution.status.digits)
+
+
+def test_round_off_of_entries_is_that_of_their_forces_by_a_constant():
+    """A thin cell of order 5: forces of a constant over those of the terms are a thousand last bits, and are kept."""
+    space = Space(one_cell(random_polygon(np.random.default_rng(100125))), Virtual(5))
+    matrix, one = stiffness(space), interpolate(space, lambda p: np.ones(len(p)))
+    forces = np.abs(matrix.toarray() @ one) / (np.abs(matrix.toarray()) @ np.abs(one)) / np.finfo(float).eps
+    assert matrix.round_off == pytest.approx(np.maximum(forces, 1.0), rel=0.1, abs=2.0)
+    assert forces.max() > 1e3
+    by_form = bilinear(space, lambda u, v, w: (u.gradient * v.gradient).sum(axis=1))
+    assert 0.1 < by_form.round_off.max() / forces.max() < 10.0
+    combined = 1j * (2.0 * mass(space) - matrix / 3.0)
+    assert np.array_equal(combined.round_off, matrix.round_off)
+    lost = type(matrix)(matrix)
+    assert Factor(matrix, [0]).digits < Factor(lost, [0]).digits - 1.0

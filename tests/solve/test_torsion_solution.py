@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from flangeway.elements import Lagrange, NoStabilisation, TraceStabilisation, Virtual
+from flangeway.elements import Lagrange, NoStabilisation, Virtual
 from flangeway.errors import InputError
 from flangeway.exact import Ellipse, EquilateralTriangle, Rectangle, thin_closed_torsion_constant
 from flangeway.geometry import circle, polygon, rectangle, square
-from flangeway.mesh import PolyMesh, dual, rectangle_grid, refined, triangulate
+from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
 from flangeway.post import corner_shear_stresses, error_norms, shear_stresses
 from flangeway.problems import Torsion
 from flangeway.solve import solve_torsion
@@ -56,27 +56,6 @@ def test_stresses_of_the_triangle_are_exact(formulation):
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
-@pytest.mark.parametrize("formulation", ["warping", "prandtl"])
-def test_functions_of_the_square_converge(formulation, order):
-    """Halving the cells of the square divides the H1 error by 2^0.75 (order 1) or 2^1.6 (orders 2 and 3) at least.
-
-    Both functions have a singularity r^2 ln r at the corners, which holds higher orders down to 2.
-    """
-    exact = Rectangle(1.0, 1.0)
-    value, slope = (
-        (exact.warping, exact.warping_gradient)
-        if formulation == "warping"
-        else (exact.stress_function, exact.stress_function_gradient)
-    )
-    errors = []
-    for mesh in (triangulate(square(1.0), size=0.25), triangulate(square(1.0), size=0.125)):
-        space = Space(mesh, Lagrange(order))
-        solution = solve_torsion(Torsion(space, formulation=formulation))
-        errors.append(error_norms(space, solution.function, value, slope).relative_h1)
-    assert np.log2(errors[0] / errors[1]) > {1: 0.75, 2: 1.6, 3: 1.6}[order]
-
-
-@pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize(
     ("outline", "exact"),
     [(square(1.0), Rectangle(1.0, 1.0)), (rectangle(1.0, 0.2), Rectangle(1.0, 0.2))],
@@ -86,21 +65,6 @@ def test_lagrange_elements_bracket_the_exact_constant(order, outline, exact):
     """Lagrange elements: Prandtl's function below, the warping function above."""
     upper, lower = constants(triangulate(outline, size=0.1), Lagrange(order))
     assert lower < exact.torsion_constant < upper
-
-
-def test_virtual_elements_do_not_bracket_in_general():
-    """Polygons of order 2 with the published stabilisation are above the exact constant in both formulations."""
-    exact = Rectangle(1.0, 1.0).torsion_constant
-    upper, lower = constants(dual(SQUARE_MESH), Virtual(2))
-    assert min(upper, lower) > exact
-    assert upper == pytest.approx(exact, rel=5e-5)
-
-
-@pytest.mark.parametrize("order", [1, 2, 3])
-def test_stiff_stabilisation_brackets_on_dual_polygons(order):
-    """With the trace stabilisation, which is stiffer, dual polygons of the square bracket the exact constant."""
-    upper, lower = constants(dual(SQUARE_MESH), Virtual(order, TraceStabilisation()))
-    assert lower < Rectangle(1.0, 1.0).torsion_constant < upper
 
 
 @pytest.mark.parametrize("element", [Lagrange(2), Virtual(2)], ids=["Lagrange", "virtual"])
@@ -117,23 +81,6 @@ def test_hollow_circle(element):
     )
 
 
-def test_round_hollow_section_does_not_warp():
-    """A circle's warping function is zero."""
-    mesh = triangulate(circle(1.0), size=0.1, holes=[circle(0.5)])
-    solution = solve_torsion(Torsion(Space(mesh, Lagrange(1))))
-    # the polygon of 63 sides warps a little
-    assert np.abs(solution.function).max() < 1e-3
-
-
-def test_hollow_square_is_bracketed_and_extrapolates():
-    """A square with a square hole: bounds close in with refinement and enclose the finer ones (no closed form)."""
-    mesh = triangulate(square(1.0), size=0.1, holes=[square(0.5)])
-    upper, lower = constants(mesh, Lagrange(2))
-    finer_upper, finer_lower = constants(refined(mesh), Lagrange(2))
-    assert lower < finer_lower < finer_upper < upper
-    assert finer_upper / finer_lower - 1.0 < 2e-3
-
-
 def test_thin_closed_box_approaches_bredts_formula():
     """A thin box: within 1 % of Bredt's formula on the middle line for walls of 1/50."""
     mesh = triangulate(square(1.02), size=0.02, holes=[square(0.98)])
@@ -141,6 +88,16 @@ def test_thin_closed_box_approaches_bredts_formula():
     bredt = thin_closed_torsion_constant(1.0, [4.0], [0.02])
     assert lower < upper
     assert (upper + lower) / 2.0 == pytest.approx(bredt, rel=0.01)
+
+
+@pytest.mark.parametrize(("order", "width"), [(1, 2e-2), (2, 3e-5), (3, 1e-6)])
+def test_both_formulations_enclose_the_constant_of_an_annulus_on_curved_meshes(order, width):
+    """Prandtl's constant is below that of the warping function, both within the discretisation's error of 7.5 pi."""
+    outer, bore = circle(2.0), circle(1.0)
+    mesh = triangulate(outer, size=0.5, holes=[bore], outline=[outer, bore])
+    upper, lower = constants(mesh, Lagrange(order))
+    assert lower < upper < (1.0 + width) * lower
+    assert lower == pytest.approx(7.5 * np.pi, rel=1.5 * width)
 
 
 def test_two_holes_carry_equal_values_by_symmetry():
@@ -152,16 +109,6 @@ def test_two_holes_carry_equal_values_by_symmetry():
     assert solution.hole_values[0] == pytest.approx(solution.hole_values[1], rel=1e-3)
     upper = solve_torsion(Torsion(Space(mesh, Lagrange(2)))).torsion_constant
     assert solution.torsion_constant < upper < 1.01 * solution.torsion_constant
-
-
-def test_warping_has_zero_circulation_mismatch_and_prandtl_the_right_one():
-    """About the hole of a hollow square, the circulation of Prandtl's shear stress is twice the hole's area."""
-    mesh = triangulate(square(1.0), size=0.05, holes=[square(0.5)])
-    problem = Torsion(Space(mesh, Lagrange(2)), formulation="prandtl")
-    solution = solve_torsion(problem)
-    residual = problem.stiffness().full() @ solution.function - problem.load_vector()
-    nodes = np.unique(problem.space.edge_nodes(problem.boundary.holes[0]))
-    assert residual[nodes].sum() == pytest.approx(2.0 * 0.25, rel=1e-10)
 
 
 def test_composite_of_equal_materials_is_the_homogeneous_section():
@@ -201,15 +148,6 @@ def halves():
     mesh = rectangle_grid(1.0, 0.5, 8, 4, origin=(3.0, 7.0))
     left = mesh.cell_centroids[:, 0] < 3.5
     return mesh.with_cell_set("left", left).with_cell_set("right", ~left)
-
-
-def test_composite_formulations_agree_and_bracket():
-    """Two halves of different stiffness: Prandtl below, warping above, 1 % apart."""
-    mesh = refined(halves())
-    space = Space(mesh, Lagrange(2))
-    moduli = {"left": 1.0, "right": 4.0}
-    upper, lower = (solve_torsion(Torsion(space, moduli, f)).torsional_rigidity for f in ("warping", "prandtl"))
-    assert lower < upper < 1.01 * lower
 
 
 def test_result_does_not_depend_on_place_or_unit():

@@ -56,16 +56,6 @@ def test_an_edge_set_in_any_order_knows_its_body():
 BLOCK = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 
 
-@pytest.mark.parametrize(
-    "offset", [(0.0, 0.0), (0.4, 0.3), (0.2, 0.0), (0.0, 0.7)], ids=["same place", "corner", "sideways", "upwards"]
-)
-@pytest.mark.parametrize("scale", [1.0, 0.25], ids=["equal", "smaller"])
-def test_overlapping_cells_are_refused(offset, scale):
-    """Cells that lie on each other, partly or inside one another, without common points, are refused."""
-    points = np.vstack([BLOCK, scale * BLOCK + offset])
-    refused(mesh_of(points, [[0, 1, 2, 3], [4, 5, 6, 7]]), "cross|same place|hangs|inside another")
-
-
 def test_cells_that_overlap_around_common_points_are_refused():
     """A cell given twice, a fan around its point twice, and a cell inside one that it touches, are refused."""
     refused(mesh_of(BLOCK, [[0, 1, 2, 3], [0, 1, 2, 3]]), "same side")

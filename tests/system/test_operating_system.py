@@ -67,17 +67,6 @@ def test_no_other_module_names_what_a_system_lacks():
             assert not (isinstance(node, ast.Attribute) and node.attr in ATTRIBUTES), f"{path}:{node.lineno}"
 
 
-def test_windows_locks_the_first_byte(windows, tmp_path):
-    """Without fcntl the lock is one of msvcrt, on the same byte whatever the file holds."""
-    with (tmp_path / "x").open("ab") as first, (tmp_path / "x").open("ab") as second:
-        system.lock_file(first)
-        first.write(b"more")
-        first.flush()
-        with pytest.raises(PermissionError):
-            system.lock_file(second)
-    assert [place[2:] for place in windows.locked] == [(0, 1)]
-
-
 @pytest.mark.parametrize("imitated", [False, True])
 def test_a_campaigns_file_has_one_writer(request, tmp_path, imitated):
     """A second coordinator is refused with what to do, with either kind of lock."""

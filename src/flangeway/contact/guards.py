@@ -7,12 +7,12 @@ whichever side the node is on. Its gap is invariant to rigid motions, so the for
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property, partial
 
 import numpy as np
 
-from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps
+from flangeway.contact.kinematics import closest_parameters, node_edge_gaps
 from flangeway.contact.node_to_segment import (
     CONCAVE,
     OVERHANG,
@@ -21,6 +21,7 @@ from flangeway.contact.node_to_segment import (
     NodeToSegment,
     facing_pairs,
     guarded_margins,
+    node_terms,
 )
 from flangeway.contact.pairs import Pairs
 from flangeway.contact.search import behind
@@ -122,30 +123,22 @@ def guarded(
     taken = np.full(len(surfaces[0].nodes), -1)
     if isinstance(base, NodePairs):
         taken[base.nodes] = base.primary_edges
-        owners, columns = _owners(places[0], base.nodes)
-        width, slots = _slots(places, columns, 0)
-        base = replace(base, secondary_members=places[0][owners], slots=slots, width=width)
     parts: list[Pairs] = [base]
     for side, other in ((0, 1), (1, 0)):
-        nodes, faced, gaps = _paired(
+        nodes, faced = _paired(
             positions[side], places[side], edges[other], guarded_nodes[side], kept[side], settle=settle
         )
         if side == 0:
             new = faced != taken[nodes]
-            nodes, faced, gaps = nodes[new], faced[new], gaps.take(new)
-        owners, columns = _owners(places[side], nodes)
-        width, slots = _slots(places, columns, side)
-        nearest = places[0][faced, np.where(gaps.parameters > 0.5, -1, 0)] if side == 1 else nodes
+            nodes, faced = nodes[new], faced[new]
+        terms, secondary_edges, primary_edges = node_terms(places[side], edges, nodes, faced, side)
+        nearest = places[0][faced, np.where(terms[-1] > 0.5, -1, 0)] if side == 1 else nodes
         areas = NodeToSegment().node_areas(surfaces[side])[nodes]
         keys = first_keys[side] + nodes * len(edges[other]) + faced
-        secondary_edges, primary_edges = (owners, faced)[:: 1 - 2 * side]
-        each, partners = np.arange(len(nodes))[:, None], faced + side * len(edges[1])
-        members = places[0][secondary_edges]
-        parts.append(
-            NodePairs(
-                keys, partners, nearest, gaps.gaps, areas, areas, members, primary_edges, each, gaps, slots, width
-            )
-        )
+        gaps = node_edge_gaps(positions[side][nodes], edges[other][faced]).gaps
+        partners, members = faced + side * len(edges[1]), places[0][secondary_edges]
+        given = keys, partners, nearest, gaps, areas, areas, members, primary_edges, np.arange(len(nodes))[:, None]
+        parts.append(NodePairs(*given, *terms))
     joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in JOINED}
     starts, width = np.cumsum([len(part.keys) for part in parts]), base.rows.shape[1]
     rows = [np.repeat(first + part.rows, width, axis=1) for first, part in zip(starts, parts[1:], strict=False)]
@@ -184,30 +177,10 @@ def _kept(before: Pairs | None, surfaces: Sides) -> tuple[Ints, Ints]:
     return kept[0], kept[1]
 
 
-def _slots(places: tuple[Ints, Ints], columns: Ints, side: int) -> tuple[int, Ints]:
-    """Number of points of a secondary and a primary edge, and which are a node of one side and the edge of the other.
-
-    ``columns`` are the positions of the nodes in edges of their own ``side``, shape (n,); the second result (n, w + 1).
-    """
-    widths = places[0].shape[1], places[1].shape[1]
-    node = columns + side * widths[0]
-    edge = np.arange(widths[1 - side]) + (1 - side) * widths[0]
-    return sum(widths), np.column_stack((node, np.broadcast_to(edge, (len(node), len(edge)))))
-
-
-def _owners(edge_places: Ints, nodes: Ints) -> tuple[Ints, Ints]:
-    """An edge that has each node, and the node's position in it."""
-    edges, columns = np.zeros((2, edge_places.max() + 1), dtype=np.int64)
-    for column in range(edge_places.shape[1]):
-        edges[edge_places[:, column]] = np.arange(len(edge_places))
-        columns[edge_places[:, column]] = column
-    return edges[nodes], columns[nodes]
-
-
 def _paired(
     positions: Floats, edge_places: Ints, edges: Floats, guarded_nodes: Bools, kept: Ints, *, settle: bool
-) -> tuple[Ints, Ints, NodeEdgeGaps]:
-    """Guarded nodes that face an edge of the other side, those edges, and the gaps.
+) -> tuple[Ints, Ints]:
+    """Guarded nodes that face an edge of the other side, and those edges.
 
     At a concave joint the other body's outside is what is outside of both edges: a node has a constraint against each.
     """
@@ -225,7 +198,7 @@ def _paired(
         near |= np.abs(closest_parameters(positions[both], edges[beside]) - 0.5) < 0.5 + SLACK
         found.append((both[near], beside[near]))
     nodes, partners = (np.concatenate(each) for each in zip(*found, strict=True))
-    return nodes, partners, node_edge_gaps(positions[nodes], edges[partners])
+    return nodes, partners
 
 
 def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, explained: float, bent: float) -> Guards:

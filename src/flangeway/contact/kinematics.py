@@ -1,24 +1,26 @@
 """Shape functions on an edge, and the gap between a node and an edge with its derivatives.
 
 With the closest point ``x_m(xi)``, the edge's tangent ``t = x_m,xi`` and its unit normal n, which points out of the
-primary body, the gap is ``g = n . (x_s - x_m)``: open where positive (Moherdaui 2021, 3.5.1 to 3.5.6).
+primary body, the gap is ``g = n . (x_s - x_m)``: open where positive (Moherdaui 2021, 3.5.1 to 3.5.6). Derivatives are
+those of this formula, see `flangeway.contact.taylor`.
 
 Where an edge is evaluated many times its points are a power series in the parameter. Vectors of the plane are complex
-numbers there, x + i y: the real part of ``conj(a) b`` is the dot product of two, the imaginary part a's cross b.
+numbers there, x + i y.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
-from typing import TypeVar
+from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.contact.taylor import Taylor, as_complex, as_vectors, cross, dot, implicit
 from flangeway.elements.quadrature import gauss_lobatto
-from flangeway.types import Complex, Floats
+from flangeway.types import Bools, Complex, Floats
 
-Number = TypeVar("Number", np.float64, np.complex128)
-
+MAX_STEPS = 20
 ENOUGH = 1e-9
 """Change of a parameter after which another of Newton's, of the size of its square, is round-off."""
 
@@ -62,72 +64,54 @@ def shape_functions(order: int, xi: Floats, highest: int = 2) -> tuple[Floats, .
     return tuple(results)
 
 
-def as_complex(vectors: Floats) -> Complex:
-    """Vectors (..., 2) as complex numbers, shape (...)."""
-    return np.ascontiguousarray(vectors).view(np.complex128)[..., 0]
-
-
-def as_vectors(numbers: Complex) -> Floats:
-    """Complex numbers (...) as vectors (..., 2)."""
-    return np.stack((numbers.real, numbers.imag), axis=-1)
-
-
-def edge_series(edges: Floats) -> Complex:
-    """Coefficients of the powers of the parameter for points of edges (..., order + 1, 2), shape (order + 1, ...)."""
+def edge_series(edges: Floats) -> list[Complex]:
+    """Coefficients of the powers of the parameter for points of edges (..., order + 1, 2), each (...)."""
     coefficients = _coefficients(edges.shape[-2] - 1)
-    return np.ascontiguousarray(np.moveaxis(as_complex(edges) @ coefficients.T, -1, 0))
+    return list(np.ascontiguousarray(np.moveaxis(as_complex(edges) @ coefficients.T, -1, 0)))
 
 
-def derivative(series: NDArray[Number]) -> NDArray[Number]:
-    """Coefficients of the derivative by the parameter of power series (n_powers, ...), one power less."""
-    powers = np.arange(1.0, len(series)).reshape(-1, *[1] * (series.ndim - 1))
-    return powers * series[1:]
+def taylor_series(points: Taylor, start: int, stop: int) -> list[Taylor]:
+    """The same, each (p,), for edges whose nodes are columns from ``start`` to ``stop`` of points (p, n)."""
+    weights = np.zeros((stop - start, points.value.shape[1]))
+    weights[:, start:stop] = _coefficients(stop - start - 1)
+    return [points.weighted(row) for row in weights]
 
 
-def horner(series: NDArray[Number], xi: Floats) -> NDArray[Number]:
-    """Values of power series (n_powers, ...) at parameters, whose shape goes with that of each coefficient."""
-    if len(series) == 0:
-        return np.zeros(xi.shape, dtype=series.dtype)
-    value = series[-1] + 0.0 * xi
+def derivative(series: Sequence[Any]) -> list[Any]:
+    """Coefficients of the derivative by the parameter of power series, one power less."""
+    return [power * coefficient for power, coefficient in enumerate(series)][1:]
+
+
+def horner(series: Sequence[Any], xi: Any) -> Any:
+    """Values of power series at parameters, whose shape goes with that of each coefficient."""
+    value = series[-1] if len(series) > 1 else 0.0 * xi + (series[0] if series else 0.0)
     for coefficient in series[-2::-1]:
         value = value * xi + coefficient
     return value
 
 
-@dataclass(frozen=True, eq=False)
-class NodeEdgeGaps:
-    """Gaps of n pairs of a node and an edge of some order.
+def foot(series: Sequence[Taylor], node: Taylor, parameters: Floats, moves: Bools | None = None) -> Taylor:
+    """Parameters of the closest points of edges to nodes, with derivatives.
 
     Parameters
     ----------
+    series
+        The edges, see `taylor_series`.
+    node
+        The nodes, shape (p,).
     parameters
-        Closest points' parameters xi, shape (n,).
-    gaps
-        Shape (n,).
-    normals
-        Unit normals out of the primary side, shape (n, 2).
-    gradients
-        First derivatives by the positions of the node and then the edge's nodes, shape (n, 2 + order, 2).
-    hessians
-        Second derivatives, shape (n, 2 (2 + order), 2 (2 + order)).
+        Values, shape (p,), from `closest_parameters`.
+    moves
+        Which are feet, shape (p,); others stay as they are. Left out: all.
 
     """
-
-    parameters: Floats
-    gaps: Floats
-    normals: Floats
-    gradients: Floats
-    hessians: Floats
-
-    def take(self, chosen: NDArray[np.int64] | NDArray[np.bool_]) -> "NodeEdgeGaps":
-        """Some of the pairs."""
-        return NodeEdgeGaps(
-            self.parameters[chosen],
-            self.gaps[chosen],
-            self.normals[chosen],
-            self.gradients[chosen],
-            self.hessians[chosen],
-        )
+    slopes = derivative(series)
+    values = [coefficient.value for coefficient in series]
+    slope = horner(derivative(values), parameters)
+    bend = horner(derivative(derivative(values)), parameters)
+    rate = np.abs(slope) ** 2 + (np.conj(horner(values, parameters) - node.value) * bend).real
+    rate = rate if moves is None else np.where(moves, rate, np.inf)
+    return implicit(lambda xi: dot(horner(series, xi) - node, horner(slopes, xi)), node.constant(parameters), rate)
 
 
 def closest_parameters(nodes: Floats, edges: Floats) -> Floats:
@@ -145,43 +129,113 @@ def closest_parameters(nodes: Floats, edges: Floats) -> Floats:
 
     """
     series, points = edge_series(edges), as_complex(nodes)
-    chord = series[1:].sum(axis=0)
+    chord = sum(series[1:])
     xi: Floats = (np.conj(chord) * (points - series[0])).real / (chord * np.conj(chord)).real
+    if len(series) == 2:
+        return xi
     slopes = derivative(series)
     bends = derivative(slopes)
-    for _ in range(20 if len(series) > 2 else 0):
+
+    def change(xi: Floats) -> Floats:
         apart, tangent = points - horner(series, xi), horner(slopes, xi)
-        slope = (np.conj(apart) * horner(bends, xi)).real - (tangent * np.conj(tangent)).real
-        change = np.clip((np.conj(apart) * tangent).real / slope, -0.5, 0.5)
-        xi = xi - change
-        if np.abs(change).max(initial=0.0) < ENOUGH:
-            break
-    return xi
+        slope = (np.conj(apart) * horner(bends, xi)).real - np.abs(tangent) ** 2
+        return np.asarray((np.conj(apart) * tangent).real / slope)
+
+    return _newton(change, xi)
 
 
-def ray_parameters(series: Complex, points: Complex, tangents: Complex) -> Floats:
+def ray_parameters(series: Sequence[Complex], points: Complex, tangents: Complex) -> Floats:
     """Parameters of edges where normals to tangents through points meet them.
 
     Parameters
     ----------
     series
-        Power series of the edges, shape (order + 1, ...).
+        Power series of the edges.
     points, tangents
         Of the secondary, of a shape that goes with the series'.
 
     """
-    along = (np.conj(tangents) * series).real
-    along[0] -= (np.conj(tangents) * points).real
-    eta: Floats = -along[0] / along[1:].sum(axis=0)
+    along = [(np.conj(tangents) * coefficient).real for coefficient in series]
+    along[0] = along[0] - (np.conj(tangents) * points).real
+    eta: Floats = -along[0] / sum(along[1:])
     if len(along) == 2:
         return eta
     slopes = derivative(along)
-    for _ in range(20):
-        change = np.clip(horner(along, eta) / horner(slopes, eta), -0.5, 0.5)
-        eta = eta - change
-        if np.abs(change).max(initial=0.0) < ENOUGH:
+    return _newton(lambda eta: np.asarray(horner(along, eta) / horner(slopes, eta)), eta)
+
+
+def _newton(change: Callable[[Floats], Floats], parameters: Floats) -> Floats:
+    """Parameters after Newton's method, by what is to be taken from them, at most half an edge at a time."""
+    for _ in range(MAX_STEPS):
+        step = np.clip(change(parameters), -0.5, 0.5)
+        parameters = parameters - step
+        if np.abs(step).max(initial=0.0) < ENOUGH:
             break
-    return eta
+    return parameters
+
+
+def gaps_over(points: Taylor, parameters: Floats) -> tuple[Taylor, Taylor, Taylor]:
+    """Feet of nodes on edges, the gaps, and the lengths of the edges' tangents there, each (p,).
+
+    Points are a node and then the nodes of the edge that it faces, shape (p, order + 2); parameters those of the feet.
+    """
+    n_points = points.value.shape[1]
+    series = taylor_series(points, 1, n_points)
+    node = points.weighted(np.eye(n_points)[0])
+    xi = foot(series, node, parameters)
+    slope = horner(derivative(series), xi)
+    length = slope.abs
+    return xi, -cross(slope, node - horner(series, xi)) / length, length
+
+
+@dataclass(frozen=True, eq=False)
+class NodeEdgeGaps:
+    """Gaps of n pairs of a node and an edge of some order.
+
+    Parameters
+    ----------
+    nodes, edges
+        Positions, shapes (n, 2) and (n, order + 1, 2).
+    parameters
+        Closest points' parameters xi, shape (n,).
+
+    """
+
+    nodes: Floats
+    edges: Floats
+    parameters: Floats
+
+    @cached_property
+    def normals(self) -> Floats:
+        """Unit normals out of the primary side, shape (n, 2)."""
+        slope = horner(derivative(edge_series(self.edges)), self.parameters)
+        return as_vectors(-1j * slope / np.abs(slope))
+
+    @cached_property
+    def gaps(self) -> Floats:
+        """The gaps, shape (n,)."""
+        apart = as_complex(self.nodes) - horner(edge_series(self.edges), self.parameters)
+        return (np.conj(as_complex(self.normals)) * apart).real
+
+    @cached_property
+    def _gaps(self) -> Taylor:
+        points = np.concatenate((self.nodes[:, None], self.edges), axis=1)
+        return gaps_over(Taylor.of_points(points, second=True), self.parameters)[1]
+
+    @property
+    def gradients(self) -> Floats:
+        """First derivatives by the positions of the node and then the edge's nodes, shape (n, 2 + order, 2)."""
+        return self._gaps.first.reshape(len(self.nodes), -1, 2)
+
+    @property
+    def hessians(self) -> Floats:
+        """Second derivatives, shape (n, 2 (2 + order), 2 (2 + order))."""
+        assert self._gaps.second is not None
+        return self._gaps.second
+
+    def take(self, chosen: NDArray[np.int64] | NDArray[np.bool_]) -> "NodeEdgeGaps":
+        """Some of the pairs."""
+        return NodeEdgeGaps(self.nodes[chosen], self.edges[chosen], self.parameters[chosen])
 
 
 def node_edge_gaps(nodes: Floats, edges: Floats) -> NodeEdgeGaps:
@@ -195,29 +249,4 @@ def node_edge_gaps(nodes: Floats, edges: Floats) -> NodeEdgeGaps:
         Current positions of the edges' nodes in direction, shape (n, order + 1, 2).
 
     """
-    order = edges.shape[1] - 1
-    xi = closest_parameters(nodes, edges)
-    value, first, second = shape_functions(order, xi)
-    tangent = np.einsum("na,nai->ni", first, edges)
-    metric = np.einsum("ni,ni->n", tangent, tangent)
-    unit = tangent / np.sqrt(metric)[:, None]
-    normal = np.stack((unit[:, 1], -unit[:, 0]), axis=1)
-    gap = np.einsum("ni,ni->n", nodes - np.einsum("na,nai->ni", value, edges), normal)
-    curvature = np.einsum("ni,na,nai->n", normal, second, edges)
-
-    ones, zeros = np.ones((len(xi), 1)), np.zeros((len(xi), 1))
-    apart = np.concatenate((ones, -value), axis=1)
-    slope = np.concatenate((zeros, first), axis=1)
-    gradient = apart[:, :, None] * normal[:, None, :]
-    turning = slope[:, :, None] * normal[:, None, :]
-    sliding = apart[:, :, None] * tangent[:, None, :] + gap[:, None, None] * turning
-    sliding /= (metric - gap * curvature)[:, None, None]
-
-    n_local = 2 * apart.shape[1]
-    turn, slide = turning.reshape(-1, n_local), sliding.reshape(-1, n_local)
-    rotation = turn + curvature[:, None] * slide
-    hessian = (gap / metric)[:, None, None] * rotation[:, :, None] * rotation[:, None, :]
-    cross = turn[:, :, None] * slide[:, None, :]
-    hessian -= cross + cross.swapaxes(1, 2)
-    hessian -= curvature[:, None, None] * slide[:, :, None] * slide[:, None, :]
-    return NodeEdgeGaps(xi, gap, normal, gradient, hessian)
+    return NodeEdgeGaps(nodes, edges, closest_parameters(nodes, edges))

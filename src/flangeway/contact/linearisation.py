@@ -127,6 +127,7 @@ class ContactLinearisation:
         n = 2 * len(self.nodes) if self.spread is None else self.spread.shape[0]
         entries = np.concatenate(rows), np.concatenate(columns)
         found = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=(n, n)))
+        found.eliminate_zeros()
         return found if self.spread is None else sp.csr_array(self.spread.T @ found @ self.spread)
 
     def points(self, positions: Floats) -> Floats:
@@ -151,6 +152,7 @@ def jacobian_of(
         values.append(gradients.ravel())
     entries = (np.concatenate(rows), np.concatenate(columns))
     found = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=(int(starts[-1]), n)))
+    found.eliminate_zeros()
     return found if spread is None else sp.csr_array(found @ spread)
 
 
@@ -163,15 +165,6 @@ def _no_slides(pairs: Pairs) -> Slides:
 def components_of(nodes: Ints) -> Ints:
     """Numbers of the components of nodes (..., w), shape (..., w, 2)."""
     return 2 * nodes[..., None] + np.arange(2)
-
-
-def contact_loads(jacobian: sp.csr_array, vectors: Floats) -> sp.csr_array:
-    """Unit forces of constraints with a jacobian (m, n), and further vectors (n, r): loads (n, m + r)."""
-    n, n_vectors = vectors.shape
-    values = np.concatenate((jacobian.data, vectors.T.ravel()))
-    rows = np.concatenate((jacobian.indices, np.tile(np.arange(n), n_vectors)))
-    starts = np.concatenate((jacobian.indptr, jacobian.indptr[-1] + n * np.arange(1, n_vectors + 1)))
-    return sp.csr_array(sp.csc_array((values, rows, starts), shape=(n, len(starts) - 1)))
 
 
 def carried_forces(before: ContactLinearisation | None, forces: Floats, after: ContactLinearisation) -> Floats:

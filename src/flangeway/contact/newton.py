@@ -43,7 +43,6 @@ from flangeway.contact.linearisation import (
     Sliding,
     carried_forces,
     changed_keys,
-    contact_loads,
     nodal_forces_of,
     residual_of,
 )
@@ -69,6 +68,12 @@ where all goes well."""
 NEAR = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
 after the first iteration."""
+
+WITHIN = 0.01
+"""Gap over the maximum displacement, or way, from which constraints are left out of iterations that keep them open."""
+
+CLOSES = 2.0 * np.sqrt(2.0)
+"""Closing of a gap over the maximum component of the nodes' displacements, at most."""
 
 UNHELD = 1e-9
 """Force left on a floating part over the maximum load, or the total force, above which a message names it."""
@@ -438,15 +443,54 @@ class _Run:
         if len(current.nodes) == 0:
             return self.forces, self.tangential, applied, np.zeros(self.parts.n)
         geometric, constrained = self._laws(bend=bend)
-        if (sparse := self._without_matrix(geometric, constrained)) is not None:
-            return self._sparse_step(geometric, constrained, *sparse)
+        near = (self.forces > 0.0) | (constrained.violations[: len(self.forces)] <= WITHIN * self._scale())
+        while True:
+            near = near if near.any() else ~near
+            found = self._step_of(geometric, constrained, near, bend=bend)
+            if found is None:
+                return None
+            forces, moved, motion = found
+            # the laws of the others hold with them open if the step leaves a gap there, which it closes by no more than
+            # nodes of both sides move: the mean over a sliver of an edge has derivatives that say more
+            step = moved - constrained.displacements
+            apart = constrained.violations + constrained.jacobian @ step
+            missed = ~near & (apart[: len(near)] < 0.0)
+            missed &= constrained.violations[: len(near)] < CLOSES * float(np.abs(step).max())
+            if not missed.any():
+                break
+            near |= missed
+        nodal = constrained.directions.T @ forces - geometric @ step
+        applied[current.nodes] = nodal.reshape(-1, 2)
+        tangential = forces[len(near) :] if self.slides is not None else self.tangential
+        return forces[: len(near)], tangential, applied, motion
+
+    def _step_of(
+        self, geometric: sp.csr_array, all_constraints: Constrained, near: Bools, *, bend: bool
+    ) -> tuple[Floats, Floats, Floats] | None:
+        """Forces of all constraints, displacements of the touched nodes, and motions, where only some may close."""
+        current, n = self.current, self.parts.n
+        rows = np.flatnonzero(np.tile(near, 1 if self.slides is None else 2))
+        constrained = all_constraints.of(rows)
+        coefficients, barriers = current.coefficients[near], current.barriers[near]
+        guess, forces = np.concatenate((self.forces, self.tangential))[rows], np.zeros(len(all_constraints.violations))
+        solver = None
+        if self.slides is not None and not n and not barriers[:, 0].any() and len(rows) > MOST_DENSE_EQUATIONS:
+            solver = self.response.constrained(self.rotations, current.nodes, geometric, constrained)
+        if solver is not None:
+            solved, own = solver
+            laws = active_set.Laws(coefficients, barriers, own)
+            found = active_set.solve(laws, active_set.sparse_equations(solved, laws), guess)
+            if found is None:
+                return None
+            forces[rows] = found.forces
+            loads = constrained.directions.T @ found.forces + geometric @ constrained.displacements
+            given = self.rotations, current.nodes, geometric, sp.csr_array(loads[:, None])
+            return forces, self.response.respond(*given, symmetric=False)[:, 0], np.zeros(0)
         by_loads, matrix, offset, rigid = self._problem(geometric, constrained)
-        m, n = len(self.forces), self.parts.n
-        guess = np.concatenate((self.forces, self.tangential))[: len(offset)]
         for spring in SPRINGS[:1] if bend or not n else SPRINGS:
             sprung = rigid.sprung(matrix.diagonal(), spring) if n else rigid
             own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
-            laws = active_set.Laws(current.coefficients, current.barriers, own)
+            laws = active_set.Laws(coefficients, barriers, own)
             found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
             if found is not None:
                 break
@@ -465,39 +509,10 @@ class _Run:
                 self.unheld = rigid.unbalanced(found, self.neutral[0])
         if found is None:
             return None
-        self.tangent = matrix, rigid, found.forces[:m] > 0.0
+        self.tangent = matrix, rigid, found.forces[: laws.m] > 0.0
         motion = self.parts.shortened(found.motions, self.parts.velocities(self.motions, self.reference))
-        moved = by_loads @ np.concatenate((found.forces, (1.0,), motion))
-        nodal = constrained.directions.T @ found.forces - geometric @ (moved - constrained.displacements)
-        applied[current.nodes] = nodal.reshape(-1, 2)
-        return found.forces[:m], found.forces[m:] if self.slides is not None else self.tangential, applied, motion
-
-    def _without_matrix(
-        self, geometric: sp.csr_array, constrained: Constrained
-    ) -> tuple[active_set.SolvedRows, Floats] | None:
-        """See `BodyResponse.constrained`; None where a dense matrix of the constraints serves."""
-        barrier = self.current.barriers[:, 0].any()
-        if self.slides is None or self.parts.n or barrier or len(constrained.violations) <= MOST_DENSE_EQUATIONS:
-            return None
-        return self.response.constrained(self.rotations, self.current.nodes, geometric, constrained)
-
-    def _sparse_step(
-        self, geometric: sp.csr_array, constrained: Constrained, solved: active_set.SolvedRows, own: Floats
-    ) -> _Step | None:
-        """One iteration without a matrix of all constraints, see `BodyResponse.constrained`."""
-        current, m = self.current, len(self.forces)
-        laws = active_set.Laws(current.coefficients, current.barriers, own)
-        both = np.concatenate((self.forces, self.tangential))
-        found = active_set.solve(laws, active_set.sparse_equations(solved, laws), both)
-        if found is None:
-            return None
-        loads = constrained.directions.T @ found.forces + geometric @ constrained.displacements
-        column = sp.csr_array(loads[:, None])
-        given = self.rotations, current.nodes, geometric, column
-        moved = self.response.respond(*given, symmetric=self.slides is None)[:, 0]
-        applied = np.zeros_like(self.displacements)
-        applied[current.nodes] = (loads - geometric @ moved).reshape(-1, 2)
-        return found.forces[:m], found.forces[m:], applied, np.zeros(0)
+        forces[rows] = found.forces
+        return forces, by_loads @ np.concatenate((found.forces, (1.0,), motion)), motion
 
     def _laws(self, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
         """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""
@@ -533,7 +548,7 @@ class _Run:
         rigid = parts.velocities(self.motions, positions)[nodes].reshape(n, parts.n)
         turned = parts.turned(self.applied)[nodes].reshape(n, parts.n)
         by_rigid, by_forces = turned - geometric @ rigid, turned - geometric.T @ rigid
-        loads = contact_loads(directions, np.column_stack((geometric @ at_nodes, by_rigid)))
+        loads = sp.hstack((directions.T, np.column_stack((geometric @ at_nodes, by_rigid))), format="csr")
         answer = self.response.respond(self.rotations, nodes, geometric, loads, symmetric=slides is None)
         stiffness = by_forces.T @ answer[:, m + 1 :] - rigid.T @ (geometric @ rigid)
         # of the rotation's own second derivative; that of a rotation and a slide vanishes in equilibrium

@@ -1,13 +1,13 @@
 """Node-to-node contact: each node against the one opposite it, on boundaries whose nodes match."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from flangeway.contact.kinematics import NodeEdgeGaps
-from flangeway.contact.node_to_segment import NodePairs
+from flangeway.contact.node_to_segment import NodePairs, node_terms
 from flangeway.contact.pairs import Pairing
 from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface
@@ -52,6 +52,10 @@ class MatchedPairs(NodePairs):
 
     Parameters
     ----------
+    normals
+        The normals now, shape (n, 2).
+    opposite
+        The node opposite each among the points of its term, shape (n,).
     shifts
         Distance along the surface of each node from the one opposite it, in the mesh's unit of length, shape (n,).
     longest
@@ -59,20 +63,33 @@ class MatchedPairs(NodePairs):
 
     """
 
+    normals: Floats
+    opposite: Ints
     shifts: Floats
     longest: Floats
 
+    @cached_property
+    def gradients(self) -> Floats:
+        """See `Pairs.gradients`."""
+        return self._apart(self.normals)
+
+    def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
+        """See `Pairs.curvatures`: none."""
+        loaded = np.flatnonzero(forces)
+        n_local = 2 * self.points.shape[1]
+        return loaded, np.zeros((len(loaded), n_local, n_local))
+
     def slides(self, points: Floats, before: Floats) -> Slides:
         """See `Pairs.slides`."""
-        each = np.arange(len(self.slots))
-        node = self.slots[each, 1 + np.abs(self.kinematics.gradients[:, 1:]).sum(axis=2).argmax(axis=1)]
-        tangents = np.column_stack((-self.kinematics.normals[:, 1], self.kinematics.normals[:, 0]))
-        own = self.slots[:, 0]
-        moved = (points - before)[each, own] - (points - before)[each, node]
-        slips = np.einsum("ni,ni->n", tangents, moved)
-        gradients = np.zeros((len(each), self.width, 2))
-        gradients[each, own], gradients[each, node] = tangents, -tangents
-        return Slides(slips, gradients[:, None], gradients[:, None], self.curvatures)
+        gradients = self._apart(np.column_stack((-self.normals[:, 1], self.normals[:, 0])))
+        slips = np.einsum("npi,npi->n", gradients[:, 0], points - before)
+        return Slides(slips, gradients, gradients, self.curvatures)
+
+    def _apart(self, directions: Floats) -> Floats:
+        """Derivatives of the distances of nodes from those opposite them along directions (n, 2)."""
+        result, each = np.zeros((len(directions), 1, *self.points.shape[1:])), np.arange(len(directions))
+        result[each, 0, self.slots[:, 0]], result[each, 0, self.opposite] = directions, -directions
+        return result
 
 
 _matched: WeakKeyDictionary[Surface, tuple[Surface, MatchingNodes]] = WeakKeyDictionary()
@@ -106,27 +123,24 @@ class NodeToNode(Pairing):
         settle: bool = False,  # noqa: ARG002
     ) -> MatchedPairs:
         """See `Pairing.pair`. An `InputError` if the boundaries do not match."""
-        found = matching_nodes(secondary, primary)
-        n, width = len(found.nodes), 1 + primary_edges.shape[1]
+        found, places = matching_nodes(secondary, primary), secondary.contact_places
         ends = primary.part.placement.points(primary.part.body.nodes[primary.nodes])[primary.edge_places[:, [0, -1]]]
         turn = _chord(primary_edges[:, [0, -1]]) / _chord(ends)
         turned = (found.normals @ np.array([1.0, 1j])) * turn / abs(turn)
         normals = np.column_stack((turned.real, turned.imag))
         apart = positions[found.nodes] - primary_edges[found.edges, found.columns]
         gaps = np.einsum("ni,ni->n", normals, apart)
-        gradients = np.zeros((n, width, 2))
-        gradients[:, 0], gradients[np.arange(n), 1 + found.columns] = normals, -normals
-        parameters = gauss_lobatto(width - 1)[0][found.columns]
-        flat = NodeEdgeGaps(parameters, gaps, normals, gradients, np.zeros((n, 2 * width, 2 * width)))
-        depth = secondary.part.body.depth
-        areas, whole = found.lengths * depth, self.node_areas(secondary)[found.nodes]
+        areas, whole = found.lengths * secondary.part.body.depth, self.node_areas(secondary)[found.nodes]
         longest = np.zeros(len(secondary.nodes))
         for column in secondary.edge_places.T:
             np.maximum.at(longest, column, secondary.edge_lengths)
-        slots, each = np.broadcast_to(np.arange(width), (n, width)), np.arange(n)[:, None]
+        (points, slots, _), own, _ = node_terms(places, (positions[places], primary_edges), found.nodes, found.edges)
+        parameters = gauss_lobatto(primary_edges.shape[1])[0][found.columns]
+        members, each = places[own], np.arange(len(gaps))
         return MatchedPairs(
-            found.nodes, found.edges, found.nodes, gaps, areas, whole, found.nodes[:, None], found.edges, each, flat,
-            slots, width, np.abs(cross_product(normals, apart)), longest[found.nodes],
+            found.nodes, found.edges, found.nodes, gaps, areas, whole, members, found.edges, each[:, None], points,
+            slots, parameters, normals, slots[each, 1 + found.columns], np.abs(cross_product(normals, apart)),
+            longest[found.nodes],
         )  # fmt: skip
 
 

@@ -1,16 +1,18 @@
 """Node-to-segment contact: each secondary node against one primary edge (Moherdaui 2021, 3.5)."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
 from flangeway.checks import is_finite
-from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps, shape_functions
+from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, gaps_over, node_edge_gaps, shape_functions
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import leads_out, nearest_edges
-from flangeway.contact.slip import Slides, node_edge_slides
+from flangeway.contact.slip import Slides, node_edge_slips, node_edge_turns
 from flangeway.contact.surface import COLLINEAR, Surface, node_normals, turns_of
+from flangeway.contact.taylor import Taylor
 from flangeway.errors import InputError, short
 from flangeway.types import Bools, Floats, Ints
 
@@ -27,60 +29,90 @@ class NodePairs(Pairs):
 
     Parameters
     ----------
-    kinematics
-        Gaps of the nodes over the edges, and their derivatives.
+    points
+        Current positions of the nodes of the secondary and of the primary edge, shape (m, w, 2).
     slots
-        The node, then the edge's nodes, among the points of the term, shape (m, order + 2).
-    width
-        Number of the term's points.
+        The node, then the nodes of the edge that it faces, among these, shape (m, order + 2).
+    parameters
+        Closest points of the edges, shape (m,).
 
     """
 
-    kinematics: NodeEdgeGaps
+    points: Floats
     slots: Ints
-    width: int
+    parameters: Floats
 
-    @property
+    @cached_property
     def gradients(self) -> Floats:
         """See `Pairs.gradients`."""
-        return self._on_points(self.kinematics.gradients)
+        every = np.arange(len(self.points))
+        gaps = gaps_over(self._variables(every, second=False), self.parameters)[1]
+        return gaps.first.reshape(self.points.shape)[:, None]
 
     def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
         """See `Pairs.curvatures`."""
-        return self._on_terms(forces, self.kinematics.hessians)
-
-    def slides(self, points: Floats, before: Floats) -> Slides:
-        """See `Pairs.slides`."""
-        each = np.arange(len(self.slots))[:, None]
-        edges, was = points[each, self.slots[:, 1:]], before[each, self.slots]
-        gaps, parameters = self.kinematics.gaps, self.kinematics.parameters
-        slips, *by_points, turns = node_edge_slides(edges, gaps, parameters, was[:, 0], was[:, 1:])
-        rates, directions = (self._on_points(found.reshape(*self.slots.shape, 2)) for found in by_points)
-        return Slides(slips, rates, directions, lambda forces: self._on_terms(forces, turns))
-
-    def _on_points(self, gradients: Floats) -> Floats:
-        """Derivatives by the node and the edge's nodes (m, order + 2, 2) as those by the term's points."""
-        result = np.zeros((len(self.slots), self.width, 2))
-        np.put_along_axis(result, self.slots[:, :, None], gradients, axis=1)
-        return result[:, None]
-
-    def _on_terms(self, forces: Floats, hessians: Floats) -> tuple[Ints, Floats]:
-        """Terms under load, and second derivatives by the node and the edge's nodes as those by the term's points."""
         loaded = np.flatnonzero(forces)
-        dofs = (2 * self.slots[loaded][:, :, None] + np.arange(2)).reshape(len(loaded), 2 * self.slots.shape[1])
-        result = np.zeros((len(loaded), 2 * self.width, 2 * self.width))
-        each = np.arange(len(loaded))[:, None, None]
-        result[each, dofs[:, :, None], dofs[:, None, :]] = hessians[loaded]
-        return loaded, forces[loaded, None, None] * result
+        second = gaps_over(self._variables(loaded, second=True), self.parameters[loaded])[1].second
+        assert second is not None
+        return loaded, forces[loaded, None, None] * second
+
+    def slides(self, points: Floats, before: Floats) -> Slides:  # noqa: ARG002 (the pairs know where they are)
+        """See `Pairs.slides`."""
+        now = self._variables(np.arange(len(self.points)), second=False)
+        was = np.take_along_axis(before, self.slots[..., None], axis=1)
+        slips, directions = node_edge_slips(now, self.parameters, was)
+        at_points = (len(directions), 1, *self.points.shape[1:])
+        return Slides(slips.value, slips.first.reshape(at_points), directions.reshape(at_points), self._turns)
+
+    def _turns(self, forces: Floats) -> tuple[Ints, Floats]:
+        loaded = np.flatnonzero(forces)
+        turns = node_edge_turns(self._variables(loaded, second=True), self.parameters[loaded])
+        return loaded, forces[loaded, None, None] * turns
+
+    def _variables(self, chosen: Ints, *, second: bool) -> Taylor:
+        """Nodes and edges of some pairs (q,) by the positions of all their points, shape (q, order + 2)."""
+        return Taylor.of_points(self.points[chosen], second=second, slots=self.slots[chosen])
 
     def opposite_points(self, edges: Floats) -> Floats:
         """See `Pairs.opposite_points`."""
-        shapes = shape_functions(edges.shape[1] - 1, self.kinematics.parameters, 0)[0]
+        shapes = shape_functions(edges.shape[1] - 1, self.parameters, 0)[0]
         points: Floats = np.einsum("na,nai->ni", shapes, edges[self.primary_edges])
         node = self.slots[:, 0] - self.secondary_members.shape[1]
         primary = node >= 0
         points[primary] = edges[self.primary_edges[primary], node[primary]]
         return points
+
+
+def node_terms(
+    places: Ints, edges: tuple[Floats, Floats], nodes: Ints, faced: Ints, side: int = 0
+) -> tuple[tuple[Floats, Ints, Floats], Ints, Ints]:
+    """Points, slots and parameters of `NodePairs`, and their secondary and primary edges, each (m,).
+
+    Of two edges that meet at a node the one of the higher number is taken.
+
+    Parameters
+    ----------
+    places
+        `Surface.contact_places` of the nodes' own side.
+    edges
+        Positions of the nodes of both sides' edges, each (n_edges, order + 1, 2).
+    nodes, faced
+        Nodes, and edges of the other side, each (m,).
+    side
+        Side of the nodes: 0 for the secondary, 1 for the primary.
+
+    """
+    owner, column = np.zeros((2, places.max() + 1), dtype=np.int64)
+    for number in range(places.shape[1]):
+        owner[places[:, number]] = np.arange(len(places))
+        column[places[:, number]] = number
+    secondary_edges, primary_edges = (owner[nodes], faced)[:: 1 - 2 * side]
+    n_secondary, n_faced = edges[0].shape[1], edges[1 - side].shape[1]
+    its = np.arange(n_faced) + (1 - side) * n_secondary
+    slots = np.column_stack((column[nodes] + side * n_secondary, np.tile(its, (len(nodes), 1))))
+    points = np.concatenate((edges[0][secondary_edges], edges[1][primary_edges]), axis=1)
+    pairs = np.take_along_axis(points, slots[..., None], axis=1)
+    return (points, slots, closest_parameters(pairs[:, 0], pairs[:, 1:])), secondary_edges, primary_edges
 
 
 @dataclass(frozen=True)
@@ -113,15 +145,12 @@ class NodeToSegment(Pairing):
         settle: bool = False,
     ) -> NodePairs:
         """See `Pairing.pair`; ``settle``: pairs are kept within `OVERHANG` of their edge, not within ``slack``."""
-        positions = positions[: len(secondary.nodes)]
-        given = positions, secondary.edge_places, primary_edges, kept
-        nodes, edges, kinematics = self.find(*given, primary.corners, settle=settle)
-        areas, width = self.node_areas(secondary)[nodes], 1 + primary_edges.shape[1]
-        slots = np.broadcast_to(np.arange(width), (len(nodes), width))
-        each = np.arange(len(nodes))[:, None]
-        return NodePairs(
-            nodes, edges, nodes, kinematics.gaps, areas, areas, nodes[:, None], edges, each, kinematics, slots, width
-        )
+        places = secondary.contact_places
+        given = positions[: len(secondary.nodes)], secondary.edge_places, primary_edges, kept
+        nodes, faced, found = self.find(*given, primary.corners, settle=settle)
+        terms, own, _ = node_terms(places, (positions[places], primary_edges), nodes, faced)
+        areas, rows = self.node_areas(secondary)[nodes], np.arange(len(nodes))[:, None]
+        return NodePairs(nodes, faced, nodes, found.gaps, areas, areas, places[own], faced, rows, *terms)
 
     def find(
         self,
@@ -133,7 +162,7 @@ class NodeToSegment(Pairing):
         *,
         settle: bool = False,
     ) -> tuple[Ints, Ints, NodeEdgeGaps]:
-        """Nodes, the edges they face, and their gaps; else as `pair`.
+        """Nodes, the edges they face, and the gaps; else as `pair`.
 
         ``edge_places`` is the secondary surface's, ``corners`` the primary's `Surface.corners` (left out: none).
         """
@@ -154,7 +183,7 @@ def facing_pairs(
     positions: Floats, edge_places: Ints, edges: Floats, wanted: Ints, directions: Floats, kept: Ints, stay: float,
     margins: Floats, overhang: float, smooth: Bools,
 ) -> tuple[Ints, Ints, NodeEdgeGaps]:  # fmt: skip
-    """Nodes, of those wanted, that face an edge of another surface, those edges, and their gaps.
+    """Nodes, of those wanted, that face an edge of another surface, those edges, and the gaps.
 
     The outward directions, and the edges that were ``kept`` (-1 for none), are those of all nodes. A node stays with
     the latter up to parts ``stay`` of the edge beyond it. An open one may be beyond any edge by ``overhang``; one
@@ -171,8 +200,7 @@ def facing_pairs(
     gaps = node_edge_gaps(positions[nodes], edges[partners])
     beyond = margins[partners]
     beyond[gaps.gaps >= 0.0] = np.maximum(beyond[gaps.gaps >= 0.0], overhang)
-    feet = gaps.parameters
-    near = stays[found] | ((feet >= -beyond[:, 0]) & (feet <= 1.0 + beyond[:, 1]))
+    near = stays[found] | ((gaps.parameters >= -beyond[:, 0]) & (gaps.parameters <= 1.0 + beyond[:, 1]))
     behind = np.flatnonzero(near & (gaps.gaps < 0.0))
     vectors = -gaps.gaps[behind, None] * gaps.normals[behind]
     own, on = positions[edge_places], (edge_places == nodes[behind, None, None]).any(axis=2)

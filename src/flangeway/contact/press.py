@@ -10,12 +10,14 @@ import numpy as np
 
 from flangeway.checks import are_finite, refused
 from flangeway.contact.contact_pair import Contact
+from flangeway.contact.linearisation import nodal_forces_of
 from flangeway.contact.newton import ContactState, solve_contact
 from flangeway.contact.overlap import BodyOverlap, body_overlaps, passages
 from flangeway.contact.solution_checks import check_solution
 from flangeway.contact.system import ContactSystem
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
+from flangeway.geometry.arrays import cross_product
 from flangeway.problems import ElasticField, Part
 from flangeway.results import Result, ResultTable
 from flangeway.solve import (
@@ -140,21 +142,18 @@ class ContactSolution(Result):
 
         Of bodies of revolution y is the force along the axis; x and the moment are sums of what acts radially.
         """
-        lin = self.state.linearisation
+        state, at = self.state, self.state.positions
+        slides = None if state.friction is None else state.linearisation.slides(at, at)
+        tangential = np.zeros(len(state.forces)) if state.friction is None else state.friction.forces
         result = np.zeros((len(self.system.contacts), 2, 3))
-        positions = lin.points(self.state.positions)
-        for number, (contact, pairs, inside, forces) in enumerate(
-            self.system.solved(self.state.linearisation, self.state.forces)
-        ):
-            points = positions[lin.term_points[number]]
-            at_terms = np.einsum("pr,prwi->pwi", forces[pairs.rows], pairs.gradients)
-            if (friction := self.state.friction) is not None and contact.friction_coefficient:
-                directions = pairs.slides(points, points).directions
-                at_terms += np.einsum("pr,prwi->pwi", friction.forces[inside][pairs.rows], directions)
-            moments = points[..., 0] * at_terms[..., 1] - points[..., 1] * at_terms[..., 0]
-            each = np.concatenate((at_terms, moments[..., None]), axis=-1)
-            width = pairs.secondary_members.shape[1]
-            result[number] = each[:, :width].sum(axis=(0, 1)), each[:, width:].sum(axis=(0, 1))
+        for number, solved in enumerate(self.system.solved(state.linearisation, state.forces)):
+            own = np.zeros(len(state.forces))
+            own[solved.inside] = 1.0
+            forces = nodal_forces_of(state.linearisation, own * state.forces, slides, own * tangential, len(at))
+            for side, surface in enumerate(solved.contact.sides):
+                nodes = self.system.nodes_of(surface)
+                result[number, side, :2] = forces[nodes].sum(axis=0)
+                result[number, side, 2] = cross_product(at[nodes], forces[nodes]).sum()
         return result
 
     @property

@@ -15,7 +15,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from flangeway.checks import check_positive
-from flangeway.contact.edge_pieces import PieceIntegrals, PiecePoints, Pieces, find_pieces, integrate
+from flangeway.contact.edge_pieces import PieceIntegrals, Pieces, find_pieces
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.slip import Slides
@@ -43,7 +43,7 @@ class SegmentPairs(Pairs):
     pieces
         Pieces of the secondary surface.
     integrals
-        Integrals over the pieces, with first derivatives and what second ones are made of.
+        Integrals over the pieces, with their derivatives.
     weights
         What the integrals with a piece's two hats add to the gaps of its two constraints, shape (p, 2, 2).
 
@@ -56,7 +56,7 @@ class SegmentPairs(Pairs):
     @cached_property
     def gradients(self) -> Floats:
         """See `Pairs.gradients`."""
-        return self._on_points(self.integrals.gradients)
+        return self._on_points(self.integrals.gaps[1])
 
     def _on_points(self, integrals: Floats) -> Floats:
         """What the derivatives of the integrals with the hats (p, 2, d) add to those of the constraints."""
@@ -65,21 +65,21 @@ class SegmentPairs(Pairs):
 
     def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
         """See `Pairs.curvatures`."""
-        return self._on_terms(forces, PiecePoints.hessians)
+        return self._on_terms(forces, PieceIntegrals.hessians)
 
-    def _on_terms(self, forces: Floats, second: Callable[[PiecePoints, Floats], Floats]) -> tuple[Ints, Floats]:
+    def _on_terms(self, forces: Floats, second: Callable[[PieceIntegrals, Floats], Floats]) -> tuple[Ints, Floats]:
         """Pieces under load, and their second derivatives by forces on the two hats."""
         on_hats = np.einsum("pr,prs->ps", forces[self.rows], self.weights)
         loaded = np.flatnonzero(on_hats.any(axis=1))
-        return loaded, second(self.integrals.points.take(loaded), on_hats[loaded])
+        return loaded, second(self.integrals.take(loaded), on_hats[loaded])
 
     def slides(self, points: Floats, before: Floats) -> Slides:  # noqa: ARG002 (the pieces know where they are)
         """See `Pairs.slides`."""
         n_secondary = self.secondary_members.shape[1]
-        values, rates, directions = self.integrals.points.slips(before[:, :n_secondary], before[:, n_secondary:])
+        values, rates, directions = self.integrals.slips(before[:, :n_secondary], before[:, n_secondary:])
         slips = np.zeros(len(self.keys))
         np.add.at(slips, self.rows, np.einsum("prs,ps->pr", self.weights, values))
-        turns = partial(self._on_terms, second=PiecePoints.turns)
+        turns = partial(self._on_terms, second=PieceIntegrals.turns)
         return Slides(slips, self._on_points(rates), self._on_points(directions), turns)
 
     def opposite_points(self, edges: Floats) -> Floats:
@@ -151,7 +151,7 @@ class SegmentToSegment(Pairing):
         depth = (
             self.depth or min(float(np.linalg.norm(np.ptp(side, axis=(0, 1)))) for side in (edges, primary_edges)) / 2.0
         )
-        candidates = candidate_pairs(edges, primary_edges, max(reach, depth))
+        candidates = candidate_pairs(_swept(edges, reach, depth), primary_edges, secondary.edge_lengths)
         pieces = find_pieces(edges, primary_edges, candidates, reach, depth)
         pieces = pieces.take(~_through_itself(pieces, edges, primary_edges))
         found = _integrals(pieces, edges, primary_edges, secondary)
@@ -173,7 +173,7 @@ class SegmentToSegment(Pairing):
         weights = self._functions(pieces, found, secondary, edges, primary_edges) * inverse[of_piece][:, :, None]
         rows = row_of[of_piece]
         gaps = np.zeros(len(keys))
-        np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, found.gaps))
+        np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, found.gaps[0]))
         return SegmentPairs(
             keys, np.full(len(keys), -1), hats.nodes[keys], gaps, covered[keys] * thickness, hats.areas[keys],
             secondary.contact_places[pieces.edges], pieces.partners, rows, pieces, found, weights,
@@ -207,7 +207,14 @@ def _integrals(pieces: Pieces, edges: Floats, primary_edges: Floats, secondary: 
     lengths = secondary.edge_lengths[pieces.edges]
     radii = None if secondary.radii is None else secondary.radii[pieces.edges]
     both = edges[pieces.edges], primary_edges[pieces.partners]
-    return integrate(pieces, *both, lengths, radii)
+    return PieceIntegrals(pieces, *both, lengths, radii)
+
+
+def _swept(edges: Floats, reach: float, depth: float) -> Floats:
+    """Points of edges (n, order + 1, 2) moved outwards by a reach and inwards by a depth, beside each other."""
+    chords = edges[:, -1] - edges[:, 0]
+    outwards = np.column_stack((chords[:, 1], -chords[:, 0])) / np.hypot(*chords.T)[:, None]
+    return np.concatenate((edges + reach * outwards[:, None], edges - depth * outwards[:, None]), axis=1)
 
 
 def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> Bools:

@@ -11,9 +11,8 @@ Contact and Impact Mechanics", 4.2): it is in equilibrium on both bodies.
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
-from flangeway.contact.kinematics import shape_functions
+from flangeway.contact.kinematics import derivative, edge_series, gaps_over, horner
+from flangeway.contact.taylor import Taylor, as_complex, dot
 from flangeway.types import Floats, Ints
 
 
@@ -41,64 +40,34 @@ class Slides:
     turns: Callable[[Floats], tuple[Ints, Floats]]
 
 
-def node_edge_slides(
-    edges: Floats, gaps: Floats, parameters: Floats, nodes_before: Floats, edges_before: Floats
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Slips of nodes along edges.
+def node_edge_slips(points: Taylor, parameters: Floats, before: Floats) -> tuple[Taylor, Floats]:
+    """Slips of nodes along edges since an earlier position, and unit tangential forces.
 
     Parameters
     ----------
-    edges
-        Current positions of the edges' nodes, shape (n, order + 1, 2).
-    gaps, parameters
-        From `NodeEdgeGaps`, each (n,).
-    nodes_before, edges_before
-        Earlier positions of the nodes (n, 2) and of the edges' nodes.
+    points
+        Current positions of each node and of the nodes of its edge, shape (p, order + 2), with derivatives.
+    parameters
+        Those of the feet, shape (p,).
+    before
+        Earlier positions, shape (p, order + 2, 2).
 
     Returns
     -------
-    tuple of Floats
-        Slips (n,); with d numbers for the components of the node and then of the edge's nodes: their derivatives
-        (n, d), unit tangential forces (n, d), and the derivatives of these (n, d, d).
+    tuple
+        Slips (p,), and the forces on the points by their d variables, shape (p, d).
 
     """
-    values = shape_functions(edges.shape[1] - 1, parameters, 3)
-    slope, bend, twist = (np.einsum("na,nai->ni", each, edges) for each in values[1:])
-    length = np.linalg.norm(slope, axis=1)[:, None]
-    tangent = slope / length
-    normal = np.stack((tangent[:, 1], -tangent[:, 0]), axis=1)
-    gap = gaps[:, None]
-    bend_t, bend_n, twist_n = (
-        np.einsum("ni,ni->n", *pair)[:, None] for pair in ((tangent, bend), (normal, bend), (normal, twist))
-    )
-    metric = length**2 - gap * bend_n
-    ones, zeros = np.ones_like(gap), np.zeros_like(gap)
-    apart = np.concatenate((ones, -values[0]), axis=1)
-    slopes, bends = (np.concatenate((zeros, each), axis=1) for each in values[1:3])
+    xi, _, length = gaps_over(points, parameters)
+    series = edge_series(before[:, 1:])
+    slope = horner(derivative(series), xi)
+    slips = dot(slope, horner(series, xi) - as_complex(before[:, 0])) / slope.abs
+    return slips, length.value[:, None] * xi.first
 
-    def along(shapes: Floats, direction: Floats) -> Floats:
-        return (shapes[:, :, None] * direction[:, None, :]).reshape(len(shapes), 2 * shapes.shape[1])
 
-    def outer(one: Floats, other: Floats) -> Floats:
-        return one[:, :, None] * other[:, None, :]
-
-    apart_t, apart_n = along(apart, tangent), along(apart, normal)
-    slope_t, slope_n, across = along(slopes, tangent), along(slopes, normal), along(bends, normal)
-    slide = (length * apart_t + gap * slope_n) / metric
-    turn, stretch = slope_n + bend_n * slide, slope_t + bend_t * slide
-    metric_rate = 2.0 * length * stretch - bend_n * apart_n
-    metric_rate -= gap * (across + twist_n * slide - turn * bend_t / length)
-    direction = length * slide
-    turns = outer(apart_t, stretch) - outer(slope_t, length * slide + gap / length * turn) + outer(apart_n, turn)
-    turns += outer(slope_n, apart_n) + outer(across, gap * slide)
-    turns *= (length / metric)[..., None]
-    turns += outer(direction, stretch / length - metric_rate / metric)
-
-    slope, bend = (np.einsum("na,nai->ni", each, edges_before) for each in values[1:3])
-    before = np.linalg.norm(slope, axis=1)
-    tangent = slope / before[:, None]
-    normal = np.stack((tangent[:, 1], -tangent[:, 0]), axis=1)
-    away = nodes_before - np.einsum("na,nai->ni", values[0], edges_before)
-    slips = -np.einsum("ni,ni->n", tangent, away)
-    by_parameter = before - np.einsum("ni,ni->n", normal, bend) * np.einsum("ni,ni->n", normal, away) / before
-    return slips, by_parameter[:, None] * slide, direction, turns
+def node_edge_turns(points: Taylor, parameters: Floats) -> Floats:
+    """Derivatives (p, d, d) of unit tangential forces ``|x'| dxi/du``; points with second ones."""
+    xi, _, length = gaps_over(points, parameters)
+    assert xi.second is not None
+    turns: Floats = xi.first[:, :, None] * length.first[:, None, :] + length.value[:, None, None] * xi.second
+    return turns

@@ -259,11 +259,12 @@ class ContactSystem:
             return numbers, None
         bend = np.concatenate(bends)
         factors = np.stack((0.5 - bend, 0.5 + bend), axis=1)  # complex: shares of both ends
-        turns = np.stack((np.stack((factors.real, -factors.imag), -1), np.stack((factors.imag, factors.real), -1)), -2)
-        columns = np.broadcast_to(components_of(np.concatenate(ends))[:, :, None, :], turns.shape)
-        rows = np.broadcast_to(components_of(np.arange(count - n))[:, None, :, None], turns.shape)
-        middles = sp.coo_array((turns.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * (count - n), 2 * n))
-        return numbers, sp.csr_array(sp.vstack((sp.eye_array(2 * n), middles)))
+        entries = np.repeat(np.arange(count - n), 2), np.concatenate(ends).ravel()
+        middles = sp.coo_array((factors.ravel(), entries), shape=(count - n, n))
+        shares = sp.vstack((sp.eye_array(n), middles))
+        spread = sp.csr_array(sp.kron(shares.real, np.eye(2)) + sp.kron(shares.imag, [[0.0, -1.0], [1.0, 0.0]]))
+        spread.eliminate_zeros()
+        return numbers, spread
 
 
 def _refuse_twice(first: Contact, second: Contact) -> None:

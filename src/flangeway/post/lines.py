@@ -198,8 +198,8 @@ def polynomials_at(space: Space, points: Floats, cells: Ints, polynomials: Polyn
         place[batch.cells] = np.arange(len(batch.cells))
         here = np.flatnonzero(place[cells] >= 0)
         if len(here):
-            reconstruction, coefficients = polynomials(batch)
-            columns = place[cells[here]]
+            used, columns = np.unique(place[cells[here]], return_inverse=True)
+            reconstruction, coefficients = polynomials(batch.part(used))
             frame = Frame(reconstruction.frame.origin[:, columns], reconstruction.frame.map[:, :, columns])
             monomial = monomials.evaluate(reconstruction.order, frame.local(points[here].T))
             chosen = coefficients[:, :, columns]

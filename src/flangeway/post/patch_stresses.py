@@ -62,7 +62,7 @@ class SpatialStresses:
         found[defined] = np.linalg.eigvalsh(tensors[defined])[:, ::-1]
         return found
 
-    @property
+    @cached_property
     def von_mises(self) -> Floats:
         """Von Mises stress, shape (n,)."""
         xx, yy, zz, *shears = self.components.T
@@ -255,14 +255,14 @@ class StressField:
         """Von Mises stress, shape (k, n, m)."""
         return self.stresses.von_mises.reshape(self.components.shape[:3])
 
-    @property
+    @cached_property
     def max_tresca(self) -> StressMaximum:
         """Maximum of Tresca's stress, twice the shear stress."""
         mises = self.stresses.von_mises
         # Tresca's stress is between von Mises' and 2 / sqrt(3) of it
         return self._maximum_of(mises >= np.sqrt(0.75) * mises.max() * BELOW_BOUND, lambda part: part.tresca)
 
-    @property
+    @cached_property
     def max_tension(self) -> StressMaximum:
         """Maximum of the first principal stress."""
         normal, mises = self.stresses.components[:, :3], self.stresses.von_mises

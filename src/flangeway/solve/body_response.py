@@ -64,6 +64,16 @@ class Constrained:
     compliances: Floats
     violations: Floats
 
+    def of(self, rows: Ints) -> "Constrained":
+        """Some of the constraints."""
+        return Constrained(
+            self.displacements,
+            sp.csr_array(self.jacobian[rows]),
+            sp.csr_array(self.directions[rows]),
+            self.compliances[rows],
+            self.violations[rows],
+        )
+
 
 class BodyResponse(ABC):
     """Answers of placed bodies to forces on their surface nodes; subclasses are final."""

@@ -149,16 +149,11 @@ class CondensedBodies(BodyResponse):
 
     def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
         """See `BodyResponse.displacements`."""
-        local = np.matmul(forces[:, None], rotations[touched])[:, 0]
-        result = np.zeros((self.n_nodes, 2))
-        for number, (first, last) in enumerate(pairwise(self._bounds(touched))):
-            if first < last:
-                flexibility = self._condensed[number].flexibility[
-                    components(touched[first:last] - self.offsets[number])
-                ]
-                mine = slice(*self.offsets[number : number + 2])
-                result[mine] = (local[first:last].ravel() @ flexibility).reshape(-1, 2)
-        return np.matmul(rotations, result[..., None])[..., 0]
+        local = np.zeros((self.n_nodes, 2))
+        local[touched] = np.matmul(forces[:, None], rotations[touched])[:, 0]
+        parts = np.split(local.ravel(), 2 * self.offsets[1:-1])
+        moved = [body.flexibility @ part for body, part in zip(self._condensed, parts, strict=True)]
+        return np.matmul(rotations, np.concatenate(moved).reshape(-1, 2, 1))[..., 0]
 
     def respond(
         self,
@@ -208,10 +203,6 @@ class CondensedBodies(BodyResponse):
             for number, body in enumerate(self._condensed)
         ]
 
-    def _bounds(self, touched: Ints) -> Ints:
-        """Where the touched nodes of each body begin, and their number."""
-        return np.searchsorted(touched, self.offsets)
-
     def _blocks(self, touched: Ints) -> list[tuple[slice, Floats]]:
         """Components among the touched ones of each body that has some, and their flexibility in the body's axes.
 
@@ -219,7 +210,7 @@ class CondensedBodies(BodyResponse):
         """
         if not np.array_equal(touched, self._asked):
             self._asked, self._kept = touched, []
-            for number, (first, last) in enumerate(pairwise(self._bounds(touched))):
+            for number, (first, last) in enumerate(pairwise(np.searchsorted(touched, self.offsets))):
                 if first < last:
                     dofs = components(touched[first:last] - self.offsets[number])
                     flexibility = self._condensed[number].flexibility[np.ix_(dofs, dofs)]

@@ -218,15 +218,20 @@ def _handle_name(problem: Elasticity, handle: HandleNodes) -> str:
 
 def _resolve(problem: Elasticity, rows: Rows, name: str) -> tuple[Floats, Floats]:
     """Free motions (n, n_free) and a particular motion (n,) of one group of constraints."""
-    n = rows.directions.shape[1]
-    scale = np.ones(n)
+    scale = np.ones(rows.directions.shape[1])
     scale[2:] = problem.size
     scaled = rows.directions / scale
-    values, vectors = np.linalg.eigh(scaled.T @ scaled)
-    held = values > RANK * max(1.0, values.max(initial=0.0))
-    motion = vectors[:, held] @ ((vectors[:, held].T @ (scaled.T @ rows.values)) / values[held])
+    held, vectors, motion = _least_motions(scaled.T @ scaled, scaled.T @ rows.values)
     _refuse_contradiction(problem, scaled @ motion - rows.values, rows, name)
     return vectors[:, ~held] / scale[:, None], motion / scale
+
+
+def _least_motions(normal: Floats, right: Floats) -> tuple[NDArray[np.bool_], Floats, Floats]:
+    """Least motions (..., n) of normal equations (..., n, n), (..., n); their eigenvectors and which are held."""
+    values, vectors = np.linalg.eigh(normal)
+    held = values > RANK * np.maximum(1.0, values[..., -1:])
+    inverse = np.where(held, 1.0 / np.where(held, values, 1.0), 0.0)
+    return held, vectors, np.einsum("...ij,...j,...kj,...k->...i", vectors, inverse, vectors, right)
 
 
 def _resolve_nodes(
@@ -245,10 +250,7 @@ def _resolve_nodes(
     np.add.at(gram, place, rows.directions[:, :, None] * rows.directions[:, None])
     rhs = np.zeros((len(nodes), 2))
     np.add.at(rhs, place, rows.directions * rows.values[:, None])
-    values, vectors = np.linalg.eigh(gram)
-    held = values > RANK
-    inverse = np.where(held, 1.0 / np.where(held, values, 1.0), 0.0)
-    shift[nodes] = np.einsum("nij,nj,nkj,nk->ni", vectors, inverse, vectors, rhs)
+    held, vectors, shift[nodes] = _least_motions(gram, rhs)
     given = np.einsum("ni,ni->n", rows.directions, shift[rows.nodes])
     _refuse_contradiction(problem, given - rows.values, rows, "the point")
     free[nodes] = False

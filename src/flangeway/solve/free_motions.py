@@ -9,7 +9,7 @@ from scipy.sparse.linalg import splu
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import point_text
 from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement
-from flangeway.solve.constraints import SupportConstraints, components, find_constraints
+from flangeway.solve.constraints import SupportConstraints, find_constraints
 from flangeway.types import Floats, Ints
 
 ENERGY = 1e-13
@@ -51,27 +51,23 @@ def _unheld(
     """
     nodes, owners = _nodes_of_pieces(problem, pieces)
     arms = (problem.space.nodes[nodes] - centre) / problem.size
-    zero, one = np.zeros(len(nodes)), np.ones(len(nodes))
     # M_(n i)(p j): component i of a node's velocity by motion j of its piece
-    velocities = np.array([[one, zero, -arms[:, 1]], [zero, one, arms[:, 0]]]).transpose(2, 0, 1)
-    columns = np.broadcast_to(3 * owners[:, None, None] + np.arange(3), velocities.shape)
-    rows = np.broadcast_to(np.arange(2 * len(nodes)).reshape(-1, 2, 1), velocities.shape)
-    of_pairs = sp.csr_array((velocities.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * len(nodes), 3 * n_pieces))
+    each, by_piece = np.arange(len(nodes)), np.zeros((len(nodes), 2, n_pieces, 3))
+    by_piece[each, 0, owners, 0] = by_piece[each, 1, owners, 1] = 1.0
+    by_piece[each, 0, owners, 2], by_piece[each, 1, owners, 2] = -arms[:, 1], arms[:, 0]
+    velocities = by_piece.reshape(len(nodes), 2, 3 * n_pieces)
     new = np.diff(nodes, prepend=-1) > 0
-    first, later = (components(np.flatnonzero(each)) for each in (new, ~new))
-    n = 2 * problem.space.n_nodes
-    at_nodes = sp.csr_array(
-        (np.ones(len(first)), (components(nodes[new]), np.arange(len(first)))), shape=(n, len(first))
-    )
-    moved = at_nodes @ of_pairs[first]
-    transform = sp.csc_array(constraints.transform)
-    allowed = np.zeros((n, 3 * n_pieces))
+    later = np.flatnonzero(~new)
+    at_nodes = np.zeros((problem.space.n_nodes, 2, 3 * n_pieces))
+    at_nodes[nodes[new]] = velocities[new]
+    moved, transform = at_nodes.reshape(-1, 3 * n_pieces), sp.csc_array(constraints.transform)
+    allowed = np.zeros_like(moved)
     if transform.shape[1]:
-        allowed = transform @ splu(sp.csc_array(transform.T @ transform)).solve((transform.T @ moved).toarray())
-    conditions = [moved - allowed, (of_pairs[later] - of_pairs[later - 2]).toarray()]
+        allowed = transform @ splu(sp.csc_array(transform.T @ transform)).solve(transform.T @ moved)
+    conditions = [moved - allowed, (velocities[later] - velocities[later - 1]).reshape(-1, 3 * n_pieces)]
     for spring in problem.springs:
         unit = problem.spring_stiffness(replace(spring, x=float(spring.x > 0.0), y=float(spring.y > 0.0)))
-        conditions.append((unit @ moved).toarray() / abs(unit).max())
+        conditions.append(unit @ moved / abs(unit).max())
     if problem.axisymmetric:  # a body of revolution only moves along its axis
         conditions.append(np.eye(3 * n_pieces)[np.arange(3 * n_pieces) % 3 != 1])
     _, values, vectors = np.linalg.svd(np.linalg.qr(np.concatenate(conditions), mode="r"))

@@ -15,13 +15,12 @@ from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from flangeway._core import n_threads
 from flangeway.errors import InputError
-from flangeway.exact import half_space_influence
 from flangeway.problems.harmonic import Harmonic, at_wavenumber
+from flangeway.solve.half_spaces import half_spaces_on
 from flangeway.solve.linear import cholesky
 from flangeway.solve.surface_cells import SAME, SurfaceCells
 from flangeway.system.disk_cache import Arrays, Cache
@@ -114,10 +113,8 @@ class ComplianceTable:
         """
         material, limits = self.cells.material, self.cells.limits
         assert material is not None
-        n = self.cells.n_cells
-        exact = half_space_influence(material.young, material.poisson, limits, strip, last + 3)
-        exact = exact.reshape(last + 3, n, 3, n, 3).transpose(0, 1, 3, 2, 4)
-        exact = turned(exact, self.cells.frames)[..., axes, :][..., axes].transpose(0, 1, 3, 2, 4)
+        ends = np.stack((limits[:-1], limits[1:]), axis=1)
+        exact = half_spaces_on((material,), ends, self.cells.frames, strip, last + 3, axes).transpose(2, 3, 0, 4, 1)
         longitudinal = np.array(axes) == 2
         mixed = (longitudinal[:, None] != longitudinal)[:, None]
         growth = np.where(mixed, np.arange(last + 3)[:, None, None, None, None], 1.0)
@@ -125,37 +122,6 @@ class ComplianceTable:
         middles = (limits[1:] + limits[:-1]) / 2.0
         near = (np.abs(middles[:, None] - middles) <= (1.0 + SAME) * reach)[:, None, :, None]
         result[: last + 1] = np.where(near, exact + growth * beyond, result[: last + 3])[: last + 1]
-
-
-def half_angles(frames: Floats) -> NDArray[np.complex128]:
-    """Half of the angle from the tangent of each cell to that of each other one, as exp(i a), shape (n, n)."""
-    tangents = frames[:, 0, :2] @ np.array([1.0, 1j])
-    return np.sqrt(tangents / tangents[:, None])
-
-
-def turned(exact: Floats, frames: Floats) -> Floats:
-    """Influence among cells of a plane, as if a surface were flat between each two of its cells.
-
-    Parameters
-    ----------
-    exact
-        By displacement and force in the frame of the plane, shape (..., n, n, 3, 3).
-    frames
-        Axes tangent, outward normal and z of the cells on the surface, rows of (n, 3, 3).
-
-    Returns
-    -------
-    Floats
-        The same in the frames of the cells.
-
-    """
-    # each frame is turned by half of the angle between both from that of the plane
-    half = half_angles(frames)
-    turn = np.zeros((*half.shape, 3, 3))
-    turn[..., 0, 0] = turn[..., 1, 1] = half.real
-    turn[..., 0, 1], turn[..., 1, 0] = half.imag, -half.imag
-    turn[..., 2, 2] = 1.0
-    return turn @ exact @ turn
 
 
 def compliance_table(

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.damage import collective
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
-from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState
+from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings, EvolutionStep, limit_positions
 from flangeway.railway.damage.profile_limits import reached, worn_measures
 from flangeway.railway.damage.surface_wear import patch_damage, patch_loads, row_wear
@@ -234,9 +234,63 @@ def test_measures_of_worn_profiles_have_closed_forms() -> None:
 @pytest.mark.parametrize("name", COLLECTIVES)
 def test_bundled_collectives_add_up(name: str) -> None:
     """The shares of each bundled collective sum to 1, and its inputs are those of the case wheelset."""
-    assert sum(each.share for each in COLLECTIVES[name]) == pytest.approx(1.0, abs=1e-12)
-    for each in COLLECTIVES[name]:
-        SpatialWheelsetCase.from_values(each.values).problem()
+    parts = [part for state in COLLECTIVES[name] for part in parts_of(state)]
+    assert sum(part["share"] for part in parts) == pytest.approx(1.0, abs=1e-12)
+    for part in parts:
+        SpatialWheelsetCase.from_values({key: part[key] for key in part.keys() - {"name", "share"}}).problem()
+
+
+def test_parts_of_a_state_are_a_rule_of_quadrature() -> None:
+    """Means of linear inputs are exact, those of a cubic curvature converge with the square of the parts."""
+    curves = {
+        "name": "curves",
+        "share": 0.3,
+        "curve_radius_m": (2000.0, 400.0),
+        "speed_km_h": [140.0, 70.0],
+        "wheel": "S1002",
+    }
+    low, high = 1.0 / 2000.0, 1.0 / 400.0
+    exact, errors = (high**4 - low**4) / (4.0 * (high - low)), []
+    for number in (1, 2, 4):
+        parts = parts_of(curves | {"parts": number})
+        assert [part["share"] for part in parts] == pytest.approx([0.3 / number] * number)
+        assert {part["wheel"] for part in parts} == {"S1002"}
+        curvatures = np.array([1.0 / part["curve_radius_m"] for part in parts])
+        speeds = np.array([part["speed_km_h"] for part in parts])
+        # all ranges run together
+        assert speeds == pytest.approx(140.0 - 70.0 * (curvatures - low) / (high - low), rel=1e-12)
+        assert speeds.mean() == pytest.approx(105.0, rel=1e-12)
+        errors.append((curvatures**3).mean() / exact - 1.0)
+    assert np.divide(errors[1:], errors[:-1]) == pytest.approx(0.25, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("inputs", "word"),
+    [
+        ({"gauge_mm": (1432.0, 1435.0, 1438.0)}, "gauge_mm"),
+        ({"gauge_mm": (1432.0, "wide")}, "wide"),
+        ({"curve_radius_m": (-500.0, 500.0)}, "curve_radius_m"),
+        ({"parts": 2}, "ranges"),
+    ],
+)
+def test_wrong_ranges_are_refused(inputs, word: str) -> None:
+    """A range has two numbers, radii of one hand, and parts have a range."""
+    with pytest.raises(InputError, match=word):
+        parts_of({"name": "line", "share": 1.0} | inputs)
+
+
+def test_partners_of_what_wears_may_differ_between_states() -> None:
+    """A wheel wears on two rails, each with its share, as on each of them alone; two rails do not wear as one."""
+    rates, states = {}, [state(0.5, rail=name, gauge_mm=1435.0) for name in ("60E1", "49E1")]
+    for name in ("both", "60E1", "49E1"):
+        some = [each for each in states if name in ("both", each.problem.track.rail.title)]
+        one = Collective([replace(each, share=1.0 / len(some)) for each in some])
+        (step,) = Evolution(one, {"wheel": ENERGY}, settings(limits={"min_flange_thickness_mm": 50.0})).run()
+        rates[name] = step.rates["wheel", "right"]
+    assert rates["both"] == pytest.approx(0.5 * (rates["60E1"] + rates["49E1"]), abs=1e-12 * rates["both"].max())
+    assert np.abs(rates["60E1"] - rates["49E1"]).max() > 0.1 * rates["both"].max()
+    with pytest.raises(InputError, match="49E1"):
+        Evolution(Collective(states), {"rail": ENERGY}, settings())
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.railway.profiles.bundled import RAILS, SECTIONS, bundled_name, bundled_section, rail
+from flangeway.railway.profiles.bundled import RAILS, bundled_name, bundled_section, rail
 from flangeway.railway.profiles.joining import nominal_profile
 
 PUBLISHED = {
@@ -48,15 +48,6 @@ def test_names_that_people_use_lead_to_bundled_profiles(said, meant):
     """Older designations and other spellings of a name give the same rail or wheel."""
     assert nominal_profile(said).title == nominal_profile(meant).title
     assert bundled_name("115RE") == "115RE"
-
-
-@pytest.mark.parametrize("name", SECTIONS)
-def test_bundled_sections_are_found_in_any_case(name):
-    """Every bundled name, also in small letters, gives its rail in mm with a word on how certain it is."""
-    found = bundled_section(name.lower())
-    assert found.unit == "mm"
-    assert found.title.startswith(name[:4])
-    assert found.certainty.endswith(".")
 
 
 def test_unknown_names_are_refused_with_the_nearest():

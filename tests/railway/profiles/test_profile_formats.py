@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.geometry import Contour, Outline
+from flangeway.geometry import Outline
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.profiles.formats.segment_files import write_segment_csv
 from flangeway.railway.profiles.formats.simpack import write_simpack
 from flangeway.railway.profiles.profile_file import FORMATS, ReadOptions, profile_text, read_profile
 
@@ -69,7 +70,8 @@ def test_what_is_written_is_read_back_to_a_nanometre(measured, ending, tmp_path)
 def test_whole_outlines_are_kept(kind, ending, tmp_path):
     """A closed outline written as CSV or DXF is read back closed, with the same area and the same arcs."""
     outline = (rail() if kind == "rail" else wheel()).outline
-    first = read_profile(saved(tmp_path, "first.csv", csv_of(outline, kind)))
+    text = write_segment_csv(outline, kind, "first", "base" if kind == "rail" else "tape")
+    first = read_profile(saved(tmp_path, "first.csv", text))
     again = read_profile(saved(tmp_path, f"again{ending}", profile_text(first, ending)))
     assert isinstance(again.surface, Outline)
     assert again.surface.area == pytest.approx(outline.area, rel=1e-12)
@@ -78,18 +80,6 @@ def test_whole_outlines_are_kept(kind, ending, tmp_path):
     )
     with pytest.raises(InputError, match="closed outline"):
         profile_text(again, ".txt")
-
-
-def csv_of(outline, kind):
-    rows = [f"# kind: {kind}", "# unit: mm", "name,type,x0,y0,x1,y1,xc,yc,turn"]
-    for name, segment in zip(outline.names, outline.segments, strict=True):
-        ends = ",".join(map(repr, (*segment.start, *segment.end)))
-        if hasattr(segment, "centre"):
-            turn = "left" if segment.counter_clockwise else "right"
-            rows.append(f"{name},arc,{ends},{segment.centre[0]!r},{segment.centre[1]!r},{turn}")
-        else:
-            rows.append(f"{name},line,{ends},,,")
-    return "\n".join(rows)
 
 
 @pytest.mark.parametrize(
@@ -118,20 +108,12 @@ def test_text_of_spreadsheets_in_two_bytes_a_letter_is_read(tmp_path):
     np.testing.assert_allclose(found.points, points_of("rail"), atol=6e-7)
 
 
-@pytest.mark.parametrize("separator", [";", " "])
-def test_decimal_commas_are_read(separator, tmp_path):
-    """Numbers with decimal commas, apart by semicolons or blanks, are the same numbers."""
-    points = points_of("rail")
-    text = lines_of(points, "{:.5f}" + separator + "{:.5f}").replace(".", ",")
-    found = read_profile(saved(tmp_path, "p.dat", text), ReadOptions(unit="mm", kind="rail", smooth_mm=0.0))
-    np.testing.assert_allclose(found.points, points, atol=6e-6)
-
-
 @pytest.mark.parametrize(
-    "head", ["n,x,y,angle", "point;X [mm];Y [mm];A", "No y_mm z_mm dev", "a line with y and x\nn\tX\tY\tcurvature"]
+    "head",
+    ["n,x,y,angle", "point;X [mm];Y [mm];A", "No y_mm z_mm dev", "a line with y and x\nn\tX\tY\tcurvature", "\t"],
 )
 def test_named_columns_are_taken_wherever_they_stand(head, tmp_path):
-    """Of several columns those called x and y, or y and z, are the coordinates, not the points' numbers before them."""
+    """Columns called x and y, or y and z, are the coordinates; else those that neither count points nor stay."""
     points = points_of("rail")
     separator = next(each for each in "\t;, " if each in head.splitlines()[-1])
     rows = [separator.join((str(n), f"{x:.6f}", f"{y:.6f}", "0.5")) for n, (x, y) in enumerate(points)]
@@ -226,32 +208,6 @@ def test_simpack_points_are_processed_as_the_file_asks(tmp_path):
     assert found.orientation.unit == "mm"
 
 
-def test_open_chains_of_dxf_may_come_in_any_order(tmp_path):
-    """Lines and arcs of a drawing, shuffled and turned, are joined to one chain with the right arcs."""
-    import ezdxf  # noqa: PLC0415
-
-    profile = wheel()
-    contour = profile.outline.part(profile.running_names)
-    drawing = ezdxf.new()
-    drawing.header["$INSUNITS"] = 4
-    space = drawing.modelspace()
-    order = np.random.default_rng(0).permutation(contour.n_segments)
-    for i in order:
-        s = contour.segments[i]
-        if hasattr(s, "centre"):
-            a, b = (s.start, s.end) if s.counter_clockwise else (s.end, s.start)
-            angles = [np.degrees(np.arctan2(p[1] - s.centre[1], p[0] - s.centre[0])) for p in (a, b)]
-            space.add_arc(s.centre, s.radius, *angles)
-        else:
-            space.add_line(s.end, s.start)
-    drawing.saveas(tmp_path / "w.dxf")
-    found = read_profile(tmp_path / "w.dxf")
-    assert found.kind == "wheel"
-    assert isinstance(found.surface, Contour)
-    assert not isinstance(found.surface, Outline)
-    np.testing.assert_allclose(found.surface.sampled(spacing=0.1), contour.sampled(spacing=0.1), atol=1e-6)
-
-
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
@@ -300,24 +256,6 @@ def test_decimal_commas_are_read_in_files_of_other_programs(kind, ending, tmp_pa
     found = read_profile(saved(tmp_path, name, re.sub(r"(\d)\.(\d)", r"\1,\2", text)), options)
     np.testing.assert_array_equal(found.points, wanted.points)
     assert found.orientation.tape_mm == wanted.orientation.tape_mm
-
-
-def test_columns_without_names_are_taken_by_their_numbers(tmp_path):
-    """A column that counts the points, or never changes, is no coordinate; a notice says which ones are."""
-    rows = "\n".join(f"{n}\t7.5\t{x:.6f}\t{y:.6f}" for n, (x, y) in enumerate(points_of("rail"), 1))
-    found = read_profile(saved(tmp_path, "p.txt", rows), ReadOptions(unit="mm", smooth_mm=0.0))
-    np.testing.assert_allclose(found.points, points_of("rail"), atol=6e-7)
-    assert any("numbers 3 and 4 are taken" in notice for notice in found.notices)
-
-
-def test_a_miniprof_file_in_inches_is_found_and_read_with_its_unit(tmp_path):
-    """Six millimetres are no wheel: the message names the option, with which the file is read."""
-    points = points_of("wheel")
-    file = saved(tmp_path, "w.whl", write_miniprof(points / 25.4, "wheel", "a", 70.0 / 25.4))
-    with pytest.raises(InputError, match="--unit in"):
-        read_profile(file)
-    found = read_profile(file, ReadOptions(unit="in", tape_mm=70.0, smooth_mm=0.0))
-    np.testing.assert_allclose(found.points, points, atol=1e-6)
 
 
 def test_exchanged_columns_are_refused(tmp_path):

@@ -47,13 +47,6 @@ def read(folder, ending, content, options=None):
 
 
 @NOT_SLOW
-@given(ending=st.sampled_from(sorted(FORMATS)), content=st.binary(max_size=300))
-def test_random_bytes(ending, content, tmp_path):
-    """Random bytes in a file of any ending give a message of three parts."""
-    read(tmp_path, ending, content)
-
-
-@NOT_SLOW
 @given(ending=st.sampled_from(sorted(FORMATS)), text=TEXT, kind=st.sampled_from([None, "rail", "wheel"]))
 def test_random_lines(ending, text, kind, tmp_path):
     """Lines of words that the formats know, numbers and rubbish give a profile or a message of three parts."""
@@ -64,31 +57,6 @@ def test_random_lines(ending, text, kind, tmp_path):
 def s1002(spacing):
     profile = wheel("S1002")
     return profile.outline.part(profile.running_names).sampled(spacing=spacing)
-
-
-@COSTLY
-@given(
-    damage=st.lists(st.tuples(st.integers(0, 299), st.sampled_from("dxsn"), st.floats(-20.0, 20.0)), max_size=6),
-    smooth=st.sampled_from([None, 0.0, 3.0, 20.0]),
-    scale=st.sampled_from([1.0, 0.1, 1.0 / 25.4, 50.0]),
-)
-def test_damaged_wheels(damage, smooth, scale, tmp_path):
-    """A wheel with points deleted, moved, swapped or repeated is read or refused, whatever the smoothing."""
-    points = s1002(0.6).copy()
-    for place, what, size in damage:
-        i = min(place, len(points) - 2)
-        if what == "d":
-            points = np.delete(points, slice(i, i + 1 + int(abs(size))), axis=0)
-        elif what == "x":
-            points[i] += [0.0, size]
-        elif what == "s":
-            points[[i, i + 1]] = points[[i + 1, i]]
-        else:
-            points = np.insert(points, i, points[i], axis=0)
-        if len(points) < 3:
-            break
-    text = "\n".join(f"{x:.5f} {y:.5f}" for x, y in points * scale)
-    read(tmp_path, ".txt", text.encode(), ReadOptions(kind="wheel", smooth_mm=smooth))
 
 
 ANY_WORD = st.sampled_from(["mm", "in", "m", "rail", "wheel", "tape", "top", "1,2"]) | st.text(string.printable + "üß€")

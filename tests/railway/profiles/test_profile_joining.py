@@ -90,14 +90,6 @@ def place_of(outline, lengths, point):
     return lengths[number[0]] + parameter[0] * outline.segments[number[0]].length
 
 
-@pytest.mark.parametrize(("head", "shift"), [("# origin: base\n", 172.0), ("# origin: top\n", 0.0)])
-def test_heads_are_placed_by_their_origin(head, shift, tmp_path):
-    """From the base or from the top, the same head gives the same rail."""
-    path = file_of(tmp_path, head_points() + np.array([0.0, shift]), "rail", head)
-    found = joined(read_profile(path, ReadOptions(smooth_mm=0.0)), "60E1")
-    assert found.profile.outline.bounds()[1, 1] == pytest.approx(172.0, abs=1e-5)
-
-
 def test_heads_are_placed_by_their_gauge_face(tmp_path):
     """A head that counts from the gauge face 14 mm below its top comes to its place on the rail."""
     points = head_points()
@@ -198,18 +190,3 @@ def test_a_head_that_holds_its_inclination_is_reported(slope, depth, words, tmp_
     leaning = [notice for notice in notices if "leans" in notice]
     assert len(leaning) == (1 if words else 0)
     assert words in "".join(leaning)
-
-
-def test_a_side_worn_head_is_joined(tmp_path):
-    """A gauge face worn by millimetres, measured to some depth, is kept as it is and makes a section that meshes."""
-    head, wear, depth = head_points(), 8.0, 20.0
-    worn = head.copy()
-    worn[:, 0] = np.maximum(worn[:, 0], -36.0 + wear + 0.15 * (worn[:, 1] + 14.0))
-    worn = worn[(worn[:, 1] > -depth) & (np.hypot(*np.gradient(worn, axis=0).T) > 0.0)]
-    np.savetxt(tmp_path / "head.txt", worn)
-    options = ReadOptions(unit="mm", kind="rail", limit_um=2000.0, smooth_mm=5.0)
-    found = joined(read_profile(tmp_path / "head.txt", options), "60E1")
-    assert found.joints[1].gap_mm > 4.0
-    assert found.nominal.outline.area - found.profile.outline.area == pytest.approx(wear * 20.0, rel=0.8)
-    outline = found.profile.outline
-    check(triangulate(outline, size=6.0), region_area=outline.area, area_tolerance=2e-3)

@@ -201,9 +201,3 @@ def test_gaps_are_bridged_only_where_the_profile_is_straight(first, last, bridge
     found = read_profile(path, RAW)
     assert any("is bridged" in notice for notice in found.notices)
     assert found.surface.closest(points)[2].max() < 0.05
-
-
-def test_too_few_points_are_refused(tmp_path):
-    """Fewer than ten points are no profile."""
-    with pytest.raises(InputError, match="10 or more"):
-        read_profile(saved(tmp_path, wheel_points(10.0)[:9]), ReadOptions(kind="wheel"))

@@ -119,24 +119,6 @@ def test_without_smoothing_the_curve_goes_through_all_points():
     assert found.curve.closest(points)[2].max() <= ARC_TOLERANCE_MM * 1.01
 
 
-@pytest.mark.parametrize(
-    ("wavelength", "limit", "message"),
-    [(math.nan, None, "--smooth"), (1e3, None, "--smooth"), (5.0, 0.0, "--limit")],
-)  # fmt: skip
-def test_senseless_options_are_refused(wavelength, limit, message):
-    """Wavelengths and limits out of range are named in the message."""
-    with pytest.raises(InputError, match=message):
-        smoothed(circle(100), wavelength, limit)
-
-
-def test_a_curve_that_crosses_itself_is_refused():
-    """Points in order along a loop give a message with the place of the crossing."""
-    t = np.linspace(-1.6, 1.6, 200)
-    loop = np.column_stack([20.0 * (t**3 - t), 20.0 * t**2])
-    with pytest.raises(InputError, match="meet at"):
-        smoothed(loop)
-
-
 def test_biarcs_are_smooth_and_within_their_tolerance():
     """Arcs along an ellipse meet tangentially, within the tolerance; halved lengths have an eighth of the error."""
 
@@ -156,14 +138,3 @@ def test_biarcs_are_smooth_and_within_their_tolerance():
         segments = biarcs(ellipse, np.linspace(0.0, math.pi, n + 1), 1.0)
         errors.append(Contour.from_segments(segments, ["e"] * len(segments)).closest(fine)[2].max())
     assert errors[0] / errors[1] == pytest.approx(8.0, rel=0.25)
-
-
-def test_biarcs_refuse_a_kink():
-    """A tangent that jumps inside a piece is refused with its place."""
-
-    def curve(t):
-        slope = np.where(t < 0.4, 0.0, 3.0)
-        return np.column_stack([t, slope * (t - 0.4)]), np.column_stack([np.ones_like(t), slope])
-
-    with pytest.raises(InputError, match=r"\(0\.(39|4)"):
-        biarcs(curve, np.array([0.0, 1.0]), 1e-9)

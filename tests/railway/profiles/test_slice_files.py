@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from flangeway.campaign import Campaign
 from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
@@ -90,13 +89,6 @@ def test_a_flat_keeps_its_depth_and_ends_beside_it(tmp_path, angle, depth):
     assert not any("moved to zero" in notice for notice in found.notices)
 
 
-def test_a_flat_turns_the_wheelset(tmp_path):
-    """A flat under one wheel lowers it: the rigid wheelset rolls."""
-    inputs = {"left_wheel": str(wheel_file(tmp_path)), "left_wheel_angle_deg": 10.0, "wheel": "S1002", "rail": "60E1"}
-    geometry = GeometryCase.from_values(inputs | {"gauge_mm": 1435.0}).geometry()
-    assert geometry.locus([0.0]).roll_rad[0] > 0.2e-3
-
-
 def test_features_cut_and_part_the_slices(tmp_path):
     """Parts are interpolated by themselves; a part that one slice does not have is left out between the slices."""
     header = "0 1 offset, scale\n3\n3 0 0 features\n1\n"
@@ -116,15 +108,6 @@ def test_a_corrugation_lowers_and_lifts_the_section(tmp_path, phase, height):
     file = tmp_path / "wave.slcs"
     file.write_text(f"0 1\n1\n0\n0 1\n0 'slice0.txt'\n1\n0.3 40 {phase}\n")
     assert at(file, 10.0).points[:, 1].max() == pytest.approx(height, abs=1.1e-4)
-
-
-def test_a_list_from_windows_names_files_in_folders(tmp_path):
-    """A backslash separates folders, whatever the system."""
-    (tmp_path / "sections").mkdir()
-    np.savetxt(tmp_path / "sections" / "a.txt", head(), fmt="%.5f")
-    file = tmp_path / "one.slcs"
-    file.write_bytes(b"0 1\r\n1\r\n0\r\n0\r\n0 'sections\\a.txt'\r\n")
-    assert at(file, 0.0).points[:, 1].max() == pytest.approx(0.0, abs=1e-4)
 
 
 WRONG = (
@@ -159,39 +142,3 @@ def test_a_position_is_needed_and_only_for_slices(tmp_path):
         GeometryCase.from_values({"rail": "60E1", "rail_position_mm": 1.0}).track()
     with pytest.raises(InputError, match="--position 3"):
         read_profile(tmp_path / "slice0.txt", ReadOptions(position=3.0))
-
-
-def test_a_campaign_goes_section_by_section(tmp_path):
-    """The position varies as any input; the head follows the dip; other slices are another campaign."""
-    rail_file(tmp_path)
-    text = """
-case = "wheelset-tangent"
-[inputs]
-rail = "dip.slcs"
-rail_body = "60E1"
-wheel = "S1002"
-gauge_mm = 1435.0
-size_scale = 10
-order = 1
-[vary]
-rail_position_mm = [50, 100]
-"""
-    (tmp_path / "c.toml").write_text(text)
-    campaign = Campaign.from_file(tmp_path / "c.toml")
-    tops = [row.case.track().rail.running_surface.bounds()[1, 1] for row in campaign.rows]
-    assert np.diff(tops) == pytest.approx([-1.0], abs=0.01)
-    np.savetxt(tmp_path / "slice1.txt", head(2.1), fmt="%.5f")
-    assert Campaign.from_file(tmp_path / "c.toml").identity != campaign.identity
-
-
-def test_slices_in_metres_need_the_unit(tmp_path):
-    """Slices without a unit count as mm: their length in m is refused with the unit to give, which makes them mm."""
-    file = rail_file(tmp_path)
-    wanted = at(file, 50.0)
-    for slice_ in tmp_path.glob("slice*.txt"):
-        np.savetxt(slice_, np.loadtxt(slice_) / 1000.0, fmt="%.8f")
-    with pytest.raises(InputError) as caught:
-        at(file, 50.0)
-    assert "--unit m" in caught.value.advice
-    found = read_profile(file, ReadOptions(position=50.0, unit="m", smooth_mm=0.0))
-    np.testing.assert_allclose(found.points, wanted.points, atol=1e-4)

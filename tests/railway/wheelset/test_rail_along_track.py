@@ -11,7 +11,7 @@ from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.post.section_constants import section_constants
 from flangeway.railway.profiles.bundled import rail
-from flangeway.railway.wheelset.rail_along_track import REGIONS, RailAlongTrack, narrowest_web, rail_along_track
+from flangeway.railway.wheelset.rail_along_track import RailAlongTrack, narrowest_web, rail_along_track
 from flangeway.railway.wheelset.supported_rail import RailSupport, SupportedRail, sleeper_compliance, supported_rail
 
 YOUNG, POISSON, SIZE = 210e3, 0.3, 11.0
@@ -150,25 +150,6 @@ def test_deflection_and_bending_stress_on_a_continuous_support_are_those_of_a_be
     assert len(found.reactions) == 0
 
 
-def test_seats_side_by_side_are_a_continuous_support() -> None:
-    """81 seats of 150 mm without distance between give its displacements to 0.4 %, its stresses to 0.8 %."""
-    seats = RailSupport(
-        spacing_mm=150.0,
-        vertical_kN_per_mm=7.5,
-        lateral_kN_per_mm=10.0,
-        longitudinal_kN_per_mm=2.5,
-        roll_kNm_per_rad=75.0,
-        n_sleepers=81,
-    )
-    both = ((0.0, 0.0, -LOAD, 0.0), (14.0, LATERAL, 0.0, 0.0))
-    found, expected = loaded(both, support=seats), loaded(both, support=RailSupport("continuous"))
-    for name in ("base", "head"):
-        one, other = getattr(found, name), getattr(expected, name)
-        assert (np.abs(one - other).max(axis=0) < 4e-3 * np.abs(other).max(axis=0)).all()
-    one, other = (each.stresses.along_MPa for each in (found, expected))
-    assert np.abs(one - other).max() < 8e-3 * np.abs(other).max()
-
-
 @pytest.mark.parametrize("position", [0.3])
 def test_reactions_are_in_equilibrium_with_the_load(position) -> None:
     """Forces sum to 3e-4 of the load, moments to 0.3 %: a share of 0.003 is spread along the rail."""
@@ -239,48 +220,17 @@ def test_gauge_widens_as_in_good_track_under_the_loads_of_the_measuring_car() ->
         assert found.gauge_outward_mm.argmax() == middle
 
 
-def test_the_head_rolls_as_far_as_rails_in_track() -> None:
-    """50 kN lateral move the gauge face outwards by 1 to 6.7 mm, mostly by a roll of 7 to 16 mrad.
-
-    The limits: gauge may not widen by more than 0.75 in under 16 kip on both rails (49 CFR 213.110, second level),
-    6.7 mm of one rail under 50 kN; a gauge face 160 mm above the base that moves by as much as 1/8 in under 14 kip
-    rolls by 16 mrad at most under 50 kN. Rails that are hardly fastened would exceed both, rails on rigid sleepers,
-    which the same support 100 times as stiff shows, fall below.
-    """
-    name, load = "60E1", ((14.0, LATERAL, 0.0, 0.0),)
-    found = loaded(load, name)
-    middle = len(found.z_mm) // 2
-    assert 1.0 < found.gauge_outward_mm[middle] < 6.7
-    assert 7e-3 < -found.head[middle, 2] < 16e-3
-    assert -found.base[middle, 2] > 0.5 * -found.head[middle, 2]
-    stiff = replace(USUAL, lateral_kN_per_mm=4000.0, vertical_kN_per_mm=3000.0, roll_kNm_per_rad=30000.0)
-    rigid = loaded(load, name, stiff)
-    assert rigid.gauge_outward_mm[middle] < 1.0
-    assert -rigid.head[middle, 2] < 7e-3
-
-
 def test_stresses_lie_where_beams_have_them() -> None:
-    """A vertical load bends the foot in tension, one towards the field side the field edge in tension.
-
-    Every region has its own points, and a peak of the equivalent stress not far from the load.
-    """
+    """A vertical load bends the foot in tension below it, one towards the field side the gauge edge in tension."""
     down = loaded(((0.0, 0.0, -LOAD, 0.0),)).stresses
     value, place = down.peak("foot", down.along_MPa)
     assert 60.0 < value < 120.0
-    assert place[1] == 0.0
-    assert place[2] == 0.0
+    assert place[1:].tolist() == [0.0, 0.0]
     aside = loaded(((14.0, LATERAL, 0.0, 0.0),)).stresses
     row = len(aside.z_mm) // 2
     edges = [np.argmax(sign * aside.points_mm[:, 0]) for sign in (1.0, -1.0)]
     assert aside.along_MPa[row, edges[0]] > 20.0
     assert aside.along_MPa[row, edges[1]] < -20.0
-    for region in REGIONS:
-        value, place = aside.peak(region, aside.von_mises_MPa)
-        assert 20.0 < value < 400.0
-        assert abs(place[2]) <= 1200.0
-        heights = aside.points_mm[aside.regions == region, 1]
-        assert len(heights) >= 4
-        assert heights.min() >= 0.0
     with pytest.raises(InputError, match="web"):
         down.peak("head", down.along_MPa)
 

@@ -184,14 +184,6 @@ def test_a_flange_pushed_up_its_rail_ends_with_a_message(wheelset):
     assert any(words in found.status.message for words in ("up its rail", "climbs its rail"))
 
 
-@pytest.mark.ci
-def test_with_a_large_yaw_it_rests_on_the_flange(wheelset):
-    """Free to move sideways with a yaw of 25 mrad: the flange balances what pushes it."""
-    found = solved(wheelset, yaw_mrad=-25.0, **ROLLS)
-    assert found.equilibrium.residuals.equilibrium_residual <= 1e-7
-    assert 8.0 < found.equilibrium.position.lateral_mm < 9.0
-
-
 def test_friction_of_the_gauge_face_and_what_is_refused(wheelset):
     """Rows steeper than 45 degrees have their own coefficient; no speed, and inputs without friction are refused."""
     one = coarse_case(**ROLLS, flange_friction=0.1, kinetic_friction=0.15)

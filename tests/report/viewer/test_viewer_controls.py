@@ -93,30 +93,6 @@ def test_the_wheel_alone_scrolls_the_page(open_page, folder):
     assert opened.mm_per_pixel() == pytest.approx(scale, rel=1e-3)
 
 
-def test_two_fingers_zoom(open_page, viewer_page):
-    """Fingers that move apart enlarge the picture; one finger moves it."""
-    opened = open_page(viewer_page, width=400, has_touch=True)
-    box = opened.canvas.bounding_box()
-    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
-    touch = opened.context.new_cdp_session(opened.page)
-
-    def send(kind, *places):
-        points = [{"x": x + right, "y": y, "id": number} for number, right in enumerate(places)]
-        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-
-    scale = opened.mm_per_pixel()
-    for kind, apart in (("touchStart", 20.0), ("touchMove", 30.0), ("touchMove", 60.0)):
-        send(kind, -apart, apart)
-    send("touchEnd")
-    assert opened.until(lambda: opened.mm_per_pixel() < 0.6 * scale)
-    opened.fly("right contact")
-    before = opened.shot()
-    for kind, right in (("touchStart", 0.0), ("touchMove", 20.0), ("touchMove", 80.0)):
-        send(kind, right)
-    send("touchEnd")
-    assert opened.until(lambda: opened.changed(before) > 0.2)
-
-
 def test_keys_do_what_the_mouse_does(opened):
     """Arrows move, plus and minus zoom, 0 shows all, F goes to the next field, and the value at the cross is shown."""
     page = opened.page

@@ -4,17 +4,6 @@ import numpy as np
 import pytest
 
 
-def test_it_loads_without_complaints_and_without_network(open_page, folder):
-    """The page becomes ready, the console stays empty, and nothing but the page itself is asked for."""
-    opened = open_page(folder / "report.html")
-    assert opened.page.locator("#viewer").get_attribute("data-state") == "ready"
-    for key in opened.fields():
-        opened.choose(key)
-    assert opened.errors() == []
-    asked = [url for url in opened.requests if not url.startswith(("data:", "blob:"))]
-    assert asked == [(folder / "report.html").as_uri()]
-
-
 def test_without_webgl_a_sentence_says_where_to_look(open_page, folder):
     """A browser without WebGL shows no empty frame but the reason and where the pictures are, and no error."""
     script = "HTMLCanvasElement.prototype.getContext = () => null"

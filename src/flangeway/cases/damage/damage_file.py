@@ -12,7 +12,7 @@ from flangeway.cases.case_file import FILE_KEYS
 from flangeway.cases.nested import mapped
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError, located
-from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState
+from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
 from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, PerPatch, UsfdLaw, WearLaw
 from flangeway.railway.track.discretisation import Role
@@ -28,7 +28,10 @@ STRATEGY_NAME = re.compile(r"[\w-][\w ,.-]*")
 
 
 class StateTable(Table):
-    """A state of the collective; all other keys are inputs of the case ``wheelset`` that it has beside those of all."""
+    """A state of the collective; all other keys are inputs of the case ``wheelset`` that it has beside those of all.
+
+    An input ``[first, last]`` runs over this range, see `flangeway.railway.damage.collective.parts_of`.
+    """
 
     model_config = ConfigDict(extra="allow")
 
@@ -36,6 +39,8 @@ class StateTable(Table):
     """fraction of the distance; all shares sum to 1"""
     name: str | None = None
     """name of the state (default: its number)"""
+    parts: int = Field(1, ge=1)
+    """equal parts of its ranges, each computed in its middle"""
 
 
 class DamageTables(Table):
@@ -138,22 +143,27 @@ class DamageFile(TomlFile):
                 f"collective, one of {', '.join(COLLECTIVES)}, or [[states]] with share and inputs",
                 "give one of both",
             )
-        found = [
-            self._state(state.name or f"state {number + 1}", state.share, inputs | (state.model_extra or {}), number)
-            for number, state in enumerate(tables.states)
-        ]
         if name:
             with located(self.place(("collective",))):
                 require_known("collective", name, COLLECTIVES)
         # a bundled state gives its own track, speed and friction; inputs of the file the rest
         for bundled in COLLECTIVES.get(name, ()):
-            for key in sorted(inputs.keys() & bundled.values.keys()):
+            for key in sorted(inputs.keys() & bundled.keys()):
                 raise InputError(
                     f"{self.place(('inputs', key))}{key} with a bundled collective, whose states have their own",
                     "other inputs, or [[states]] in the place of collective",
                     f"remove {key}, or write the states into the file",
                 )
-            found.append(self._state(bundled.name, bundled.share, inputs | bundled.values))
+        given = COLLECTIVES.get(name) or [
+            mapped(state.model_extra, self._resolved)
+            | {"name": state.name or f"state {number}", "share": state.share, "parts": state.parts}
+            for number, state in enumerate(tables.states, 1)
+        ]
+        found = []
+        for number, state in enumerate(given):
+            with located(self.place(("states", number) if tables.states else ("collective",))):
+                parts = parts_of(state)
+            found += [self._state(inputs | part, number if tables.states else None) for part in parts]
         settings = self._values(("evolution",), tables.evolution, inputs_of(EvolutionSettings, "limits"))
         laws = {role: self._law(role, given) for role, given in tables.wear.items()}
         with located(f"{self.file}: "):
@@ -161,7 +171,9 @@ class DamageFile(TomlFile):
             evolution = Evolution(collective, laws, EvolutionSettings(**settings, limits=tables.limits))
         return DamageInputs(self.file.stem, evolution, name, inputs)
 
-    def _state(self, name: str, share: float, values: dict[str, Any], number: int | None = None) -> RunningState:
+    def _state(self, values: dict[str, Any], number: int | None) -> RunningState:
+        """A state by its name, its share and its inputs; that of a number in the file."""
+        name, share = values.pop("name"), values.pop("share")
         place = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
         with located(f"{place}{name}: "):
             case = SpatialWheelsetCase.from_values(values | mapped(self.changed_inputs, self._resolved))

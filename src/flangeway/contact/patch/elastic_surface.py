@@ -5,19 +5,17 @@ supports, is smooth. It is tabulated once on cells of some millimetres over the 
 fine grid of a contact patch wherever that is.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from flangeway.errors import InputError
-from flangeway.exact import half_space_blocks
 from flangeway.materials import Elastic
 from flangeway.solve import SurfaceCells, compliance_table
-from flangeway.solve.surface_compliance import half_angles
+from flangeway.solve.half_spaces import half_spaces_on
 from flangeway.system.disk_cache import Arrays, Cache
 from flangeway.types import Floats, Ints
 
@@ -27,8 +25,6 @@ CORRECTED = 1.0
 """Distance up to which the table's own nearest cells are corrected, over a cell."""
 N_DISTANCES = 40
 """Distances along z at which the remainder is tabulated, the last of them `REACH` away."""
-SAME = 1e-6
-"""Distance of two ends of cells over the width of the strips that are one."""
 REACH = 160.0
 """Longest distance along z over a cell; beyond, the remainder hardly changes within a patch."""
 
@@ -148,69 +144,3 @@ def _remainder(cells: SurfaceCells, strip: float, numbers: Ints, tolerance: floa
     flat = half_spaces_on((cells.material,), ends, cells.frames, strip, n_strips)
     own -= flat[:, :, numbers].transpose(2, 3, 0, 4, 1)
     return np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)
-
-
-def half_spaces_on(
-    materials: Sequence[Elastic],
-    cells: Floats,
-    frames: Floats,
-    strip: float,
-    n_strips: int,
-    axes: Sequence[int] = (0, 1, 2),
-) -> Floats:
-    """Influence among cells of a curved surface, as if there were half-spaces between each two of them.
-
-    Parameters
-    ----------
-    materials
-        Of one body; or of two in contact: displacements of the second one less those of the first by forces on the
-        second, whose cells are those of the first one.
-    cells
-        Ends of the cells as lengths along the surface, rising, with gaps between them or without, shape (n, 2).
-    frames
-        Axes tangent, first body on the left, outward normal and z of the cells, rows of (n, 3, 3).
-    strip, n_strips
-        Width and number of the strips along z.
-    axes
-        Components of displacements and forces along the frames: 0 tangent, 1 normal, 2 z.
-
-    Returns
-    -------
-    Floats
-        By axes of displacement and force, distance, displacement and force: shape (m, m, n_strips, n, n) for m axes.
-
-    """
-    # for the second body, the other side of the surface, n and the angles change their signs: of equal bodies
-    # displacements along n by forces along the surface are the opposite of each other
-    signs = {
-        (of, by): 1.0 if (of == 1) == (by == 1) else -1.0
-        for of, by in product((0, 1, 2) if 2 in axes else (0, 1), repeat=2)
-    }
-    if len(materials) == 2 and materials[0] == materials[1]:
-        signs = {pair: sign for pair, sign in signs.items() if sign > 0.0}
-    flat = {each: _among(each, cells, strip, n_strips, list(signs)) for each in dict.fromkeys(materials)}
-    half = half_angles(frames)
-    # T E T for the first body
-    turn = {(0, 0): half.real, (1, 1): half.real, (0, 1): half.imag, (1, 0): -half.imag, (2, 2): np.ones(half.shape)}
-    total = np.zeros((len(axes), len(axes), n_strips, *half.shape))
-    for (row, column), sign in signs.items():
-        both = flat[materials[0]][row, column]
-        for other in materials[1:]:
-            both = both + sign * flat[other][row, column]
-        for (i, of), (j, by) in product(enumerate(axes), repeat=2):
-            if (of, row) in turn and (column, by) in turn:
-                total[i, j] += turn[of, row] * turn[column, by] * both
-    return total
-
-
-def _among(
-    material: Elastic, cells: Floats, strip: float, n_strips: int, pairs: Sequence[tuple[int, ...]]
-) -> dict[tuple[int, ...], Floats]:
-    """Influence among some cells of a plane by pairs of axes of displacement and force, (n_strips, n, n) each."""
-    limits = cells.ravel()
-    limits = limits[np.append(np.diff(limits) > SAME * strip, True)]  # cells that touch share an end
-    blocks = half_space_blocks(material.young, material.poisson, limits, strip, n_strips, pairs)
-    if len(limits) == len(cells) + 1:
-        return blocks
-    numbers = np.searchsorted(limits, cells[:, 0] - SAME * strip)
-    return {place: block[:, numbers[:, None], numbers] for place, block in blocks.items()}

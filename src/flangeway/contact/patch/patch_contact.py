@@ -1,6 +1,6 @@
 """Contact patch of two prisms or bodies of revolution in three dimensions."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -192,11 +192,21 @@ class PatchPair:
     @cached_property
     def influence(self) -> Convolution:
         """Normal displacements of both bodies together by normal forces."""
-        total = np.zeros((self.grid.n_strips, len(self.grid.widths), len(self.grid.widths)))
+        return Convolution(self.coefficients(self.grid.n_strips, (1,)))
+
+    def coefficients(self, n_distances: int, axes: Sequence[int] = (0, 1, 2)) -> Floats:
+        """Displacements of the second body less those of the first one by unit forces on cells of the second one.
+
+        Along some of the axes t, n and z, at distances of 0, 1, 2... strips: (n_distances, m n_cells, m n_cells).
+        """
+        shape = n_distances, len(self.grid.widths), len(axes), len(self.grid.widths), len(axes)
+        total = np.zeros(shape)
         for which, table in enumerate(self.tables):
-            found = table.influence(self.grid.strip, self.grid.n_strips, axes=(1,))
-            total += found[:, ::-1, ::-1] if self.backwards(which) else found
-        return Convolution(total)
+            back = self.backwards(which)
+            signs = np.array([-1.0 if back else 1.0, -1.0 if which else 1.0, 1.0])[list(axes)]
+            found = table.influence(self.grid.strip, n_distances, axes).reshape(shape) * signs[:, None, None] * signs
+            total += found[:, ::-1, :, ::-1] if back else found
+        return total.reshape(n_distances, shape[1] * shape[2], -1)
 
     def press(
         self, *, force: float | None = None, approach: float | None = None, start: Floats | None = None

@@ -24,50 +24,52 @@ LEAST = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class _Strips:
-    """Strips of an ellipse, one for each row of cells in it, with nodes from the leading edge, in Kalker's axes.
+    """Strips of ellipses, one for each row of cells, with nodes from the leading edge, in Kalker's axes.
 
-    Nodes are close to each other at both ends, as cosines of even angles.
+    Nodes are close to each other at both ends, as cosines of even angles. Rows beyond an ellipse have strips without
+    length. Of m ellipses arrays (..., n) are (..., m, n).
 
     Parameters
     ----------
-    inside
-        Rows of cells in the ellipse.
-    y, widths, half
-        Place across, width and half length of each strip, shape (n,).
+    ellipse
+        Semi-axes along and across: numbers, or shape (m, 1).
+    y, half
+        Place across and half length of each strip, (..., n).
+    widths
+        Widths of the strips, shape (n,).
     x
-        Places of the nodes, shape (n, n_steps + 1).
+        Places of the nodes, shape (n_steps + 1, ..., n).
 
     """
 
-    inside: Bools
+    ellipse: tuple[Floats | float, Floats | float]
     y: Floats
-    widths: Floats
     half: Floats
+    widths: Floats
     x: Floats
 
     @classmethod
-    def of(cls, contact: RollingContact, ellipse: EllipticContact, given: int | None) -> "_Strips":
-        n_steps = max(STEPS, contact.grid.n_strips) if given is None else given
-        if n_steps < 2:
-            raise InputError(f"n_steps={given}", "2 steps or more along each strip", "leave it out, or give more")
-        y = ellipse.direction * (contact.places[0] - ellipse.centre[0])
-        inside = np.abs(y) < ellipse.across
-        y = y[inside]
-        half = ellipse.along * np.sqrt(1.0 - (y / ellipse.across) ** 2)
-        x = half[:, None] * np.cos(np.pi * np.arange(n_steps + 1) / n_steps)
-        return cls(inside, y, contact.grid.widths[inside], half, x)
+    def of(
+        cls,
+        contact: RollingContact,
+        ellipse: tuple[Floats | float, Floats | float],
+        y: Floats,
+        n_steps: int = STEPS,
+    ) -> "_Strips":
+        along, across = ellipse
+        half = along * np.sqrt(np.maximum(1.0 - (y / across) ** 2, 0.0))
+        cosines = np.cos(np.pi * np.arange(n_steps + 1) / n_steps)
+        return cls(ellipse, y, half, contact.grid.widths, cosines.reshape(-1, *[1] * y.ndim) * half)
 
-    def pressures(self, ellipse: EllipticContact, *, parabolic: bool) -> Floats:
-        """Pressures at the nodes, shape (n_steps + 1, n)."""
-        share = np.maximum(1.0 - (self.x.T / ellipse.along) ** 2 - (self.y / ellipse.across) ** 2, 0.0)
-        share = share * 2.0 if parabolic else np.sqrt(share) * 1.5
-        return ellipse.force / (np.pi * ellipse.along * ellipse.across) * share
+    def pressures(self, force: Floats | float, *, parabolic: bool) -> Floats:
+        """Pressures at the nodes, shape as x."""
+        along, across = self.ellipse
+        share = np.maximum(1.0 - (self.x / along) ** 2 - (self.y / across) ** 2, 0.0)
+        return np.asarray(force / (np.pi * along * across) * (2.0 * share if parabolic else 1.5 * np.sqrt(share)))
 
-    def resultants(self, tractions: Floats) -> tuple[float, float, float]:
-        """Forces along x and y, and the moment about z, of tractions (2, n, n_steps + 1) that are 0 at both ends."""
-        forces = tractions[:, :, 1:-1] * (self.widths[:, None] * (self.x[:, :-2] - self.x[:, 2:]) / 2.0)
-        moment = np.sum(self.x[:, 1:-1] * forces[1] - self.y[:, None] * forces[0])
-        return float(forces[0].sum()), float(forces[1].sum()), float(moment)
+    def forces(self, tractions: Floats) -> Floats:
+        """Forces of the inner nodes by tractions (n_steps + 1, 2, ..., n), which are 0 at both ends."""
+        return np.asarray(tractions[1:-1] * ((self.x[:-2] - self.x[2:]) * self.widths / 2.0)[:, None])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -81,7 +83,7 @@ class SimplifiedRolling(CreepForces):
     ellipse, strips
         Its ellipse and strips; forces are integrals of the tractions along them.
     nodes
-        Tractions and slip over the distance (2, n, n_steps + 1), and which nodes slip, in Kalker's axes.
+        Tractions and slip over the distance (n_steps + 1, 2, n), and which nodes slip, in Kalker's axes.
 
     """
 
@@ -104,11 +106,9 @@ class SimplifiedRolling(CreepForces):
     def states(self) -> Ints:
         """`NO_CONTACT`, `STICKS` or `SLIPS`, shape (n_cells, n_strips)."""
         place, met = self._places
-        states = np.full(self.contact.pressures.shape, NO_CONTACT)
-        near = np.clip(np.rint(place).astype(int), 1, self.strips.x.shape[1] - 1)
-        slips = self.nodes[2][np.arange(len(near))[:, None], near]
-        states[self.strips.inside] = np.where(met, np.where(slips, SLIPS, STICKS), NO_CONTACT)
-        return states
+        near = np.clip(np.rint(place).astype(int), 1, len(self.strips.x) - 2)
+        slips = self.nodes[2][near, np.arange(len(near))[:, None]]
+        return np.where(met, np.where(slips, SLIPS, STICKS), NO_CONTACT)
 
     @cached_property
     def t_gamma(self) -> float:
@@ -116,30 +116,28 @@ class SimplifiedRolling(CreepForces):
 
         With flexibilities that differ it is not forces times creepages: they bend the rigid slip by spin.
         """
-        return float(self._work[:, -1] @ self.strips.widths)
+        return float(self._work[-1] @ self.strips.widths)
 
     @cached_property
     def _work(self) -> Floats:
-        """Energy dissipated over the width and the distance rolled from the leading edge to the nodes of the strips.
+        """Energy dissipated over the width and the distance rolled from the leading edge to the nodes, shape as theirs.
 
         With one flexibility the elastic part ``L (T_k + T_(k-1)) (T_k - T_(k-1)) / 2`` of a step sums to zero.
         """
         (tractions, slips, _), x = self.nodes, self.strips.x
         # slip at a node is that of the step before it
-        means = (tractions[:, :, 1:] + tractions[:, :, :-1]) / 2.0
-        steps = -np.sum(means * slips[:, :, 1:], axis=0) * (x[:, :-1] - x[:, 1:])
-        return np.concatenate((np.zeros((len(x), 1)), np.cumsum(steps, axis=1)), axis=1)
+        means = (tractions[1:] + tractions[:-1]) / 2.0
+        steps = -np.sum(means * slips[1:], axis=1) * (x[:-1] - x[1:])
+        return np.concatenate((np.zeros((1, x.shape[1])), np.cumsum(steps, axis=0)))
 
     @cached_property
     def power_density(self) -> Floats:
         """Frictional power over area: tractions times slip, means over the cells, whose sum is the power."""
         z, half = self.contact.places[1], self.contact.grid.strip / 2.0
         place, _ = self._places_of(np.append(z - half, z[-1] + half))
-        nodes = np.arange(self.strips.x.shape[1])
-        work = np.stack([np.interp(at, nodes, of) for at, of in zip(place, self._work, strict=True)])
-        density = np.zeros(self.contact.pressures.shape)
-        density[self.strips.inside] = -self.ellipse.direction * np.diff(work, axis=1) / (2.0 * half)
-        return abs(self.motion.speed) * density
+        nodes = np.arange(len(self.strips.x))
+        work = np.stack([np.interp(at, nodes, of) for at, of in zip(place, self._work.T, strict=True)])
+        return abs(self.motion.speed) * -self.ellipse.direction * np.diff(work, axis=1) / (2.0 * half)
 
     @cached_property
     def flash_temperatures(self) -> Floats | None:
@@ -153,18 +151,16 @@ class SimplifiedRolling(CreepForces):
 
     def _places_of(self, z: Floats) -> tuple[Floats, Bools]:
         """Places along z (m,) among the nodes of the strips, and which lie on these, (n, m)."""
-        x = self.ellipse.direction * (z - self.ellipse.centre[1])
-        cosine = x / self.strips.half[:, None]
-        return np.arccos(np.clip(cosine, -1.0, 1.0)) * (self.strips.x.shape[1] - 1) / np.pi, np.abs(cosine) < 1.0
+        x, half = self.ellipse.direction * (z - self.ellipse.centre[1]), self.strips.half[:, None]
+        cosine = np.clip(x / np.where(half > 0.0, half, self.ellipse.along), -1.0, 1.0)
+        return np.arccos(cosine) * (len(self.strips.x) - 1) / np.pi, np.abs(x) < half
 
     def _on_cells(self, values: Floats) -> Floats:
         place, met = self._places
-        before = np.clip(place.astype(int), 0, self.strips.x.shape[1] - 2)
-        part, rows = place - before, np.arange(len(before))[:, None]
-        found = values[:, rows, before] * (1.0 - part) + values[:, rows, before + 1] * part
-        whole = np.zeros((*self.contact.pressures.shape, 2))
-        whole[self.strips.inside] = self.ellipse.direction * (found * met)[::-1].transpose(1, 2, 0)
-        return whole
+        before = np.clip(place.astype(int), 0, len(self.strips.x) - 2)
+        part, rows = (place - before)[..., None], np.arange(len(before))[:, None]
+        found = values[before, :, rows] * (1.0 - part) + values[before + 1, :, rows] * part
+        return np.asarray(self.ellipse.direction * (found * met[..., None])[..., ::-1])
 
 
 def fastsim(
@@ -198,9 +194,12 @@ def fastsim(
     ellipse = EllipticContact.of(contact, motion)
     if flexibilities is not None and not (are_finite(flexibilities, 3) and min(flexibilities) > 0.0):
         raise InputError(f"flexibilities={flexibilities}", "L1, L2 and L3 > 0", "leave them out for linear theory's")
-    strips = _Strips.of(contact, ellipse, n_steps)
-    tractions, slips, slipping, _ = _simplified(contact, motion, ellipse, strips, flexibilities, parabolic=parabolic)
-    return _record("FASTSIM", contact, motion, (ellipse, strips), (tractions, slips, slipping))
+    strips = _strips_of(contact, ellipse, n_steps)
+    pressures = strips.pressures(ellipse.force, parabolic=parabolic)
+    softness = np.array(flexibilities or _flexibilities(ellipse))[:, None]
+    creepages = ellipse.xi, ellipse.eta, ellipse.phi
+    tractions, slips, _ = _traced(strips, creepages, softness, pressures, contact.friction, motion.speed)
+    return _record("FASTSIM", contact, motion, (ellipse, strips), (tractions, slips, (slips != 0.0).any(axis=1)))
 
 
 def fastsim_rows(
@@ -218,16 +217,13 @@ def fastsim_rows(
     names = ("along", "across", "force", "xi", "eta", "phi", "direction")
     a, b, force, *creepages, direction = (np.array([[getattr(each, name)] for each in ellipses]) for name in names)
     s0, z0 = np.array([each.centre for each in ellipses]).T[..., None]
-    y = direction * (contact.places[0] - s0)
-    half = a * np.sqrt(np.maximum(1.0 - (y / b) ** 2, 0.0))
-    x = half * np.cos(np.pi * np.arange(STEPS + 1) / STEPS)[:, None, None]
-    share = np.maximum(1.0 - (x / a) ** 2 - (y / b) ** 2, 0.0)
-    pressures = force / (np.pi * a * b) * (2.0 * share if parabolic else 1.5 * np.sqrt(share))
+    strips = _Strips.of(contact, (a, b), direction * (contact.places[0] - s0))
     flexibilities = np.array([_flexibilities(each) for each in ellipses]).T[..., None]
-    tractions, _, _ = _traced((x, y), creepages, flexibilities, pressures, contact.friction, speed)
+    pressures = strips.pressures(force, parabolic=parabolic)
+    tractions, _, _ = _traced(strips, creepages, flexibilities, pressures, contact.friction, speed)
     # F_cm = sum over steps of tractions (n_steps + 1, 2, m, n) and areas
-    forces = direction * tractions[1:-1] * ((x[:-2] - x[2:]) * contact.grid.widths / 2.0)[:, None]
-    ahead = np.einsum("kmn,kmn->mn", z0 + direction * x[1:-1], forces[:, 1])
+    forces = direction * strips.forces(tractions)
+    ahead = np.einsum("kmn,kmn->mn", z0 + direction * strips.x[1:-1], forces[:, 1])
     return forces.sum(axis=0)[::-1].transpose(1, 2, 0), ahead
 
 
@@ -256,15 +252,15 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
     the exact theory; spin below that at which `psi` is 1, beyond it strips slip as in FASTSIM.
     """
     ellipse = EllipticContact.of(contact, motion)
-    strips = _Strips.of(contact, ellipse, n_steps)
+    strips = _strips_of(contact, ellipse, n_steps)
     c, a, b, nu = ellipse.coefficients, ellipse.along, ellipse.across, ellipse.poisson
     # one flexibility, so that all that slips has its direction
-    mean = a / ellipse.shear * 8.0 / (1.5 * (c.c11 + c.c22))
-    directions, slips, _, coefficients = _simplified(
-        contact, motion, ellipse, strips, (mean, mean, mean), parabolic=True
-    )
+    mean, creepages = a / ellipse.shear * 8.0 / (1.5 * (c.c11 + c.c22)), (ellipse.xi, ellipse.eta, ellipse.phi)
+    pressures = strips.pressures(ellipse.force, parabolic=True)
+    given = strips, creepages, np.full((3, 1), mean), pressures, contact.friction, motion.speed
+    directions, slips, coefficients = _traced(*given)
     pressure = 1.5 * ellipse.force / (np.pi * a * b)
-    mu = np.broadcast_to(contact.friction.limits[0], contact.grid.widths.shape)[strips.inside]
+    mu = contact.friction.limits[0]
     unit = ellipse.shear / (2.0 * np.maximum(mu, LEAST) * pressure)
     plane = 4.0 * (1.0 - nu) / np.pi**2
     xi, eta = -unit * plane * c.c11 * ellipse.xi, -unit * plane * c.c22 * ellipse.eta
@@ -278,43 +274,30 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
     slip = np.clip(slip, 0.0, strips.half)
     ahead = eta + psi * slip / a
     size = np.maximum(np.hypot(across, ahead), np.finfo(float).tiny)
-    whole = np.sqrt(np.maximum(strips.half[:, None] ** 2 - strips.x**2, 0.0))
-    inner = (strips.half - slip)[:, None] ** 2 - (strips.x - slip[:, None]) ** 2
-    sticks = (inner > 0.0) & (slip < strips.half)[:, None]
+    whole = np.sqrt(np.maximum(strips.half**2 - strips.x**2, 0.0))
+    inner = (strips.half - slip) ** 2 - (strips.x - slip) ** 2
+    sticks = ((inner > 0.0) & (slip < strips.half))[:, None]
     inner = np.sqrt(np.maximum(inner, 0.0))
-    scale = (mu * pressure / a)[:, None]
-    kappa, lam = (across / size)[:, None], (ahead / size)[:, None]
-    sticking = scale * np.stack((kappa * (whole - inner), lam * whole - (lam - psi[:, None]) * inner))
+    kappa, lam = across / size, ahead / size
+    sticking = np.stack((kappa * (whole - inner), lam * whole - (lam - psi) * inner), axis=1) * (mu * pressure / a)
     limit = coefficients * (pressure / a) * whole
-    length = np.linalg.norm(directions, axis=0)
-    sliding = directions * np.where(length > 0.0, limit / np.where(length > 0.0, length, 1.0), 0.0)
-    tractions = np.where(sticks, sticking, sliding)
-    return _record("FaStrip", contact, motion, (ellipse, strips), (tractions, np.where(sticks, 0.0, slips), ~sticks))
+    length = np.linalg.norm(directions, axis=1)
+    sliding = directions * np.where(length > 0.0, limit / np.where(length > 0.0, length, 1.0), 0.0)[:, None]
+    nodes = np.where(sticks, sticking, sliding), np.where(sticks, 0.0, slips), ~sticks[:, 0]
+    return _record("FaStrip", contact, motion, (ellipse, strips), nodes)
 
 
-def _simplified(
-    contact: RollingContact,
-    motion: Creepages,
-    ellipse: EllipticContact,
-    strips: _Strips,
-    flexibilities: tuple[float, float, float] | None,
-    *,
-    parabolic: bool,
-) -> tuple[Floats, Floats, Bools, Floats]:
-    """Tractions and slip (2, n, n_steps + 1) over the distance rolled, which nodes slip, and their coefficients."""
-    tractions, slips, coefficients = _traced(
-        (strips.x.T, strips.y),
-        (ellipse.xi, ellipse.eta, ellipse.phi),
-        np.array(flexibilities or _flexibilities(ellipse))[:, None],
-        strips.pressures(ellipse, parabolic=parabolic),
-        contact.friction.of_rows(strips.inside),
-        motion.speed,
-    )
-    return tractions.transpose(1, 2, 0), slips.transpose(1, 2, 0), (slips != 0.0).any(axis=1).T, coefficients.T
+def _strips_of(contact: RollingContact, ellipse: EllipticContact, n_steps: int | None) -> _Strips:
+    """Strips of one ellipse, with a number of steps or the usual one."""
+    number = max(STEPS, contact.grid.n_strips) if n_steps is None else n_steps
+    if number < 2:
+        raise InputError(f"n_steps={n_steps}", "2 steps or more along each strip", "leave it out, or give more")
+    y = ellipse.direction * (contact.places[0] - ellipse.centre[0])
+    return _Strips.of(contact, (ellipse.along, ellipse.across), y, number)
 
 
 def _traced(
-    places: tuple[Floats, Floats],
+    strips: _Strips,
     creepages: Sequence[Floats | float],
     flexibilities: Floats,
     pressures: Floats,
@@ -325,11 +308,10 @@ def _traced(
 
     Also the coefficients of friction there, (n_steps + 1, ..., n). Slip at a node is that of the step before it.
 
-    - `places`: x of the nodes from the leading edge, (n_steps + 1, ..., n), and y of the strips, (..., n).
     - `creepages`: xi, eta and phi; `flexibilities`: L1, L2 and L3, (3, ..., 1).
-    - `pressures`: as x; `friction`: of the strips.
+    - `pressures`: of the nodes.
     """
-    (x, y), (xi, eta, phi), (first, second, third) = places, creepages, flexibilities
+    (x, y), (xi, eta, phi), (first, second, third) = (strips.x, strips.y), creepages, flexibilities
     steps = x[:-1] - x[1:]
     change = np.empty((len(steps), 2, *x.shape[1:]))
     change[:, 0] = xi / first - phi * y / third
@@ -375,15 +357,16 @@ def _record(
 ) -> SimplifiedRolling:
     """Resultants of tractions, with slip and where strips slip."""
     ellipse, strips = places
-    along, across, moment = ellipse.forces(*strips.resultants(nodes[0])).tolist()
-    n_steps = strips.x.shape[1] - 1
+    forces, n_steps = strips.forces(nodes[0]), len(strips.x) - 1
+    moment = np.sum(strips.x[1:-1] * forces[:, 1] - strips.y * forces[:, 0])
+    along, across, spin = ellipse.forces(float(forces[:, 0].sum()), float(forces[:, 1].sum()), float(moment)).tolist()
     return SimplifiedRolling(
         motion=motion,
         along=along,
         across=across,
-        moment=moment,
+        moment=spin,
         theory=theory,
-        status=Status(True, f"{len(strips.y)} strips of {n_steps} steps", n_steps),
+        status=Status(True, f"{np.count_nonzero(strips.half)} strips of {n_steps} steps", n_steps),
         notices=(*motion.notices, *contact.notices),
         contact=contact,
         ellipse=ellipse,

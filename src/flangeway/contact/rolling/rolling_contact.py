@@ -9,7 +9,7 @@ import numpy as np
 
 from flangeway.checks import as_numbers, check_integer, check_positive
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
-from flangeway.contact.patch.patch_contact import CHANGE, PatchContact, PatchPair
+from flangeway.contact.patch.patch_contact import CHANGE, PatchContact
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.friction_solver import SlipOperator, tangential_convolution
@@ -166,7 +166,7 @@ class RollingContact:
                 tolerance=CHANGE,
             )
 
-        coefficients = pair_coefficients(pair, grid.n_strips + 2 * BEYOND)
+        coefficients = pair.coefficients(grid.n_strips + 2 * BEYOND)
         return cls(grid, found.pressures, friction, (materials[0], materials[1]), coefficients, pressed)
 
     @property
@@ -315,18 +315,6 @@ def box_of(cells: Bools) -> tuple[slice, slice]:
     """Rows and strips of the smallest box about cells, of truth values of shape (n_cells, n_strips)."""
     rows, strips = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
     return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
-
-
-def pair_coefficients(pair: PatchPair, n_distances: int) -> Floats:
-    """Coefficients of two bodies as `RollingContact` needs them."""
-    total = np.zeros((n_distances, 3 * len(pair.grid.widths), 3 * len(pair.grid.widths)))
-    for which, table in enumerate(pair.tables):
-        found = table.influence(pair.grid.strip, n_distances)
-        n = table.cells.n_cells
-        turned = np.array([-1.0 if pair.backwards(which) else 1.0, -1.0 if which else 1.0, 1.0])
-        cells = found.reshape(-1, n, 3, n, 3) * turned[:, None, None] * turned
-        total += (cells[:, ::-1, :, ::-1] if pair.backwards(which) else cells).reshape(total.shape)
-    return total
 
 
 def _half_spaces(grid: PatchGrid, materials: tuple[Elastic, Elastic]) -> Floats:

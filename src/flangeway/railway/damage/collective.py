@@ -15,6 +15,7 @@ from flangeway.railway.wheelset.running_surfaces import SpatialModel
 
 SHARES_TOLERANCE = 1e-6
 """Difference of the sum of the shares from 1 that is rounding."""
+RADIUS = "curve_radius_m"
 SurfaceKey = tuple[Role, Side]
 """Whose profile: with the mean of both sides, ``right`` stands for both."""
 
@@ -61,7 +62,8 @@ class Collective:
     Parameters
     ----------
     states
-        One or more, all with the same profiles and bodies.
+        One or more, all with the same profiles of what wears. Its partners may differ: new and worn rails under a wheel
+        that wears, say, each with its share.
     separate
         False: the wheels of both sides wear alike, and so do the rails, by the mean of both sides: lines have as many
         curves to the left as to the right, and wheelsets are turned. True: each side wears by itself.
@@ -126,14 +128,20 @@ class Collective:
         return {(role, each): 0.5 for each in SIDES} if self.is_symmetric else {(role, side): 1.0}
 
     def profiles(self, roles: Sequence[Role]) -> dict[SurfaceKey, WheelProfile | RailProfile]:
-        """New profiles of bodies that wear."""
-        problem = self.states[0].problem
+        """New profiles of bodies that wear; an `InputError` if states have different ones of them."""
         found: dict[SurfaceKey, WheelProfile | RailProfile] = {}
         sides: Sequence[Side] = SIDES if self.separate else ("right",)
-        for role in roles:
-            for side in sides:
-                of_side = problem.wheelset.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)
-                found[role, side] = of_side
+        for state in self.states:
+            track, wheelset = state.problem.track, state.problem.wheelset
+            for role in roles:
+                for side in sides:
+                    profile = wheelset.wheel_of(side) if role == "wheel" else track.rail_of(side)
+                    if found.setdefault((role, side), profile) != profile:
+                        raise InputError(
+                            f"{state.name}: {side} {role} {profile.title}, and {found[role, side].title} before",
+                            f"one {role} that wears",
+                            f"leave out the wear of {role}s, which may then differ, or give all states the same",
+                        )
         return found
 
     def problem_with(self, state: RunningState, profiles: Mapping[SurfaceKey, Any]) -> WheelsetProblem:
@@ -151,65 +159,99 @@ class Collective:
         return replace(state.problem, track=track, wheelset=wheelset)
 
 
-@dataclass(frozen=True)
-class StateInputs:
-    """Inputs of a bundled state, with the keys of the case ``wheelset``."""
+def parts_of(state: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """States in the place of one whose inputs run over ranges.
 
-    share: float
-    speed_km_h: float
-    curve_radius_m: float | None = None
-    superelevation_mm: float = 0.0
-    gauge_mm: float = 1435.0
-    yaw_mrad: float = 0.0
-    friction: float = 0.3
-    flange_friction: float | None = None
+    A state stands for a share of the distance. Inputs that are pairs run together from the first to the second number,
+    evenly spread over the share, a radius by its curvature. Each of its equal ``parts`` is computed in its middle. Wear
+    lies where the contact is: middles of equal parts cover the surface evenly, other points of quadrature do not.
 
-    @property
-    def name(self) -> str:
-        """For reports."""
-        where = "tangent" if self.curve_radius_m is None else f"R = {self.curve_radius_m:g} m"
-        return f"{where}, gauge {self.gauge_mm:g} mm, yaw {self.yaw_mrad:g} mrad, {self.speed_km_h:g} km/h"
+    - `state`: ``name``, ``share`` and ``parts`` (1 without it), and inputs: numbers, words, or pairs of numbers.
 
-    @property
-    def values(self) -> dict[str, float]:
-        """Inputs of the case, without the share."""
-        return {key: value for key, value in vars(self).items() if value is not None and key != "share"}
-
-
-def _tangent(share: float, speed: float, friction: float = 0.3) -> tuple[StateInputs, ...]:
-    """Straight track: gauges and yaws of axles in their bogies spread the contact, three states."""
-    return (
-        StateInputs(0.4 * share, speed, gauge_mm=1435.0, yaw_mrad=0.3, friction=friction),
-        StateInputs(0.3 * share, speed, gauge_mm=1432.0, yaw_mrad=-0.3, friction=friction),
-        StateInputs(0.3 * share, speed, gauge_mm=1438.0, yaw_mrad=0.5, friction=friction),
-    )
+    An `InputError` if a range is no pair of numbers, a radius in it is 0 or changes its hand, or parts have no range.
+    """
+    ranges = {key: value for key, value in state.items() if isinstance(value, list | tuple)}
+    number, name = state.get("parts", 1), state["name"]
+    for key, pair in ranges.items():
+        numbers = [each for each in pair if isinstance(each, int | float) and math.isfinite(each)]
+        if len(pair) != 2 or len(numbers) != 2 or (key == RADIUS and not numbers[0] * numbers[1] > 0.0):
+            raise InputError(
+                f"{name}: {key} = {list(pair)}",
+                "a number, or the two ends of a range; of radii both > 0 or both < 0",
+                "correct it",
+            )
+    if number > 1 and not ranges:
+        raise InputError(f"{name}: {number} parts of a state without ranges", "inputs with [first, last]", "add one")
+    found = []
+    for part in range(number):
+        at = {key: _between(key, pair, (part + 0.5) / number) for key, pair in ranges.items()}
+        of_part = {"name": f"{name}, {part + 1} of {number}" if number > 1 else name, "share": state["share"] / number}
+        found.append({key: value for key, value in state.items() if key != "parts"} | at | of_part)
+    return found
 
 
-COLLECTIVES: dict[str, tuple[StateInputs, ...]] = {
-    "tangent": _tangent(1.0, 160.0),
+def _between(key: str, ends: Sequence[float], fraction: float) -> float:
+    first, last = (1.0 / end if key == RADIUS else end for end in ends)
+    value = first + (last - first) * fraction
+    return 1.0 / value if key == RADIUS else value
+
+
+def _tangent(share: float, speed: float, friction: float = 0.3) -> dict[str, Any]:
+    """Straight track: gauges and yaws of axles in their bogies spread the contact."""
+    return {
+        "name": "tangent",
+        "share": share,
+        "parts": 5,
+        "speed_km_h": speed,
+        "friction": friction,
+        "gauge_mm": (1431.0, 1439.0),
+        "yaw_mrad": (-0.4, 0.6),
+    }
+
+
+def _curves(
+    share: float,
+    radii_m: tuple[float, float],
+    speeds: tuple[float, float],
+    superelevations_mm: tuple[float, float],
+    parts: int = 1,
+    friction: float = 0.3,
+    **more: float,
+) -> dict[str, Any]:
+    """Curves between two radii."""
+    return {
+        "name": f"curves of {radii_m[0]:g} to {radii_m[1]:g} m",
+        "share": share,
+        "parts": parts,
+        RADIUS: radii_m,
+        "speed_km_h": speeds,
+        "superelevation_mm": superelevations_mm,
+        "gauge_mm": 1435.0,
+        "friction": friction,
+        **more,
+    }
+
+
+COLLECTIVES: dict[str, tuple[dict[str, Any], ...]] = {
+    "tangent": (_tangent(1.0, 160.0),),
     "mixed-line": (
-        *_tangent(0.55, 140.0),
-        StateInputs(0.08, 140.0, 3000.0, 40.0),
-        StateInputs(0.08, 140.0, 2000.0, 60.0),
-        StateInputs(0.07, 130.0, 1500.0, 80.0),
-        StateInputs(0.06, 120.0, 1000.0, 100.0),
-        StateInputs(0.05, 100.0, 800.0, 100.0),
-        StateInputs(0.05, 90.0, 600.0, 110.0),
-        StateInputs(0.04, 80.0, 500.0, 120.0, flange_friction=0.2),
-        StateInputs(0.02, 70.0, 400.0, 120.0, flange_friction=0.2),
+        _tangent(0.55, 140.0),
+        _curves(0.16, (4000.0, 2000.0), (140.0, 140.0), (30.0, 60.0)),
+        _curves(0.14, (2000.0, 1000.0), (140.0, 120.0), (60.0, 100.0), 2),
+        _curves(0.11, (1000.0, 500.0), (120.0, 80.0), (100.0, 120.0), 2),
+        _curves(0.04, (500.0, 400.0), (80.0, 70.0), (120.0, 120.0), flange_friction=0.2),
     ),
     "metro": (
-        *_tangent(0.5, 70.0),
-        StateInputs(0.15, 70.0, 800.0, 50.0),
-        StateInputs(0.15, 60.0, 500.0, 80.0),
-        StateInputs(0.12, 50.0, 350.0, 90.0, flange_friction=0.15),
-        StateInputs(0.08, 40.0, 250.0, 90.0, flange_friction=0.15),
+        _tangent(0.5, 70.0),
+        _curves(0.3, (1200.0, 400.0), (70.0, 50.0), (40.0, 90.0), 3),
+        _curves(0.2, (400.0, 200.0), (50.0, 40.0), (90.0, 90.0), 2, flange_friction=0.15),
     ),
     "heavy-haul": (
-        *_tangent(0.6, 70.0, 0.35),
-        StateInputs(0.15, 70.0, 1500.0, 20.0, friction=0.35),
-        StateInputs(0.15, 65.0, 900.0, 40.0, friction=0.35),
-        StateInputs(0.10, 60.0, 500.0, 60.0, friction=0.35, flange_friction=0.2),
+        _tangent(0.6, 70.0, 0.35),
+        _curves(0.3, (2000.0, 700.0), (70.0, 65.0), (20.0, 50.0), 3, friction=0.35),
+        _curves(0.1, (700.0, 400.0), (65.0, 60.0), (50.0, 60.0), friction=0.35, flange_friction=0.2),
     ),
 }
-"""Bundled collectives. Their shares, speeds and radii are assumed, not measured: name them as such."""
+"""States of bundled collectives as `parts_of` takes them, with the keys of the case ``wheelset``.
+
+Their shares, speeds and radii are assumed, not measured: name them as such."""

@@ -170,7 +170,8 @@ class Evolution:
     Raises
     ------
     InputError
-        If no body wears, or both do without `EvolutionSettings.axles_per_km`.
+        If no body wears, states have different profiles of what wears, or both wear without
+        `EvolutionSettings.axles_per_km`.
 
     """
 
@@ -181,6 +182,7 @@ class Evolution:
     def __post_init__(self) -> None:
         if not self.laws:
             raise InputError("an evolution without wear laws", "a law for wheel, rail or both", "add one")
+        self.collective.profiles(tuple(self.laws))
         if len(self.laws) == 2 and self.settings.axles_per_km is None:
             raise InputError(
                 "wear of wheels and rails without axles_per_km",

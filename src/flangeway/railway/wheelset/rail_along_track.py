@@ -1,6 +1,8 @@
 """A loaded rail along the track: deflection, roll, gauge, reactions of the sleepers, stresses at the free surface."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +15,9 @@ from flangeway.mesh.connectivity import ordered_pairs
 from flangeway.post.lines import polynomials_at
 from flangeway.post.patch_stresses import SpatialStresses, summed_stresses
 from flangeway.railway.profiles.bundled import RailProfile
-from flangeway.railway.wheelset.supported_rail import SPREAD, SupportedRail, weights_at
+from flangeway.railway.wheelset.supported_rail import SPREAD, SupportedRail
 from flangeway.space import CellBatch
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
 WEB_SHARES = np.linspace(0.2, 0.75, 221)
 """Heights over that of the rail between which the web's narrowest place is sought."""
@@ -158,19 +160,86 @@ def rail_along_track(
         If points are off the surface, or arrays do not fit.
 
     """
-    points, forces = np.asarray(points, dtype=np.float64), np.asarray(forces, dtype=np.float64)
+    (found,) = rails_along_track(
+        rail, profile, [LoadedRail(points, forces, placement or Placement())], gauge_depth_mm, z_mm
+    )
+    return found
+
+
+class LoadedRail(NamedTuple):
+    """Forces on a rail, see `rail_along_track`."""
+
+    points: Floats
+    forces: Floats
+    placement: Placement
+
+
+def rails_along_track(
+    rail: SupportedRail,
+    profile: RailProfile,
+    loaded: Sequence[LoadedRail],
+    gauge_depth_mm: float = GAUGE_DEPTH_MM,
+    z_mm: Floats | None = None,
+) -> list[RailAlongTrack]:
+    """`rail_along_track` of several rails of one section and support, which share its factorisations."""
+    z = _usual_places() if z_mm is None else np.asarray(z_mm, dtype=np.float64)
+    heads = [_OnHead.of(rail, each) for each in loaded]
+    nodes = np.concatenate([each.nodes.ravel() for each in heads])
+    loads, first = np.zeros((len(nodes), 3, 2 * len(heads))), 0
+    for number, each in enumerate(heads):
+        loads[first : first + each.nodes.size, :, 2 * number : 2 * number + 2] = each.loads
+        first += each.nodes.size
+    fields = rail.released(rail.answers(nodes, loads))
+    return [
+        _along(rail, profile, z, gauge_depth_mm, each.placement, head.reactions, fields[..., 2 * i : 2 * i + 2])
+        for i, (each, head) in enumerate(zip(loaded, heads, strict=True))
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class _OnHead:
+    """Forces on the nodes of a rail's surface.
+
+    - `nodes`: those of the edge of each point, (n, order + 1).
+    - `loads`: of forces in the section, and of those along z, (n (order + 1), 3, 2).
+    - `reactions`: see `SupportedRail.seat_forces`.
+    """
+
+    nodes: Ints
+    loads: Floats
+    reactions: Floats
+
+    @classmethod
+    def of(cls, rail: SupportedRail, loaded: LoadedRail) -> "_OnHead":
+        points, forces = (np.asarray(each, dtype=np.float64) for each in loaded[:2])
+        _check(points, forces)
+        nodes, shares = rail.on_surface(points)
+        along = np.array([0.0, 0.0, 1.0])
+        loads = np.einsum("np,nif->npif", shares, np.stack((forces * (1.0 - along), forces * along), axis=-1))
+        return cls(nodes, loads.reshape(-1, 3, 2), rail.seat_forces(nodes, shares, forces))
+
+
+def _check(points: Floats, forces: Floats) -> None:
     if points.shape[1:] != (2,) or forces.shape != (len(points), 3) or not np.isfinite(forces).all():
         raise InputError(
             f"points of shape {points.shape} and forces of shape {forces.shape}",
             "finite ones, (n, 2) and (n, 3)",
             "give forces along x, y and z at each point",
         )
-    z = _usual_places() if z_mm is None else np.asarray(z_mm, dtype=np.float64)
-    nodes, shares = rail.on_surface(points)
-    reactions = rail.seat_forces(nodes, shares, forces)
-    even, odd = _summed(rail, nodes, shares, forces, reactions, z)
+
+
+def _along(
+    rail: SupportedRail,
+    profile: RailProfile,
+    z: Floats,
+    gauge_depth_mm: float,
+    placement: Placement,
+    reactions: Floats,
+    fields: Floats,
+) -> RailAlongTrack:
+    """The rail at places z by the amplitudes of its forces, those in the section and along z, (n_k, n_dofs, 3, 2)."""
+    even, odd = _summed(rail, fields, reactions, z)
     mesh = rail.problem.elasticity.space.mesh
-    placement = placement or Placement()
     top, gauge = top_and_gauge(profile, placement.matrix, gauge_depth_mm)
     sign = -1.0 if placement.mirrored else 1.0
     head, outward = np.empty((len(z), 3)), np.empty(len(z))
@@ -195,24 +264,19 @@ def _usual_places() -> Floats:
     return np.unique(np.concatenate(ends))
 
 
-def _summed(
-    rail: SupportedRail, nodes: NDArray[np.int64], shares: Floats, forces: Floats, reactions: Floats, z: Floats
-) -> tuple[Floats, Floats]:
+def _summed(rail: SupportedRail, by_forces: Floats, reactions: Floats, z: Floats) -> tuple[Floats, Floats]:
     """Sum all wavenumbers at places z: amplitudes that go with the cosine and the sine, each (2, n_z, n_dofs, 3).
 
     The first of the two is the sum, the second that of amplitudes times wavenumbers.
     """
-    along = np.array([0.0, 0.0, 1.0])
-    loads = np.einsum("np,nif->npif", shares, np.stack((forces * (1.0 - along), forces * along), axis=-1))
-    by_forces = rail.released(rail.answers(nodes.ravel(), loads.reshape(-1, 3, 2)))
     wavenumbers, places = rail.wavenumbers, rail.support.sleepers_mm
-    even, odd = weights_at(wavenumbers, z, LOADED_MM, 1)
+    even, odd = rail.weights_at(z, LOADED_MM, 1)
     # sources: forces in the section, and along z, whose waves are a quarter of a length ahead; modes of the seats
     cosine, sine = np.zeros((2, len(z), len(wavenumbers), 5))
     cosine[..., 0], sine[..., 0], cosine[..., 1], sine[..., 1] = even, odd, -odd, even
     fields = np.concatenate((by_forces, rail.by_seats), axis=-1)
     if len(places):
-        even, odd = weights_at(wavenumbers, z[:, None] - places, rail.support.pad_length_mm, 1)
+        even, odd = rail.weights_at(z[:, None] - places, rail.support.pad_length_mm, 1)
         cosine[..., 2:], sine[..., 2:] = (np.einsum("zsk,sm->zkm", each, reactions) for each in (even, odd))
     found = [
         np.einsum("zkm,kdim->zdi", weights * factor[:, None], fields, optimize=True)

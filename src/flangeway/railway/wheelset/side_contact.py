@@ -12,12 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from flangeway.contact.patch.contact_ellipse import CellForces
-from flangeway.contact.patch.elastic_surface import ElasticSurface, half_spaces_on
+from flangeway.contact.patch.elastic_surface import ElasticSurface
 from flangeway.contact.patch.normal_contact import Convolution
 from flangeway.exact import contact_modulus
 from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.solve import Status
+from flangeway.solve.half_spaces import half_spaces_on
 from flangeway.types import Bools, Floats, Ints
 
 MOST_STEPS = 12

@@ -24,12 +24,12 @@ from flangeway.railway.track.placements import (
 )
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
-from flangeway.railway.wheelset.rail_along_track import RailAlongTrack, rail_along_track
+from flangeway.railway.wheelset.rail_along_track import LoadedRail, RailAlongTrack, rails_along_track
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rows_of, strips_of
 from flangeway.railway.wheelset.running_surfaces import SpatialModel, running_surfaces
-from flangeway.railway.wheelset.side_contact import tangents_of
+from flangeway.railway.wheelset.side_contact import SideState, tangents_of
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
-from flangeway.railway.wheelset.supported_rail import SupportedRail, supported_rail
+from flangeway.railway.wheelset.supported_rail import supported_rail
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.railway.wheelset.wheelset_checks import STEEL_MPa, YIELD_MPa
 from flangeway.railway.wheelset.wheelset_newton import SpatialState
@@ -96,9 +96,14 @@ class SpatialResult:
     @cached_property
     def stress_fields(self) -> dict[SpatialPatch, dict[Role, StressField]]:
         """Stresses in the volumes below the patches of both bodies, by the tractions of all cells of a side."""
-        return {
-            patch: {role: patch.field(role, self.tractions_of(patch.side)) for role in ROLES} for patch in self.patches
-        }
+        found: dict[SpatialPatch, dict[Role, StressField]] = {}
+        for patch in self.patches:
+            tractions = self.tractions_of(patch.side)
+            rail = patch.field("rail", tractions)
+            # without tractions both bodies of one material have the same stresses
+            alike = tractions is None and len({poisson for _, poisson in patch.materials.values()}) == 1
+            found[patch] = {"rail": rail, "wheel": rail if alike else patch.field("wheel", tractions)}
+        return found
 
     @property
     def approach_mm(self) -> float:
@@ -108,21 +113,15 @@ class SpatialResult:
     @cached_property
     def rails(self) -> dict[Side, RailAlongTrack]:
         """Both rails along the track under these contact forces, empty if their bases are fixed."""
-        support, found, done = self.wheelset.model.support, {}, dict[int, SupportedRail]()
-        for side in SIDES if support is not None else ():
-            assert support is not None
-            profile, state = self.problem.track.rail_of(side), self.equilibrium.state.sides[side]
-            if id(profile) not in done:
-                done[id(profile)] = supported_rail(profile, self.problem.material_of("rail"), support, cache=self.cache)
-            grid, frame = state.grid.grid, state.grid.surfaces.rail_frame
-            loaded = np.asarray(state.forces.any(axis=1))
-            creep = np.zeros((len(loaded), 2)) if state.creep is None else state.creep
-            points = frame.inverse().points(state.grid.surfaces.rail_points(grid.stations[loaded])[0])
-            normals = state.normals[loaded]
-            forces = -state.forces.sum(axis=1)[loaded, None] * frame.inverse().vectors(normals)
-            forces = forces - creep[loaded, :1] * frame.inverse().vectors(tangents_of(normals))
-            on_rail = np.column_stack((forces, -creep[loaded, 1]))
-            found[side] = rail_along_track(done[id(profile)], profile, points, on_rail, placement=frame)
+        support, track = self.wheelset.model.support, self.problem.track
+        if support is None:
+            return {}
+        found, sides = dict[Side, RailAlongTrack](), self.equilibrium.state.sides
+        for profile in {id(each): each for each in map(track.rail_of, SIDES)}.values():
+            rail = supported_rail(profile, self.problem.material_of("rail"), support, cache=self.cache)
+            alike = [side for side in SIDES if track.rail_of(side) is profile]
+            rails = rails_along_track(rail, profile, [_on_rail(sides[side]) for side in alike])
+            found |= dict(zip(alike, rails, strict=True))
         return found
 
     @property
@@ -188,6 +187,18 @@ class SpatialResult:
         return lateral_over_vertical(self.force_on_wheel_N(side), side)
 
 
+def _on_rail(state: SideState) -> LoadedRail:
+    """Contact forces on a rail, in the frame of its profile."""
+    grid, frame = state.grid.grid, state.grid.surfaces.rail_frame
+    loaded = np.asarray(state.forces.any(axis=1))
+    creep = np.zeros((len(loaded), 2)) if state.creep is None else state.creep
+    points = frame.inverse().points(state.grid.surfaces.rail_points(grid.stations[loaded])[0])
+    normals = state.normals[loaded]
+    forces = -state.forces.sum(axis=1)[loaded, None] * frame.inverse().vectors(normals)
+    forces = forces - creep[loaded, :1] * frame.inverse().vectors(tangents_of(normals))
+    return LoadedRail(points, np.column_stack((forces, -creep[loaded, 1])), frame)
+
+
 def solve_spatial(
     problem: WheelsetProblem,
     model: SpatialModel | None = None,
@@ -208,7 +219,7 @@ def solve_spatial(
     _ = rigid.start  # what rigid wheels cannot do is refused before the bodies are meshed
     surfaces = running_surfaces(problem, model, cache=cache, progress=progress)
     timings["compliance"] = time.perf_counter() - start
-    return replace(solve_position(replace(rigid, surfaces=surfaces), timings, progress), cache=cache)
+    return replace(solve_position(rigid.on(surfaces), timings, progress), cache=cache)
 
 
 def solve_position(

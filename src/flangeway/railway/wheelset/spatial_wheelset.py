@@ -82,6 +82,12 @@ class SpatialWheelset:
         problem = replace(self.problem, load=load, prescribed=prescribed)
         return replace(self, problem=problem, model=replace(self.model, yaw_rad=yaw_rad, rolling=rolling))
 
+    def on(self, surfaces: Mapping[Side, SideSurfaces]) -> "SpatialWheelset":
+        """The same wheelset with its running surfaces; its rigid equilibrium is kept."""
+        found = replace(self, surfaces=surfaces)
+        found.__dict__["start"] = self.start
+        return found
+
     @property
     def geometry(self) -> RigidGeometry:
         """Rigid geometry of the wheelset on its track."""

@@ -179,21 +179,31 @@ CHUNK = 64
 """Distances whose weights are computed together: bounds their memory."""
 
 
-def weights_at(wavenumbers: Floats, distances: Floats, strip: float, averaged: int) -> tuple[Floats, Floats]:
+def weights_at(
+    wavenumbers: Floats, distances: Floats, strip: float, averaged: int, cache: Cache | None = None
+) -> tuple[Floats, Floats]:
     """`inverse_weights` at signed distances (...), each (..., n_k): of cosine and sine of ``k z``."""
     apart, places = np.unique(np.round(np.abs(distances), 6).astype(np.float64), return_inverse=True)
-    even, odd = _weights(tuple(wavenumbers.tolist()), tuple(apart.tolist()), strip, averaged)
+    even, odd = _weights(tuple(wavenumbers.tolist()), tuple(apart.tolist()), strip, averaged, cache)
     places = places.reshape(distances.shape)
     return even[places], np.sign(distances)[..., None] * odd[places]
 
 
 @lru_cache(maxsize=8)  # both rails and all positions ask for the same ones
-def _weights(wavenumbers: tuple[float, ...], apart: tuple[float, ...], strip: float, averaged: int) -> list[Floats]:
-    parts = [
-        inverse_weights(np.array(wavenumbers), np.array(apart[start : start + CHUNK]), strip, averaged)
-        for start in range(0, len(apart), CHUNK)
-    ]
-    return [np.concatenate(each) for each in zip(*parts, strict=True)]
+def _weights(
+    wavenumbers: tuple[float, ...], apart: tuple[float, ...], strip: float, averaged: int, cache: Cache | None
+) -> tuple[Floats, Floats]:
+    at, distances = np.array(wavenumbers), np.array(apart)
+
+    def make() -> dict[str, Floats]:
+        chunks = np.split(distances, range(CHUNK, len(distances), CHUNK))
+        parts = [inverse_weights(at, part, strip, averaged) for part in chunks]
+        even, odd = (np.concatenate(each) for each in zip(*parts, strict=True))
+        return {"even": even, "odd": odd}
+
+    key = content_key("wave weights", at, distances, strip, averaged)
+    found = make() if cache is None or key is None else cache.get(key, make)
+    return found["even"], found["odd"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,6 +230,10 @@ class SupportedRail:
         """Wavenumbers at which the section is solved, (n_k,)."""
         least, top = WAVENUMBERS
         return np.geomspace(least, top, int(np.ceil(PER_DECADE * np.log10(top / least))) + 1)
+
+    def weights_at(self, distances: Floats, strip: float, averaged: int) -> tuple[Floats, Floats]:
+        """`weights_at` at its wavenumbers."""
+        return weights_at(self.wavenumbers, distances, strip, averaged, self.cache)
 
     @cached_property
     def base(self) -> tuple[Ints, Floats]:
@@ -287,7 +301,7 @@ class SupportedRail:
         """
         places = self.support.sleepers_mm
         n = len(places)
-        even, _ = weights_at(self.wavenumbers, places - places[:1], self.support.pad_length_mm, 2)
+        even, _ = self.weights_at(places - places[:1], self.support.pad_length_mm, 2)
         by_distance = np.einsum("zk,kam->zam", even, self.on_base(self.by_seats))
         apart = np.abs(np.arange(n)[:, None] - np.arange(n))
         between = by_distance[apart].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
@@ -305,12 +319,12 @@ class SupportedRail:
     @cached_property
     def at_place(self) -> Floats:
         """Weights of cos kz at z = 0 by forces there, (n_k,)."""
-        return weights_at(self.wavenumbers, np.zeros(1), self.support.pad_length_mm, 0)[0][0]
+        return self.weights_at(np.zeros(1), self.support.pad_length_mm, 0)[0][0]
 
     @cached_property
     def from_seats(self) -> tuple[Floats, Floats]:
         """Weights of cosine and sine at z = 0 by loads of the seats, each (n_sleepers, n_k)."""
-        return weights_at(self.wavenumbers, -self.support.sleepers_mm, self.support.pad_length_mm, 1)
+        return self.weights_at(-self.support.sleepers_mm, self.support.pad_length_mm, 1)
 
     def at(self, position: float) -> "SupportedRail":
         """The same rail with the wheel at another position between the sleepers, see `RailSupport`."""

@@ -163,12 +163,12 @@ def _t_gamma(number: int, states: Sequence[StateDamage]) -> float:
 
 
 def numbers_over_distance(evolution: Evolution, steps: Sequence[EvolutionStep]) -> list[dict[str, float]]:
-    """Numbers of each step, with the equivalent conicity on the track of the first state; nan where there is none."""
+    """Numbers of each step, with the equivalent conicity on the median gauge of the states; nan where there is none."""
     lateral = np.linspace(-2.0, 2.0, 401) * CONICITY_MM
-    rows = []
+    states, rows = sorted(evolution.collective.states, key=lambda state: state.problem.track.gauge_mm), []
     for step in steps:
         worn = {key: surface.worn for key, surface in step.surfaces.items()}
-        problem = evolution.collective.problem_with(evolution.collective.states[0], worn)
+        problem = evolution.collective.problem_with(states[len(states) // 2], worn)
         try:
             locus = RigidGeometry.of(problem.track, problem.wheelset, 0.0).locus(lateral)
             conicity = float(equivalent_conicity(RollingRadiusDifference.of(locus), CONICITY_MM)[0])
