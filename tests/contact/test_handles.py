@@ -11,6 +11,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid, triangulate
 from flangeway.problems import Body, Part
 from flangeway.solve import Handle
+from tests.contact.steel_boxes import surface_of
 
 YOUNG = 20e3
 SLENDER = Elastic(YOUNG, 0.0)  # a uniform pressure makes no strain across it
@@ -23,11 +24,6 @@ def block(name, width, height, held, at=(0.0, 0.0), cells=(4, 3), image=IMAGE) -
     """A block with its lower left corner at a point, in a plane that is turned."""
     mesh = rectangle_grid(width, height, *cells)
     return Part(name, Body(name, mesh, Lagrange(1), SLENDER, held), image.after(Placement(0.0, at)))
-
-
-def side(part: Part, *names: str) -> Surface:
-    """Sides of a part's mesh as one surface."""
-    return Surface(part, np.concatenate([part.body.mesh.edge_sets[name] for name in names]))
 
 
 def along(vector) -> np.ndarray:
@@ -65,7 +61,7 @@ def two_punches(**options) -> ContactSolution:
     base = block("base", 8.0, 2.0, "bottom", cells=(16, 4))
     left = block("left", 1.0, 2.0, "top", (1.0, 2.0), (4, 4))
     right = block("right", 2.0, 2.0, "top", (5.0, 2.0), (8, 4))
-    contacts = [Contact(side(each, "bottom"), side(base, "top"), *LAW) for each in (left, right)]
+    contacts = [Contact(surface_of(each, "bottom"), surface_of(base, "top"), *LAW) for each in (left, right)]
     return press(contacts, {}, handles=[Handle((left, right), **options)])
 
 
@@ -90,7 +86,7 @@ def test_punches_on_columns_share_a_force_as_springs_do() -> None:
     for number, width in enumerate(widths):
         low = block(f"low {number}", width, heights, "bottom", (5.0 * number, 0.0))
         high = block(f"high {number}", width, heights, "top", (5.0 * number, heights))
-        contacts.append(Contact(side(high, "bottom"), side(low, "top"), *LAW))
+        contacts.append(Contact(surface_of(high, "bottom"), surface_of(low, "top"), *LAW))
         parts.append(high)
     load = np.append(along((0.0, -80.0)), 0.0)
     found = press(contacts, {}, handles=[Handle(tuple(parts), at((2.0, 4.0)), along((0.0, 1.0))[None], False, load)])
@@ -108,7 +104,9 @@ def test_a_spring_is_in_series_with_contact_and_moves_with_its_motion() -> None:
     handle = Handle((high,), at((1.0, 4.0)), along((0.0, 1.0))[None], turns=False, stiffness=np.array([[spring]]))
     x, y = along((0.0, -moved))
     found = press(
-        [Contact(side(high, "bottom"), side(low, "top"), *LAW)], {high: Placement(0.0, (x, y))}, handles=[handle]
+        [Contact(surface_of(high, "bottom"), surface_of(low, "top"), *LAW)],
+        {high: Placement(0.0, (x, y))},
+        handles=[handle],
     )
     force = moved / (1.0 / spring + 1.0 / columns)
     np.testing.assert_allclose(found.forces[0], along((0.0, force)), atol=1e-10 * force)
@@ -132,14 +130,14 @@ def bridge(*, parts: int):
     if parts == 2:
         own = [Part(f"foot {i}", Body("foot", feet, Lagrange(1), SLENDER, "top"), IMAGE.after(Placement(0.0, (x, 0.0))))
                for i, x in enumerate(at_x)]  # fmt: skip
-        surfaces = [side(part, "bottom") for part in own]
+        surfaces = [surface_of(part, "bottom") for part in own]
     else:
         n, (_, x) = len(feet.points), at_x
         both = feet.merged(feet.placed(Placement(0.0, (x, 0.0))))
         own = [Part("feet", Body("feet", both, Lagrange(1), SLENDER, "top"), IMAGE)]
         edges = feet.edge_sets["bottom"]
         surfaces = [Surface(own[0], edges), Surface(own[0], edges + n)]
-    contacts = [Contact(surface, side(base, "top"), *LAW) for surface, base in zip(surfaces, bases, strict=True)]
+    contacts = [Contact(surface, surface_of(base, "top"), *LAW) for surface, base in zip(surfaces, bases, strict=True)]
     load = np.append(along((1.0, -50.0)), 20.0)
     handle = Handle(tuple(own), at((1.5, 2.5)), load=load, stiffness=np.diag([2e3, 2e3, 0.0]))
     return press(contacts, {}, handles=[handle])
@@ -174,7 +172,7 @@ def test_wrong_handles_are_refused() -> None:
     """What is wrong with a handle is said with the part's name."""
     base, loose = block("base", 2.0, 1.0, "bottom"), block("loose", 1.0, 1.0, None, (0.0, 1.0))
     high = block("high", 1.0, 1.0, "top", (1.0, 1.0))
-    contacts = [Contact(side(each, "bottom"), side(base, "top"), *LAW) for each in (loose, high)]
+    contacts = [Contact(surface_of(each, "bottom"), surface_of(base, "top"), *LAW) for each in (loose, high)]
     pivot, apart = np.zeros(2), block("apart", 1.0, 1.0, "top")
     for handles, motion, words in (
         ([Handle((loose,), pivot)], {}, "'loose'"),

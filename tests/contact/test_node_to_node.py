@@ -11,11 +11,10 @@ from flangeway.contact import (
     NodeToNode,
     NodeToSegment,
     Penalty,
-    SegmentToSegment,
     Surface,
     press,
 )
-from flangeway.elements import Lagrange, Virtual
+from flangeway.elements import Virtual
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
@@ -81,23 +80,6 @@ def test_the_patch_test_passes_with_short_edges(order, ratio) -> None:
     (patch,) = pressure_patches(solution.system, solution.state)
     assert len(patch.pressures) == order * 23 + 1
     np.testing.assert_allclose(patch.pressures, STEEL.plane_modulus * APPROACH / 4.0, rtol=1e-12 / ratio**1.2 + 1e-11)
-
-
-def test_matching_triangles_need_no_insertion() -> None:
-    """Lagrange elements on equal meshes: the same forces as the paths of both solvers, and as other pairings."""
-    forces = []
-    for pairing, path in ((NodeToNode(), "condensed"), (NodeToNode(), "sparse"), (SegmentToSegment(), "condensed")):
-        meshes = [rectangle_grid(4.0, 2.0, 6, 2, origin=(0.0, y)) for y in (0.0, -2.0)]
-        parts = [
-            Part(name, Body(name, mesh, Lagrange(2), STEEL, held))
-            for mesh, name, held in zip(meshes, ("upper", "lower"), ("top", "bottom"), strict=True)
-        ]
-        upper = Surface(parts[0], meshes[0].edge_sets["bottom"])
-        contact = Contact(upper, Surface(parts[1], meshes[1].edge_sets["top"]), pairing, Multiplier())
-        found = press([contact], {parts[0]: Placement(0.0, (0.0, -APPROACH))}, path=path)
-        forces.append(found.forces[0, 1])
-    assert forces[0] == pytest.approx(forces[1], rel=1e-9)
-    assert forces[0] == pytest.approx(forces[2], rel=2e-3)
 
 
 def test_friction_is_that_of_the_path() -> None:

@@ -27,7 +27,7 @@ pytestmark = pytest.mark.ci  # costs a minute or more
 
 Floats = NDArray[np.float64]
 
-SMOOTH = 0.02
+SMOOTH, N_EDGES, DEPTH = 0.02, 20, 0.01
 QUADRATIC = BoxDiscretisation(0.1, order=2)
 OTHER = BoxDiscretisation(0.083, order=2)
 WAYS: dict[str, tuple[Pairing, Enforcement]] = {
@@ -97,45 +97,26 @@ def slide_block(
     pairing: Pairing,
     enforcement: Enforcement,
     *,
-    depth: float = 0.01,
-    n_edges: int = 20,
-    steps_per_edge: int = 8,
     round_edges: bool = False,
 ) -> Slide:
-    """Press a block upon a long one and slide it over edges of the ground.
+    """Press a secondary block, 1 wide, upon a primary one, 6 wide, and slide it over 20 edges in 3 steps for each.
 
-    Parameters
-    ----------
-    imbalance
-        How well a solution balances.
-    block, ground
-        Discretisations of the secondary block, 1 wide, and the primary one, 6 wide.
-    pairing, enforcement
-        Of the contact.
-    depth
-        How far the block's held top is pressed down.
-    n_edges
-        Edges of the ground that the block passes over.
-    steps_per_edge
-        Steps for each of them.
-    round_edges
-        Whether the block's bottom is a shallow arc instead of a line between sharp edges.
-
+    The block's bottom is a shallow arc instead of a line between sharp edges if they are round.
     """
     outline = sledge() if round_edges else rectangle(1.0, 1.0, centre=(0.0, 0.5))
-    start = Placement(0.0, (-n_edges * ground.edge_length / 2.0, 0.0))
+    start = Placement(0.0, (-N_EDGES * ground.edge_length / 2.0, 0.0))
     moved = block.part("block", outline, "top", placement=start)
     rest = ground.part("ground", rectangle(6.0, 2.0, centre=(0.0, -1.0)), "bottom")
     contact = Contact(surface_of(moved, "bottom"), surface_of(rest, "top"), pairing, enforcement)
-    pressed = press([contact], {moved: Placement(0.0, (0.0, -depth))})
+    pressed = press([contact], {moved: Placement(0.0, (0.0, -DEPTH))})
     system, response, state = pressed.system, pressed.response, pressed.state
-    distances = np.arange(n_edges * steps_per_edge + 1) * ground.edge_length / steps_per_edge
+    distances = np.arange(3 * N_EDGES + 1) * ground.edge_length / 3.0
     forces, at_nodes, imbalances, iterations = [], [], [], []
     failure = "" if state.status.converged else state.status.message
     for distance in distances:
         if failure:
             break
-        where = {moved: Placement(0.0, (float(distance), -depth)).after(start)}
+        where = {moved: Placement(0.0, (float(distance), -DEPTH)).after(start)}
         placements = tuple(where.get(part, part.placement) for part in system.parts)
         state = solve_contact(response, system, placements, start=state)
         if not state.status.converged:
@@ -165,9 +146,9 @@ def sledge() -> Outline:
 @pytest.mark.parametrize(("way", "block", "round_edges"), CASES)
 def test_smooth_over_twenty_edges(imbalance: Imbalance, way: str, block: BoxDiscretisation, round_edges: bool) -> None:
     """The force on a quadratic block is smooth to 0.5 %, with segments node by node to 2 %, and balanced."""
-    slide = slide_block(imbalance, block, QUADRATIC, *WAYS[way], round_edges=round_edges, steps_per_edge=3)
+    slide = slide_block(imbalance, block, QUADRATIC, *WAYS[way], round_edges=round_edges)
     assert slide.failure == ""
-    assert slide.distances[-1] == pytest.approx(20 * QUADRATIC.edge_length)
+    assert slide.distances[-1] == pytest.approx(N_EDGES * QUADRATIC.edge_length)
     assert slide.roughness < 0.005
     if not way.startswith("nodes"):
         assert slide.node_roughness < SMOOTH
@@ -178,7 +159,7 @@ def test_smooth_over_twenty_edges(imbalance: Imbalance, way: str, block: BoxDisc
 
 def test_nodes_feel_the_edges(imbalance: Imbalance) -> None:
     """Node by node the force of quadratic node-to-segment contact jumps by more than 2 %: the measure sees it."""
-    slide = slide_block(imbalance, OTHER, QUADRATIC, *WAYS["nodes-penalty"], steps_per_edge=3)
+    slide = slide_block(imbalance, OTHER, QUADRATIC, *WAYS["nodes-penalty"])
     assert slide.node_roughness > SMOOTH
 
 
@@ -186,7 +167,7 @@ def test_nodes_feel_the_edges(imbalance: Imbalance) -> None:
 def test_linear_multipliers(imbalance: Imbalance, method: Method) -> None:
     """With multipliers on linear elements the force is smooth to 2 % as well."""
     block, ground = BoxDiscretisation(0.083, method, 1), BoxDiscretisation(0.1, method, 1)
-    slide = slide_block(imbalance, block, ground, SegmentToSegment(), Multiplier(), steps_per_edge=3)
+    slide = slide_block(imbalance, block, ground, SegmentToSegment(), Multiplier())
     assert slide.failure == ""
     assert slide.roughness < SMOOTH
     assert slide.imbalances.max() < 1e-10

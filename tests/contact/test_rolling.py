@@ -101,16 +101,6 @@ def test_a_shift_is_cattaneos_and_mindlins() -> None:
     assert found.frictional_power > 0.0
 
 
-def test_frictional_power_of_different_materials_has_a_part_of_the_pressures() -> None:
-    """With normal and tangential contact coupled the pressures' work of rolling is added."""
-    contact = ellipse(12, materials=(SOFT, Elastic(25.0, 0.1)))
-    found = roll(contact, Creepages(0.05, 0.02))
-    assert abs(found.rolling_power) > 1e-3 * found.frictional_power
-    assert found.frictional_power == pytest.approx(found.t_gamma, rel=1e-9)
-    work = -(found.along * 0.05 + found.across * 0.02)
-    assert found.t_gamma == pytest.approx(work + found.rolling_power, rel=1e-9)
-
-
 def test_transient_rolling_becomes_steady(circle) -> None:
     """From a start without tractions, rolling over some patches gives the forces of steady rolling to 1 %."""
     motion = Creepages(0.1, 0.05, 0.1)
@@ -151,20 +141,6 @@ def test_derivatives_are_those_of_forces(circle) -> None:
         near = [replace(motion, **{name: getattr(motion, name) + part * step}) for part in (-1.0, 1.0)]
         low, high = (forces(roll(circle, each, start=found, tolerance=1e-10)) for each in near)
         np.testing.assert_allclose(rates[:, number], (high - low) / (2.0 * step), atol=2e-3 * np.abs(rates).max())
-
-
-def test_friction_falls_with_the_slip_velocity(circle) -> None:
-    """Where surfaces slip fast the kinetic coefficient acts; slow rolling has the static one."""
-    falling = replace(circle, friction=Friction(0.4, 0.2, decay=0.5))
-    slow, fast = (roll(falling, Creepages(2.0, speed=speed)) for speed in (1e-3, 100.0))
-    assert slow.coefficient == pytest.approx(0.4, rel=0.01)
-    assert fast.coefficient == pytest.approx(0.2, rel=0.01)
-    middle = roll(falling, Creepages(0.4))
-    velocity = np.linalg.norm(middle.slip_velocities, axis=2)
-    slips = middle.states == SLIPS
-    wanted = (0.2 + 0.2 * np.exp(-velocity / 0.5)) * circle.pressures
-    np.testing.assert_allclose(np.linalg.norm(middle.tractions, axis=2)[slips], wanted[slips], rtol=1e-3)
-    assert middle.frictional_power == pytest.approx(middle.t_gamma, rel=1e-9)
 
 
 def test_a_kinetic_coefficient_acts_as_soon_as_cells_slip(circle) -> None:

@@ -110,21 +110,6 @@ def test_a_matrix_in_any_order_gives_the_contact_of_its_mesh(case: str, path: An
         np.testing.assert_allclose(moved, field, atol=1e-10 * np.abs(field).max())
 
 
-def test_the_displacements_of_all_unknowns_are_in_equilibrium_with_the_nodal_forces() -> None:
-    """K u gives the contact forces on the unknowns that are not held, turned into the body's frame."""
-    bodies = [foreign(Body(name, mesh, Virtual(2), STEEL, held), inner=True)
-              for name, mesh, held in (("lower", LOWER, "bottom"), ("upper", UPPER, "top"))]  # fmt: skip
-    parts, found = pressed(*bodies, SegmentToSegment(), Multiplier())
-    for part in parts:
-        body = part.body
-        moved = body.matrix @ found.unknowns(part)
-        expected = np.zeros(len(moved))
-        # the motion of the upper part is a shift, which turns no axes
-        expected[np.asarray(body.rows)] = found.nodal_forces(part) @ part.placement.matrix
-        loose = np.setdiff1d(np.arange(len(moved)), body.held)
-        np.testing.assert_allclose(moved[loose], expected[loose], atol=1e-9 * np.abs(expected).max())
-
-
 def test_stresses_and_meshes_are_refused_with_what_there_is() -> None:
     """A body of a matrix has no elements here: the message says what to take."""
     body = foreign(Body("lower", LOWER, Lagrange(1), STEEL, "bottom"))

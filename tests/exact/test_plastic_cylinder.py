@@ -37,7 +37,7 @@ def rim_displacement(pressure):
 CASES = {
     "triangles of order 2": (lambda: quarter(8), Lagrange(2), 5e-3),
     "duals of order 3": (lambda: dual(quarter(5)), Virtual(3), 4e-3),
-    "cells that are not convex, order 2": (lambda: agglomerated(quarter(24), 80), Virtual(2), 5e-3),
+    "cells that are not convex, order 2": (lambda: agglomerated(quarter(16), 60), Virtual(2), 5e-3),
     "duals without stabilisation": (lambda: dual(quarter(8)), StabilisationFree(1), 5e-3),
 }
 

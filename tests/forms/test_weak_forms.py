@@ -249,23 +249,6 @@ def test_generalised_alpha_has_second_order():
     assert 3.7 < errors[0] / errors[1] < 4.3
 
 
-def test_mixed_orders_couple_two_spaces():
-    """The divergence of a quadratic displacement, tested with linear pressures, is its exact moment."""
-    mesh = MESHES["duals"]
-    space, pressures = Space(mesh, Virtual(2)), Space(mesh, Virtual(1))
-    coupling = bilinear(
-        space,
-        lambda u, q, w: (u.gradient[:, 0, 0] + u.gradient[:, 1, 1]) * q.value,
-        components=2,
-        test=pressures,
-        test_components=1,
-    )
-    assert coupling.shape == (pressures.n_dofs, 2 * space.n_dofs)
-    u = interpolate(space, lambda p: np.stack((p[:, 0] ** 2, p[:, 0] * p[:, 1]), axis=1))
-    wanted = load(pressures, lambda p: 3.0 * p[:, 0])
-    np.testing.assert_allclose(coupling @ u.ravel(), wanted, atol=1e-13)
-
-
 @pytest.mark.parametrize("order", [2, 4])
 def test_a_column_buckles_at_eulers_load(order):
     """A cantilever of slenderness 20 under pressure at its end: ``pi^2 E I / (2 L)^2`` to 2 % (shear and width)."""

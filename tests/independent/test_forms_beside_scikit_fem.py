@@ -1,8 +1,4 @@
-"""Own forms beside scikit-fem on the same triangles: values at the points to 1e-10, of nonlinear problems to 1e-8.
-
-Our plate's element (C1 virtual, on triangles too) is none of scikit-fem's: where the deflection is a polynomial of
-both, answers are the same to 1e-10; other ones come closer on finer meshes.
-"""
+"""Own forms beside scikit-fem on the same triangles: values at the points to 1e-10."""
 
 import numpy as np
 import pytest
@@ -11,14 +7,11 @@ import scipy.sparse as sp
 from flangeway.elements import Lagrange
 from flangeway.forms import (
     Factor,
-    Plate,
     bilinear,
     interpolate,
     linear,
     mass,
     newmark_steps,
-    newton,
-    solve,
     stiffness,
     theta_steps,
 )
@@ -34,10 +27,6 @@ SPACE = Space(MESH, Lagrange(2))
 BASIS = skfem.Basis(THEIRS, skfem.ElementTriP2(), intorder=6)
 FACETS = skfem.FacetBasis(THEIRS, skfem.ElementTriP2(), intorder=6)
 FIXED, DIRICHLET = SPACE.boundary_dofs(), BASIS.get_dofs().all()
-
-
-def dot(a, b):
-    return (a * b).sum(axis=-1)
 
 
 def at_points(theirs):
@@ -110,43 +99,6 @@ def test_a_wave():
     np.testing.assert_allclose(speed[: MESH.n_points], at_points(v), atol=1e-10 * np.abs(v).max())
 
 
-def test_a_minimal_surface():
-    """Newton's method for ``div(grad u / sqrt(1 + |grad u|^2)) = 0`` with a curved rim, to 1e-8."""
-
-    @skfem.BilinearForm
-    def tangent(u, v, w):
-        p = w["w"].grad
-        size = 1.0 + p[0] ** 2 + p[1] ** 2
-        along = p[0] * u.grad[0] + p[1] * u.grad[1]
-        across = p[0] * v.grad[0] + p[1] * v.grad[1]
-        return (u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]) / size**0.5 - along * across / size**1.5
-
-    @skfem.LinearForm
-    def residual(v, w):
-        p = w["w"].grad
-        return (p[0] * v.grad[0] + p[1] * v.grad[1]) / (1.0 + p[0] ** 2 + p[1] ** 2) ** 0.5
-
-    def rim(x):
-        return 0.3 * np.sin(np.pi * (x[0] + 2.0 * x[1]))
-
-    accurate = skfem.Basis(THEIRS, skfem.ElementTriP2(), intorder=16)  # the integrand is no polynomial
-    theirs = np.zeros(BASIS.N)
-    theirs[DIRICHLET] = rim(BASIS.doflocs[:, DIRICHLET])
-    theirs = skfem.solve(*skfem.condense(laplace.assemble(BASIS), x=theirs, D=DIRICHLET))
-    for _ in range(12):
-        K, f = tangent.assemble(accurate, w=theirs), residual.assemble(accurate, w=theirs)
-        theirs = theirs + skfem.solve(*skfem.condense(K, -f, D=DIRICHLET))
-
-    def form(u, v, w):
-        return dot(u.gradient, v.gradient) / np.sqrt(1.0 + dot(u.gradient, u.gradient))
-
-    start = np.zeros(SPACE.n_dofs)
-    start[FIXED] = rim(SPACE.nodes[FIXED].T)
-    solution = newton(SPACE, form, start, fixed=FIXED, degree=16)
-    assert solution.status.converged
-    np.testing.assert_allclose(solution.dofs[: MESH.n_points], at_points(theirs), atol=1e-8)
-
-
 def test_stokes_of_taylor_and_hood():
     """Two fields of different order in one system: velocity of order 2, pressure of order 1, driven by a force."""
     vector = skfem.ElementVector(skfem.ElementTriP2())
@@ -184,27 +136,3 @@ def test_stokes_of_taylor_and_hood():
     at_vertices = found[: 2 * MESH.n_points].reshape(-1, 2)
     np.testing.assert_allclose(at_vertices, theirs[velocity.nodal_dofs].T, atol=1e-10 * np.abs(theirs).max())
     np.testing.assert_allclose(found[2 * SPACE.n_dofs :], theirs[velocity.N :], atol=1e-10 * np.abs(theirs).max())
-
-
-@skfem.BilinearForm
-def bending(u, v, _):
-    a, b = u.hess, v.hess
-    return 0.7 * (a * b).sum(axis=(0, 1)) + 0.3 * (a[0, 0] + a[1, 1]) * (b[0, 0] + b[1, 1])
-
-
-@pytest.mark.parametrize("order", [2, 3])
-@pytest.mark.parametrize("theirs", [skfem.ElementTriMorley(), skfem.ElementTriArgyris()], ids=["Morley", "Argyris"])
-def test_a_plate_that_a_corner_twists(order, theirs):
-    """Three corners held, a force on the fourth: a quadratic deflection, the same in each element, to 1e-10."""
-    basis = skfem.Basis(THEIRS, theirs, intorder=8)
-    corners = [int(np.abs(MESH.points - corner).sum(axis=1).argmin()) for corner in ((0, 0), (1, 0), (0, 1), (1, 1))]
-    rhs = np.zeros(basis.N)
-    deflections = basis.nodal_dofs[0][corners]
-    rhs[deflections[3]] = 1.0
-    expected = skfem.solve(*skfem.condense(bending.assemble(basis), rhs, D=deflections[:3]))[basis.nodal_dofs[0]]
-    plate, points = Plate(MESH, order, rigidity=1.0, poisson=0.3), 3 * np.arange(MESH.n_points)
-    force = np.zeros(plate.n_dofs)
-    force[points[corners[3]]] = 1.0
-    found = solve(plate.stiffness(), force, points[corners[:3]])[points]
-    np.testing.assert_allclose(found, expected, atol=1e-10 * np.abs(expected).max())
-    np.testing.assert_allclose(found, MESH.points.prod(axis=1) / 1.4, atol=1e-10)

@@ -40,7 +40,7 @@ def folders(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(each, marks=[pytest.mark.ci] * each.startswith("wheelset")) for each in CASES]
+    "name", [pytest.param(each, marks=[pytest.mark.ci] * each.startswith(("wheelset", "crossed"))) for each in CASES]
 )
 def test_all_files_have_one_convention(folders, name):
     """What is measured is at points, one array each; cells have numbers; the collection's parts are the bodies."""
@@ -69,6 +69,7 @@ def test_all_files_have_one_convention(folders, name):
                 assert ids.tolist() == [int(row.get("part"))]
 
 
+@pytest.mark.ci
 def test_vtk_measures_what_was_computed(folders):
     """Areas of the cells, the maximum pressure, and the pressure times the length are those of the run."""
     folder, run = folders("wheelset-tangent")

@@ -80,6 +80,7 @@ def test_uneven_cells_of_two_patches_carry_their_whole_load() -> None:
     assert field.von_mises[1:].reshape(2, -1).T[::7] == pytest.approx(mises, rel=2e-3)
 
 
+@pytest.mark.ci
 def test_a_wheelset_prints_the_maximum_below_a_patch_with_two_peaks() -> None:
     """S1002 on 60E1, 200 kN, 2 mm aside: 353 MPa below the centre on the right, 634 MPa beside it."""
     case = SpatialWheelsetCase.from_values(

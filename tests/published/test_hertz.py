@@ -9,7 +9,6 @@ from flangeway.cases.bodies.presets import HertzCase
 from flangeway.contact import Multiplier, NodeToSegment, Penalty, SegmentToSegment
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
-from flangeway.mesh import check
 from flangeway.post import stresses_along
 from studies.hertz import largest_patch, oscillation, published_case
 
@@ -19,20 +18,6 @@ P0 = 671.5
 def model_of(code, level=1, variant="printed"):
     """Meshed discs and their contact."""
     return build_bodies(published_case(code, level, variant).general())
-
-
-@pytest.mark.parametrize("name", ["upper", "lower"])
-@pytest.mark.parametrize("code", ["FDO1", "VVO1", "HEO2"])
-def test_half_discs_are_sound_meshes(code, name):
-    """Each kind of mesh is sound, has the half disc's area to 1 %, and its fine arc about the apex in the origin."""
-    mesh = model_of(code).bodies[name].problem.space.mesh
-    check(mesh)
-    assert mesh.cell_areas.sum() == pytest.approx(np.pi * 8.0, rel=0.01)
-    arc = mesh.points[mesh.edge_set("arc")]
-    sign = -1.0 if name == "lower" else 1.0
-    assert (sign * arc[..., 1]).min() == pytest.approx(0.0, abs=1e-3)
-    assert np.abs(arc[..., 0]).max() == pytest.approx(4.0 * np.sin(np.pi / 11.0), rel=1e-9)
-    np.testing.assert_allclose(mesh.points[mesh.edge_set("cut")][..., 1], sign * 4.0, atol=1e-12)
 
 
 def test_edges_of_the_arc_are_halved_once():
@@ -70,8 +55,8 @@ def test_other_discs_meet_hertz_too():
         lower_poisson=0.25,
         order=2,
         lower_method="vem",
-        size_mm=0.012,
-        lower_size_mm=0.015,
+        size_mm=0.018,
+        lower_size_mm=0.022,
         body_size_mm=0.5,
         indentation_mm=0.03,
         fine_arc_deg=50.0,
@@ -102,7 +87,7 @@ def test_wrong_input_is_refused():
 
 def test_every_load_step_converges_and_stresses_on_the_axis_are_those_of_a_disc():
     """Ten steps of six iterations at most; from 0.1 to 1 cm down within 1 % of p0, a half plane's are 2 % off."""
-    case = published_case("VVO2", 3, "segments")
+    case = published_case("VVO2", 2, "segments")
     run = case.run()
     assert [step.state.status.iterations <= 6 for step in run.contact.steps] == [True] * 10
     line = stresses_along(run.bodies["lower"].field, (0.0, -0.1), (0.0, -1.0), 101)

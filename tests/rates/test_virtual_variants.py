@@ -5,10 +5,10 @@ import pytest
 
 from flangeway.elements import Serendipity, StabilisationFree, Virtual
 from flangeway.errors import InputError
-from flangeway.forms import convergence, error_norms, interpolate, load, mass, modes, solve, stiffness
+from flangeway.forms import convergence, error_norms, interpolate, load, solve, stiffness
 from flangeway.geometry import square
 from flangeway.mesh import PolyMesh, agglomerated, dual, rectangle_grid, triangulate, voronoi
-from flangeway.problems import Elasticity, PrescribedDisplacement, Torsion
+from flangeway.problems import Elasticity, PrescribedDisplacement
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
 from tests.rates import test_elasticity_rates as elastic
@@ -115,20 +115,6 @@ def test_serendipity_has_fewer_unknowns_and_on_triangles_those_of_lagrange():
     reconstruction = Serendipity(4, lines=4).reconstruct(np.array([[0, 0], [2, 0], [2.5, 1], [0, 1.0]])[:, :, None])
     identity = np.einsum("aie,ibe->abe", reconstruction.value, reconstruction.monomial_dofs)[:, :, 0]
     np.testing.assert_allclose(identity, np.eye(15), atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    "element", [Serendipity(2), Serendipity(4, lines=4), StabilisationFree(1), StabilisationFree(2)]
-)
-def test_variants_serve_in_torsion_and_vibration(element):
-    """Torsion constant of a square 0.1406; eigenvalue of the fixed square 2 pi^2; within 3 %."""
-    mesh = voronoi(square(1.0), 60)
-    space = Space(mesh, element)
-    problem = Torsion(space, formulation="prandtl")
-    found = solve(problem.stiffness().full(), problem.load_vector(), space.boundary_dofs())
-    assert problem.torsional_rigidity(found) == pytest.approx(0.14058, rel=0.03)
-    values, _ = modes(space, stiffness(space), mass(space), 1, space.boundary_dofs())
-    assert values[0] == pytest.approx(2.0 * np.pi**2, rel=0.03)
 
 
 DART = [[0.0, 0.0], [2.0, -1.0], [np.sqrt(5.0) - 1.0, 0.0], [2.0, 1.0]]

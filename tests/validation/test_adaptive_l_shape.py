@@ -75,7 +75,7 @@ def adaptive(element, mesh, **limits):
 @pytest.fixture(scope="module")
 def quadratic():
     """Steps of order 2, and unknowns and error of each."""
-    steps = adaptive(Virtual(2), l_shape(2), tolerance=5e-3)
+    steps = adaptive(Virtual(2), l_shape(2), tolerance=1e-2)
     return steps, [measured(step.solution) for step in steps]
 
 

@@ -13,6 +13,7 @@ from studies.spatial.profile_blocks import (
 )
 
 
+@pytest.mark.ci
 def test_wheel_and_rail_agree_with_calculix() -> None:
     """Maximum pressure, semi-axes and approach of S1002 on 60E1 within 2 %, where Hertz's ellipse means nothing."""
     found = pressed_profiles()
