@@ -183,6 +183,17 @@ class Space:
             on_edges[self.mesh.edge_numbers(curves.pairs)] = on_curves
         return np.concatenate((self.mesh.points, on_edges.reshape(-1, 2)))
 
+    @cached_property
+    def constant(self) -> Floats:
+        """Unknowns (n_dofs,) of the function that is one everywhere; those inside all cells of an element are alike."""
+        result = np.ones(self.n_dofs)
+        for element, cells in self._regions:
+            if n_inner := element.n_interior():
+                one = self.mesh.points[self.mesh.cell_points[slice(*self.mesh.cell_offsets[cells[0] : cells[0] + 2])]]
+                inside = element.interior_dofs(one[:, :, None], lambda points: np.ones(len(points)), 0)
+                result[self._interior_offsets[cells][:, None] + np.arange(n_inner)] = inside[:, 0]
+        return result
+
     def boundary_dofs(self, where: str | Callable[[Floats], Bools] | None = None) -> NDArray[np.int64]:
         """Unknowns of one field on the boundary, in rising order.
 
