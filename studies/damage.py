@@ -1,10 +1,15 @@
 """Damage: wear laws, worn areas, indices of rolling contact fatigue and repeated rolling beside closed forms."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.exact_rolling import roll
+from flangeway.contact.rolling.friction import Friction
+from flangeway.exact import contact_modulus
 from flangeway.railway.damage.rolling_fatigue import DangVan, surface_fatigue_index, t_gamma_damage
 from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
 from flangeway.railway.damage.surface_wear import patch_loads, row_wear
@@ -12,6 +17,8 @@ from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, UsfdLaw, W
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.wheelset.spatial_result import solve_spatial
 from flangeway.types import Floats
+from studies.rolling.rolling_cases import STEEL as STEEL_OF_LINES
+from studies.rolling.rolling_cases import line
 from studies.study import Limit, Row, Run
 
 A_MM, B_MM, FORCE_N, FRICTION, CREEPAGE, SPEED_m_s = 6.0, 4.0, 1e5, 0.3, 0.01, 30.0
@@ -34,6 +41,15 @@ FIRST_YIELD = 3.107
 """p0 / k at which von Mises' criterion is reached below a line contact without friction."""
 CURVE = {"size_scale": 6.0, "order": 1, "patch_cells": 14, "curve_radius_m": 600.0, "speed_km_h": 80.0, "friction": 0.3}
 """A wheelset in a curve on coarse meshes; areas and powers are those of its cells whatever the mesh."""
+
+TWIN_DISC_W = {0.2: 1.3, 0.5: 9.2, 1.0: 25.7, 3.0: 102.6, 7.5: 246.0, 10.0: 327.8, 15.0: 492.1, 20.0: 728.4}
+"""Frictional heat by the slip in %, of dry discs of wheel steel R8T and rail steel at 1500 MPa and 400 rpm.
+
+Lewis and Dwyer-Joyce (2004, Proc. IMechE J 218, 467-478), table 3, as the README of the public repository
+thiernodms/KPFASTSIMUSFD has it."""
+DISC_PRESSURE_MPa, DISC_RPM, FULL_SLIP = 1500.0, 400.0, 7.5
+DISC_RADIUS_MM, DISC_WIDTH_MM = 23.5, 10.0
+"""The usual discs of this machine: what was read has no sizes. Heat over friction force depends on the radius alone."""
 
 
 def full_slip(n: int = 600) -> tuple[CellLoads, Floats]:
@@ -117,6 +133,34 @@ def rolling_rows(run: Run) -> Iterator[Row]:
         yield Row("one passage", "p0/k = 3.5, 8 cells for 16", f"residual stress, {axis}", "MPa", *values, 0.03)
 
 
+def twin_disc_rows(run: Run) -> Iterator[Row]:
+    """Heat of two discs that roll with slip, beside the measured one: T-gamma of a line contact times the speed.
+
+    The coefficient of friction is the measured one at 7.5 % of slip, where all of the contact slips.
+    """
+    modulus = contact_modulus(STEEL_OF_LINES.plane_modulus, STEEL_OF_LINES.plane_modulus)
+    contact = line(DISC_PRESSURE_MPa * DISC_RADIUS_MM / modulus, DISC_PRESSURE_MPa, 160)
+    speed = 2e-3 * np.pi * DISC_RADIUS_MM * DISC_RPM / 60.0
+    force = contact.force / float(contact.grid.widths[0]) * DISC_WIDTH_MM
+    friction = TWIN_DISC_W[FULL_SLIP] / (0.01 * FULL_SLIP * force * speed)
+    contact = replace(contact, friction=Friction(friction))
+    for slip, heat in TWIN_DISC_W.items():
+        if slip == FULL_SLIP:
+            continue
+        found = roll(contact, Creepages(0.01 * slip))
+        run.check(f"twin discs, {slip:g} %", found.status)
+        limit = None if slip < 0.5 else 0.35 if slip < 3.0 else 0.12
+        note = (
+            f"friction {friction:.2f}, measured at {FULL_SLIP:g} %"
+            if slip > 1.0
+            else "rough discs slip more than smooth ones"
+        )
+        watts = found.t_gamma * force / contact.force * speed
+        yield Row(
+            "Lewis and Dwyer-Joyce (2004)", f"slip {slip:g} %", "heat of twin discs", "W", watts, heat, limit, note
+        )
+
+
 def wheelset_rows(run: Run) -> Iterator[Row]:
     """T-gamma and worn areas of a wheelset in a curve."""
     for theory in ("fastsim", "exact"):
@@ -141,4 +185,5 @@ def rows(run: Run) -> Iterator[Row]:
     yield from wear_rows()
     yield from fatigue_rows()
     yield from rolling_rows(run)
+    yield from twin_disc_rows(run)
     yield from wheelset_rows(run)

@@ -11,8 +11,8 @@
 
 use crate::error::FactorError;
 use crate::memory::{ask, scratch, zeros};
-use crate::ordering::{Lower, Permuted, inverted, minimum_degree, postordered};
-use crate::symbolic::{CHUNK, analysed, analysis_bytes, gathered, numeric_bytes, permuted_values};
+use crate::ordering::{Lower, Permuted, Triangle, inverted, minimum_degree, permuted, postordered};
+use crate::symbolic::{CHUNK, analysed, analysis_bytes, gathered, numeric_bytes};
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor as dense;
 use faer::linalg::matmul::matmul;
@@ -27,7 +27,7 @@ use faer::sparse::linalg::cholesky::supernodal::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// Smallest pivot of a small matrix, beside the diagonal entry that it began as.
 const RELATIVE_PIVOT: f64 = 1e-13;
@@ -36,13 +36,82 @@ const SHIFT_GROWTH: f64 = 16.0;
 const MOST_SHIFTS: usize = 20;
 /// The dense Schur complement of more unknowns has more than 2^31 - 1 entries.
 const MOST_TRAILING: usize = 46_340;
+/// Analyses that are kept, and entries of a pattern up to which its analysis is: 60 bytes an entry.
+const MOST_KEPT: usize = 4;
+const MOST_KEPT_ENTRIES: usize = 1_000_000;
+
+/// Analyses of the last patterns, the latest first.
+static KEPT: Mutex<Vec<Arc<Analysis>>> = Mutex::new(Vec::new());
+
+/// What the pattern alone determines: the order of the unknowns and the structure of the factor.
+///
+/// Matrices of one pattern with other values follow each other, as those of many wavenumbers do:
+/// analysing them anew takes half of the time.
+#[derive(Debug)]
+struct Analysis {
+    indptr: Vec<i64>,
+    indices: Vec<i32>,
+    groups: Vec<i32>,
+    trailing: Vec<i32>,
+    forward: Vec<u32>,
+    n_interior: usize,
+    matrix: Permuted,
+    symbolic: SymbolicSupernodalCholesky<u32>,
+}
+
+impl Analysis {
+    /// That of a pattern, kept from before or made in at most so many bytes.
+    fn of(
+        lower: Lower,
+        groups: &[i32],
+        trailing: &[i32],
+        most_bytes: u64,
+    ) -> Result<Arc<Self>, FactorError> {
+        let kept = || KEPT.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let before: Vec<Arc<Self>> = kept().clone();
+        if let Some(found) = before.iter().find(|a| a.is_of(lower, groups, trailing)) {
+            return Ok(found.clone());
+        }
+        ask(analysis_bytes(lower), most_bytes)?;
+        let n = lower.n();
+        let mut inner = vec![true; n];
+        for &unknown in trailing {
+            inner[unknown as usize] = false;
+        }
+        let mut forward = postordered(lower, &minimum_degree(lower, groups, &inner)?);
+        let n_interior = forward.len();
+        forward.extend(trailing.iter().map(|&unknown| unknown as u32));
+        let inverse = inverted(&forward, n);
+        let found = Arc::new(Self {
+            indptr: lower.indptr.to_vec(),
+            indices: lower.indices.to_vec(),
+            groups: groups.to_vec(),
+            trailing: trailing.to_vec(),
+            forward,
+            n_interior,
+            matrix: permuted(lower, &inverse, n, Triangle::Lower),
+            symbolic: analysed(lower, &inverse)?,
+        });
+        if lower.indices.len() <= MOST_KEPT_ENTRIES {
+            let mut latest = kept();
+            latest.insert(0, found.clone());
+            latest.truncate(MOST_KEPT);
+        }
+        Ok(found)
+    }
+
+    fn is_of(&self, lower: Lower, groups: &[i32], trailing: &[i32]) -> bool {
+        self.indptr == lower.indptr
+            && self.groups == groups
+            && self.trailing == trailing
+            && self.indices == lower.indices
+    }
+}
 
 /// Factor of a symmetric matrix whose interior block is positive definite.
 #[derive(Debug)]
 pub struct Cholesky {
-    n_interior: usize,
-    forward: Vec<u32>,
-    symbolic: SymbolicSupernodalCholesky<u32>,
+    analysis: Arc<Analysis>,
     factor: Vec<f64>,
     schur: Mat<f64>,
     peak_bytes: u64,
@@ -60,58 +129,57 @@ impl Cholesky {
         trailing: &[i32],
         most_bytes: u64,
     ) -> Result<Self, FactorError> {
-        let n = lower.n();
         if trailing.len() > MOST_TRAILING {
             return Err(FactorError::TooLarge);
         }
         // two dense matrices of the trailing unknowns exist at a time
         let dense_bytes = 16 * (trailing.len() as u64).pow(2);
         ask(analysis_bytes(lower) + dense_bytes, most_bytes)?;
-        let mut kept = vec![true; n];
-        for &unknown in trailing {
-            kept[unknown as usize] = false;
-        }
-        let mut forward = postordered(lower, &minimum_degree(lower, groups, &kept)?);
-        let n_interior = forward.len();
-        forward.extend(trailing.iter().map(|&unknown| unknown as u32));
-        let inverse = inverted(&forward, n);
+        let analysis = Analysis::of(lower, groups, trailing, most_bytes)?;
+        let (forward, n_interior) = (&analysis.forward, analysis.n_interior);
         let diagonal: Vec<f64> = forward
             .iter()
             .map(|&old| values[lower.start(old as usize)])
             .collect();
         if let Some(k) = (0..n_interior).find(|&k| diagonal[k] <= 0.0) {
-            return Err(not_positive(&forward, k));
+            return Err(not_positive(forward, k));
         }
-        let symbolic = analysed(lower, &inverse)?;
-        let need = numeric_scratch(&symbolic);
-        let numeric_bytes = numeric_bytes(lower, &symbolic, need) + dense_bytes;
+        let need = numeric_scratch(&analysis.symbolic);
+        let numeric_bytes = numeric_bytes(lower, &analysis.symbolic, need) + dense_bytes;
         ask(numeric_bytes, most_bytes)?;
-        let (matrix, moved) = permuted_values(lower, values, &inverse);
+        let source = analysis.matrix.source.iter();
         let mut numeric = Numeric {
-            matrix,
-            values: moved,
+            matrix: &analysis.matrix,
+            values: source.map(|&p| values[p as usize]).collect(),
             diagonal,
             n_interior,
         };
-        let (factor, schur) = numeric.factorised(&symbolic, &forward)?;
+        let (factor, schur) = numeric.factorised(&analysis.symbolic, forward)?;
+        let trailing_diagonal = numeric.diagonal.split_off(n_interior);
         Ok(Self {
-            n_interior,
-            forward,
-            symbolic,
+            analysis,
             factor,
             schur,
             peak_bytes: numeric_bytes.max(analysis_bytes(lower) + dense_bytes),
-            trailing_diagonal: numeric.diagonal.split_off(n_interior),
+            trailing_diagonal,
             schur_factor: OnceLock::new(),
         })
     }
 
+    fn forward(&self) -> &[u32] {
+        &self.analysis.forward
+    }
+
+    fn n_interior(&self) -> usize {
+        self.analysis.n_interior
+    }
+
     pub fn n(&self) -> usize {
-        self.forward.len()
+        self.forward().len()
     }
 
     pub fn n_trailing(&self) -> usize {
-        self.n() - self.n_interior
+        self.n() - self.n_interior()
     }
 
     /// Entries stored for the factor, the padding of the supernodes included.
@@ -126,7 +194,7 @@ impl Cholesky {
 
     /// Unknowns kept last, as numbered by the caller.
     pub fn trailing(&self) -> &[u32] {
-        &self.forward[self.n_interior..]
+        &self.forward()[self.n_interior()..]
     }
 
     /// Schur complement of the trailing unknowns, both triangles.
@@ -143,11 +211,11 @@ impl Cholesky {
                 factorised_dense(self.schur(), &self.trailing_diagonal, tolerance)
             })
             .as_ref()
-            .map_err(|&k| not_positive(&self.forward, self.n_interior + k))?;
-        let mut x = gathered(rhs, |new| self.forward[new] as usize);
+            .map_err(|&k| not_positive(self.forward(), self.n_interior() + k))?;
+        let mut x = gathered(rhs, |new| self.forward()[new] as usize);
         self.by_chunks(&mut x, |mut x| {
             self.eliminate(x.as_mut());
-            let mut trailing = x.as_mut().subrows_mut(self.n_interior, self.n_trailing());
+            let mut trailing = x.as_mut().subrows_mut(self.n_interior(), self.n_trailing());
             solve_lower_triangular_in_place(held.as_ref(), trailing.as_mut(), Par::Seq);
             solve_upper_triangular_in_place(held.transpose(), trailing, Par::Seq);
             self.substitute(x);
@@ -157,17 +225,17 @@ impl Cholesky {
 
     /// Right-hand side of the trailing unknowns once the interior is eliminated.
     pub fn condense(&self, rhs: MatRef<f64>) -> Mat<f64> {
-        let mut x = gathered(rhs, |new| self.forward[new] as usize);
+        let mut x = gathered(rhs, |new| self.forward()[new] as usize);
         self.by_chunks(&mut x, |x| self.eliminate(x));
-        x.subrows(self.n_interior, self.n_trailing()).to_owned()
+        x.subrows(self.n_interior(), self.n_trailing()).to_owned()
     }
 
     /// Whole solution from the trailing unknowns and the right-hand side of the interior.
     pub fn recover(&self, trailing_values: MatRef<f64>, rhs: MatRef<f64>) -> Mat<f64> {
-        let mut x = gathered(rhs, |new| self.forward[new] as usize);
+        let mut x = gathered(rhs, |new| self.forward()[new] as usize);
         self.by_chunks(&mut x, |x| self.eliminate(x));
         x.as_mut()
-            .subrows_mut(self.n_interior, self.n_trailing())
+            .subrows_mut(self.n_interior(), self.n_trailing())
             .copy_from(trailing_values);
         self.by_chunks(&mut x, |x| self.substitute(x));
         self.scattered(&x)
@@ -182,7 +250,7 @@ impl Cholesky {
     }
 
     fn scattered(&self, x: &Mat<f64>) -> Mat<f64> {
-        let inverse = inverted(&self.forward, self.n());
+        let inverse = inverted(self.forward(), self.n());
         gathered(x.as_ref(), |old| inverse[old] as usize)
     }
 
@@ -225,12 +293,12 @@ impl Cholesky {
 
     /// Interior columns of each supernode; the last one may reach into the trailing block.
     fn panels(&self) -> impl DoubleEndedIterator<Item = Panel<'_>> {
-        let begins = self.symbolic.supernode_begin();
-        let n_panels = begins.partition_point(|&begin| (begin as usize) < self.n_interior);
-        let factor = SupernodalLltRef::new(&self.symbolic, &self.factor);
+        let begins = self.analysis.symbolic.supernode_begin();
+        let n_panels = begins.partition_point(|&begin| (begin as usize) < self.n_interior());
+        let factor = SupernodalLltRef::new(&self.analysis.symbolic, &self.factor);
         (0..n_panels).map(move |s| {
             let node = factor.supernode(s);
-            let n_columns = node.val().ncols().min(self.n_interior - node.start());
+            let n_columns = node.val().ncols().min(self.n_interior() - node.start());
             let (top, below) = node.val().subcols(0, n_columns).split_at_row(n_columns);
             Panel {
                 start: node.start(),
@@ -262,14 +330,14 @@ impl Panel<'_> {
 }
 
 /// The permuted matrix while it is factorised.
-struct Numeric {
-    matrix: Permuted,
+struct Numeric<'a> {
+    matrix: &'a Permuted,
     values: Vec<f64>,
     diagonal: Vec<f64>,
     n_interior: usize,
 }
 
-impl Numeric {
+impl Numeric<'_> {
     /// The factor with a shifted trailing diagonal, and the Schur complement without the shift.
     fn factorised(
         &mut self,

@@ -96,6 +96,26 @@ fn solving_meets_the_equation_for_many_columns() {
 }
 
 #[test]
+fn a_pattern_is_analysed_once_for_other_values_but_not_for_other_trailing_unknowns_or_groups() {
+    let pairs: Vec<i32> = (0..12).map(|i| i / 2).collect();
+    for groups in [singles(12), pairs] {
+        for trailing in [vec![], vec![7, 2], vec![2, 7]] {
+            for ground in [1.0, 3.0] {
+                let sample = chain(12, ground);
+                let factor =
+                    Cholesky::new(sample.lower(), &sample.values, &groups, &trailing, u64::MAX)
+                        .unwrap();
+                let kept: Vec<u32> = trailing.iter().map(|&i| i as u32).collect();
+                assert_eq!(factor.trailing(), kept);
+                let rhs = Mat::from_fn(12, 2, |i, j| (i + j) as f64);
+                let x = factor.solve(rhs.as_ref()).unwrap();
+                assert!(sample.misses(&x, &rhs) < 1e-11);
+            }
+        }
+    }
+}
+
+#[test]
 fn an_indefinite_schur_complement_is_exact() {
     // K_ii = 1, K_bi = 1000, K_bb = 1: S = 1 - 1e6
     let sample = Sample::new(2, |i, j| if i == j { 1.0 } else { 1000.0 });

@@ -8,7 +8,7 @@ from scipy.linalg import LinAlgWarning
 
 from flangeway.elements import StabilisationFree, Virtual
 from flangeway.errors import InputError
-from flangeway.forms import interpolate, linear, solve, stiffness
+from flangeway.forms import Factor, bilinear, interpolate, linear, mass, solve, stiffness
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh
 from flangeway.problems import Elasticity, PrescribedDisplacement, Traction, fixed
@@ -135,6 +135,33 @@ def test_forms_say_an_error_above_1e_4():
     assert any(warned)
 
 
+def random_polygon(random):
+    """A star, a spiral, a V, an ellipse with points at random angles, or a star-shaped one, turned and scaled."""
+    kind = random.integers(5)
+    if kind == 0:
+        points = star(int(random.integers(3, 51)), 10.0 ** random.uniform(-3.0, -0.05))
+    elif kind == 1:
+        points = spiral(10.0 ** random.uniform(-3.0, -1.2), random.uniform(0.5, 3.0), int(random.integers(8, 60)))
+    elif kind == 2:
+        points = vee(10.0 ** random.uniform(-3.0, -0.5)) * [1.0, random.uniform(0.1, 3.0)]
+    else:
+        angles = np.sort(random.uniform(0.0, 2.0 * np.pi, int(random.integers(50, 130) if kind == 3 else 20)))
+        radii = 1.0 if kind == 3 else 10.0 ** random.uniform(-2.0, 0.0, len(angles))
+        points = (radii * np.array([np.cos(angles), np.sin(angles)])).T
+        points *= [1.0, 10.0 ** random.uniform(-3.0, 0.0) if kind == 3 else 1.0]
+    angle = random.uniform(0.0, 2.0 * np.pi)
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return points @ turn * 10.0 ** random.uniform(-3.0, 3.0)
+
+
+@pytest.mark.parametrize(("seed", "order"), [(100039, 3), (100125, 5), (100115, 7), (100150, 8)])
+def test_round_off_of_projections_counts(seed, order):
+    """Thin cells in which round-off of the projections takes one to three digits: errors of 1.6e-4 to 4e-4 are said."""
+    error, solution = uniform_stress(random_polygon(np.random.default_rng(seed)), Virtual(order))
+    assert 1e-4 < error < 10.0**-solution.status.digits
+    assert solution.status.digits < 4.0
+
+
 @pytest.mark.parametrize(("seed", "height"), [(228, 1.1e-3), (2, 5e-4)])
 def test_soft_motions_that_the_load_does_not_move_count(seed, height):
     """A flat ellipse of 102 sides of very different lengths: 2e-4 to 5e-3 off, in other motions than the load's."""
@@ -142,3 +169,18 @@ def test_soft_motions_that_the_load_does_not_move_count(seed, height):
     points = np.stack((np.cos(angles), height * np.sin(angles)), axis=1) @ np.array([[0.6, 0.8], [-0.8, 0.6]])
     error, solution = uniform_stress(points, Virtual(2))
     assert error < 10.0 ** (1.7 - solution.status.digits)
+
+
+def test_round_off_of_entries_is_that_of_their_forces_by_a_constant():
+    """A thin cell of order 5: forces of a constant over those of the terms are a thousand last bits, and are kept."""
+    space = Space(one_cell(random_polygon(np.random.default_rng(100125))), Virtual(5))
+    matrix, one = stiffness(space), interpolate(space, lambda p: np.ones(len(p)))
+    forces = np.abs(matrix.toarray() @ one) / (np.abs(matrix.toarray()) @ np.abs(one)) / np.finfo(float).eps
+    assert matrix.round_off == pytest.approx(np.maximum(forces, 1.0), rel=0.1, abs=2.0)
+    assert forces.max() > 1e3
+    by_form = bilinear(space, lambda u, v, w: (u.gradient * v.gradient).sum(axis=1))
+    assert 0.1 < by_form.round_off.max() / forces.max() < 10.0
+    combined = 1j * (2.0 * mass(space) - matrix / 3.0)
+    assert np.array_equal(combined.round_off, matrix.round_off)
+    lost = type(matrix)(matrix)
+    assert Factor(matrix, [0]).digits < Factor(lost, [0]).digits - 1.0

@@ -1,11 +1,14 @@
 """Meshes read from the files of other programs, and VTU files with real polygons, for ParaView."""
 
+import base64
 import contextlib
 import io
 import re
+import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +30,9 @@ _CORNERS = {
     **{f"quad{n}": 4 for n in (8, 9, 16, 25, 36, 49, 64, 81, 100, 121)},
 }
 """Number of corners, which come first, of meshio's plane cells and lines."""
+_VTK_TYPES = {"line": 3, "triangle": 5, "polygon": 7, "hexahedron": 12}
+_BLOCK_BYTES = 1 << 15
+"""Bytes of a VTU file that are compressed at once."""
 
 
 def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
@@ -354,12 +360,46 @@ def _write_blocks(
     point_data: Mapping[str, NDArray[Any]],
     cell_data: Mapping[str, list[NDArray[Any]]],
 ) -> None:
-    import meshio  # noqa: PLC0415  (slow to import, and few programs write files)
-
     file = Path(path)
     if file.suffix != ".vtu":
         raise InputError(f"path {file}", "a name that ends with .vtu", "rename the file")
-    meshio.Mesh(points, blocks, point_data=point_data, cell_data=cell_data).write(file, file_format="vtu", binary=True)
+    parts = {"Points": {"Points": points}, "PointData": point_data}
+    if blocks:
+        parts["Cells"] = {
+            "connectivity": np.concatenate([cells.ravel() for _, cells in blocks]),
+            "offsets": np.cumsum(np.concatenate([np.full(len(cells), cells.shape[1]) for _, cells in blocks])),
+            "types": np.concatenate([np.full(len(cells), _VTK_TYPES[kind], dtype=np.uint8) for kind, cells in blocks]),
+        }
+        parts["CellData"] = {name: np.concatenate(arrays) for name, arrays in cell_data.items()}
+    text = "".join(
+        f"<{part}>{''.join(_vtu_array(*item) for item in arrays.items())}</{part}>" for part, arrays in parts.items()
+    )
+    n_cells = sum(len(cells) for _, cells in blocks)
+    file.write_text(
+        '<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian" '
+        'compressor="vtkZLibDataCompressor"><UnstructuredGrid>'
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{n_cells}">{text}</Piece>'
+        "</UnstructuredGrid></VTKFile>\n",
+        encoding="ascii",
+    )
+
+
+def _vtu_array(name: str, values: NDArray[Any]) -> str:
+    """An array as an element of a VTU file, in blocks that are compressed apart, in base 64.
+
+    Compression at the first level takes a quarter of the time of the default one, for files of the same size.
+    """
+    kind = {"f": "Float", "i": "Int", "u": "UInt"}[values.dtype.kind]
+    data = values.astype(values.dtype.newbyteorder("<"), copy=False).tobytes()
+    blocks = [data[start : start + _BLOCK_BYTES] for start in range(0, len(data), _BLOCK_BYTES)]
+    compressed = [zlib.compress(block, 1) for block in blocks]
+    sizes = [len(blocks), _BLOCK_BYTES, len(blocks[-1]) if blocks else 0, *map(len, compressed)]
+    components = f' NumberOfComponents="{values.shape[1]}"' if values.ndim == 2 else ""
+    content = b"".join(map(base64.b64encode, (np.array(sizes, dtype="<u4").tobytes(), b"".join(compressed)))).decode()
+    return (
+        f'<DataArray type="{kind}{8 * values.dtype.itemsize}" Name={quoteattr(name)}{components} format="binary">'
+        f"{content}</DataArray>"
+    )
 
 
 def _checked(data: Mapping[str, ArrayLike], n_rows: int, where: str) -> dict[str, NDArray[Any]]:

@@ -15,7 +15,7 @@ from flangeway.elements import Function, Reconstruction, missed_mass, monomials
 from flangeway.errors import InputError
 from flangeway.forms.weak import PointValues, bilinear, linear
 from flangeway.problems.strains import strain_operators
-from flangeway.space import CellBatch, CellCoefficient, Coefficient, Space, load_vector
+from flangeway.space import CellBatch, CellCoefficient, Coefficient, FormMatrix, Space, load_vector
 from flangeway.space.functions import cell_quadrature, quadrature_degree
 from flangeway.types import Floats
 
@@ -63,7 +63,8 @@ def stiffness(space: Space, coefficient: Coefficient = 1.0, *, degree: int | Non
                     blocks[j, i] += block.swapaxes(0, 1)
         return batch.element.stabilise(reconstruction, blocks)
 
-    return _assembled(space, given.n_components, matrices)
+    matrix = _assembled(space, given.n_components, matrices)
+    return FormMatrix.measured(matrix, np.repeat(space.constant, given.n_components))
 
 
 def mass(

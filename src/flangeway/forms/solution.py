@@ -95,7 +95,7 @@ def modes(
     """
     m, free = _components(space, stiffness, fixed, number, "modes")
     shift = -EIGEN_SHIFT * stiffness.trace() / mass.trace()
-    factor = Factor(sp.csr_array(stiffness - shift * mass), fixed, m)
+    factor = Factor(stiffness - shift * mass, fixed, m)
     parts = [sp.csr_array(matrix)[free][:, free] for matrix in (stiffness, mass)]
     inverse = LinearOperator(parts[0].shape, matvec=lambda x: factor.solve_free(np.ravel(x)), dtype=np.float64)
     values, vectors = eigsh(

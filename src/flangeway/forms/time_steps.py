@@ -57,7 +57,7 @@ def theta_steps(
     (u,), m = _checked(step, number, mass, start)
     if not (is_finite(theta) and 0.5 <= theta <= 1.0):
         raise refused("theta_steps", "theta", theta, "0.5 to 1", "take 0.5 for second order")
-    factor = Factor(sp.csr_array(mass + theta * step * stiffness), fixed, m)
+    factor = Factor(mass + theta * step * stiffness, fixed, m)
     explicit = sp.csr_array(mass - (1.0 - theta) * step * stiffness)
     before = _at(load, 0.0, u)
     for i in range(number):
@@ -118,7 +118,7 @@ def newmark_steps(
     shape = u.shape
     damping = sp.csr_array(mass.shape) if damping is None else damping
     implicit = (1.0 - of_mass) * mass + (1.0 - of_rest) * (gamma * step * damping + beta * step**2 * stiffness)
-    factor = Factor(sp.csr_array(implicit), fixed, m)
+    factor = Factor(implicit, fixed, m)
     v = np.where(factor.free.reshape(shape), v, 0.0)
 
     def forces(displacements: Values, velocities: Values) -> Values:

@@ -19,7 +19,7 @@ from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh
 from flangeway.post.lines import OUTSIDE, locate, polynomials_at
 from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
-from flangeway.space import CellBatch, Space
+from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import cell_quadrature, quadrature_degree
 from flangeway.types import Floats
 
@@ -310,14 +310,17 @@ def assembled_form(
     region: FormRegion, tensor: Callable[[SimpleNamespace], Values], m: int, m_test: int, stabilise: bool
 ) -> sp.csr_array:
     """Assemble what multiplies the numbers of v (rows) and u at each point, (3 m', 3 m, n)."""
-    parts = []
+    trial, test = region.spaces
+    jets, parts = region.n_jets, []
+    forces = np.zeros((test.n_dofs, m_test))  # maximum ones of the gradients of constants, which are round-off
     for w, weights, ((shapes, dofs), (test_shapes, test_dofs)), batch, by_edges in region.parts():
-        jets = region.n_jets
         at_points = tensor(w)
         kind = at_points.dtype
         weighted = np.array([[_turned(entry, weights, by_edges) for entry in row] for row in at_points])
         n, n_test = len(dofs), len(test_dofs)
         local = np.zeros((n_test, m_test, n, m, weights.shape[1]), dtype=kind)
+        constant = trial.constant[dofs]
+        slopes = np.einsum("yqne,ne->yqe", shapes[1:], constant)
         for i in range(m_test):
             for j in range(m):
                 block = weighted[jets * i : jets * (i + 1), jets * j : jets * (j + 1)]
@@ -325,14 +328,19 @@ def assembled_form(
                     # K_mn = sum over points q and numbers x of v, y of u: B'_xqm D_xyq B_yqn
                     right = np.einsum("xyqe,yqne->xqne", block, shapes)
                     local[:, i, :, j] += np.einsum("xqme,xqne->mne", test_shapes, right, optimize=True)
+                    stresses = np.einsum("xyqe,yqe->xqe", block[:, 1:], slopes)
+                    np.add.at(forces, (test_dofs, i), np.abs(np.einsum("xqme,xqe->me", test_shapes, stresses)))
         if stabilise:
-            _add_stabilisation(local, weighted, shapes, batch)
+            added = np.zeros_like(local)
+            _add_stabilisation(added, weighted, shapes, batch)
+            local += added
+            np.add.at(forces, test_dofs, np.abs(np.einsum("minje,ne->mei", added, constant)))
         numbers = m * dofs[:, None] + np.arange(m)[:, None]
         test_numbers = m_test * test_dofs[:, None] + np.arange(m_test)[:, None]
         flat = local.reshape(m_test * n_test, m * n, -1)
         parts.append((test_numbers.reshape(len(flat), -1), numbers.reshape(m * n, -1), flat))
-    trial, test = region.spaces
-    return scattered(parts, (m_test * test.n_dofs, m * trial.n_dofs))
+    matrix = scattered(parts, (m_test * test.n_dofs, m * trial.n_dofs))
+    return FormMatrix.measured(matrix, np.repeat(trial.constant, m), forces.ravel())
 
 
 def scattered(

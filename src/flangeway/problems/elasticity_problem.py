@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -62,8 +61,6 @@ class Elasticity:
     loads: Sequence[Load] = ()
     supports: Sequence[Support] = ()
     name: str = "body"
-    prestressed: ClassVar[bool] = False
-    """Whether rotations have energy, by stresses that are there before the loads."""
 
     def __post_init__(self) -> None:
         self._check_types()

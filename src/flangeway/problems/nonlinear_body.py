@@ -9,7 +9,6 @@ has no history, so that it returns on its path, and else of the last step, added
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 
@@ -40,7 +39,6 @@ class Linearised(Elasticity):
     """
 
     tangents: Mapping[int, Floats] | None = None
-    prestressed: ClassVar[bool] = True
 
     def cell_stiffness(self, batch: CellBatch) -> Floats:
         """See `Elasticity.cell_stiffness`."""

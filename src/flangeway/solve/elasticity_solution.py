@@ -80,7 +80,6 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
         constraints.transform,
         axisymmetric=problem.axisymmetric,
         springs=added,
-        nodes=None if problem.axisymmetric or problem.prestressed else problem.space.nodes,
     )
     mechanical = problem.load_vector()
     thermal = problem.thermal_load_vector()

@@ -79,6 +79,7 @@ class Factor:
         self._shape = (n,) if components == 1 else (n, components)
         self.free = free_unknowns(fixed, self._shape)
         self.matrix = sp.csr_array(matrix)
+        self._round_off = np.broadcast_to(getattr(matrix, "round_off", 1.0), matrix.shape[0])[self.free]
         groups = (np.flatnonzero(self.free) // components).astype(np.int32)
         self._symmetric = _symmetric(self.matrix)
         self._inner = self.matrix if self.free.all() else sp.csr_array(self.matrix[self.free][:, self.free])
@@ -114,6 +115,7 @@ class Factor:
 
         It is ``max_i sum_j |B_ij|`` times the Frobenius norm of the inverse, whose square is the mean of
         ``|B^-1 z|^2`` over vectors z of normally distributed numbers (Kenney and Laub, 1994, SIAM J. Sci. Comput. 15).
+        Rows of a `FormMatrix` whose entries are off by more than the last bit have as many times larger numbers.
         """
         n = self._inner.shape[0]
         if n == 0:
@@ -121,7 +123,7 @@ class Factor:
         scale = _unit_scale(self._inner)
         probes = np.random.default_rng(0).standard_normal((n, PROBES)).astype(self._inner.dtype)
         try:
-            solved = self._solve(probes / scale[:, None]) / scale[:, None]
+            solved = self._solve(probes * (self._round_off / scale)[:, None]) / scale[:, None]
         except SingularMatrixError:
             return np.inf
         norm = (scale * (abs(self._inner) @ scale)).max()
@@ -130,7 +132,7 @@ class Factor:
 
     @property
     def digits(self) -> float:
-        """Decimal digits of a solution that round-off leaves, by the condition."""
+        """Decimal digits of a solution that round-off of the matrix leaves, by the condition."""
         return float(np.clip(-np.log10(EPS * self.condition), 0.0, MAX_DIGITS))
 
     @cached_property

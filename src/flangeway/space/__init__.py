@@ -2,6 +2,7 @@
 
 from flangeway.space.cell_condensation import CondensedMatrix, InnerUnknowns, assemble_condensed
 from flangeway.space.coefficients import CellCoefficient, Coefficient
+from flangeway.space.form_matrix import FormMatrix
 from flangeway.space.functions import interpolate, load_vector
 from flangeway.space.spaces import CellBatch, Space
 from flangeway.space.symmetric import DifferenceProduct, SymmetricMatrix
@@ -12,6 +13,7 @@ __all__ = [
     "Coefficient",
     "CondensedMatrix",
     "DifferenceProduct",
+    "FormMatrix",
     "InnerUnknowns",
     "Space",
     "SymmetricMatrix",

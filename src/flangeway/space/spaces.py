@@ -49,10 +49,10 @@ class CellBatch:
     dofs: Ints
     outline: Floats
 
-    def part(self, columns: Ints) -> "CellBatch":
+    def part(self, columns: NDArray[np.integer]) -> "CellBatch":
         """Some of the cells, by their places in the batch (m,)."""
-        arrays = (self.cells, self.vertices, self.dofs, self.outline)
-        return CellBatch(self.element, *(np.ascontiguousarray(each[..., columns]) for each in arrays))
+        dofs, outline = np.ascontiguousarray(self.dofs[:, columns]), self.outline[..., columns]
+        return CellBatch(self.element, self.cells[columns], self.vertices[..., columns], dofs, outline)
 
     def vector_dofs(self, n_components: int) -> Ints:
         """Unknowns of a field with components, numbered ``n_components * dof + component``."""
@@ -182,6 +182,17 @@ class Space:
             on_curves[~forward] = on_curves[~forward, ::-1]  # Gauss-Lobatto points are symmetric
             on_edges[self.mesh.edge_numbers(curves.pairs)] = on_curves
         return np.concatenate((self.mesh.points, on_edges.reshape(-1, 2)))
+
+    @cached_property
+    def constant(self) -> Floats:
+        """Unknowns (n_dofs,) of the function that is one everywhere; those inside all cells of an element are alike."""
+        result = np.ones(self.n_dofs)
+        for element, cells in self._regions:
+            if n_inner := element.n_interior():
+                one = self.mesh.points[self.mesh.cell_points[slice(*self.mesh.cell_offsets[cells[0] : cells[0] + 2])]]
+                inside = element.interior_dofs(one[:, :, None], lambda points: np.ones(len(points)), 0)
+                result[self._interior_offsets[cells][:, None] + np.arange(n_inner)] = inside[:, 0]
+        return result
 
     def boundary_dofs(self, where: str | Callable[[Floats], Bools] | None = None) -> NDArray[np.int64]:
         """Unknowns of one field on the boundary, in rising order.

@@ -73,6 +73,14 @@ class SymmetricMatrix:
         """``|K| |u|``: of the terms that the product adds up, which round-off of the entries is relative to."""
         return replace(self, values=np.abs(self.values)).times(np.abs(vector))
 
+    def round_off(self, motion: Floats) -> Floats:
+        """Round-off of each row's entries over that of the last bit, from the forces of a motion (n,) without energy.
+
+        Entries of virtual elements of high order on thin cells are off by many times the last bit.
+        """
+        terms = np.maximum(EPS * self.magnitudes(motion), np.finfo(np.float64).tiny)
+        return np.maximum(np.abs(self.times(motion)) / terms, 1.0)
+
     def plus(self, added: sp.csc_array) -> "SymmetricMatrix":
         """Sum with another symmetric matrix, both triangles of which are given."""
         total = sp.csc_array(self.lower + sp.tril(added, format="csc"))
@@ -121,7 +129,8 @@ class DifferenceProduct:
 
     A translation strains nothing, so ``(K u)_i = sum_j K_ij (u_j - u_i)``: the diagonal, which only round-off keeps
     equal to minus the sum of its row, is not used. Where a slender body turns, displacements are many times larger than
-    their differences, and the product keeps as many more digits.
+    their differences, and the product keeps as many more digits. `magnitudes` takes the round-off of the entries from
+    the forces of translations, see `SymmetricMatrix.round_off`.
 
     Parameters
     ----------
@@ -133,10 +142,6 @@ class DifferenceProduct:
         Whether a displacement in x strains the body, so that the rows' sums over x are kept.
     springs
         Stiffness that is added at the nodes, whose rows have no zero sum.
-    nodes
-        Places of the nodes (n_nodes, 2) of a plane body without initial stress, of which a rotation strains nothing
-        either: its forces measure the round-off of the entries, which `magnitudes` then takes into account. Those of
-        virtual elements of high order on thin cells are off by many times the last bit.
 
     """
 
@@ -147,7 +152,6 @@ class DifferenceProduct:
         *,
         axisymmetric: bool,
         springs: sp.sparray | None = None,
-        nodes: Floats | None = None,
     ) -> None:
         columns, rows = np.repeat(np.arange(matrix.n), np.diff(matrix.indptr)), matrix.indices.astype(np.int64)
         other = rows // 2 != columns // 2
@@ -161,16 +165,8 @@ class DifferenceProduct:
             radial = np.arange(matrix.n) % 2 == 0
             sums, every = matrix.times(radial.astype(np.float64)), np.arange(matrix.n)
             self._added = self._added + sp.csc_array((sums, (every, every // 2 * 2)), shape=self._added.shape)
-        self._round_off = np.ones(matrix.n)
-        """Round-off of the rows' entries over that of the last bit."""
-        if nodes is not None:
-            arms = nodes - nodes.mean(axis=0)
-            rotation = np.stack((-arms[:, 1], arms[:, 0]), axis=1).ravel()
-            forces, terms = self._sums(self._values, rotation), self._sums(np.abs(self._values), rotation, np.abs)
-            # the places and the rotation are rounded, which is no error of the entries
-            rounded = np.abs(rotation) + np.abs(nodes[:, ::-1]).ravel()
-            beyond = np.abs(forces) - EPS * matrix.magnitudes(rounded)
-            self._round_off += np.maximum(beyond, 0.0) / np.maximum(EPS * terms, np.finfo(np.float64).tiny)
+        translations = np.eye(2)[axisymmetric:]
+        self._round_off = np.max([matrix.round_off(np.resize(each, matrix.n)) for each in translations], axis=0)
 
     def times(self, vector: Floats) -> Floats:
         """Forces on the free unknowns from their values, (n_free,)."""

@@ -83,7 +83,7 @@ class RigidCurve:
         if len(tables) > 1 and extent(tables[1]) > MAX_CLIPPED * extent(tables[0]):
             x, y = tables[1][0, :2]
             raise InputError(
-                f"a running surface divided by an overhang, about ({x:.2f}, {y:.2f})",
+                f"a surface that overhangs at x = {x:.2f}, y = {y:.2f} mm",
                 "one surface that runs from the gauge side to the field side",
                 "check the profile's axes, and remove hooks of the measurement",
             )

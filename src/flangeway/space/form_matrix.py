@@ -1,0 +1,58 @@
+"""Matrices of forms, as SciPy arrays that know the round-off of their entries."""
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from flangeway.space.symmetric import EPS
+from flangeway.types import Floats
+
+
+class FormMatrix(sp.csr_array):  # type: ignore[misc]  # SciPy has no types
+    """A sum of forms; with other arrays, and times a number, it stays one.
+
+    Attributes
+    ----------
+    round_off
+        Round-off of each row's entries over that of the last bit, 1 or more: of virtual elements of high order on thin
+        cells it is many times larger. Slices, products and blocks lose it: they have 1.
+
+    """
+
+    round_off: Floats | float = 1.0
+
+    @classmethod
+    def measured(cls, matrix: sp.sparray, motion: Floats, forces: Floats | None = None) -> "FormMatrix":
+        """Measure the round-off by the forces of a motion (n,) without energy; of a part of the form, if given."""
+        result = cls(matrix)
+        terms = np.maximum(EPS * (abs(result) @ np.abs(motion)), np.finfo(np.float64).tiny)
+        result.round_off = np.maximum(np.abs(result @ motion if forces is None else forces) / terms, 1.0)
+        return result
+
+    def _kept(self, result: Any, other: Any = None) -> Any:
+        if isinstance(result, FormMatrix):
+            result.round_off = np.maximum(self.round_off, getattr(other, "round_off", 1.0))
+        return result
+
+    def __add__(self, other: Any) -> Any:
+        return self._kept(super().__add__(other), other)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Any:
+        return self._kept(super().__sub__(other), other)
+
+    def __rsub__(self, other: Any) -> Any:
+        return -self + other
+
+    def __mul__(self, other: Any) -> Any:
+        return self._kept(super().__mul__(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Any:
+        return self._kept(super().__truediv__(other))
+
+    def __neg__(self) -> Any:
+        return self._kept(super().__neg__())
