@@ -9,9 +9,6 @@ from typing import Any
 
 import pytest
 
-from benchmarks.measurement import fastest, fastest_in_turns
-from benchmarks.peers import PeerMissingError
-
 pytestmark = pytest.mark.ci
 
 ROOT = Path(__file__).parents[1]
@@ -53,26 +50,3 @@ def test_scipy_solves_the_same_equations(tmp_path: Path) -> None:
     found = [line for line in lines if line["peer"] == "scipy"]
     assert len(found) == 2
     assert all(max(line["ours_accuracy"], line["peer_accuracy"]) < 1e-13 for line in found)
-
-
-def test_an_unknown_name_is_refused(tmp_path: Path) -> None:
-    """An unknown benchmark ends with status 2 and the names of those there are."""
-    done = run("--quick", "cache", cache=tmp_path)
-    assert done.returncode == 2
-    assert "torsion-assembly" in done.stderr
-
-
-def test_the_fastest_run_counts_and_a_missing_peer_is_told() -> None:
-    """Of runs in turns the fastest is kept; of several runs of a peer too, unless one tells that it is missing."""
-    times = iter([3.0, 1.0, 2.0])
-
-    def missing() -> float:
-        raise PeerMissingError("not there")
-
-    found = fastest_in_turns({"ours": lambda: next(times), "peer": missing}, {"ours": 3, "peer": 2}, float)
-    assert found["ours"] == 1.0
-    peer = found["peer"]
-    assert isinstance(peer, PeerMissingError)
-    runs: list[float | PeerMissingError] = [2.0, 1.5, 4.0]
-    assert fastest(runs, float) == 1.5
-    assert fastest([*runs, peer], float) is peer

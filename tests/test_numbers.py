@@ -99,21 +99,6 @@ def test_arrays_hold_numbers(values) -> None:
             make(values)
 
 
-@pytest.mark.parametrize("order", [2.0, True, 0, 11])
-def test_an_order_is_a_whole_number(order) -> None:
-    """Virtual(2.0) and Virtual(True) are refused where they are written, not later."""
-    with pytest.raises(InputError, match="orders 1 to 10"):
-        Virtual(order)
-    assert Virtual(np.int64(2)) == Virtual(2)
-
-
-def test_a_stabilisation_is_a_stabilisation() -> None:
-    """A class, a name or a number in its place is refused where it is written."""
-    for value in (TraceStabilisation, "trace", 0.5):
-        with pytest.raises(InputError, match="stabilisation"):
-            Virtual(2, value)
-
-
 def test_numbers_of_all_kinds_are_taken() -> None:
     """Whole numbers, fractions and NumPy's scalars are numbers."""
     for young in (210000, np.float32(210000), np.int32(210000), Fraction(210000), np.array(210000.0)):

@@ -18,7 +18,7 @@ from flangeway.elements import Virtual
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, dual, rectangle_grid
+from flangeway.mesh import dual, rectangle_grid
 from flangeway.post import adapt, pressure_patches, recovered_stresses, stresses_along
 from flangeway.problems import Body, Elasticity, Part, Torsion, Traction, fixed
 from flangeway.results import Result, ResultTable
@@ -158,16 +158,3 @@ def test_frames_are_optional(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(InputError, match="to_csv"):
         result("contact").to_dataframe()
-
-
-def test_a_mesh_of_cells_with_edges_named_by_a_function():
-    """Cells are lists of points; the edges where a function holds get a name; wrong functions are refused."""
-    points = [[0, 0], [1, 0], [1, 1], [0, 1], [2, 0.5]]
-    mesh = PolyMesh.from_cells(points, [[0, 1, 2, 3], [1, 4, 2]])
-    assert mesh.cell_areas == pytest.approx([1.0, 0.5])
-    left = mesh.with_edge_set("left", lambda p: p[:, 0] < 1e-9)
-    assert left.edge_set("left").tolist() == [[3, 0]]
-    with pytest.raises(InputError, match="a truth value for each of 5 points"):
-        mesh.with_edge_set("left", lambda p: p[:, 0])
-    with pytest.raises(InputError, match="one or more"):
-        mesh.with_edge_set("far", lambda p: p[:, 0] > 10.0)

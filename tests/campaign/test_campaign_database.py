@@ -7,27 +7,13 @@ from pathlib import Path
 import pytest
 
 from flangeway import InputError
-from flangeway.campaign import Campaign, results
-from flangeway.campaign.chunk import Chunk, compute
-from flangeway.campaign.database import CampaignDatabase, export_writers
+from flangeway.campaign import results
+from flangeway.campaign.database import export_writers
+from tests.campaign.conftest import computed
 
 CAMPAIGN = (
     'case = "torsion"\n[inputs]\nsection = "60E1"\nsize = 20.0\n[vary]\norder = [1, 2]\nmethod = ["fem", "vem"]\n'
 )
-
-
-def computed(folder: Path) -> Path:
-    """Compute what waits of the campaign in a folder, in this process."""
-    file = folder / "c.toml"
-    file.write_text(CAMPAIGN, encoding="utf-8")
-    campaign = Campaign.from_file(file)
-    with CampaignDatabase(folder / "c.sqlite") as store:
-        store.begin(campaign)
-        waiting = store.waiting()
-        for first, rows in campaign.chunks:
-            if any(row.number in waiting for row in rows):
-                store.store(rows, compute(Chunk(rows, first)).results)
-    return folder / "c.sqlite"
 
 
 def exported(database: Path) -> bytes:
@@ -44,7 +30,9 @@ def change(database: Path, statement: str) -> None:
 
 @pytest.fixture(scope="module")
 def database(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return computed(tmp_path_factory.mktemp("campaign"))
+    folder = tmp_path_factory.mktemp("campaign")
+    computed(folder, CAMPAIGN)
+    return folder / "c.sqlite"
 
 
 def test_nothing_of_the_run_is_in_the_results(database: Path) -> None:
@@ -59,7 +47,7 @@ def test_deleted_rows_are_computed_again(database: Path) -> None:
     before = exported(database)
     change(database, 'DELETE FROM rows WHERE "row" IN (2, 3)')
     assert exported(database) != before
-    computed(database.parent)
+    computed(database.parent, CAMPAIGN)
     assert exported(database) == before
 
 

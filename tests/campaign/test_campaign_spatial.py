@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from flangeway.campaign import Campaign, chunk, results
+from flangeway.campaign import chunk
 from flangeway.campaign.chunk import Chunk, compute
-from flangeway.campaign.database import CampaignDatabase
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.system.latest_values import LatestValues
+from tests.campaign.conftest import computed, read
 
 FILE = """
 case = "wheelset"
@@ -15,6 +15,7 @@ case = "wheelset"
 size_scale = 8.0
 order = 1
 rail_support = "fixed"
+patch_cells = 12
 [vary]
 lateral_mm = [-1.0, 1.0]
 yaw_mrad = [0.0, 5.0]
@@ -24,21 +25,10 @@ yaw_mrad = [0.0, 5.0]
 LOADS = ("vertical_force_kN", "longitudinal_creep_force_kN", "frictional_power_W", "t_gamma_N", "share_of_nadal_limit")
 
 
-def read(folder, text):
-    (folder / "c.toml").write_text(text, encoding="utf-8")
-    return Campaign.from_file(folder / "c.toml")
-
-
 @pytest.fixture(scope="module")
 def sweep(tmp_path_factory):
     """Four positions, computed in this process."""
-    folder = tmp_path_factory.mktemp("spatial")
-    campaign = read(folder, FILE)
-    with CampaignDatabase(folder / "c.sqlite") as store:
-        store.begin(campaign)
-        for first, rows in campaign.chunks:
-            store.store(rows, compute(Chunk(rows, first)).results)
-    return campaign, results(folder / "c.sqlite")
+    return computed(tmp_path_factory.mktemp("spatial"), FILE)
 
 
 def test_rows_carry_the_load_and_have_the_columns_of_both_models(sweep):

@@ -88,21 +88,6 @@ def test_keys_bear_the_unit_and_sizes_are_usual():
     assert usual_size(Section({"foil": Region(rectangle(1e5, 1.0))})) == pytest.approx(20.0, rel=1e-2)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"size": 0.0}, "size = 0"),
-        ({"order": 4}, "1 to 3"),
-        ({"order": 7, "method": "vem"}, "order = 7"),
-        ({"poisson": 0.6}, "poisson = 0.6"),
-    ],
-)
-def test_wrong_options_are_refused(options, message):
-    """Sizes, orders, methods and ratios that do not exist are refused by the option's name."""
-    with pytest.raises(InputError, match=message):
-        _ = TorsionCase.from_values(options).element
-
-
 def test_bending_has_radii_and_section_moduli():
     """A right triangle has i = h / sqrt 18, W = b h^2 / 24 at the apex, b h^2 / 12 at the base; two parts have no W."""
     found = run_section(drawn(Region(polygon([(0.0, 0.0), (12.0, 0.0), (0.0, 30.0)])))).summary

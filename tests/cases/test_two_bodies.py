@@ -73,6 +73,23 @@ def test_a_body_that_its_supports_leave_free_rests_on_the_contact(supports):
     assert pressures(run) == pytest.approx(1.0, rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("motion", "converged", "words"),
+    [
+        ({"push_N": [0.0, 100.0]}, False, "no contact holds a load: `upper` can slide in y"),
+        ({"push_N": [0.0, -1e12]}, False, "check its direction and its size"),
+        ({"shift_mm": [0.0, 5.0]}, True, "nothing touches"),
+    ],
+)
+def test_contact_that_cannot_happen_is_a_result_that_says_so(motion, converged, words):
+    """A push away or through the other body does not converge, with the reason; no touch without a push does."""
+    values = stack(motions=[{"body": "upper", **motion}]).model_dump()
+    values["supports"] = [{"body": "upper", "edges": "top"}, {"body": "lower", "edges": "bottom"}]
+    status = TwoBodiesCase.from_values(values).run().status
+    assert status.converged == converged
+    assert words in status.message
+
+
 def test_loads_deform_bodies_before_they_touch():
     """A hanging column under body force b meets a standing one: their pressure is b h / 4, for equal columns."""
     h, b = 3.0, 40.0
@@ -128,25 +145,14 @@ def test_one_body_without_contact_is_plane_elasticity(load):
         assert top == pytest.approx(stretch, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("keys", "pressure", "width"),
-    [
-        ({"lower": "block", "force_N": 2e4, "lower_method": "vem"}, 0.02, 0.05),
-        ({"order": 2, "lower_young_MPa": 70e3, "size_mm": 0.15, "force_N": 2e4}, 0.02, 0.05),
-    ],
-)
-def test_cylinders_agree_with_hertz(keys, pressure, width):
+def test_cylinders_agree_with_hertz():
     """Maximum pressure and half width of cylinders are within 2 and 5 % of Hertz's under the same force."""
-    run = load_case("hertz", **keys).run()
-    results = run.summary["results"]
-    curvature = 1.0 / 40.0 + (0.0 if keys.get("lower") else 1.0 / 40.0)
-    lower = keys.get("lower_young_MPa", 200e3)
-    modulus = contact_modulus(200e3 / (1.0 - 1.0 / 9.0), lower / (1.0 - 1.0 / 9.0))
-    hertz = LineContact(results["force_N"] / 10.0, curvature, modulus)
-    assert run.status.converged
-    assert results["force_N"] == pytest.approx(keys.get("force_N", results["force_N"]), rel=1e-6)
-    assert results["max_pressure_MPa"] == pytest.approx(hertz.max_pressure, rel=pressure)
-    assert results["half_width_mm"] == pytest.approx(hertz.half_width, rel=width)
+    results = load_case("hertz", order=2, lower_young_MPa=70e3, size_mm=0.15, force_N=2e4).run().summary["results"]
+    modulus = contact_modulus(200e3 / (1.0 - 1.0 / 9.0), 70e3 / (1.0 - 1.0 / 9.0))
+    hertz = LineContact(2e4 / 10.0, 1.0 / 40.0 + 1.0 / 40.0, modulus)
+    assert results["force_N"] == pytest.approx(2e4, rel=1e-6)
+    assert results["max_pressure_MPa"] == pytest.approx(hertz.max_pressure, rel=0.02)
+    assert results["half_width_mm"] == pytest.approx(hertz.half_width, rel=0.05)
     assert results["hertz_max_pressure_MPa"] == pytest.approx(hertz.max_pressure, rel=1e-12)
     assert not results["reaches_an_end"]
 
@@ -177,7 +183,7 @@ def test_node_to_node_cases_get_the_nodes_that_they_need(method, order):
 
 
 def test_supports_tell_what_they_bear():
-    """Supports of a beam bear its loads, and share what two of them hold; pressed boxes stand on their far sides."""
+    """Supports of a beam bear its loads, and share what two of them hold."""
     clamped = TwoBodiesCase.from_values(
         {
             "bodies": [{"name": "beam", "rectangle": {"width_mm": 8.0, "height_mm": 2.0}, "order": 2, "size_mm": 1.0}],
@@ -193,10 +199,6 @@ def test_supports_tell_what_they_bear():
     assert forces.sum(axis=0) == pytest.approx([-10.0, 3.0])
     assert forces[0, 1] == forces[2, 0] == 0.0
     assert abs(forces[1]).min() > 0.0
-    rows = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).run().summary["supports"]
-    assert [(row["number"], row["body"]) for row in rows] == [(1, "upper"), (2, "upper"), (3, "lower"), (4, "lower")]
-    wanted = np.array([[0.0, -240.0], [0.0, 0.0], [0.0, 240.0], [0.0, 0.0]])
-    assert np.array([row["force_N"] for row in rows]) == pytest.approx(wanted, rel=1e-6, abs=1e-2)
 
 
 def test_several_materials_are_taken_by_cell_sets(tmp_path):

@@ -5,30 +5,6 @@ import pytest
 from flangeway.campaign import Campaign
 from flangeway.errors import InputError
 
-BODY = 'case = "two-bodies"\n[[bodies]]\nname = "a"\n'
-LOOSE = {
-    "true for a whole number": ('case = "hertz"\norder = true\n', "order = true"),
-    "text for a number": ('case = "hertz"\npoisson = "0.3"\n', "poisson = '0.3'"),
-    "a fraction for a whole number": ('case = "cook"\nlevel = 2.0\n', "level = 2.0"),
-    "a number for true": ('case = "torsion"\nhalf = 1\n', "half = 1"),
-    "a date": ('case = "hertz"\nradius_mm = 2020-01-01\n', "radius_mm = 2020-01-01"),
-    "true in a body": (f"{BODY}size_mm = true\n", "bodies[1].size_mm = true"),
-    "true in a pair": (f"{BODY}shift_mm = [0, true]\n", "bodies[1].shift_mm[2] = true"),
-    "true in an outline": (
-        f"{BODY}outline = {{ points = [[0, 0], [1, true], [1, 1]] }}\nsize_mm = 1.0\n",
-        "point 2: y is true",
-    ),
-}
-
-
-@pytest.mark.parametrize(("text", "told"), LOOSE.values(), ids=LOOSE)
-def test_case_files_are_strict(text, told, call, tmp_path):
-    """Whatever is of another type is refused, with the value as it stands in the file."""
-    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
-    status, out, err = call("check", "case.toml")
-    assert (status, out) == (2, "")
-    assert told in err
-
 
 def test_settings_are_read_by_the_type_of_their_input(call):
     """``--set`` is text: numbers, truth values and lists are read where the input is one, and only there."""

@@ -4,7 +4,6 @@ import pytest
 
 from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE, shakedown_limits, shakedown_state
 from flangeway.railway.track.wheelset_load import superelevation_angle
 
@@ -21,17 +20,6 @@ def test_superelevation_follows_the_curve(sign):
     straight = SpatialWheelsetCase.from_values({"superelevation_mm": -60.0})
     assert straight.load().tilt_rad == pytest.approx(superelevation_angle(-60.0, 1500.0))
     assert straight.warnings() == []
-
-
-@pytest.mark.parametrize("key", ["friction", "flange_friction"])
-def test_coefficients_of_friction_end_at_one(key):
-    """A coefficient of 3 is refused by its name with the bound; 1 is allowed."""
-    values = {"speed_km_h": 50.0, "friction": 0.3, key: 3.0}
-    with pytest.raises(InputError) as raised:
-        SpatialWheelsetCase.from_values(values)
-    assert key in str(raised.value)
-    assert "1" in raised.value.allowed
-    SpatialWheelsetCase.from_values(values | {key: 1.0, "friction": 1.0}).check()
 
 
 @pytest.mark.parametrize("name", ["wheelset", "s1002-60e1"])

@@ -53,6 +53,7 @@ def written(tmp_path):
     return write
 
 
+@pytest.mark.ci
 def test_files_hold_what_was_computed(written, tmp_path, call) -> None:
     """The summary, the table of steps and the worn profile have the same numbers, and a second run computes nothing."""
     out = tmp_path / "out"

@@ -64,8 +64,9 @@ def test_conicity_is_that_of_the_geometry(done):
             assert row.conicity == pytest.approx(wanted, rel=0.02)
 
 
-def test_the_command_writes_table_picture_and_report(call, folder, tmp_path):
+def test_the_command_writes_table_picture_and_report(call, done, monkeypatch, folder, tmp_path):
     """The table has a row for each profile that was read, the warnings the file that was not."""
+    monkeypatch.setattr("flangeway.cases.profile.profile_folder.run_folder", lambda *_, **__: done)
     code, out, err = call("profiles", folder, "--out", tmp_path / "found")
     assert code == 0, err
     assert "empty.txt" in out

@@ -38,18 +38,6 @@ def test_the_use_shown_on_the_page_runs(material):
     exec(compile(code_blocks()[1], str(PAGE), "exec"), {})
 
 
-def test_the_tangent_is_the_derivative_of_the_stress(material):
-    """Central differences, where the damage grows and where it does not."""
-    gradient = 0.01 * np.random.default_rng(0).standard_normal((20, 2, 2))
-    history = np.repeat([[0.0], [0.1]], 10, axis=0)
-    tangent = material.respond(gradient, history).tangent
-    for i, j in np.ndindex(2, 2):
-        step = np.zeros((2, 2))
-        step[i, j] = 1e-7
-        up, down = (material.respond(gradient + sign * step, history).stress for sign in (1.0, -1.0))
-        np.testing.assert_allclose((up - down) / 2e-7, tangent[..., i, j], atol=1e-6 * np.abs(tangent).max())
-
-
 @pytest.mark.parametrize(("make", "element"), [(lambda m: m, Lagrange(1)), (dual, Virtual(1)), (dual, Virtual(3))])
 def test_a_stretched_square_has_the_stress_of_the_formula(material, make, element):
     """Stretch along x without strain across: 1 - d times the elastic stress; unloading keeps d."""

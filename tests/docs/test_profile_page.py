@@ -11,12 +11,6 @@ TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "bring-your-profile.md")
 OF_ALL_COMMANDS = ("--quiet", "--json", "--no-pictures", "--units", "--xlsx")
 
 
-def test_the_page_runs_from_top_to_bottom(follow, tmp_path):
-    """Every script and command of the page ends well, in its order, and prints the lines that the page shows."""
-    assert follow("how-to/bring-your-profile.md") == {"python": 2, "sh": 7, "text": 2}
-    assert {"worn_rail.csv", "S1002.prw", "S1002.whl"} <= {path.name for path in tmp_path.iterdir()}
-
-
 def test_the_page_names_all_options_and_formats(call):
     """Each option of the command and each ending of a format is explained on the page."""
     _, shown, _ = call("profile", "--help")

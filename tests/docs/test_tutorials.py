@@ -1,4 +1,4 @@
-"""The tutorials, followed to the letter."""
+"""Pages that are followed to the letter."""
 
 import re
 import shutil
@@ -7,18 +7,59 @@ from pathlib import Path
 import pytest
 
 DOCS = Path(__file__).parents[2] / "docs"
+EXAMPLES = DOCS.parent / "examples"
+OF_OTHER_TESTS = [
+    *("pip install", "reproduce ", "flangeway damage", "Wheel S1002 on rail", "import", "energy", "cells  "),
+]  # fmt: skip
+"""Words of lines of the README that other tests run: installation, studies, lives of profiles, scripts."""
 
 
-def test_the_first_wheelset_is_as_the_page_says(follow, tmp_path):
-    """Each command of the page works and writes what the page lists; its lines are printed, to 2 %."""
-    page = "tutorials/first-wheelset.md"
-    assert follow(page, tolerance=0.02, skip=["pip install"]) == {"sh": 4, "text": 2, "python": 1}
-    folder = tmp_path / "out" / "wheelset"
-    listed = re.findall(r"^\| (`.*?`) \|", (DOCS / page).read_text(encoding="utf-8"), flags=re.MULTILINE)
-    names = re.findall(r"`([\w-]+\.\w+)`", " ".join(listed))
-    assert len(names) > 8
-    for name in names:
-        assert (folder / name).stat().st_size > 0, name
+FOLLOWED = (
+    ("tutorials/first-wheelset.md", {"sh": 4, "text": 2, "python": 1}, 0.02, ["pip install"]),
+    ("tutorials/wheelset-in-a-curve.md", {"python": 2, "sh": 9, "text": 10}, 0.02, []),
+    ("tutorials/creep-forces-in-a-curve.md", {"python": 1, "sh": 4, "text": 5}, 0.02, []),
+    ("tutorials/profile-life.md", {"python": 1, "sh": 2, "text": 3, "toml": 3}, 0.02, []),
+    ("tutorials/contact.md", {"python": 5, "text": 3}, 0.01, []),
+    ("tutorials/elasticity.md", {"python": 7, "text": 6}, 0.05, []),
+    ("tutorials/your-own-problem.md", {"python": 6, "text": 6}, 0.05, []),
+    ("how-to/read-a-mesh.md", {"python": 4, "text": 3}, 0.05, []),
+    ("how-to/refine-adaptively.md", {"python": 2, "text": 2}, 0.05, []),
+    ("how-to/nearly-incompressible.md", {"python": 2, "text": 2}, 0.05, []),
+    ("how-to/bring-your-profile.md", {"python": 2, "sh": 7, "text": 2}, 0.02, []),
+    ("how-to/write-a-case-file.md", {"toml": 5, "inp": 1, "sh": 7, "text": 4, "python": 2}, 0.01, ["flangeway: cyl"]),
+    ("theory/wheel-rail-geometry.md", {"sh": 1, "python": 3}, 0.02, []),
+    ("theory/spatial-wheelset.md", {"python": 1, "text": 1}, 0.01, []),
+    ("theory/rolling.md", {"python": 1, "text": 1}, 0.01, []),
+    ("theory/three-dimensions.md", {"python": 1, "text": 1}, 1e-6, []),
+    ("../README.md", {"python": 2, "text": 2}, 0.05, [".venv/bin", "wheelset: "]),
+    ("../README.md", {"sh": 2}, 0.02, OF_OTHER_TESTS),
+)
+"""Pages with the number of their blocks, the part to which numbers agree, and words of what is left out."""
+
+
+@pytest.mark.parametrize(("page", "blocks", "tolerance", "skip"), FOLLOWED)
+def test_a_page_runs_from_top_to_bottom(page, blocks, tolerance, skip, follow, tmp_path):
+    """Files are saved, commands and scripts end well in their order, and what is shown is printed."""
+    shutil.copytree(EXAMPLES, tmp_path / "examples")
+    assert follow(page, tolerance, skip) == blocks
+    if page == "tutorials/first-wheelset.md":
+        listed = re.findall(r"^\| (`.*?`) \|", (DOCS / page).read_text(encoding="utf-8"), flags=re.MULTILINE)
+        names = re.findall(r"`([\w-]+\.\w+)`", " ".join(listed))
+        assert len(names) > 8
+        assert all((tmp_path / "out" / "wheelset" / name).stat().st_size > 0 for name in names)
+
+
+def test_files_of_pages_are_those_of_the_examples():
+    """The campaign, the life of a wheel and its strategies stand on their pages as in the files."""
+    campaign, life = (
+        (DOCS / page).read_text(encoding="utf-8") for page in ("how-to/run-a-campaign.md", "tutorials/profile-life.md")
+    )
+    files = {
+        name: (EXAMPLES / f"{name}.toml").read_text("utf-8") for name in ("shift", "wheel-life", "wheel-strategies")
+    }
+    assert f"```toml\n{files['shift']}```" in campaign
+    assert f"```toml\n{files['wheel-life']}```" in life
+    assert files["wheel-strategies"].endswith(life.split("ends with\n\n```toml\n")[1].split("```")[0])
 
 
 def test_the_installation_of_the_page_is_that_of_the_readme():
@@ -30,61 +71,6 @@ def test_the_installation_of_the_page_is_that_of_the_readme():
     assert f"{command} && .venv/bin/flangeway run wheelset\n" in readme
     (shown,) = re.findall(r"^```text\n(wheelset: .*?)^```$", readme, flags=re.MULTILINE | re.DOTALL)
     assert shown in page
-
-
-@pytest.mark.ci
-def test_the_commands_of_the_readme_run_as_printed(follow, tmp_path):
-    """Each command ends well, in its order, in a fresh folder; studies and lives of profiles have their own tests."""
-    shutil.copytree(DOCS.parent / "examples", tmp_path / "examples")
-    skip = ["pip install", "reproduce ", "flangeway damage", "Wheel S1002 on rail", "import", "energy", "cells  "]
-    assert follow("../README.md", skip=skip) == {"sh": 2}
-
-
-def test_the_campaign_of_the_examples_is_that_of_its_page():
-    """The file that the README runs is the one that the page on campaigns explains."""
-    page = (DOCS / "how-to" / "run-a-campaign.md").read_text(encoding="utf-8")
-    assert f"```toml\n{(DOCS.parent / 'examples' / 'shift.toml').read_text(encoding='utf-8')}```" in page
-
-
-def test_the_curve_is_as_the_page_says(follow):
-    """Every command and script ends well, in its order, and prints the lines that the page shows, to 2 %."""
-    assert follow("tutorials/wheelset-in-a-curve.md") == {"python": 2, "sh": 9, "text": 10}
-
-
-def test_creep_forces_are_as_the_page_says(follow):
-    """Every command and script ends well, in its order, and prints the lines that the page shows, to 2 %."""
-    assert follow("tutorials/creep-forces-in-a-curve.md", tolerance=0.02) == {"python": 1, "sh": 4, "text": 5}
-
-
-def test_the_life_of_a_profile_is_as_the_page_says(follow, tmp_path):
-    """The file of the page is that of the examples; the command and the script print what the page shows, to 2 %."""
-    page, file = "tutorials/profile-life.md", DOCS.parent / "examples" / "wheel-life.toml"
-    text = (DOCS / page).read_text(encoding="utf-8")
-    assert f"```toml\n{file.read_text(encoding='utf-8')}```" in text
-    strategies = text.split("ends with\n\n```toml\n")[1].split("```")[0]
-    assert file.with_name("wheel-strategies.toml").read_text(encoding="utf-8").endswith(strategies)
-    shutil.copytree(file.parent, tmp_path / "examples")
-    assert follow(page, tolerance=0.02) == {"python": 1, "sh": 2, "text": 3, "toml": 3}
-
-
-def test_the_contact_is_as_the_page_says(follow):
-    """The scripts print what the page shows, to 1 % (meshes differ a little between machines)."""
-    assert follow("tutorials/contact.md", tolerance=0.01) == {"python": 5, "text": 3}
-
-
-def test_the_plane_problem_is_as_the_page_says(follow, tmp_path):
-    """The scripts print what the page shows, to 5 %, and write the pictures and files that they name."""
-    page = "tutorials/elasticity.md"
-    assert follow(page, tolerance=0.05) == {"python": 7, "text": 6}
-    names = set(re.findall(r'"([\w-]+\.(?:png|vtu|pvd))"', (DOCS / page).read_text(encoding="utf-8")))
-    assert len(names) == 6
-    for name in names:
-        assert (tmp_path / name).stat().st_size > 0, name
-
-
-def test_your_own_problem_is_as_the_page_says(follow):
-    """The scripts print what the page shows, to 5 % (meshes differ a little between machines)."""
-    assert follow("tutorials/your-own-problem.md", tolerance=0.05) == {"python": 6, "text": 6}
 
 
 def test_the_manufactured_solution_of_the_readme_has_twelve_lines_or_less():

@@ -35,7 +35,6 @@ def test_the_sample_is_the_stiffness_of_the_same_triangles() -> None:
         ("x.sti", None, "SOLVER=MATRIXSTORAGE"),
         ("x.sti", "1 1 2.0\n1 2\n", "row, column and value"),
         ("x.sti", "1 99 2.0\n", "run CalculiX once more"),
-        ("x.sti", "", "run CalculiX once more"),
         ("x.dof", "1.1\n1.3\n", "a plane model"),
         ("x.dof", "one.1\n", "node.direction"),
     ],

@@ -54,11 +54,8 @@ def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
     assert [heading for _, heading in contents] == HEADINGS
     assert all(f'<h2 id="{name}">' in hertz_text for name, _ in contents)
     words = unescape(hertz_text)
-    for text in (*hertz.summary["notices"], "Plane strain", "Frictionless", "upper on lower", "load"):
-        assert text in words
+    assert all(text in words for text in hertz.summary["notices"])
     assert f"{hertz.summary['results']['hertz_max_pressure_MPa']:.6g} MPa" in words
-    assert f"numpy {hertz.summary['versions']['numpy']}" in words
-    assert "$" not in hertz_text.split("<script")[0]
 
 
 def test_a_failure_and_notices_are_marked(hertz):
@@ -77,28 +74,23 @@ def test_a_failure_and_notices_are_marked(hertz):
         ("hertz", {"force_N": 1e5 / 3.0, "lower": "block"}),
         ("wheelset-tangent", {"size_scale": 0.1 + 0.2, "rail_inclination": 1 / 30, "crown_radius_in": 14.0}),
         ("torsion", {"size": 1.0 / 3.0, "half": True, "poisson": 0.25}),
+        ("two-bodies", CASES["two-bodies"].example),
     ],
 )
 def test_the_command_and_the_case_file_give_the_same_case(tmp_path, name, values):
-    """Command and case file of the page hold every input to the last digit."""
+    """Command and case file of the page hold every input to the last digit; tables have no room in a command."""
     case = CASES[name].from_values(values)
     file = tmp_path / "case.toml"
     file.write_text(case_text(case), encoding="utf-8")
     assert read_case(file) == case
+    if name == "two-bodies":
+        return
     words = shlex.split(command_line(case))
     assert words[:3] == ["flangeway", "run", name]
     keys = {"--method": "method", "--order": "order", "--size-scale": "size_scale", "--crown-radius": "crown_radius_in"}
     pairs = zip(words[3::2], words[4::2], strict=True)
     given = dict(value.split("=") if option == "--set" else (keys[option], value) for option, value in pairs)
     assert CASES[name].from_values({key: GivenText(text) for key, text in given.items()}) == case
-
-
-def test_the_case_file_of_bodies_gives_the_same_case(tmp_path):
-    """A case with tables, which no command has room for, comes back from the text of the page."""
-    case = CASES["two-bodies"].from_values(CASES["two-bodies"].example)
-    file = tmp_path / "two-bodies.toml"
-    file.write_text(case_text(case), encoding="utf-8")
-    assert read_case(file) == case
 
 
 def test_the_history_has_every_iteration_of_every_step(hertz):
@@ -149,6 +141,4 @@ def test_a_section_in_another_unit(tmp_path):
     assert any("clockwise" in note for note in page.notes)
     # 2 in² of steel, 7850 kg/m³
     assert run.summary["mass_per_metre_kg_m"] == pytest.approx(2.0 * 0.0254**2 * 7850.0)
-    text = report_page(page)
-    assert headings(text) == [each for each in HEADINGS if each != "Numbers" or "Time" in text]
-    assert "<code>flangeway x</code>" in text
+    assert "<code>flangeway x</code>" in report_page(page)

@@ -1,15 +1,11 @@
 """Files and report of two bodies in contact in three dimensions."""
 
-import io
-
 import meshio
 import numpy as np
 import pytest
-from rich.console import Console
 
 from flangeway.cases import load_case
-from flangeway.report.case_outputs import case_record, write_case
-from flangeway.report.page.record import print_record
+from flangeway.report.case_outputs import write_case
 
 
 @pytest.fixture(scope="module")
@@ -21,6 +17,8 @@ def run():
 def test_files_hold_the_force_and_the_stresses(run, tmp_path):
     """All files are there; pressure times area is the force, also on the surface in space; stresses are Hertz's."""
     files = write_case(run, tmp_path)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert f"{run.summary['patches'][0]['max_pressure_MPa']:.1f}" in page
     assert {file.name for file in files} == {
         *("patch.png", "pressure.png", "depth.png", "surface.vtu", "section-lower.vtu", "section-upper.vtu"),
         *("bodies.pvd", "report.html", "summary.json"),
@@ -45,15 +43,8 @@ def test_files_hold_the_force_and_the_stresses(run, tmp_path):
         assert section.point_data["stress_MPa"][:, 1].min() == pytest.approx(-pressures.max(), rel=0.1)
 
 
-def test_summary_terminal_and_page_name_the_numbers(run, tmp_path):
-    """Hertz's pressure within 1 %; the terminal and the page show the maximum pressure and both bodies."""
+def test_the_patch_is_that_of_hertz(run):
+    """Maximum pressure and semi-axes are within 1 %."""
     patch = run.summary["patches"][0]
     assert patch["max_pressure_MPa"] == pytest.approx(patch["hertz_pressure_MPa"], rel=1e-2)
     np.testing.assert_allclose(patch["semi_axes_mm"], patch["hertz_semi_axes_mm"], rtol=1e-2)
-    console = Console(file=io.StringIO(), width=80)
-    print_record(console, case_record(run))
-    write_case(run, tmp_path)
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    for text in (console.file.getvalue(), page):
-        assert f"{patch['max_pressure_MPa']:.1f}" in text
-        assert "upper" in text

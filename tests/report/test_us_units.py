@@ -114,6 +114,7 @@ def test_tables_and_tiles(records):
     assert not [text for text in said if METRIC.search(text) and STANDARD not in text]
 
 
+@pytest.mark.ci
 def test_pictures(records):
     """Data is the same, every tick of an axis with a unit is at its number, and no text has a metric unit."""
     for one, other in zip(*(record.pictures for record in records), strict=True):

@@ -52,7 +52,7 @@ def creep_table(
     ] = "120:280:80",
     tolerance: Annotated[
         float, typer.Option("--tolerance", metavar="SHARE", help="Refinement tolerance, relative to mu N.")
-    ] = 0.05,
+    ] = 0.1,
     workers: Annotated[
         int | None,
         typer.Option("--workers", metavar="N", help="Processes; as many as cores if left out."),

@@ -298,7 +298,7 @@ function drawRigid() {
     context.fill();
     line(context, [[x, y], [x + 45 * -Math.sin(normal), y - 45 * Math.cos(normal)]], colour("--pressure"), 2);
     context.fillStyle = colour("--soft");
-    context.fillText(`${side} wheel on ${side} rail`, k ? width / 2 + 10 : 10, 18);
+    context.fillText(`${side} wheel on ${side} rail`, k ? width / 2 + 10 : 10, width < 600 ? 18 : height - 8);
     context.restore();
   });
   const numbers = [["rolling radius difference", fixed(now.difference, 3), "mm"],
@@ -371,15 +371,34 @@ function runs(across) {
   return found;
 }
 
-// one pixel a cell, which the canvas scales smoothly; without pressure it is transparent
-function picture(pressures, highest, rising) {
-  const n = pressures.length, m = pressures[0].length, made = element("canvas");
-  Object.assign(made, { width: n, height: m });
-  const context = made.getContext("2d"), data = context.createImageData(n, m);
-  pressures.forEach((row, i) => row.forEach((p, j) => {
-    const at = 4 * ((m - 1 - j) * n + (rising ? i : n - 1 - i));
-    data.data.set([...heat(p / highest), p > 0 ? 255 : 0], at);
+// several pixels a cell; squares of values are nearly linear at the edge of a patch, where they go on below zero
+const FINE = 6;
+function picture(values, highest, rising) {
+  const n = values.length, m = values[0].length, made = element("canvas");
+  const square = (i, j) => Math.max(values[i]?.[j] ?? 0, 0) ** 2, steps = [-1, 0, 1];
+  const levels = values.map((row, i) => row.map((_, j) => {
+    if (square(i, j) > 0) return square(i, j);
+    const beyond = steps.flatMap(a => steps.map(b => {
+      const one = square(i + a, j + b), two = square(i + 2 * a, j + 2 * b);
+      return one > 0 ? Math.min(two > 0 ? 2 * one - two : -one, 0) : null;
+    })).filter(v => v !== null);
+    return beyond.length ? beyond.reduce((u, v) => u + v) / beyond.length : -0.1 * highest ** 2;
   }));
+  const around = (k, count) => {
+    const place = Math.min(Math.max((k + 0.5) / FINE - 0.5, 0), count - 1), first = Math.min(Math.floor(place), Math.max(count - 2, 0));
+    return [first, Math.min(first + 1, count - 1), place - first];
+  };
+  Object.assign(made, { width: n * FINE, height: m * FINE });
+  const context = made.getContext("2d"), data = context.createImageData(made.width, made.height);
+  for (let k = 0; k < made.width; k += 1) {
+    const [i, i2, s] = around(k, n);
+    for (let l = 0; l < made.height; l += 1) {
+      const [j, j2, t] = around(l, m);
+      const level = (1 - s) * ((1 - t) * levels[i][j] + t * levels[i][j2]) + s * ((1 - t) * levels[i2][j] + t * levels[i2][j2]);
+      const at = 4 * ((made.height - 1 - l) * made.width + (rising ? k : made.width - 1 - k));
+      data.data.set([...heat(Math.sqrt(Math.max(level, 0)) / highest), level > 0 ? 255 : 0], at);
+    }
+  }
   context.putImageData(data, 0, 0);
   return made;
 }

@@ -1,7 +1,7 @@
 """Creep forces of one patch over all creepages: computed at some, filled between them, and checked at others."""
 
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -23,10 +23,13 @@ SLIPS: Floats = np.array([0.0, 0.12, 0.24, 0.34, 0.42, 0.5, 0.6, 0.7, 0.82, 1.0]
 ANGLES = 24
 """Intervals of 180 degrees of both angles in a table."""
 DIRECTIONS = (4, 6, 8, 12, 24)
-"""Intervals between exact solutions, from coarse to fine: 104, 248, 456, 1,064 and 4,424 of these for each patch."""
+"""Intervals between exact solutions, from coarse to fine: 104, 248, 456, 1,064 and 4,424 of these for each patch, less
+those that a coarser one has."""
 AIM = 1.0 / 6.0
 """Root mean square of the errors of a patch over the tolerance, up to which it gets more exact solutions: few points
 find their mean size, but not the largest."""
+SOLVED = 0.01
+"""Tolerance of the law of friction for the exact solutions of a table: forces change by less than 0.001 mu N."""
 ORDER = 2.0
 """Power of the intervals with which errors fall at least."""
 CREEPS: Floats = np.linspace(0.0, np.pi, ANGLES + 1)
@@ -43,9 +46,12 @@ class SampledPatch:
     functions of further creepages over it. Checks have them.
 
     - `bodies`: the patch.
+    - `rays`: exact forces over the limit of friction and over slip along directions that were asked for, (n_slips, 3),
+      by angles of spin and creepage, and how many of them did not converge.
     """
 
     bodies: RollingContact
+    rays: dict[tuple[float, float], tuple[Floats, int]] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def contact(self) -> RollingContact:
@@ -134,10 +140,30 @@ class SampledPatch:
 
     def exact(self, slip: float, spin: float, creep: float, start: Rolling | None = None) -> Rolling:
         """The exact theory, from a neighbouring result and, where it does not converge from there, without one."""
-        found = roll(self.contact, self.motion(slip, spin, creep), start=start)
+        found = roll(self.contact, self.motion(slip, spin, creep), start=start, tolerance=SOLVED)
         if start is not None and not found.status.converged:
-            return roll(self.contact, found.motion)
+            return roll(self.contact, found.motion, tolerance=SOLVED)
         return found
+
+    def ray(self, slips: Floats, spin: float, creep: float) -> Floats:
+        """Exact forces over slip along a direction, (n_slips, 3); each is computed once."""
+        if (spin, creep) not in self.rays:
+            found: list[Rolling] = []
+            for slip in slips.tolist():
+                found.append(self.exact(slip, spin, creep, found[-1] if found else None))
+            forces = np.array([self.over_limit(each) for each in found]) / slips[:, None]
+            self.rays[spin, creep] = forces, sum(not each.status.converged for each in found)
+        return self.rays[spin, creep][0]
+
+    @property
+    def n_exact(self) -> int:
+        """Number of exact solutions of the rays."""
+        return sum(len(forces) for forces, _ in self.rays.values())
+
+    @property
+    def n_failed(self) -> int:
+        """How many of them did not converge."""
+        return sum(failed for _, failed in self.rays.values())
 
     def coupled(self, slip: float, spin: float, creep: float) -> Rolling:
         """The exact theory with the coupling of the bodies, creepages from those of free rolling."""
@@ -150,13 +176,10 @@ class SampledForces:
 
     - `forces`: (slips, spin angles, creep angles, 3).
     - `beyond`: the same less those of FASTSIM.
-    - `n_exact`, `n_failed`: exact solutions, and those that did not converge.
     """
 
     forces: Floats
     beyond: Floats
-    n_exact: int
-    n_failed: int
 
 
 def sample(
@@ -174,28 +197,22 @@ def sample(
     fast = patch.simplified(slips, spins, creeps)
     simple = fast + near
     if directions == 0:
-        return SampledForces(simple, simple - fast, 0, 0)
+        return SampledForces(simple, simple - fast)
     step = (len(spins) - 1) // directions
     missing = np.zeros((len(slips), directions + 1, directions + 1, 3))
-    n_exact = n_failed = 0
     for row, spin in enumerate(spins[::step].tolist()):
         for column, creep in enumerate(creeps[:-step:step].tolist()):
             pole = abs(row - directions / 2) == directions / 2
             if pole and column:  # pure spin, whatever the other angle
                 missing[:, row, column] = missing[:, row, 0]
-                continue
-            if pole and not row:
-                continue
-            last = None
-            for place, slip in enumerate(slips[1:-1].tolist(), 1):
-                last = patch.exact(slip, spin, creep, last)
-                n_exact, n_failed = n_exact + 1, n_failed + (not last.status.converged)
-                missing[place, row, column] = patch.over_limit(last) / slip - simple[place, step * row, step * column]
+            elif row or not pole:
+                exact = patch.ray(slips[1:-1], spin, creep)
+                missing[1:-1, row, column] = exact - simple[1:-1, step * row, step * column]
     missing[:, 0] = -missing[:, -1, :1]
     # forces are opposite at opposite creepages
     missing[:, :, -1] = -missing[:, ::-1, 0]
     found = simple + _between(missing, (spins[::step], creeps[::step]), (spins, creeps))
-    return SampledForces(found, found - fast, n_exact, n_failed)
+    return SampledForces(found, found - fast)
 
 
 def _between(values: Floats, coarse: tuple[Floats, Floats], fine: tuple[Floats, Floats]) -> Floats:
@@ -237,15 +254,14 @@ def refined(
 
     - `near`: `SampledForces.beyond` of a similar patch, which often serve without exact solutions of its own.
     """
-    exact, wanted, n_exact, n_failed = exact_forces(patch, points), AIM * tolerance, 0, 0
+    exact, wanted = exact_forces(patch, points), AIM * tolerance
     levels = deque((*(() if near is None else (0,)), *DIRECTIONS))
     while True:
         directions = levels.popleft()
         found = sample(patch, directions, AXES, 0.0 if near is None else near)
-        n_exact, n_failed = n_exact + found.n_exact, n_failed + found.n_failed
         errors = check(found, points, exact, AXES)
         if errors.size <= wanted or not levels:
-            return replace(found, n_exact=n_exact, n_failed=n_failed), errors, directions
+            return found, errors, directions
         while len(levels) > 1 and errors.size * (directions / levels[0]) ** ORDER > wanted:
             levels.popleft()
 

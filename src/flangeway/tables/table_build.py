@@ -66,7 +66,7 @@ class TableRequest:
     lateral_mm: Sequence[float]
     yaw_mrad: Sequence[float]
     load_kN: Sequence[float]  # noqa: N815
-    tolerance: float = 0.05
+    tolerance: float = 0.1
 
     def __post_init__(self) -> None:
         for name in AXES:
@@ -80,7 +80,7 @@ class TableRequest:
                 raise InputError(f"{name} = {values.tolist()}", "one number or more, rising", "correct the range")
         if not 0.0 < self.tolerance <= 1.0:
             raise InputError(
-                f"tolerance = {self.tolerance:g}", "a number above 0, up to 1", "0.05 is 5 % of the limit of friction"
+                f"tolerance = {self.tolerance:g}", "a number above 0, up to 1", "0.1 is 10 % of the limit of friction"
             )
         given = [key for key in FREE_KEYS if key in self.case.model_fields_set]
         if self.case.model != "spatial" or given:
@@ -153,9 +153,8 @@ class _Build:
         """All of it."""
         self._locate_jumps()
         for number in range(MAX_PASSES):
-            first = [each for each in self._positions() if each == self._middle(each)]
-            self._run("table", first, self.sampled, N_POINTS)
-            self._run("table", self._positions(), self.sampled, N_POINTS)
+            for wave in self._waves():
+                self._run("table", wave, self.sampled, N_POINTS)
             found = self._assembled()
             errors = self._errors_between(found, number)
             checks = self._checks(errors)
@@ -180,10 +179,47 @@ class _Build:
         least = min(self.request.tolerance, max(found.values(), default=0.0))
         return {middle for middle, error in found.items() if error >= least}
 
-    def _middle(self, position: Position) -> Position:
-        """The position with the middle yaw and load, whose forces serve as first guess."""
-        yaw, load = (axis[len(axis) // 2] for axis in (self.request.yaw_mrad, self.request.load_kN))
-        return position[0], float(yaw), float(load)
+    def _waves(self) -> list[list[Position]]:
+        """Positions in groups, each with neighbours in those before whose forces serve as first guess.
+
+        Lateral positions by halving at the middle yaw and load, then other loads, then other yaws.
+        """
+        yaw, load = (float(axis[len(axis) // 2]) for axis in (self.request.yaw_mrad, self.request.load_kN))
+        groups, step = [self.lateral[:1]], 1 << max(len(self.lateral) - 2, 0).bit_length()
+        while step:
+            groups.append(self.lateral[step :: 2 * step])
+            step //= 2
+        waves = [[(lateral, yaw, load) for lateral in group] for group in groups]
+        waves.append([each for each in self._positions() if each[1] == yaw])
+        return [*waves, self._positions()]
+
+    def _near(self, position: Position) -> Arrays | None:
+        """What the table's positions next to a position have beyond FASTSIM, of those with the same patches.
+
+        The next one over yaw, which hardly matters, or both beside it, or the next one over load, or on one side.
+        """
+        mine = self.contacts[position]["side"]
+        known = [each for each, found in self.sampled.items() if np.array_equal(found["side"], mine)]
+
+        def nearest(axis: int, beyond: float = 0.0) -> list[Position]:
+            """The nearest one that differs in one number only; above (1) or below (-1) if it says so."""
+            there = [
+                each
+                for each in known
+                if all(each[k] == position[k] for k in range(3) if k != axis)
+                and (each[axis] - position[axis]) * beyond >= 0.0
+            ]
+            return [min(there, key=lambda each: abs(each[axis] - position[axis]))] if there else []
+
+        below, above = nearest(0, -1.0), nearest(0, 1.0)
+        over_yaw, over_load = nearest(1), nearest(2)
+        if over_yaw or not (below and above):
+            chosen = over_yaw or over_load or below or above
+            return self.sampled[chosen[0]] if chosen else None
+        (low,), (high,) = below, above
+        share = (position[0] - low[0]) / (high[0] - low[0])
+        between = (1.0 - share) * self.sampled[low]["beyond"] + share * self.sampled[high]["beyond"]
+        return {"side": mine, "beyond": between.astype(np.float32)}
 
     def _positions(self) -> list[Position]:
         return list(
@@ -197,7 +233,7 @@ class _Build:
         tasks = [
             PositionTask(
                 *(self.request.case, each, kind, self.request.tolerance, n_points),
-                store.get(self._middle(each)) if kind == "table" else None,
+                self._near(each) if kind == "table" else None,
             )
             for each in dict.fromkeys(images.values())
             if each not in store

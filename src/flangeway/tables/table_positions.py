@@ -133,7 +133,7 @@ def _sampled(patch: SampledPatch, points: Floats, tolerance: float, near: Floats
     found, errors, directions = refined(patch, points, tolerance, near)
     return {
         "forces": found.forces.astype(np.float32), "beyond": found.beyond.astype(np.float32), "directions": directions,
-        "n_exact": found.n_exact, "n_failed": found.n_failed,
+        "n_exact": patch.n_exact, "n_failed": patch.n_failed,
         "force_errors": errors.force, "moment_errors": errors.moment,
     }  # fmt: skip
 

@@ -56,6 +56,21 @@ def test_energy_law_wears_the_constant_times_t_gamma(curve) -> None:
     assert [each.t_gamma_N for each in patch_damage(curve)] == [each.t_gamma_N for each in curve.rolling]
 
 
+def test_worn_areas_of_both_profiles_are_those_of_the_cells(curve) -> None:
+    """Cells are carried to the profiles where their patches are, without loss, to 1e-10."""
+    problem = curve.problem
+    profiles = {"wheel": problem.wheelset.wheel, "rail": problem.track.rail}
+    for row in row_wear(curve, {"wheel": ENERGY, "rail": ENERGY}):
+        surface = WornSurface(profiles[row.role])
+        depth = surface.deposited(row.ends, row.areas)
+        assert (depth * surface.worn_lengths).sum() == pytest.approx(row.areas.sum(), rel=1e-10)
+        patch = next(each.patch for each in curve.rolling if each.patch.side == row.side)
+        centre = patch.wheel_point_mm if row.role == "wheel" else patch.rail_point_mm
+        x = np.average(surface.worn_points[:-1, 0], weights=np.maximum(depth, 0.0))
+        if sum(each.patch.side == row.side for each in curve.rolling) == 1:
+            assert x == pytest.approx(centre[0], abs=2.0)
+
+
 def settings(end: float = 3000.0, depth: float = 0.05, **more: object) -> EvolutionSettings:
     """Steps of 0.05 mm."""
     return EvolutionSettings(end, max_depth_mm=depth, **more)

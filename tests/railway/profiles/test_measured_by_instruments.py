@@ -6,6 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from flangeway.cases import WheelsetTangentCase
+from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.cases.wheelset.wheelset_profiles import rail_named, side_warnings, wheel_named
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
@@ -131,13 +133,6 @@ def test_a_left_rail_is_mirrored_with_a_warning(tmp_path):
     assert any("field side" in each for each in side_warnings(Track(rail_named(small, None, "60E1"), **GAUGE)))
 
 
-def test_the_only_face_that_is_measured_is_the_gauge_face(tmp_path):
-    """A head of which only the face at the field side was measured is a left-hand one, with the other face not."""
-    half = head(0.5)[head(0.5)[:, 0] < 18.0]
-    for points, mirrored in ((half, False), (half * [-1.0, 1.0], True)):
-        assert read_profile(saved(tmp_path, points, "half.ban")).orientation.mirrored is mirrored
-
-
 def test_a_wheel_worn_in_memory_stands_on_its_worn_surface():
     """A running surface 0.6 mm higher lowers the rigid wheelset by 0.6 mm and its rolling radius as much."""
     new = wheel("S1002")
@@ -147,3 +142,34 @@ def test_a_wheel_worn_in_memory_stands_on_its_worn_surface():
     assert found[0].vertical_mm[0] - found[1].vertical_mm[0] == pytest.approx(-0.6, abs=1e-9)
     radii = [each.right.rolling_radii_mm[0, 0] for each in found]
     assert radii[1] - radii[0] == pytest.approx(0.6, abs=1e-9)
+
+
+@pytest.mark.parametrize("case", [WheelsetTangentCase, GeometryCase])
+def test_mirror_unit_and_tape_are_keys_of_cases(case, tmp_path):
+    """Every case takes ``rail_mirror``, ``rail_unit``, ``wheel_tape_mm`` and those of the left side."""
+    right = head(2.0)
+    left = saved(tmp_path, right * [-1.0, 1.0], "left.ban")
+    inches = tmp_path / "inches.txt"
+    inches.write_text("\n".join(f"{x:.6f} {y:.6f}" for x, y in right / 25.4), encoding="utf-8")
+    inches_of_tread = wheel("S1002").running_surface.sampled(spacing=0.5) / 25.4
+    wheels = tmp_path / "wheel.txt"
+    wheels.write_text("\n".join(f"{x:.6f} {y:.6f}" for x, y in inches_of_tread), encoding="utf-8")
+    values = {
+        "rail": str(inches), "rail_unit": "in", "left_rail": str(left), "left_rail_mirror": True, "rail_body": "60E1",
+        "wheel": str(wheels), "wheel_unit": "in", "wheel_tape_mm": 71.0, "wheel_body": "S1002", "gauge_mm": 1435.0,
+    }  # fmt: skip
+    made = case.from_values(values)
+    track, axle = made.track(), made.wheelset()
+    outlines = [track.rail_of(side).outline.sampled(spacing=1.0) for side in ("left", "right")]
+    assert track.rail_of("right").outline.closest(outlines[0])[2].max() < 0.02
+    assert not any("field side" in each for side in ("left", "right") for each in track.rail_of(side).notices)
+    assert axle.wheel.flange_back_mm == 71.0
+    wrong = case.from_values({**values, "left_rail_mirror": False}).track()
+    assert any("left_rail_mirror" in each for each in wrong.rail_of("left").notices)
+
+
+def test_a_key_for_no_file_is_refused():
+    """What is said of the file of a bundled or missing profile is refused, with the key."""
+    for values in ({"rail_mirror": True}, {"wheel_tape_mm": 70.0}, {"left_rail_unit": "in"}):
+        with pytest.raises(InputError, match=next(iter(values))):
+            WheelsetTangentCase.from_values(values).problem()

@@ -109,10 +109,11 @@ def test_text_of_spreadsheets_in_two_bytes_a_letter_is_read(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "head", ["n,x,y,angle", "point;X [mm];Y [mm];A", "No y_mm z_mm dev", "a line with y and x\nn\tX\tY\tcurvature"]
+    "head",
+    ["n,x,y,angle", "point;X [mm];Y [mm];A", "No y_mm z_mm dev", "a line with y and x\nn\tX\tY\tcurvature", "\t"],
 )
 def test_named_columns_are_taken_wherever_they_stand(head, tmp_path):
-    """Of several columns those called x and y, or y and z, are the coordinates, not the points' numbers before them."""
+    """Columns called x and y, or y and z, are the coordinates; else those that neither count points nor stay."""
     points = points_of("rail")
     separator = next(each for each in "\t;, " if each in head.splitlines()[-1])
     rows = [separator.join((str(n), f"{x:.6f}", f"{y:.6f}", "0.5")) for n, (x, y) in enumerate(points)]
@@ -255,24 +256,6 @@ def test_decimal_commas_are_read_in_files_of_other_programs(kind, ending, tmp_pa
     found = read_profile(saved(tmp_path, name, re.sub(r"(\d)\.(\d)", r"\1,\2", text)), options)
     np.testing.assert_array_equal(found.points, wanted.points)
     assert found.orientation.tape_mm == wanted.orientation.tape_mm
-
-
-def test_columns_without_names_are_taken_by_their_numbers(tmp_path):
-    """A column that counts the points, or never changes, is no coordinate; a notice says which ones are."""
-    rows = "\n".join(f"{n}\t7.5\t{x:.6f}\t{y:.6f}" for n, (x, y) in enumerate(points_of("rail"), 1))
-    found = read_profile(saved(tmp_path, "p.txt", rows), ReadOptions(unit="mm", smooth_mm=0.0))
-    np.testing.assert_allclose(found.points, points_of("rail"), atol=6e-7)
-    assert any("numbers 3 and 4 are taken" in notice for notice in found.notices)
-
-
-def test_a_miniprof_file_in_inches_is_found_and_read_with_its_unit(tmp_path):
-    """Six millimetres are no wheel: the message names the option, with which the file is read."""
-    points = points_of("wheel")
-    file = saved(tmp_path, "w.whl", write_miniprof(points / 25.4, "wheel", "a", 70.0 / 25.4))
-    with pytest.raises(InputError, match="--unit in"):
-        read_profile(file)
-    found = read_profile(file, ReadOptions(unit="in", tape_mm=70.0, smooth_mm=0.0))
-    np.testing.assert_allclose(found.points, points, atol=1e-6)
 
 
 def test_exchanged_columns_are_refused(tmp_path):

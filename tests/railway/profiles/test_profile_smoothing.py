@@ -119,16 +119,6 @@ def test_without_smoothing_the_curve_goes_through_all_points():
     assert found.curve.closest(points)[2].max() <= ARC_TOLERANCE_MM * 1.01
 
 
-@pytest.mark.parametrize(
-    ("wavelength", "limit", "message"),
-    [(math.nan, None, "--smooth"), (1e3, None, "--smooth"), (5.0, 0.0, "--limit")],
-)  # fmt: skip
-def test_senseless_options_are_refused(wavelength, limit, message):
-    """Wavelengths and limits out of range are named in the message."""
-    with pytest.raises(InputError, match=message):
-        smoothed(circle(100), wavelength, limit)
-
-
 def test_biarcs_are_smooth_and_within_their_tolerance():
     """Arcs along an ellipse meet tangentially, within the tolerance; halved lengths have an eighth of the error."""
 

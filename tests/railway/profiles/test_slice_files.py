@@ -142,16 +142,3 @@ def test_a_position_is_needed_and_only_for_slices(tmp_path):
         GeometryCase.from_values({"rail": "60E1", "rail_position_mm": 1.0}).track()
     with pytest.raises(InputError, match="--position 3"):
         read_profile(tmp_path / "slice0.txt", ReadOptions(position=3.0))
-
-
-def test_slices_in_metres_need_the_unit(tmp_path):
-    """Slices without a unit count as mm: their length in m is refused with the unit to give, which makes them mm."""
-    file = rail_file(tmp_path)
-    wanted = at(file, 50.0)
-    for slice_ in tmp_path.glob("slice*.txt"):
-        np.savetxt(slice_, np.loadtxt(slice_) / 1000.0, fmt="%.8f")
-    with pytest.raises(InputError) as caught:
-        at(file, 50.0)
-    assert "--unit m" in caught.value.advice
-    found = read_profile(file, ReadOptions(position=50.0, unit="m", smooth_mm=0.0))
-    np.testing.assert_allclose(found.points, wanted.points, atol=1e-4)

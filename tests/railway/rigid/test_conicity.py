@@ -7,7 +7,6 @@ import pytest
 from scipy.special import ellipk, gamma
 
 from flangeway.errors import InputError
-from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.conicity import (
     RollingRadiusDifference,
     conicity_by_regression,
@@ -17,7 +16,6 @@ from flangeway.railway.rigid.conicity import (
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidSide
-from flangeway.railway.track.placements import Track, Wheelset
 
 AMPLITUDES = np.array([0.1, 1.0, 3.0, 7.5])
 
@@ -113,32 +111,6 @@ def test_circular_profiles_agree_with_the_known_formula(wheel_radius, rail_radiu
     assert found == pytest.approx(expected, rel=0.01)
 
 
-def test_the_conicity_of_s1002_on_60e1():
-    """At 3 mm, gauge 1435 mm, 1:40, the usual European pair has 0.17 to 0.18, whether it rolls or not."""
-    track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
-    rigid = RigidGeometry.of(track, wheelset)
-    lateral = np.arange(-450, 451) * 0.01
-    found = [
-        equivalent_conicity(RollingRadiusDifference.of(rigid.locus(lateral, roll=roll)), [3.0])[0]
-        for roll in (True, False)
-    ]
-    assert found == pytest.approx([0.1771, 0.1741], abs=5e-4)
-
-
-@pytest.mark.parametrize(
-    ("lateral", "values"),
-    [
-        ([0.0, 1.0], [0.0]),
-        ([1.0, 0.0], [0.0, 1.0]),
-        ([0.0, 1.0], [0.0, math.inf]),
-    ],
-)
-def test_wrong_differences_are_refused(lateral, values):
-    """A rolling radius difference is two arrays of finite numbers over increasing lateral motions."""
-    with pytest.raises(InputError):
-        RollingRadiusDifference(lateral, values)
-
-
 def test_columns_are_taken_by_their_names(tmp_path):
     """Of the table of `flangeway geometry` lateral displacement and difference are read, with their unit."""
     lateral = np.linspace(-8.0, 8.0, 33)
@@ -153,12 +125,3 @@ def test_columns_are_taken_by_their_names(tmp_path):
     with pytest.raises(InputError, match="line 3: 'A,1,2'") as raised:
         read_rolling_radius_difference(file)
     assert "lateral displacement and rolling radius difference" in raised.value.allowed
-
-
-@pytest.mark.parametrize("amplitude", [0.0, math.nan, 9.0])
-def test_wrong_amplitudes_are_refused(amplitude):
-    """Amplitudes are positive and inside the given lateral motions."""
-    difference = RollingRadiusDifference([-8.0, 8.0], [-0.8, 0.8])
-    for method in (equivalent_conicity, conicity_by_regression):
-        with pytest.raises(InputError):
-            method(difference, [amplitude])

@@ -91,10 +91,3 @@ def test_a_wall_has_no_running_surface():
     """A vertical line alone is refused."""
     with pytest.raises(InputError, match="running surface"):
         RigidCurve.from_contour(Contour.from_segments([Line((0.0, 0.0), (0.0, 1.0))], ["wall"]))
-
-
-@pytest.mark.parametrize("x", [[0.0], [1.0, 0.0], [0.0, np.nan]])
-def test_points_that_are_no_graph_are_refused(x):
-    """A graph needs two or more points with increasing x."""
-    with pytest.raises(InputError, match="graph"):
-        RigidCurve.from_graph(x, np.zeros(len(x)), np.zeros(len(x)))

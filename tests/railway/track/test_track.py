@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 
@@ -66,18 +65,3 @@ def test_left_mirrors_right() -> None:
     wheelset, track = Wheelset(wheel()), Track(rail())
     assert wheel_points(wheelset, "left") * mirror == pytest.approx(wheel_points(wheelset, "right"))
     assert head_points(track, "left") * mirror == pytest.approx(head_points(track, "right"))
-
-
-@pytest.mark.parametrize(
-    ("make", "name"),
-    [
-        (lambda: Track(rail(), gauge_mm=0.0), "gauge_mm"),
-        (lambda: Track(rail(), rail_inclination=40.0), "rail_inclination"),
-        (lambda: Wheelset(wheel(), back_to_back_mm=-1.0), "back_to_back_mm"),
-        (lambda: Wheelset(wheel(), centre_of_gravity_height_mm=math.nan), "centre_of_gravity_height_mm"),
-    ],
-)
-def test_bad_measures_are_named(make, name: str) -> None:
-    """A measure that cannot be is refused with its name."""
-    with pytest.raises(InputError, match=name):
-        make()

@@ -1,9 +1,7 @@
 """Bending of axles, beside closed forms of beams."""
 
 import numpy as np
-import pytest
 
-from flangeway.errors import InputError
 from flangeway.railway.wheelset.axle import Axle
 
 PLACES = np.array([-750.0, 750.0])
@@ -46,25 +44,3 @@ def test_forces_superpose_and_mirror() -> None:
     )
     mirrored = axle.tilts(PLACES, one[::-1] * [1.0, -1.0])
     np.testing.assert_allclose(mirrored, -axle.tilts(PLACES, one)[::-1], rtol=1e-10)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"young": -1.0}, "young"),
-        ({"diameters_mm": ((0.0, 170.0), (900.0, 0.0))}, "positive diameters"),
-        ({"diameters_mm": ((0.0, 170.0), (900.0, 170.0), (800.0, 170.0))}, "order them"),
-        ({"diameters_mm": (0.0, 170.0)}, "pairs"),
-    ],
-)
-def test_wrong_dimensions_are_refused(wrong, message) -> None:
-    """What is no axle ends in a clear error."""
-    with pytest.raises(InputError, match=message):
-        Axle(**wrong)
-
-
-@pytest.mark.parametrize("places", [(750.0, -750.0), (-750.0, 3000.0)])
-def test_wheels_beside_the_axle_are_refused(places) -> None:
-    """Exchanged wheels, and one beyond the axle's end."""
-    with pytest.raises(InputError, match="both on the axle"):
-        Axle().tilts(np.array(places), np.zeros((2, 2)))

@@ -93,6 +93,7 @@ def test_spin_is_counter_clockwise_from_above(bodies):
         assert found.spin_moment_Nm * found.spin_creepage_per_m < 0.0
 
 
+@pytest.mark.ci
 def test_different_materials_find_their_pressures_anew():
     """A softer wheel: pressures change with friction, their resultant does not."""
     problem, model = (

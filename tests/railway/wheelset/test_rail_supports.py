@@ -47,26 +47,6 @@ def test_the_support_covers_the_whole_base() -> None:
         rail_problem(Space(bar, Lagrange(1)), STEEL, "low", SUPPORT)
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"kind": "ladder"},
-        {"spacing_mm": 0.0},
-        {"vertical_kN_per_mm": 0.0},
-        {"longitudinal_kN_per_mm": float("nan")},
-        {"pad_length_mm": 601.0},
-        {"position": 1.0},
-        {"position": "over"},
-        {"n_sleepers": 20},
-    ],
-)
-def test_supports_without_sense_are_refused(wrong) -> None:
-    """Each error names the value: zero stiffness, positions beyond the next sleeper, even or few sleepers."""
-    (name,) = wrong
-    with pytest.raises(InputError, match=name):
-        RailSupport(**wrong)
-
-
 def test_sleepers_lie_about_the_wheel() -> None:
     """The last sleeper is behind the wheel by its position, as many are before as behind, none if continuous."""
     places = RailSupport(position=0.25, n_sleepers=5).sleepers_mm

@@ -59,9 +59,9 @@ def test_the_position_of_the_default_mesh_is_the_recorded_one(name: str) -> None
     assert result.equilibrium.position.components == pytest.approx(FINE[name], rel=1e-9, abs=1e-10)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
-    ("method", "case", "primary"),
-    [("fem", WheelsetCurveCase, "wheel"), pytest.param("vem", WheelsetTangentCase, "rail", marks=pytest.mark.ci)],
+    ("method", "case", "primary"), [("fem", WheelsetCurveCase, "wheel"), ("vem", WheelsetTangentCase, "rail")]
 )
 def test_quadratic_edges_do_not_lock_into_each_other(
     method: str, case: type[WheelsetTangentCase], primary: str

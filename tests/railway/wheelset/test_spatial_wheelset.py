@@ -95,6 +95,7 @@ def test_more_cells_across_a_patch_change_it_by_their_error(wheelset):
         assert few.ellipse.max_pressure == pytest.approx(many.ellipse.max_pressure, rel=0.01)
 
 
+@pytest.mark.ci
 def test_pressure_and_area_change_smoothly_as_the_wheelset_moves(wheelset):
     """In steps of 0.05 mm across a jump of the rail's curvature their noise is below 0.3 %."""
     found = noise(pressures_and_areas([moved_to(wheelset, lateral) for lateral in np.arange(1.1, 1.58, 0.05).tolist()]))

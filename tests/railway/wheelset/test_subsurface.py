@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from flangeway.cases import WheelsetTangentCase
-from flangeway.errors import InputError
 from flangeway.railway.wheelset.subsurface import (
     maximum_on,
     maximum_shear,
@@ -62,14 +61,3 @@ def test_a_cubic_finds_the_top_between_jumps():
     found = maximum_on(depths, middles - middles**2 / np.hypot(1.0, middles))
     assert found.value_MPa == pytest.approx(0.3003, rel=0.005)
     assert found.depth_mm == pytest.approx(0.7862, rel=0.03)
-
-
-def test_wrong_requests_are_refused(light):
-    """A depth that is not positive, one point, and another body are refused with what is allowed."""
-    patch = light.patches[0]
-    with pytest.raises(InputError, match="positive length"):
-        stresses_below(light, patch, "rail", 0.0)
-    with pytest.raises(InputError, match="2 or more"):
-        stresses_below(light, patch, "rail", 1.0, 1)
-    with pytest.raises(InputError, match="wheel"):
-        stresses_below(light, patch, "axle")

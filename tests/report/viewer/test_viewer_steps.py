@@ -165,41 +165,31 @@ def test_the_deformation_is_that_of_the_step(open_page, page, run):
 
 
 def test_buttons_keys_and_play_choose_steps(open_page, page):
-    """Buttons beside the slider, its own keys, S in the picture and play go through the steps, each announced."""
+    """A button beside the slider, its own keys, S in the picture and play go through the steps, each announced."""
     # slow at first: a busy machine may take seconds from play to pause
     slow = "window.slow = 100; const own = setInterval; window.setInterval = (act, ms) => own(act, ms * window.slow)"
     opened = open_page(page, script=slow)
     slider, told = opened.page.locator("#viewer-step"), "document.querySelector('.viewer-live').textContent"
-    button = {name: opened.page.get_by_role("button", name=name, exact=True) for name in ("Next load step", "play")}
-    button["Previous"] = opened.page.get_by_role("button", name="Previous load step")
+    button = {
+        name: opened.page.get_by_role("button", name=name, exact=True)
+        for name in ("Next load step", "Previous load step", "play", "pause")
+    }
     assert button["Next load step"].get_attribute("aria-disabled") == "true"
-    button["Next load step"].click(force=True)
-    assert slider.input_value() == "3"
-    button["Previous"].click()
+    button["Previous load step"].click()
     assert slider.input_value() == "2"
     opened.page.wait_for_function(f"{told}.startsWith('Load step 3 of 4: 75 %')")
     slider.focus()
     opened.page.keyboard.press("Home")
     assert slider.input_value() == "0"
-    assert button["Previous"].get_attribute("aria-disabled") == "true"
-    opened.fly("contact")
     opened.canvas.focus()
-    opened.page.keyboard.press("ArrowDown")
     opened.page.keyboard.press("s")
     assert slider.input_value() == "1"
-    opened.page.wait_for_function(f"/Load step 2 of 4.*MPa/.test({told})")
     opened.page.keyboard.press("Shift+S")
     assert slider.input_value() == "0"
     button["play"].click()
-    pause = opened.page.get_by_role("button", name="pause", exact=True)
-    assert pause.is_visible()
-    pause.click()
+    button["pause"].click()
     assert int(slider.input_value()) < 3
-    choose(opened, 3)
-    play = (
-        "window.slow = 1; document.querySelector('#viewer-play').click(); document.querySelector('#viewer-step').value"
-    )
-    assert opened.page.evaluate(play) == "0"
+    opened.page.evaluate("window.slow = 1; document.querySelector('#viewer-play').click()")
     button["play"].wait_for()
     assert slider.input_value() == "3"
     opened.page.wait_for_function(f"{told}.startsWith('Load step 4 of 4')")
@@ -249,7 +239,7 @@ def test_the_files_have_every_load_step(run, page, tmp_path):
         )
 
 
-def test_too_many_steps_are_thinned_out_evenly(open_page, run, tmp_path, monkeypatch):
+def test_too_many_steps_are_thinned_out_evenly(run, monkeypatch):
     """A page keeps to its largest number of values: it has some steps evenly, the last among them, and says so."""
 
     def n_packed(scene):
@@ -265,10 +255,7 @@ def test_too_many_steps_are_thinned_out_evenly(open_page, run, tmp_path, monkeyp
     assert [name.split(":")[0] for name in scene.steps] == ["1 of 4", "4 of 4"]
     for part, complete in zip(scene.parts, whole.parts, strict=True):
         assert np.array_equal(part.point_arrays["stresses"], complete.point_arrays["stresses"][[0, 3]])
-    opened = open_page(write_page(tmp_path / "report.html", run))
-    assert "2 of the 4 load steps are shown" in opened.page.inner_text(".viewer-steps-note")
-    opened.page.get_by_role("button", name="Previous load step").click()
-    assert "1 of 4" in opened.page.inner_text("#viewer-step-name")
+    assert "2 of the 4 load steps are shown" in scene.steps_note
     monkeypatch.setattr(body_steps, "MAX_VALUES", 1)
     only = bodies_scene(run, steps_of(run))
     assert only.steps == ()

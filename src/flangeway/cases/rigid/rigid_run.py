@@ -169,7 +169,7 @@ CONTACT_QUANTITIES: Quantities[LoadedContact] = (
     Quantity("wheel_point", "point of the wheel", lambda at: at.point.wheel_point_mm, "mm", "z.2f", ("x", "y")),
     Quantity("rail_point", "point of the rail", lambda at: at.point.rail_point_mm, "mm", "z.2f", ("x", "y")),
     Quantity("rolling_radius", "rolling radius", lambda at: at.point.rolling_radius_mm, "mm", ".2f"),
-    Quantity("ahead_of_axle", "ahead of the axle", lambda at: at.point.ahead_mm, "mm", "z.2f"),
+    Quantity("ahead_of_axle", "longitudinal position of contact", lambda at: at.point.ahead_mm, "mm", "z.2f"),
     Quantity("relative_curvature", "relative curvature", lambda at: at.point.relative_curvature_per_mm, "1/mm"),
     Quantity("hertz_half_width", "Hertz: half width", lambda at: at.hertz and at.hertz.half_width, "mm"),
     Quantity("hertz_max_pressure", "Hertz: maximum pressure", lambda at: at.hertz and at.hertz.max_pressure, "MPa"),

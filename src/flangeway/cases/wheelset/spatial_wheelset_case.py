@@ -330,7 +330,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
         wheel = {
             "rim": "Only the rims of the wheels are modelled, clamped at their inner faces.",
             "whole": "The wheels have an assumed web and hub, and are held at the bore; sections drawn and saved "
-            "are of their rims alone, held at their cuts: web and hub count in the compliance only.",
+            "are of the rims alone, clamped at their inner faces: web and hub count in the compliance only.",
         }[self.wheel_section]
         axle = {
             "elastic": "Axle bending: AAR class F axle, loaded at its journals.",

@@ -137,7 +137,7 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
             *profile_notes(track, wheelset),
             *(
                 f"Linear elastic, isotropic {name}: Young's modulus {material.young:g} MPa, Poisson's ratio "
-                f"{material.poisson:g}; no yielding, however high the stress."
+                f"{material.poisson:g}; plasticity is not modelled."
                 for name, material in materials.items()
             ),
             "Contact without friction.",

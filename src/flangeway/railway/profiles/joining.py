@@ -149,7 +149,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     if offset:
         notices = (*notices, f"The head is moved sideways by {offset:.2f} mm: its field side lies on the nominal one.")
     _refuse_short(surface, kind)
-    title = f"{measured.title} on {nominal.title}"
+    title = f"{measured.title} (body of {nominal.title})"
     certainty = (
         f"Running surface as measured, joined by straight transitions to the nominal {nominal.title}."
         f"{_tape_text(measured)}"
@@ -201,7 +201,7 @@ def clipped_notices(
     words = RAIL_SIDES[::-1] if measured.kind == "rail" else WHEEL_SIDES
     if others and extent(others[0]) > MAX_CLIPPED * extent(kept):
         raise InputError(
-            f"a running surface divided by an overhang, about {measured.place(ends[int(others[0][0, 0] > x)], moved)}",
+            f"a surface that overhangs at {measured.place(ends[int(others[0][0, 0] > x)], moved)}",
             f"one running surface, or parts beyond an overhang up to {MAX_CLIPPED:g} of its width",
             "save the part that the wheel runs on alone, and remove hooks of the measurement",
         )

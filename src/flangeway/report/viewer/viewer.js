@@ -342,7 +342,7 @@ function sideGroups(parts) {
 function sidesOf(parts, viewer) {
   const groups = sideGroups(parts);
   if (groups.length < 2) return [];
-  return groups.map((group) => ({ name: `${group[0].side} side`, box: () => widened(boxOf(group, viewer.factor)) }));
+  return groups.map((group) => ({ name: `${group[0].side} rail`, box: () => widened(boxOf(group, viewer.factor)) }));
 }
 
 // A view about a place; it moves with the side whose part is nearest.

@@ -1,0 +1,88 @@
+"""What classes and functions of the railway refuse: arguments without sense, by their names."""
+
+import math
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.railway.damage.rolling_fatigue import DangVan, surface_fatigue_index
+from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
+from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, EnergyLaw, OwnLaw, UsfdLaw
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.smoothing import smoothed
+from flangeway.railway.rigid.conicity import RollingRadiusDifference, conicity_by_regression, equivalent_conicity
+from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.track.wheelset_load import WheelsetLoad, superelevation_angle
+from flangeway.railway.wheelset.axle import Axle
+from flangeway.railway.wheelset.supported_rail import RailSupport
+from flangeway.railway.wheelset.whole_wheel import WheelDisc, whole_wheel
+
+DIFFERENCE = RollingRadiusDifference([-8.0, 8.0], [-0.8, 0.8])
+CIRCLE = 30.0 * np.column_stack((np.cos(np.linspace(0.2, 2.9, 100)), np.sin(np.linspace(0.2, 2.9, 100))))
+CELL = CellLoads(np.ones((1, 1)), np.ones((1, 1, 2)), np.ones((1, 1, 2)), np.ones((1, 1)), 20.0)
+
+
+def disc(**wrong):
+    return whole_wheel(wheel("S1002"), 460.0, WheelDisc(**wrong))
+
+
+WRONG = {
+    "gauge_mm": lambda: Track(rail(), gauge_mm=0.0),
+    "rail_inclination": lambda: Track(rail(), rail_inclination=40.0),
+    "back_to_back_mm": lambda: Wheelset(wheel(), back_to_back_mm=-1.0),
+    "centre_of_gravity_height_mm": lambda: Wheelset(wheel(), centre_of_gravity_height_mm=math.nan),
+    "vertical_N=-1": lambda: WheelsetLoad(-1.0),
+    "lateral_N=inf": lambda: WheelsetLoad(1.0, math.inf),
+    "superelevation": lambda: superelevation_angle(2000.0, 1600.0),
+    "young": lambda: Axle(young=-1.0),
+    "positive diameters": lambda: Axle(diameters_mm=((0.0, 170.0), (900.0, 0.0))),
+    "order them": lambda: Axle(diameters_mm=((0.0, 170.0), (900.0, 170.0), (800.0, 170.0))),
+    "pairs": lambda: Axle(diameters_mm=(0.0, 170.0)),
+    "both on the axle": lambda: Axle().tilts(np.array([750.0, -750.0]), np.zeros((2, 2))),
+    "kind": lambda: RailSupport(kind="ladder"),
+    "spacing_mm": lambda: RailSupport(spacing_mm=0.0),
+    "vertical_kN_per_mm": lambda: RailSupport(vertical_kN_per_mm=0.0),
+    "longitudinal_kN_per_mm": lambda: RailSupport(longitudinal_kN_per_mm=math.nan),
+    "pad_length_mm": lambda: RailSupport(pad_length_mm=601.0),
+    "position=1": lambda: RailSupport(position=1.0),
+    "position='over'": lambda: RailSupport(position="over"),
+    "n_sleepers": lambda: RailSupport(n_sleepers=20),
+    "rim_mm": lambda: disc(rim_mm=0.0),
+    "web_middle_mm": lambda: disc(web_middle_mm=(0.0, math.inf)),
+    "a hub from 10 to 10 mm": lambda: disc(hub_mm=(10.0, 10.0)),
+    "a bore smaller than the hub": lambda: disc(bore_radius_mm=150.0),
+    "parts that follow each other": lambda: disc(hub_radius_mm=430.0),
+    "a smaller fillet_mm": lambda: disc(fillet_mm=200.0),
+    "two arrays of the same length": lambda: RollingRadiusDifference([0.0, 1.0], [0.0]),
+    "increas": lambda: RollingRadiusDifference([1.0, 0.0], [0.0, 1.0]),
+    "finite": lambda: RollingRadiusDifference([0.0, 1.0], [0.0, math.inf]),
+    "amplitude": lambda: equivalent_conicity(DIFFERENCE, [0.0]),
+    "-8 to 8 mm": lambda: conicity_by_regression(DIFFERENCE, [9.0]),
+    "graph": lambda: RigidCurve.from_graph([1.0, 0.0], np.zeros(2), np.zeros(2)),
+    "k_MPa": lambda: surface_fatigue_index(0.3, (6.0, 4.0), 1e5, 0.0),
+    "limit_MPa": lambda: DangVan(0.0, 0.3),
+    "slope": lambda: DangVan(200.0, -0.3),
+    "shear_yield_MPa": lambda: RollingSteel(0.0),
+    "load_factor": lambda: RollingLine(0.0, 0.1, RollingSteel(300.0)),
+    "cells": lambda: RollingLine(4.0, 0.1, RollingSteel(300.0), cells=2),
+    "k=0": lambda: ArchardLaw(2700.0, 0.0),
+    "level": lambda: ArchardLaw(2700.0, level=2.0),
+    "unit": lambda: EnergyLaw(0.02, "mm3"),
+    "branch": lambda: UsfdLaw("smooth"),
+    "own law": lambda: OwnLaw(lambda p, s, q: -p, "mm/m").rates(CELL),
+    "--smooth nan": lambda: smoothed(CIRCLE, math.nan),
+    "--smooth 1000": lambda: smoothed(CIRCLE, 1e3),
+    "--limit": lambda: smoothed(CIRCLE, 5.0, 0.0),
+}
+"""Words of the message, and what is refused."""
+
+
+@pytest.mark.parametrize("words", WRONG)
+def test_wrong_arguments_are_refused_by_their_names(words) -> None:
+    """The message has the name of the argument, or of what it has to fulfil, and an advice."""
+    with pytest.raises(InputError) as caught:
+        WRONG[words]()
+    assert words in str(caught.value)
+    assert caught.value.advice
