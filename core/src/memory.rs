@@ -6,6 +6,7 @@
 
 use crate::error::FactorError;
 use faer::dyn_stack::{MemBuffer, StackReq};
+use std::hint::black_box;
 use std::sync::Mutex;
 
 /// Address space of the products of dense blocks in one thread, little of which becomes resident.
@@ -25,8 +26,8 @@ pub fn ask_for_threads(needed: u64, most: u64, n_threads: u64) -> Result<(), Fac
     }
     let total = needed.saturating_add(n_threads * PRODUCT_BYTES);
     let bytes = usize::try_from(total).unwrap_or(usize::MAX);
-    // never written, so that no page of it becomes resident
-    Vec::<u8>::new()
+    // never written, so that no page of it becomes resident; hidden, or the optimiser leaves it out
+    black_box(&mut Vec::<u8>::new())
         .try_reserve_exact(bytes)
         .map_err(|_| FactorError::NoMemory { needed: total })
 }
