@@ -50,10 +50,3 @@ def test_scipy_solves_the_same_equations(tmp_path: Path) -> None:
     found = [line for line in lines if line["peer"] == "scipy"]
     assert len(found) == 2
     assert all(max(line["ours_accuracy"], line["peer_accuracy"]) < 1e-13 for line in found)
-
-
-def test_an_unknown_name_is_refused(tmp_path: Path) -> None:
-    """An unknown benchmark ends with status 2 and the names of those there are."""
-    done = run("--quick", "cache", cache=tmp_path)
-    assert done.returncode == 2
-    assert "torsion-assembly" in done.stderr

@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 
 from flangeway.campaign import Campaign, CampaignProgress, results
-from flangeway.campaign import database as table
 from flangeway.campaign.campaign import Row
 from flangeway.campaign.chunk import Chunk, compute
 from flangeway.campaign.columns import RowResult
 from flangeway.campaign.database import CampaignDatabase
-from flangeway.errors import InputError, MissingLibraryError
+from flangeway.errors import InputError
 from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.campaign.campaign_outputs import campaign_record, write_export
 from flangeway.report.page.html_page import write_record
@@ -224,19 +223,6 @@ def test_a_result_is_stored_once(sweep, tmp_path):
     after = results(tmp_path / "x.sqlite")
     assert (after.rows, after.patches) == (before.rows, before.patches)
     assert not after.is_done
-
-
-def test_formats_are_checked_first(monkeypatch, sweep):
-    """A format that there is not, or whose library is missing, is reported."""
-    with pytest.raises(InputError, match="xlsx"):
-        table.export_writers(sweep[1], "xlsx")
-    monkeypatch.setattr(table.importlib, "import_module", _missing)
-    with pytest.raises(MissingLibraryError, match=r"pip install 'flangeway\[campaign\]'"):
-        table.export_writers(sweep[1], "parquet")
-
-
-def _missing(name):
-    raise ImportError(name)
 
 
 def test_a_finished_campaign_prints_its_numbers_as_json_with_an_export(sweep, call, tmp_path):

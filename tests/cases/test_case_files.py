@@ -109,29 +109,6 @@ def test_settings_go_before_the_file(tmp_path):
     assert case.motions[0].push_N == (0.0, -5.0)
 
 
-TWO = """case = "two-bodies"
-[[bodies]]
-name = "a"
-rectangle = { width_mm = 2.0, height_mm = 1.0 }
-[[bodies]]
-name = "b"
-young_MPa = 1.0
-rectangle = { width_mm = 2.0, height_mm = 1.0, centre_mm = [0.0, -1.0] }
-"""
-
-
-def test_wrong_settings_are_told_without_a_line(tmp_path):
-    """A mistake in a setting names the setting, not a line of the file."""
-    path = file_of(tmp_path, 'case = "hertz"\nradius_mm = 3.0\n')
-    with pytest.raises(InputError) as caught:
-        read_case(path, {"radius_mm": "-3"})
-    assert "line" not in caught.value.given
-    two = file_of(tmp_path, TWO, "two.toml")
-    for name in ("bodies.c.poisson", "bodies.3.poisson", "bodies.1", "steps.a.b"):
-        with pytest.raises(InputError, match=f"--set {name}"):
-            read_case(two, {name: "1"})
-
-
 def test_the_schema_has_every_key_with_its_range():
     """The JSON Schema lists all cases, refuses other keys, and has descriptions and bounds of the inputs."""
     found = json.loads(json.dumps(schema()))

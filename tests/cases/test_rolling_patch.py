@@ -10,7 +10,6 @@ import pytest
 from rich.console import Console
 
 from flangeway.cases import load_case
-from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.report.case_outputs import case_record, write_case
 from flangeway.report.page.record import print_record
@@ -168,18 +167,3 @@ def test_flash_temperature_and_reduced_slope_reach_the_summary():
     assert "Polach" not in [row["theory"] for row in warm["theories"]]
     small = [run(longitudinal_creepage=1e-5, slope_factor=factor).state.forces.along for factor in (1.0, 0.5)]
     assert small[1] == pytest.approx(small[0] / 2.0, rel=0.01)
-
-
-@pytest.mark.parametrize(
-    ("inputs", "key"),
-    [
-        ({"friction_falls_from_C": 100.0, "kinetic_friction": 0.1}, "both or none"),
-        ({"friction_falls_from_C": 1.0, "friction_falls_to_C": 2.0}, "kinetic_friction"),
-        ({"slope_rate": 0.5}, "slope_remaining"),
-        ({"speed_km_h": 0.0, "temperature_C": 50.0}, "temperature_C"),
-    ],
-)
-def test_inputs_of_friction_without_effect_are_refused(inputs, key):
-    """The message names the key or what it needs."""
-    with pytest.raises(InputError, match=key):
-        run(**inputs)

@@ -41,11 +41,3 @@ def test_section_of_a_file(call, tmp_path):
     for name in FILES:
         if name.endswith(".png"):
             assert min(imread(folder / name).shape[:2]) > 400
-
-
-def test_bundled_section_and_folder(call, tmp_path):
-    """A bundled rail goes into the folder asked for, with the word on how certain its outline is."""
-    status, out, _ = call("section", "60e1", "--order", 1, "--size", 8, "--out", "here", "--no-pictures")
-    assert status == 0
-    assert "all lines and arcs are those of the standard" in out
-    assert {"section.json", "report.html"} <= {path.name for path in (tmp_path / "here").iterdir()}

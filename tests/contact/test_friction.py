@@ -212,7 +212,7 @@ def test_no_friction_is_friction_of_nothing() -> None:
     assert not np.array(free.friction_table.columns["traction"]).any()
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(
     mu=st.floats(0.01, 1.2),
     path=st.lists(st.tuples(st.floats(-0.02, 0.02), st.floats(-0.006, 0.006)), min_size=1, max_size=3),

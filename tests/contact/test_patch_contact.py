@@ -107,6 +107,7 @@ def test_patches_are_equal_under_mirror_and_under_exchange_of_the_bodies() -> No
     assert exchanged.approach == pytest.approx(found.approach, rel=1e-3)
 
 
+@pytest.mark.ci
 def test_other_loads_start_from_a_solution_and_an_approach_gives_its_force() -> None:
     """From a near load in half of the iterations the same pressures; the approach of a force gives this force again."""
     upper = block(None, 0.15, placement=TURNED, axis=Axis((0.0, -60.0)))
@@ -161,6 +162,7 @@ def test_stresses_below_a_patch_are_those_of_hertz_and_symmetric() -> None:
     assert np.isnan(section.at(np.array([[500.0, 0.0]])).components).all()
 
 
+@pytest.mark.ci
 def test_two_crowns_make_two_patches() -> None:
     """A block with two humps under a flat roller: two equal patches, whose forces are the load."""
     half, height = 2.0, 0.15

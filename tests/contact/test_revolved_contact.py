@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from flangeway import Body, Elastic, Lagrange, Part, Placement
 from flangeway.contact import (
@@ -76,23 +74,14 @@ def test_nodes_of_matching_meshes_pass_a_uniform_pressure(order: int, pairing) -
     np.testing.assert_allclose(patch.pressures[1:], 105.0, rtol=1e-10)
 
 
-@settings(max_examples=3, deadline=None)
-@given(
-    radii=st.tuples(st.floats(0.5, 3.0), st.floats(0.5, 3.0)),
-    inner=st.sampled_from([0.0, 0.3]),
-    cells=st.tuples(st.integers(2, 6), st.integers(2, 6)),
-    order=st.sampled_from([1, 2]),
-    pairing=st.sampled_from([NodeToSegment(), SegmentToSegment()]),
-    law=st.sampled_from(LAWS),
-    friction=st.sampled_from([0.0, 0.2, 0.8]),
-    tilt=st.floats(-0.01, 0.01),
+@pytest.mark.parametrize(
+    ("inner", "order", "pairing", "law", "friction"),
+    [(0.3, 2, SegmentToSegment(), LAWS[2], 0.8), (0.0, 1, NodeToSegment(), LAWS[0], 0.2)],
 )
-def test_axial_forces_are_in_equilibrium(radii, inner, cells, order, pairing, law, friction, tilt) -> None:
+def test_axial_forces_are_in_equilibrium(inner, order, pairing, law, friction) -> None:
     """Forces along the axis on both sides, and the reaction at the held end by the stiffness, agree to round-off."""
-    upper, lower = (
-        cylinder(name, n, order=order, radius=radius, inner=inner, tilt=slope)
-        for name, radius, n, slope in zip(("upper", "lower"), radii, cells, (tilt, 0.0), strict=True)
-    )
+    upper = cylinder("upper", 2, order=order, radius=2.1, inner=inner, tilt=1e-3)
+    lower = cylinder("lower", 4, order=order, radius=1.0, inner=inner)
     contact = touching(upper, lower, pairing, law, friction)
     found = press([contact], {upper: Placement(0.0, (0.0, -0.02))})
     assert found.status.converged, found.status.message

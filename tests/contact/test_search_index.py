@@ -1,7 +1,5 @@
 """The spatial index gives exactly what comparing everything with everything gives."""
 
-import tracemalloc
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -86,24 +84,3 @@ def test_nearest_edge_is_the_nearest_of_all(seed: int, n: int, m: int) -> None:
         turned = edges[:, -1, 0] < edges[:, 0, 0]
         edges[turned] = edges[turned, ::-1]
     assert nearest_edges(points, directions, edges).tolist() == nearest_of_all(points, directions, edges).tolist()
-
-
-def test_many_edges_need_few_comparisons() -> None:
-    """Among ten thousand edges and a long one, nodes find theirs in a small part of the memory of comparing all."""
-    n = 10_000
-    breaks = np.linspace(0.0, 1.0, n + 1)
-    line = np.stack((breaks, 1e-3 * np.sin(40.0 * breaks)), axis=1)
-    edges = np.stack((line[1:], line[:-1]), axis=1)
-    edges = np.concatenate((edges, [[[30.0, 0.0], [1.0, 0.0]]]))
-    shift = np.array([0.3 / n, 1e-5])
-    points = line + shift
-    directions = np.tile([0.0, -1.0], (len(points), 1))
-    tracemalloc.start()
-    found = nearest_edges(points, directions, edges)
-    i = candidate_pairs(edges[:n, ::-1] + shift, edges, 1e-5)[0]
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 8 * n * n / 10  # bytes; one number for each pair of all is ten times that
-    assert (np.abs(found[:-2] - np.arange(n - 1)) <= 1).all()
-    assert len(i) < 12 * n
-    assert (np.bincount(i, minlength=n) > 0).all()

@@ -27,18 +27,6 @@ def schur_of(matrix, trailing):
     return matrix[np.ix_(trailing, trailing)] - coupling.T @ inner
 
 
-def test_a_matrix_of_three_is_condensed_as_by_hand(lower):
-    """Springs 1 and 10 in series condense to one spring of 10/11."""
-    matrix = np.array([[1.0, -1.0, 0.0], [-1.0, 11.0, -10.0], [0.0, -10.0, 10.0]])
-    factor = Cholesky(*lower(matrix), int32([0, 1, 2]), int32([2, 0]))
-    spring = 10.0 / 11.0
-    assert np.allclose(factor.schur(), [[spring, -spring], [-spring, spring]], rtol=1e-15)
-    condensed = factor.condense(np.array([3.0, 11.0, 7.0]))
-    assert np.allclose(condensed, [7.0 + 10.0, 3.0 + 1.0], rtol=1e-15)
-    whole = factor.recover(np.array([1.0, 2.0]), np.array([np.nan, 11.0, np.nan]))
-    assert np.allclose(whole, [2.0, (11.0 + 2.0 + 10.0) / 11.0, 1.0], rtol=1e-15)
-
-
 @given(
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(1, 40),

@@ -33,18 +33,6 @@ def sample(rng, n_dofs, sizes):
     return batches, matrices
 
 
-def test_two_springs_give_the_matrix_written_by_hand():
-    """Springs of stiffness 1 and 10 in series assemble to the tridiagonal matrix of the textbook."""
-    pattern = Pattern(3, [np.array([[0, 1], [1, 2]], dtype=np.int32)])
-    spring = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    values = pattern.scatter([spring[:, :, None] * np.array([1.0, 10.0])])
-    assert pattern.n_dofs == 3
-    assert pattern.indptr.tolist() == [0, 2, 4, 5]
-    assert pattern.indices.tolist() == [0, 1, 1, 2, 2]
-    assert values.tolist() == [1.0, -1.0, 11.0, -10.0, 10.0]
-    assert (pattern.indptr.dtype, pattern.indices.dtype) == (np.int64, np.int32)
-
-
 @given(
     seed=st.integers(0, 2**32 - 1),
     n_dofs=st.integers(1, 30),

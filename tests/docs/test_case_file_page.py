@@ -1,6 +1,5 @@
 """The how-to on case files, followed to the letter: files saved, commands and scripts run, outputs compared."""
 
-import re
 from pathlib import Path
 
 from flangeway.cases import CASES
@@ -8,23 +7,6 @@ from flangeway.cases.case_file import FORMAT
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "write-a-case-file.md"
 TEXT = PAGE.read_text(encoding="utf-8")
-
-
-def block(kind, start):
-    """The block of a kind that begins with some words."""
-    blocks = re.findall(rf"```{kind}\n(.*?)```", TEXT, flags=re.DOTALL)
-    (found,) = (text for text in blocks if text.startswith(start))
-    return found
-
-
-def test_the_mistake_of_the_page_is_told_as_shown(call, tmp_path):
-    """The shown message is that of a misspelt key in line 3, but for the rest of the keys."""
-    (tmp_path / "cylinders.toml").write_text('flangeway = 1\ncase = "hertz"\nradus_mm = 3.0\n', encoding="utf-8")
-    status, out, err = call("run", "cylinders.toml")
-    shown = block("text", "flangeway: ")
-    assert (status, out) == (2, "")
-    for line, told in zip(shown.splitlines(), err.splitlines(), strict=True):
-        assert told.startswith(line.removesuffix("...")), line
 
 
 def test_the_page_names_all_cases_and_the_format():

@@ -41,14 +41,6 @@ def test_the_slit_girder_is_as_the_page_says(saved):
     assert cut.shear_centre[1] > 180.0
 
 
-@pytest.mark.usefixtures("saved")
-def test_the_mistake_gives_the_message_of_the_page(call):
-    """The hole that sticks out ends with status 2 and the very message."""
-    status, _, err = call("section", "wrong.toml")
-    assert status == 2
-    assert err == OUTPUTS[1]
-
-
 def test_two_materials_and_the_path_are_read(call, saved):
     """The composite section is weighted and says so; the half disc has its area."""
     status, out, _ = call("section", "concrete.toml", "--size", "10", "--no-pictures")

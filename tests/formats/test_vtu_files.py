@@ -54,17 +54,3 @@ def test_lines_come_back(tmp_path):
     }
     with pytest.raises(InputError, match="one row for each of the points"):
         write_vtu_lines(tmp_path / "a.vtu", points, lines, {"gap": np.zeros(2)})
-
-
-@pytest.mark.parametrize(
-    ("name", "points", "cells", "word"),
-    [
-        ("a.vtk", {}, {}, ".vtu"),
-        ("a.vtu", {"u": np.zeros((2, 9))}, {}, r"shape \(2, 9\)"),
-        ("a.vtu", {}, {"area": np.zeros(9)}, "cells"),
-    ],
-)
-def test_wrong_data_are_refused(tmp_path, name, points, cells, word):
-    """Another ending and arrays of another length are refused."""
-    with pytest.raises(InputError, match=word):
-        write_vtu(tmp_path / name, rectangle_grid(1.0, 1.0, 2, 2), points, cells)

@@ -1,8 +1,4 @@
-"""Own forms beside scikit-fem on the same triangles: values at the points to 1e-10, of nonlinear problems to 1e-8.
-
-Our plate's element (C1 virtual, on triangles too) is none of scikit-fem's: where the deflection is a polynomial of
-both, answers are the same to 1e-10; other ones come closer on finer meshes.
-"""
+"""Own forms beside scikit-fem on the same triangles: values at the points to 1e-10."""
 
 import numpy as np
 import pytest
@@ -11,13 +7,11 @@ import scipy.sparse as sp
 from flangeway.elements import Lagrange
 from flangeway.forms import (
     Factor,
-    Plate,
     bilinear,
     interpolate,
     linear,
     mass,
     newmark_steps,
-    solve,
     stiffness,
     theta_steps,
 )
@@ -142,27 +136,3 @@ def test_stokes_of_taylor_and_hood():
     at_vertices = found[: 2 * MESH.n_points].reshape(-1, 2)
     np.testing.assert_allclose(at_vertices, theirs[velocity.nodal_dofs].T, atol=1e-10 * np.abs(theirs).max())
     np.testing.assert_allclose(found[2 * SPACE.n_dofs :], theirs[velocity.N :], atol=1e-10 * np.abs(theirs).max())
-
-
-@skfem.BilinearForm
-def bending(u, v, _):
-    a, b = u.hess, v.hess
-    return 0.7 * (a * b).sum(axis=(0, 1)) + 0.3 * (a[0, 0] + a[1, 1]) * (b[0, 0] + b[1, 1])
-
-
-@pytest.mark.parametrize("order", [2, 3])
-@pytest.mark.parametrize("theirs", [skfem.ElementTriMorley(), skfem.ElementTriArgyris()], ids=["Morley", "Argyris"])
-def test_a_plate_that_a_corner_twists(order, theirs):
-    """Three corners held, a force on the fourth: a quadratic deflection, the same in each element, to 1e-10."""
-    basis = skfem.Basis(THEIRS, theirs, intorder=8)
-    corners = [int(np.abs(MESH.points - corner).sum(axis=1).argmin()) for corner in ((0, 0), (1, 0), (0, 1), (1, 1))]
-    rhs = np.zeros(basis.N)
-    deflections = basis.nodal_dofs[0][corners]
-    rhs[deflections[3]] = 1.0
-    expected = skfem.solve(*skfem.condense(bending.assemble(basis), rhs, D=deflections[:3]))[basis.nodal_dofs[0]]
-    plate, points = Plate(MESH, order, rigidity=1.0, poisson=0.3), 3 * np.arange(MESH.n_points)
-    force = np.zeros(plate.n_dofs)
-    force[points[corners[3]]] = 1.0
-    found = solve(plate.stiffness(), force, points[corners[:3]])[points]
-    np.testing.assert_allclose(found, expected, atol=1e-10 * np.abs(expected).max())
-    np.testing.assert_allclose(found, MESH.points.prod(axis=1) / 1.4, atol=1e-10)

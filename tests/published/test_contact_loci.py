@@ -88,20 +88,6 @@ def test_contact_points_over_lateral_motion(locus):
     assert abs(difference[list(BOTH).index(-0.5)]) < 0.5
 
 
-def test_published_points_lie_in_the_overlap_of_the_rigid_wheel(benchmark, locus):
-    """At each lateral motion the published point lies where the rigid wheel, let down as published, overlaps the rail.
-
-    That holds at 0 and 0.5 mm as well, where crown and gauge side bear at once.
-    """
-    depth = np.abs(TABLE[:, 1] - TABLE[:, 2])
-    depth_left = np.abs(TABLE[:, 1] - TABLE[:, 3])
-    approaches = np.concatenate((depth_left[:0:-1], depth))
-    for number, (x, approach) in enumerate(zip(RAIL_X, approaches, strict=True)):
-        first, last = overlap(benchmark, locus, number, approach)
-        assert first < x < last, BOTH[number]
-        assert last - first < 25.0
-
-
 def test_both_rails_mirror_each_other(locus):
     """The left rail at a lateral motion has the mirrored contact of the right one at the opposite motion."""
     assert locus.left.points_mm[:, 0, 0] == pytest.approx(-locus.right.points_mm[::-1, 0, 0], abs=1e-6)

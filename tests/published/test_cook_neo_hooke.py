@@ -49,9 +49,9 @@ def test_the_corner_rises_as_published(case):
 
 
 COMPRESSIBLE = {
-    "triangles": (lambda: membrane(24), Lagrange(2)),
-    "duals": (lambda: dual(membrane(12)), Virtual(2)),
-    "not convex": (lambda: agglomerated(membrane(20), 120), Virtual(2)),
+    "triangles": (lambda: membrane(16), Lagrange(2)),
+    "duals": (lambda: dual(membrane(10)), Virtual(2)),
+    "not convex": (lambda: agglomerated(membrane(16), 100), Virtual(2)),
     "third order": (lambda: dual(membrane(6)), Virtual(3)),
 }
 

@@ -55,8 +55,8 @@ def test_other_discs_meet_hertz_too():
         lower_poisson=0.25,
         order=2,
         lower_method="vem",
-        size_mm=0.012,
-        lower_size_mm=0.015,
+        size_mm=0.018,
+        lower_size_mm=0.022,
         body_size_mm=0.5,
         indentation_mm=0.03,
         fine_arc_deg=50.0,
@@ -87,7 +87,7 @@ def test_wrong_input_is_refused():
 
 def test_every_load_step_converges_and_stresses_on_the_axis_are_those_of_a_disc():
     """Ten steps of six iterations at most; from 0.1 to 1 cm down within 1 % of p0, a half plane's are 2 % off."""
-    case = published_case("VVO2", 3, "segments")
+    case = published_case("VVO2", 2, "segments")
     run = case.run()
     assert [step.state.status.iterations <= 6 for step in run.contact.steps] == [True] * 10
     line = stresses_along(run.bodies["lower"].field, (0.0, -0.1), (0.0, -1.0), 101)

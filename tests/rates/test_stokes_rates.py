@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import scipy.linalg
 
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
@@ -81,26 +80,6 @@ def test_a_polynomial_is_found_exactly_with_tractions_on_a_side(name):
     points, _, u, _, p = found.at_quadrature(4)
     np.testing.assert_allclose(u, exact(points), atol=1e-9)
     np.testing.assert_allclose(p, 3 * points[:, 0] - points[:, 1] + 2, atol=1e-8)
-
-
-@pytest.mark.parametrize("order", [2, 3])
-def test_the_inf_sup_constant_stays(order):
-    """The smallest singular value of the divergence between the energy norm and L2 stays above 0.1 on finer meshes."""
-    for name, make in MESHES.items():
-        constants = []
-        for n in (2, 4):
-            space = Space(make(n), Virtual(order))
-            matrix = stokes_matrix(space, 0.5, 1.0).toarray()
-            n_pressures = space.mesh.n_cells * order * (order + 1) // 2
-            free = np.ones(len(matrix) - n_pressures, dtype=bool)
-            free[(2 * space.boundary_dofs()[:, None] + np.arange(2)).ravel()] = False
-            energy, mass = matrix[:-n_pressures, :-n_pressures][free][:, free], -matrix[-n_pressures:, -n_pressures:]
-            divergence = matrix[-n_pressures:, :-n_pressures][:, free]
-            squares = scipy.linalg.eigh(divergence @ np.linalg.solve(energy, divergence.T), mass, eigvals_only=True)
-            assert abs(squares[0]) < 1e-9  # the constant pressure
-            constants.append(np.sqrt(squares[1]))
-        assert min(constants) > 0.1, name
-        assert constants[1] > 0.75 * constants[0], name
 
 
 def test_a_pressure_that_balances_a_force_moves_nothing():

@@ -7,7 +7,6 @@ import pytest
 from matplotlib.text import Text
 
 from flangeway.railway.track.placements import SIDES
-from flangeway.report.figures.drawing import shade_of
 from flangeway.report.figures.fields import drawn_parts
 from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
@@ -70,14 +69,6 @@ def test_a_side_without_contact_is_drawn(runs):
     lifted = replace(run, result=replace(run.result, patches=right))
     said = [text.get_text() for text in texts(contact_figure(lifted, "left"))]
     assert "the left wheel does not touch its rail" in said
-
-
-@pytest.mark.parametrize("values", [(0.0, 930.0), (-1500.0, 0.0)])
-def test_colours_stay_apart_in_grey(values):
-    """Colours get darker away from zero stress, also in grey."""
-    steps = np.linspace(0.0, max(values, key=abs), 13)
-    grey = shade_of(np.array(values)).to_rgba(steps)[:, :3] @ (0.2126, 0.7152, 0.0722)
-    assert (np.diff(grey) < -0.02).all()
 
 
 def test_deformed_surfaces_meet(runs):

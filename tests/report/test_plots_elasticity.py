@@ -6,7 +6,6 @@ from matplotlib.collections import TriMesh
 from matplotlib.figure import Figure
 
 from flangeway.elements import Virtual
-from flangeway.errors import InputError
 from flangeway.geometry import circle, rectangle
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, refined, triangulate
@@ -148,19 +147,3 @@ def test_pictures_of_functions_and_displacements():
     assert plot_function(space, np.full(space.n_dofs, 2.0), given, label="level") is given
     (drawn,) = [c for c in given.collections if isinstance(c, TriMesh)]
     assert drawn.get_clim() == pytest.approx((1.0, 3.0))
-
-
-@pytest.mark.parametrize(
-    ("call", "word"),
-    [
-        (lambda s: plot_stress(s, "sigma"), "von_mises"),
-        (lambda s: plot_displacement(s, "z"), "magnitude"),
-        (lambda s: plot_stress(s, limits=(2.0, 1.0)), "lesser value first"),
-        (lambda s: plot_deformed(s, factor=float("nan")), "finite number"),
-        (lambda s: display(s.problem.space, 0), "1 or more"),
-    ],
-)
-def test_wrong_pictures_are_refused(call, word):
-    """Unknown quantities and components, exchanged limits, and factors and pieces that are none are refused."""
-    with pytest.raises(InputError, match=word):
-        call(pulled(TRIANGLES, 1))

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from flangeway.elements import Virtual
-from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.mesh import dual, rectangle_grid
 from flangeway.post import corner_stresses, stresses_at
@@ -92,19 +91,3 @@ def test_a_series_opens_all_its_files_in_time(tmp_path):
     assert maximum[0] == 0.0
     assert maximum[2] == pytest.approx(2.0 * maximum[1])
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(["load.pvd", *(p.name for p in written)])
-
-
-@pytest.mark.parametrize(
-    ("name", "frames", "word"),
-    [
-        ("a.pvt", [SeriesFrame(0.0, MESH)], ".pvd"),
-        ("a.pvd", [], "without frames"),
-        ("a.pvd", [SeriesFrame(1.0, MESH), SeriesFrame(0.5, MESH)], "do not fall"),
-        ("a.pvd", [SeriesFrame(1.0, MESH), SeriesFrame(1.0, MESH)], "each part once"),
-        ("a.pvd", [SeriesFrame(np.nan, MESH)], "finite times"),
-    ],
-)
-def test_wrong_series_are_refused(tmp_path, name, frames, word):
-    """Another ending, no frame, falling or missing times, and a part twice at one time are refused."""
-    with pytest.raises(InputError, match=word):
-        write_series(tmp_path / name, frames)

@@ -5,27 +5,10 @@ import pytest
 
 from studies.friction.sliding_bodies import (
     BELT_STRAIN,
-    MU,
-    SLIPPING,
-    STRIP_MM,
-    STRIP_MPA,
     belt_exponent,
     belt_tensions,
-    strip_force,
-    strip_turn,
     turned_belt,
 )
-
-
-def test_the_closed_form_of_the_strip_is_a_loop() -> None:
-    """Forces of a push, a reversal and a return meet at their ends; the last leg ends in sliding of all."""
-    force, u = MU * STRIP_MPA * SLIPPING * STRIP_MM, strip_turn()
-    assert strip_force(0, u) == pytest.approx(force)
-    assert strip_force(1, u) == pytest.approx(force)
-    assert strip_force(1, -u) == pytest.approx(-force)
-    assert strip_force(2, -u) == pytest.approx(-force)
-    assert strip_force(2, u) == pytest.approx(force)
-    assert strip_force(3, 2.5 * u) == pytest.approx(MU * STRIP_MPA * STRIP_MM)
 
 
 def test_a_coarse_belt_slips_as_eytelwein_says() -> None:

@@ -18,7 +18,6 @@ from flangeway.contact.node_to_segment import (
     OVERHANG,
     SLACK,
     NodePairs,
-    NodeToSegment,
     facing_pairs,
     guarded_margins,
     node_terms,
@@ -133,7 +132,7 @@ def guarded(
             nodes, faced = nodes[new], faced[new]
         terms, secondary_edges, primary_edges = node_terms(places[side], edges, nodes, faced, side)
         nearest = places[0][faced, np.where(terms[-1] > 0.5, -1, 0)] if side == 1 else nodes
-        areas = NodeToSegment().node_areas(surfaces[side])[nodes]
+        areas = surfaces[side].tributary_areas[nodes]
         keys = first_keys[side] + nodes * len(edges[other]) + faced
         gaps = node_edge_gaps(positions[side][nodes], edges[other][faced]).gaps
         partners, members = faced + side * len(edges[1]), places[0][secondary_edges]

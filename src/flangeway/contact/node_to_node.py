@@ -13,7 +13,7 @@ from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import cross_product, point_text
+from flangeway.geometry.arrays import cross_product, point_text, turned_right
 from flangeway.mesh.insertion import opposite_places
 from flangeway.types import Floats, Ints
 
@@ -81,7 +81,7 @@ class MatchedPairs(NodePairs):
 
     def slides(self, points: Floats, before: Floats) -> Slides:
         """See `Pairs.slides`."""
-        gradients = self._apart(np.column_stack((-self.normals[:, 1], self.normals[:, 0])))
+        gradients = self._apart(-turned_right(self.normals))
         slips = np.einsum("npi,npi->n", gradients[:, 0], points - before)
         return Slides(slips, gradients, gradients, self.curvatures)
 
@@ -215,5 +215,5 @@ def _normals(points: Floats, surface: Surface) -> Floats:
     chords = points[pairs[1]] - points[pairs[0]]
     normals = np.zeros_like(points)
     for ends in pairs:
-        np.add.at(normals, ends, np.column_stack((chords[:, 1], -chords[:, 0])) / (chords**2).sum(axis=1)[:, None])
+        np.add.at(normals, ends, turned_right(chords) / (chords**2).sum(axis=1)[:, None])
     return normals / np.hypot(*normals.T)[:, None]

@@ -13,6 +13,7 @@ from flangeway.contact.newton import ContactState
 from flangeway.contact.surface import CORNER, sagittas_of
 from flangeway.contact.system import MAX_OVERLAP, ROUND_OFF, ContactSystem
 from flangeway.geometry import Placement
+from flangeway.geometry.arrays import turned_right
 from flangeway.problems import Part
 from flangeway.solve import BodyResponse
 from flangeway.types import Floats, Ints
@@ -129,7 +130,7 @@ class Boundary:
         Round a point of an overlap the boundary winds twice, and just outside of an edge in it once.
         """
         starts, chords = self.segments[:, 0], self.segments[:, 1] - self.segments[:, 0]
-        outward = np.column_stack((chords[:, 1], -chords[:, 0])) / np.hypot(*chords.T)[:, None]
+        outward = turned_right(chords) / np.hypot(*chords.T)[:, None]
         at = (starts[:, None] + SAMPLES[1:-1] * chords[:, None] + apart * outward[:, None]).reshape(-1, 2)
         owner = np.repeat(np.arange(len(starts)), len(SAMPLES) - 2)
         inside = shapely.contains_xy(self.area, at)

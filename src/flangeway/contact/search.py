@@ -5,6 +5,7 @@ import shapely
 from numpy.typing import NDArray
 
 from flangeway.geometry import crossing_shares
+from flangeway.geometry.arrays import turned_right
 from flangeway.types import Floats, Ints
 
 GROWTH = 4.0
@@ -85,7 +86,7 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
     """
     result: Ints = np.full(len(points), -1, dtype=np.int64)
     starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
-    normals = np.stack((chords[:, 1], -chords[:, 0]), axis=1)
+    normals = turned_right(chords)
     open_points = np.flatnonzero(_may_face(directions, normals))
     tree = shapely.STRtree(_boxes(edges[:, [0, -1]], 0.0))
     everything = np.concatenate((points, *edges.swapaxes(0, 1)))

@@ -21,6 +21,7 @@ from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import cross_product, turned_right
 from flangeway.types import Bools, Floats, Ints
 
 MIN_COVERED = 1e-6
@@ -212,8 +213,8 @@ def _integrals(pieces: Pieces, edges: Floats, primary_edges: Floats, secondary: 
 
 def _swept(edges: Floats, reach: float, depth: float) -> Floats:
     """Points of edges (n, order + 1, 2) moved outwards by a reach and inwards by a depth, beside each other."""
-    chords = edges[:, -1] - edges[:, 0]
-    outwards = np.column_stack((chords[:, 1], -chords[:, 0])) / np.hypot(*chords.T)[:, None]
+    outwards = turned_right(edges[:, -1] - edges[:, 0])
+    outwards /= np.hypot(*outwards.T)[:, None]
     return np.concatenate((edges + reach * outwards[:, None], edges - depth * outwards[:, None]), axis=1)
 
 
@@ -227,7 +228,7 @@ def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> Boo
     share = ((at - other) * along).sum(axis=1) / (chord * along).sum(axis=1)
     way = other + share[:, None] * chord - at
     result = np.zeros(len(pieces), dtype=np.bool_)
-    behind = np.flatnonzero(along[:, 0] * way[:, 1] - along[:, 1] * way[:, 0] > 0.0)
+    behind = np.flatnonzero(cross_product(along, way) > 0.0)
     sizes = (pieces.ends - pieces.starts) * np.linalg.norm(along, axis=1)
     own = edges, pieces.edges[behind, None] == np.arange(len(edges))
     its = primary_edges, pieces.partners[behind, None] == np.arange(len(primary_edges))

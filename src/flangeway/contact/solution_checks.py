@@ -10,7 +10,7 @@ from flangeway.contact.node_to_node import MatchedPairs
 from flangeway.contact.overlap import BodyOverlap
 from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ContactSystem
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import cross_product, point_text
+from flangeway.geometry.arrays import cross_product, point_text, turned_right
 from flangeway.problems import Body, Part
 from flangeway.solve import BodyResponse, Checks, Handle
 from flangeway.types import Floats
@@ -185,7 +185,7 @@ def _cells(part: Part, body: Body, field: Floats, errors: list[str], warnings: l
     before, moved = mesh.points[corners], field[: len(mesh.points)][corners]
     areas = np.add.reduceat(cross_product(before, before[following]), starts) / 2.0
     chords = before[following] - before
-    normals = np.column_stack((chords[:, 1], -chords[:, 0]))
+    normals = turned_right(chords)
     # H_cij = 1/A_c sum over the cell's sides of (u_i + u_i')/2 n_j
     parts = 0.5 * (moved + moved[following])[:, :, None] * normals[:, None, :]
     gradients = np.add.reduceat(parts, starts) / areas[:, None, None]

@@ -10,7 +10,7 @@ from flangeway.contact.taylor import as_complex, as_vectors
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.geometry import Contour
-from flangeway.geometry.arrays import point_text
+from flangeway.geometry.arrays import cross_product, point_text, turned_right
 from flangeway.mesh.connectivity import chain_starts, edge_places, ordered_pairs
 from flangeway.problems import Body, Part
 from flangeway.types import Bools, Complex, Floats, Ints
@@ -402,8 +402,7 @@ def turns_of(edges: Floats, following: Ints) -> Floats:
     """Angle from each edge (n, 2, 2) to the one that follows."""
     chords = edges[:, 1] - edges[:, 0]
     after = chords[following]
-    cross = chords[:, 0] * after[:, 1] - chords[:, 1] * after[:, 0]
-    return np.arctan2(cross, (chords * after).sum(axis=1))
+    return np.arctan2(cross_product(chords, after), (chords * after).sum(axis=1))
 
 
 def node_normals(positions: Floats, edge_places: Ints, *, bisecting: bool = False) -> Floats:
@@ -420,7 +419,7 @@ def node_normals(positions: Floats, edge_places: Ints, *, bisecting: bool = Fals
 
     """
     chord = positions[edge_places[:, -1]] - positions[edge_places[:, 0]]
-    each = np.stack((chord[:, 1], -chord[:, 0]), axis=1)
+    each = turned_right(chord)
     if bisecting:
         each /= np.linalg.norm(chord, axis=1)[:, None]
     normals = np.zeros_like(positions)

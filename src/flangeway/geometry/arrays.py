@@ -61,3 +61,8 @@ def point_text(point: Point | Floats) -> str:
 def cross_product(a: Floats, b: Floats) -> Floats:
     """Return the component out of the plane of the cross products of vectors (..., 2), positive if b is left of a."""
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def turned_right(vectors: Floats) -> Floats:
+    """Vectors (..., 2) turned clockwise by a right angle: outwards, of edges with their body on the left."""
+    return np.stack((vectors[..., 1], -vectors[..., 0]), axis=-1)

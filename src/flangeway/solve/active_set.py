@@ -246,14 +246,10 @@ def solve(laws: Laws, solved: Callable[[Guess], Answer | None], forces: Floats) 
         stuck sticks first.
 
     """
-    answer = solved(laws.guess(Answer(forces, np.zeros(len(forces)), np.zeros(0))))
-    if answer is None:
-        return None
-    errors = [laws.error(answer)]
-    guess = laws.guess(answer)
-    number = 0
-    while number < MIN_ROUNDS or errors[-1] < errors[-2]:
-        number += 1
+    guess = laws.guess(Answer(forces, np.zeros(len(forces)), np.zeros(0)))
+    answer: Answer | None = None
+    errors: list[float] = []
+    while len(errors) <= MIN_ROUNDS or errors[-1] < errors[-2]:
         found = solved(guess)
         if found is None:
             return None
@@ -263,12 +259,13 @@ def solve(laws: Laws, solved: Callable[[Guess], Answer | None], forces: Floats) 
             return found
         if error <= ROUND_OFF * float(np.abs(found.forces).max(initial=0.0)) and not laws.barred:
             return found._replace(forces=projected)
+        before = answer or found
         for part in (*0.5 ** np.arange(MAX_HALVINGS), 1.0):
             tried = found._replace(
-                forces=answer.forces + part * (found.forces - answer.forces),
-                slacks=answer.slacks + part * (found.slacks - answer.slacks),
+                forces=before.forces + part * (found.forces - before.forces),
+                slacks=before.slacks + part * (found.slacks - before.slacks),
             )
-            if laws.error(tried) < max(errors[-MEMORY:]):
+            if laws.error(tried) < max(errors[-MEMORY:], default=np.inf):
                 break
         answer, guess = tried, laws.guess(tried)
         errors.append(laws.error(answer))

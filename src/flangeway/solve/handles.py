@@ -20,6 +20,7 @@ import numpy as np
 from flangeway.checks import are_finite
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
+from flangeway.geometry.arrays import turned_right
 from flangeway.problems import Part
 from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.free_motions import described_motions
@@ -273,7 +274,7 @@ class Handles:
                 nodes = self._nodes(i)
                 result[nodes, :, own.start : own.start + len(handle.directions)] = handle.directions.T
                 if handle.turns:
-                    moved = quarter_turn(positions[nodes] - handle.pivot_after(motion))
+                    moved = -turned_right(positions[nodes] - handle.pivot_after(motion))
                     by_loads = self._response.turning(i, handle.placed(self._placements[i], motion))
                     moved = moved if by_loads is None else moved + by_loads
                     result[nodes, :, own.stop - 1] = moved * self._units[own.stop - 1]
@@ -284,7 +285,7 @@ class Handles:
         result = np.zeros((len(forces), 2, self.n))
         for handle, own, members, _ in self._motions(np.zeros(self.n)):
             for nodes in map(self._nodes, members if handle.turns else []):
-                result[nodes, :, own.stop - 1] = -quarter_turn(forces[nodes]) * self._units[own.stop - 1]
+                result[nodes, :, own.stop - 1] = turned_right(forces[nodes]) * self._units[own.stop - 1]
         return result
 
     def forces(self, motions: Floats) -> Floats:
@@ -339,8 +340,3 @@ class Handles:
                 names = names if len(set(names)) == len(names) else [part.name for part in handle.parts]
                 sentences.append(f"{' with '.join(f'`{name}`' for name in names)} {words}")
         return sentences
-
-
-def quarter_turn(vectors: Floats) -> Floats:
-    """Vectors (..., 2) turned counter-clockwise by a right angle."""
-    return np.stack((-vectors[..., 1], vectors[..., 0]), axis=-1)

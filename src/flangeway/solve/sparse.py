@@ -52,8 +52,10 @@ class SparseBodies(BodyResponse):
         for surface, start in zip(self.surfaces, self._starts[:-1], strict=True):
             numbers = surface.body.free_numbers(surface.nodes)
             unknowns.append(np.where(numbers >= 0, start + numbers, -1))
-        # held components are -1: one more entry at the end of vectors, zero where it is read
-        self._unknowns: Ints = np.concatenate(unknowns).astype(np.int64)
+        numbers = np.concatenate(unknowns)
+        free = np.flatnonzero(numbers >= 0)
+        shape = len(numbers), self.n_unknowns
+        self._chosen = sp.csr_array((np.ones(len(free)), (free, numbers[free])), shape=shape)
         groups, first = [], 0
         for surface in self.surfaces:
             groups.append(first + surface.body.free_nodes)
@@ -66,44 +68,31 @@ class SparseBodies(BodyResponse):
         """Free unknowns of all bodies."""
         return int(self._starts[-1])
 
+    def _spread(self, rotations: Floats, touched: Ints) -> sp.csr_array:
+        """Displacements of the touched nodes in space by the free unknowns, shape (2 n_touched, n_unknowns)."""
+        return sp.csr_array(turning(rotations[touched]) @ self._chosen[components(touched)])
+
     def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
         """See `BodyResponse.displacements`."""
-        at_nodes = np.zeros((self.n_nodes, 2))
-        at_nodes[touched] = forces
-        turn = turning(rotations)
-        solution = self._solve(turn.T @ at_nodes.ravel())
-        return (turn @ np.append(solution, 0.0)[self._unknowns]).reshape(-1, 2)
+        loads = self._spread(rotations, touched).T @ forces.ravel()
+        every = self._spread(rotations, np.arange(self.n_nodes))
+        return np.asarray(every @ self._undeformed.solve(loads)).reshape(-1, 2)
 
     def respond(
         self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array, *, symmetric: bool = True
     ) -> Floats:
         """See `BodyResponse.respond`."""
-        turn, size = turning(rotations[touched]), self.n_unknowns
-        unknowns = self._unknowns[components(touched)]
-        local = sp.coo_array(turn.T @ geometric @ turn)
-        rows, columns = unknowns[local.row], unknowns[local.col]
-        loose = (rows >= 0) & (columns >= 0)
-        added = sp.coo_array((local.data[loose], (rows[loose], columns[loose])), shape=(size, size))
-        tangent, turned = self._stiffness + added, sp.csc_array(turn.T @ loads)
+        spread, at_once = self._spread(rotations, touched), max(1, ENTRIES_AT_ONCE // self.n_unknowns)
+        tangent, right = self._stiffness + spread.T @ geometric @ spread, sp.csc_array(spread.T @ loads)
         factor = self._factor(tangent) if symmetric else splu(sp.csc_array(tangent))
-        answer = np.empty((len(unknowns), loads.shape[1]))
-        at_once = max(1, ENTRIES_AT_ONCE // size)
-        for first in range(0, loads.shape[1], at_once):
-            rhs = np.zeros((size + 1, min(at_once, loads.shape[1] - first)))
-            rhs[unknowns] = turned[:, first : first + at_once].toarray()
-            rhs[:-1] = factor.solve(rhs[:-1])
-            rhs[-1] = 0.0
-            answer[:, first : first + at_once] = turn @ rhs[unknowns]
-        return answer
+        columns = (slice(first, first + at_once) for first in range(0, right.shape[1], at_once))
+        return np.concatenate([spread @ factor.solve(right[:, each].toarray()) for each in columns], axis=1)
 
     def constrained(
         self, rotations: Floats, touched: Ints, geometric: sp.csr_array, laws: Constrained
     ) -> tuple[Callable[[Ints, sp.csr_array], tuple[Floats, Floats]], Floats]:
         """See `BodyResponse.constrained`: bodies and constraints in one sparse factorisation for each guess."""
-        size, unknowns = self.n_unknowns, self._unknowns[components(touched)]
-        free = np.flatnonzero(unknowns >= 0)
-        chosen = sp.csr_array((np.ones(len(free)), (free, unknowns[free])), shape=(len(unknowns), size))
-        spread = sp.csr_array(turning(rotations[touched]) @ chosen)
+        size, spread = self.n_unknowns, self._spread(rotations, touched)
         tangent = self._stiffness + spread.T @ geometric @ spread
         jacobian, directions = sp.csr_array(laws.jacobian @ spread), sp.csr_array(laws.directions @ spread)
         load = spread.T @ (geometric @ laws.displacements)
@@ -123,7 +112,8 @@ class SparseBodies(BodyResponse):
         return solved, own + laws.compliances
 
     def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:
-        solution = self._solve(turning(rotations).T @ forces.ravel())
+        every = self._spread(rotations, np.arange(self.n_nodes))
+        solution = self._undeformed.solve(every.T @ forces.ravel())
         return [
             surface.body.field(solution[start:end])
             for surface, start, end in zip(self.surfaces, self._starts[:-1], self._starts[1:], strict=True)
@@ -131,8 +121,3 @@ class SparseBodies(BodyResponse):
 
     def _factor(self, matrix: sp.sparray) -> Ldlt:
         return ldlt(SymmetricMatrix.from_full(matrix), self._groups)
-
-    def _solve(self, at_nodes: Floats) -> Floats:
-        rhs = np.zeros(self.n_unknowns + 1)
-        rhs[self._unknowns] = at_nodes
-        return self._undeformed.solve(rhs[:-1])

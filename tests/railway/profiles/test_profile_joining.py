@@ -90,6 +90,13 @@ def place_of(outline, lengths, point):
     return lengths[number[0]] + parameter[0] * outline.segments[number[0]].length
 
 
+def test_heads_that_count_from_the_base_are_placed_by_it(tmp_path):
+    """A head in the rail's own frame gives the rail."""
+    path = file_of(tmp_path, head_points() + np.array([0.0, 172.0]), "rail", "# origin: base\n")
+    found = joined(read_profile(path, ReadOptions(smooth_mm=0.0)), "60E1")
+    assert found.profile.outline.bounds()[1, 1] == pytest.approx(172.0, abs=1e-5)
+
+
 def test_heads_are_placed_by_their_gauge_face(tmp_path):
     """A head that counts from the gauge face 14 mm below its top comes to its place on the rail."""
     points = head_points()
@@ -159,16 +166,6 @@ def test_whole_outlines_become_rails_and_wheels(make, tmp_path):
         running = found.outline.part(found.running_names)
         assert running.length == pytest.approx(outline.part(profile.running_names).length, rel=1e-12)
         assert found.outline.bounds(["cut"])[0, 1] == 50.0
-
-
-def test_running_surfaces_are_no_whole_outlines(tmp_path):
-    """An open surface is refused where a whole outline is needed, and a closed one where a surface is."""
-    with pytest.raises(InputError, match="without a body"):
-        whole_profile(read_profile(file_of(tmp_path, wheel_points(), "wheel")))
-    path = tmp_path / "whole.csv"
-    path.write_text(write_segment_csv(wheel().outline, "wheel", "whole", "tape"), encoding="utf-8")
-    with pytest.raises(InputError, match="closed outline"):
-        joined(read_profile(path), "AAR-1B")
 
 
 @pytest.mark.parametrize(

@@ -23,11 +23,3 @@ def test_scan(maximum):
     assert f"{-reached:.2f} and {reached:.2f} mm" in said[0]
     assert run.locus.right.contact_angles_rad[-1, 0] > 0.5
     assert run.equilibrium.status.converged
-
-
-@pytest.mark.parametrize("roll", ["free", "none"])
-def test_inside_of_the_flange(roll):
-    """A scan that the flange allows reaches what was asked for, and nothing is said."""
-    run = scan(maximum_lateral_mm=3.0, roll=roll)
-    assert not any("stops at" in notice for notice in run.summary["notices"])
-    assert run.locus.lateral_mm[[0, -1]] == pytest.approx([-3.0, 3.0])

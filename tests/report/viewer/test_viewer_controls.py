@@ -31,19 +31,6 @@ def test_fields_parts_lines_and_deformation_change_the_picture(opened):
     assert opened.changed(first) == 0.0
 
 
-def test_a_hidden_part_is_not_read(opened):
-    """Where a hidden part was, no value is read; shown again, it is."""
-    opened.fly("right contact")
-    box = opened.canvas.bounding_box()
-    place = (box["width"] / 2.0, 0.8 * box["height"])
-    assert opened.point(*place)["part"] == "rail-right"
-    opened.page.uncheck(".viewer-parts input[value=rail-right]")
-    assert opened.point(*place) == {}
-    assert "no part here" in opened.page.inner_text(".viewer-reading")
-    opened.page.check(".viewer-parts input[value=rail-right]")
-    assert opened.point(*place)["part"] == "rail-right"
-
-
 def test_the_range_of_colours_can_be_chosen(opened):
     """The full range ends at the largest value, an own one is kept, and one that makes no sense is marked."""
     page = opened.page

@@ -7,6 +7,7 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement, Point, crossing_shares
+from flangeway.geometry.arrays import turned_right
 from flangeway.problems import Harmonic
 from flangeway.types import Floats, Ints
 
@@ -166,7 +167,7 @@ def points_along(chain: Floats, stations: Floats) -> tuple[Floats, Floats]:
     points = np.stack([np.interp(stations, ends, chain[:, axis]) for axis in range(2)], axis=1)
     # normals of the edges belong to their middles, between which they turn
     middles = (ends[1:] + ends[:-1]) / 2.0
-    normals = np.stack((chords[:, 1], -chords[:, 0]), axis=1) / np.diff(ends)[:, None]
+    normals = turned_right(chords) / np.diff(ends)[:, None]
     found = np.stack([np.interp(stations, middles, normals[:, axis]) for axis in range(2)], axis=1)
     return points, found / np.linalg.norm(found, axis=1)[:, None]
 
