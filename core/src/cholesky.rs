@@ -34,6 +34,8 @@ const RELATIVE_PIVOT: f64 = 1e-13;
 /// Growth of the shift when the trailing block is still indefinite with it.
 const SHIFT_GROWTH: f64 = 16.0;
 const MOST_SHIFTS: usize = 20;
+/// Columns of right-hand sides up to which each is solved by itself: few are bound by reading the factor.
+const NARROW: usize = 8;
 /// The dense Schur complement of more unknowns has more than 2^31 - 1 entries.
 const MOST_TRAILING: usize = 46_340;
 /// Analyses that are kept, and entries of a pattern up to which its analysis is: 60 bytes an entry.
@@ -256,7 +258,18 @@ impl Cholesky {
 
     /// Forward solution of the interior columns: leaves `y_i = L_ii^-1 f_i` and `f_b - L_bi y_i`.
     fn eliminate(&self, mut x: MatMut<f64>) {
+        let mut update = Vec::new();
         for panel in self.panels() {
+            if x.ncols() <= NARROW {
+                for j in 0..x.ncols() {
+                    let column = x.as_mut().col_mut(j).try_as_col_major_mut();
+                    panel.eliminate(
+                        column.expect("columns are contiguous").as_slice_mut(),
+                        &mut update,
+                    );
+                }
+                continue;
+            }
             let mut top = x.as_mut().subrows_mut(panel.start, panel.n_columns);
             solve_lower_triangular_in_place(panel.top, top.as_mut(), Par::Seq);
             let mut update = Mat::zeros(panel.below.nrows(), top.ncols());
@@ -271,7 +284,18 @@ impl Cholesky {
 
     /// Backward solution of the interior columns, the trailing rows given.
     fn substitute(&self, mut x: MatMut<f64>) {
+        let mut known = Vec::new();
         for panel in self.panels().rev() {
+            if x.ncols() <= NARROW {
+                for j in 0..x.ncols() {
+                    let column = x.as_mut().col_mut(j).try_as_col_major_mut();
+                    panel.substitute(
+                        column.expect("columns are contiguous").as_slice_mut(),
+                        &mut known,
+                    );
+                }
+                continue;
+            }
             let mut known = Mat::zeros(panel.below.nrows(), x.ncols());
             for j in 0..x.ncols() {
                 for (k, row) in panel.rows().enumerate() {
@@ -322,11 +346,74 @@ struct Panel<'a> {
     below: MatRef<'a, f64>,
 }
 
-impl Panel<'_> {
+impl<'a> Panel<'a> {
     /// Rows of `below`: what is left of the diagonal block, then the pattern.
     fn rows(&self) -> impl Iterator<Item = usize> {
         (self.start + self.n_columns..self.end).chain(self.pattern.iter().map(|&row| row as usize))
     }
+
+    /// Column k from its diagonal on: the rest of the triangle, and the rows below.
+    fn column(&self, k: usize) -> (f64, &'a [f64], &'a [f64]) {
+        let column = |part: MatRef<'a, f64>| {
+            let whole = part.col(k).try_as_col_major();
+            whole.expect("columns are contiguous").as_slice()
+        };
+        let top = &column(self.top)[k..];
+        (top[0], &top[1..], column(self.below))
+    }
+
+    /// Forward solution of one right-hand side by this panel, faster than products of small matrices.
+    fn eliminate(&self, x: &mut [f64], update: &mut Vec<f64>) {
+        update.clear();
+        update.resize(self.below.nrows(), 0.0);
+        for k in 0..self.n_columns {
+            let (diagonal, triangle, below) = self.column(k);
+            let (solved, rest) = x[self.start + k..]
+                .split_first_mut()
+                .expect("a row of the panel");
+            *solved /= diagonal;
+            for (entry, l) in rest.iter_mut().zip(triangle) {
+                *entry -= l * *solved;
+            }
+            for (entry, l) in update.iter_mut().zip(below) {
+                *entry += l * *solved;
+            }
+        }
+        for (row, entry) in self.rows().zip(update) {
+            x[row] -= *entry;
+        }
+    }
+
+    /// Backward solution of one right-hand side by this panel.
+    fn substitute(&self, x: &mut [f64], known: &mut Vec<f64>) {
+        known.clear();
+        known.extend(self.rows().map(|row| x[row]));
+        for k in (0..self.n_columns).rev() {
+            let (diagonal, triangle, below) = self.column(k);
+            let (solved, rest) = x[self.start + k..]
+                .split_first_mut()
+                .expect("a row of the panel");
+            *solved = (*solved - dot(triangle, rest) - dot(below, known)) / diagonal;
+        }
+    }
+}
+
+/// Sum of products over the shorter length, in eight parts, which the compiler vectorises.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let b = &b[..a.len()];
+    let mut sums = [0.0; 8];
+    for (a, b) in a.chunks_exact(8).zip(b.chunks_exact(8)) {
+        for i in 0..8 {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    let rest = a.len() / 8 * 8;
+    sums.iter().sum::<f64>()
+        + a[rest..]
+            .iter()
+            .zip(&b[rest..])
+            .map(|(a, b)| a * b)
+            .sum::<f64>()
 }
 
 /// The permuted matrix while it is factorised.

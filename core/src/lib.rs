@@ -4,6 +4,7 @@ pub mod cholesky;
 pub mod error;
 pub mod ldlt;
 pub mod memory;
+mod nodal_graph;
 pub mod ordering;
 pub mod pattern;
 pub mod symbolic;

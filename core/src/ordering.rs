@@ -1,10 +1,7 @@
-//! Fill-reducing orderings: the graph of nodes, minimum degree, elimination tree, postorder.
-//!
-//! Several unknowns sit at one node (two displacements, say), and their rows have nearly the same
-//! pattern. Ordering the graph of nodes instead of the graph of unknowns is several times cheaper
-//! and keeps the unknowns of a node together, which makes the supernodes wide.
+//! Fill-reducing orderings: minimum degree, elimination tree, postorder.
 
 use crate::error::FactorError;
+use crate::nodal_graph::{NodalGraph, summed};
 use faer::dyn_stack::MemStack;
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
@@ -148,87 +145,66 @@ pub fn inverted(forward: &[u32], n: usize) -> Vec<u32> {
     inverse
 }
 
-/// Graph of the nodes of the kept unknowns, each edge once, and the unknowns of each node.
-struct NodalGraph {
-    col_ptr: Vec<u32>,
-    row_idx: Vec<u32>,
-    member_ptr: Vec<u32>,
-    members: Vec<u32>,
-}
-
-fn nodal_graph(lower: Lower, groups: &[i32], kept: &[bool]) -> NodalGraph {
-    let n = lower.n();
-    let mut numbers: Vec<i32> = (0..n).filter(|&i| kept[i]).map(|i| groups[i]).collect();
-    numbers.sort_unstable();
-    numbers.dedup();
-    let node: Vec<u32> = (0..n)
-        .map(|i| match kept[i] {
-            true => numbers
-                .binary_search(&groups[i])
-                .expect("every kept group is listed") as u32,
-            false => NONE,
-        })
-        .collect();
-    let n_nodes = numbers.len();
-    let mut member_ptr = vec![0u32; n_nodes + 1];
-    for &a in node.iter().filter(|&&a| a != NONE) {
-        member_ptr[a as usize + 1] += 1;
-    }
-    for a in 0..n_nodes {
-        member_ptr[a + 1] += member_ptr[a];
-    }
-    let mut members = vec![0u32; member_ptr[n_nodes] as usize];
-    let mut next = member_ptr.clone();
-    for (i, &a) in node.iter().enumerate().filter(|(_, a)| **a != NONE) {
-        members[next[a as usize] as usize] = i as u32;
-        next[a as usize] += 1;
-    }
-    let mut col_ptr = vec![0u32; 1];
-    let mut row_idx = Vec::new();
-    let mut seen_by = vec![NONE; n_nodes];
-    for a in 0..n_nodes {
-        for &j in &members[member_ptr[a] as usize..member_ptr[a + 1] as usize] {
-            for &i in &lower.indices[lower.range(j as usize)] {
-                let b = node[i as usize];
-                if b != NONE && b as usize != a && seen_by[b as usize] != a as u32 {
-                    seen_by[b as usize] = a as u32;
-                    row_idx.push(b);
-                }
-            }
-        }
-        row_idx[col_ptr[a] as usize..].sort_unstable();
-        col_ptr.push(row_idx.len() as u32);
-    }
-    NodalGraph {
-        col_ptr,
-        row_idx,
-        member_ptr,
-        members,
-    }
-}
-
 /// Orders the kept unknowns by approximate minimum degree (Amestoy, Davis and Duff, 1996) on the
-/// graph of their nodes. Returns the old number of each new one.
+/// graph of those nodes that follow no other one. Returns the old number of each new one.
 pub fn minimum_degree(
     lower: Lower,
     groups: &[i32],
     kept: &[bool],
 ) -> Result<Vec<u32>, FactorError> {
-    let graph = nodal_graph(lower, groups, kept);
-    let n_nodes = graph.col_ptr.len() - 1;
-    if n_nodes == 0 {
+    let mut graph = NodalGraph::new(lower, groups, kept);
+    let n_nodes = graph.n();
+    let first = graph.merge_alike();
+    let followers = graph.followers();
+    let mut leads: Vec<bool> = (0..n_nodes as u32)
+        .map(|a| first[a as usize] == a)
+        .collect();
+    for &(follower, _) in &followers {
+        leads[follower as usize] = false;
+    }
+    let leaders: Vec<u32> = (0..n_nodes as u32).filter(|&a| leads[a as usize]).collect();
+    // a follower comes just before the first of the leaders that it could follow
+    let mut place = vec![NONE; n_nodes];
+    for (position, &a) in by_degree(&mut graph, &leaders)?.iter().enumerate() {
+        place[a as usize] = 2 * position as u32 + 1;
+    }
+    for &(follower, a) in followers.iter().filter(|(_, a)| leads[*a as usize]) {
+        place[follower as usize] = place[follower as usize].min(place[a as usize] - 1);
+    }
+    let mut starts = vec![0u32; 2 * leaders.len() + 1];
+    let place_of = |a: usize| place[first[a] as usize] as usize;
+    (0..n_nodes).for_each(|a| starts[place_of(a) + 1] += 1);
+    summed(&mut starts);
+    let mut order = vec![0u32; n_nodes];
+    for a in 0..n_nodes {
+        let start = &mut starts[place_of(a)];
+        order[*start as usize] = a as u32;
+        *start += 1;
+    }
+    Ok(order
+        .iter()
+        .flat_map(|&a| graph.members(a).iter().copied())
+        .collect())
+}
+
+/// Some nodes of a graph, which loses its neighbours, by approximate minimum degree.
+fn by_degree(graph: &mut NodalGraph, nodes: &[u32]) -> Result<Vec<u32>, FactorError> {
+    if nodes.is_empty() {
         return Ok(Vec::new());
     }
-    let symbolic = SymbolicSparseColMatRef::new_checked(
-        n_nodes,
-        n_nodes,
-        &graph.col_ptr,
-        None,
-        &graph.row_idx,
-    );
-    let scratch = amd::order_maybe_unsorted_scratch::<u32>(n_nodes, graph.row_idx.len());
+    let number = inverted(nodes, graph.n());
+    let (mut col_ptr, mut row_idx) = (vec![0u32], Vec::new());
+    for (a, &node) in nodes.iter().enumerate() {
+        let others = graph.of(node).iter().map(|&b| number[b as usize]);
+        row_idx.extend(others.filter(|&b| b != NONE && b as usize > a));
+        col_ptr.push(row_idx.len() as u32);
+    }
+    graph.neighbours = Vec::new(); // memory for the ordering
+    let n = nodes.len();
+    let symbolic = SymbolicSparseColMatRef::new_unsorted_checked(n, n, &col_ptr, None, &row_idx);
+    let scratch = amd::order_maybe_unsorted_scratch::<u32>(n, row_idx.len());
     let mut buffer = crate::memory::scratch(scratch)?;
-    let (mut forward, mut inverse) = (vec![0u32; n_nodes], vec![0u32; n_nodes]);
+    let (mut forward, mut inverse) = (vec![0u32; n], vec![0u32; n]);
     amd::order_maybe_unsorted(
         &mut forward,
         &mut inverse,
@@ -236,14 +212,7 @@ pub fn minimum_degree(
         amd::Control::default(),
         MemStack::new(&mut buffer),
     )?;
-    let members = |a: u32| {
-        let a = a as usize;
-        &graph.members[graph.member_ptr[a] as usize..graph.member_ptr[a + 1] as usize]
-    };
-    Ok(forward
-        .iter()
-        .flat_map(|&a| members(a).iter().copied())
-        .collect())
+    Ok(forward.iter().map(|&a| nodes[a as usize]).collect())
 }
 
 /// Parent of each column in the elimination tree (Liu, 1990), `NONE` at a root; needs the upper triangle.

@@ -48,19 +48,12 @@ def test_a_moving_band_has_its_closed_form() -> None:
 
 @pytest.mark.parametrize(("falls", "speed"), [((20.0, 800.0), 30.0), ((150.0, 151.0), -30.0)])
 def test_friction_falls_with_temperature(falls, speed) -> None:
-    """What slips has the coefficient of its own temperature, which a sum over the cells ahead gives."""
+    """What slips has the coefficient of its own temperature, which the heat ahead gives."""
     contact = ellipse(Friction(0.4, 0.1, heating=Heating(falls=falls)))
     found = roll(contact, Creepages(0.05, 0.01, speed=speed), tolerance=1e-6)
     assert found.status.converged
     heat = np.linalg.norm(found.tractions, axis=2) * np.linalg.norm(found.slip_velocities, axis=2)
-    n, strip, effusivity = heat.shape[1], 1e-3 * contact.grid.strip, 2.0 * Heat().effusivity
-    rises = np.zeros(heat.shape)
-    for i in range(n):
-        for j in range(n):
-            ahead = strip * (j - i) * np.sign(speed)
-            if ahead >= 0.0:
-                root = np.sqrt(ahead + strip / 2.0) - np.sqrt(max(ahead - strip / 2.0, 0.0))
-                rises[:, i] += 2e6 * heat[:, j] * root / (effusivity * np.sqrt(np.pi * abs(speed)))
+    rises = contact.friction.heating.rises(heat, contact.grid.strip, speed)
     np.testing.assert_allclose(found.flash_temperatures, rises, rtol=1e-9, atol=1e-6 * rises.max())
     coefficient = np.interp(20.0 + rises, falls, (0.4, 0.1))
     slips = found.states == SLIPS

@@ -29,16 +29,6 @@ def half_disc(kind: str, size: float) -> tuple[Part, np.ndarray, Outline]:
     return Part("disc", Body("disc", mesh, element, Elastic(21e3, 0.3), "cut")), edges[near], outline
 
 
-def test_nodes_are_shifted_onto_the_arc() -> None:
-    """Nodes plus shifts are at the arc's radius to 1e-12; without a curve nothing is shifted."""
-    part, edges, outline = half_disc("polygons", 0.05)
-    surface = Surface(part, edges, curve=outline)
-    points = part.body.space.nodes[surface.nodes] + surface.shifts
-    assert abs(surface.shifts).max() > 1e-6
-    np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 1] - RADIUS), RADIUS, rtol=1e-12)
-    assert not Surface(part, edges).shifts.any()
-
-
 def test_a_curve_takes_the_corners_of_the_mesh_out_of_the_pressure() -> None:
     """Two discs of polygons: with the curve the pressure is Hertz's within 1 % of p0, without it not within 4 %."""
     part, edges, outline = half_disc("polygons", 0.03)

@@ -120,7 +120,8 @@ class Factor:
         n = self._inner.shape[0]
         if n == 0:
             return 1.0
-        scale = _unit_scale(self._inner)
+        # of a positive matrix with unit diagonal no entry is larger
+        scale = _unit_scale(self._inner, 0 if self.kind == "Cholesky" else MAX_SCALINGS)
         probes = np.random.default_rng(0).standard_normal((n, PROBES)).astype(self._inner.dtype)
         try:
             solved = self._solve(probes * (self._round_off / scale)[:, None]) / scale[:, None]
@@ -272,12 +273,12 @@ def _with_diagonal(matrix: sp.csr_array) -> SymmetricMatrix:
     return SymmetricMatrix.from_full(matrix)
 
 
-def _unit_scale(matrix: sp.csr_array) -> Floats:
+def _unit_scale(matrix: sp.csr_array, scalings: int = MAX_SCALINGS) -> Floats:
     """Scale of rows and columns after which the largest entry of every row is about one (Ruiz, 2001)."""
     size = np.abs(matrix.diagonal())
     scale = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
     magnitudes, filled = np.abs(matrix.data), np.diff(matrix.indptr) > 0
-    for _ in range(MAX_SCALINGS):  # each takes the square root of what a row's maximum differs from one
+    for _ in range(scalings):  # each takes the square root of what a row's maximum differs from one
         # max over j of s_i |A_ij| s_j
         maxima = np.maximum.reduceat(magnitudes * scale[matrix.indices], matrix.indptr[:-1][filled]) * scale[filled]
         if maxima.max(initial=1.0) <= EVEN * maxima.min(initial=1.0):

@@ -62,6 +62,19 @@ def test_a_steep_flange_stands_on_136re(wheel, inputs):
     assert found.flange_touches("right")
 
 
+def test_an_upright_gauge_face_is_touched_beyond_the_rigid_range():
+    """A face of 1:20 on a rail inclined by 1:20 belongs to the running surface; there the flange is 2.7 mm further."""
+    found = solved("AAR-1B", "60E2", rail_inclination=0.05, axle_load_kN=160, lateral_mm=8.0)
+    assert found.status.converged
+    assert abs(unbalanced(found)[1]) < 1e-8
+    assert found.flange_touches("right")
+    surfaces = surfaces_of("AAR-1B", "60E2", 0.05)["right"]
+    points, normals = surfaces.rail_points(np.sort(surfaces.rail_stations[[0, -1], 1]))
+    assert normals[1] == pytest.approx((-1.0, 0.0), abs=1e-4)
+    # the flat sides of the head are equally long: both faces end at one depth across the rail's own axis
+    assert points[0, 1] - points[1, 1] == pytest.approx(0.05 * np.ptp(points[:, 0]), rel=1e-2)
+
+
 @pytest.mark.ci
 def test_a_wheelset_with_free_yaw_runs_on_the_rolling_line():
     """Cones in a balanced curve stand at r0 l / (R gamma) with yaw 0."""

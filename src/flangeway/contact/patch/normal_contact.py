@@ -142,11 +142,11 @@ def solve_normal(
     forces = start if force is None else start * force / float((shares * start).sum())
     direction = np.zeros(gaps.shape)
     old_norm, restart, done = 1.0, True, False
-    change, iteration = np.inf, 0
+    change, iteration, moved = np.inf, 0, influence(forces)
     while not done and iteration < MOST_ITERATIONS:
         iteration += 1
         touching = forces > 0.0
-        deformed = gaps + influence(forces)
+        deformed = gaps + moved
         rigid = approach if approach is not None else _along(deformed, shares, touching)
         residual = deformed - rigid * shares
         norm = float((residual[touching] ** 2).sum())
@@ -164,12 +164,15 @@ def solve_normal(
         bent = influence(direction)
         curvature = float((direction * bent)[touching].sum())
         step = float((residual * direction)[touching].sum()) / curvature if curvature > 0.0 else 0.0
-        before = forces
-        forces = np.maximum(forces - step * direction, 0.0)
+        before, forces = forces, forces - step * direction
+        cut = bool((forces < 0.0).any())
+        forces = np.maximum(forces, 0.0)
         closed = (forces == 0.0) & (residual < 0.0)
         forces = np.where(closed, forces - step * residual, forces)
-        if force is not None:
-            forces *= force / float((shares * forces).sum())
+        scale = 1.0 if force is None else force / float((shares * forces).sum())
+        forces *= scale
+        # a whole step moves as its direction does
+        moved = influence(forces) if cut or closed.any() else scale * (moved - step * bent)
         change = float(np.abs(forces - before).sum()) / max(float(forces.sum()), np.finfo(float).tiny)
         # a small change counts if its direction was that of the residual
         small = change < tolerance and not closed.any()

@@ -13,8 +13,8 @@ MAX_CLIPPED = 0.5
 """Width of a part beyond an overhang over that of the running surface, above which it may be a second one."""
 
 
-def graphs_of(contour: Contour) -> list[Floats]:
-    """Return the parts of a contour along which x grows, less steep than `STEEPEST_RAD`, the widest first.
+def graphs_of(contour: Contour, steepest_rad: float = STEEPEST_RAD) -> list[Floats]:
+    """Return the parts of a contour that are less steep than an angle, the widest first; up to 90 degrees x grows.
 
     Each is a table (n, 5) of its pieces: x and y of the start, angle of the tangent there, curvature, length.
     """
@@ -22,7 +22,7 @@ def graphs_of(contour: Contour) -> list[Floats]:
         contour = contour.reversed()
     runs: list[list[tuple[float, ...]]] = [[]]
     for segment in contour.segments:
-        row, reaches_start, reaches_end = _running_part(segment)
+        row, reaches_start, reaches_end = _running_part(segment, steepest_rad)
         if not reaches_start:
             runs.append([])
         if row is not None:
@@ -37,7 +37,7 @@ def extent(rows: Floats) -> float:
     return float(rows[:, 4] @ np.cos(rows[:, 2] + 0.5 * rows[:, 3] * rows[:, 4]))
 
 
-def _running_part(segment: Segment) -> tuple[tuple[float, ...] | None, bool, bool]:
+def _running_part(segment: Segment, steepest_rad: float) -> tuple[tuple[float, ...] | None, bool, bool]:
     """Part of a segment that is not too steep, and whether it reaches the segment's start and end.
 
     Returned: x, y, angle, curvature and length of the part, or None; two flags.
@@ -47,11 +47,11 @@ def _running_part(segment: Segment) -> tuple[tuple[float, ...] | None, bool, boo
     curvature = segment.curvature
     first, last = 0.0, segment.length
     if curvature == 0.0:
-        if abs(angle) > STEEPEST_RAD:
+        if abs(angle) > steepest_rad:
             return None, False, False
     else:
         # the lengths at which the angle takes both limits; files give arcs shorter than half a turn
-        limits = sorted(((-STEEPEST_RAD - angle) / curvature, (STEEPEST_RAD - angle) / curvature))
+        limits = sorted(((-steepest_rad - angle) / curvature, (steepest_rad - angle) / curvature))
         first, last = max(first, limits[0]), min(last, limits[1])
         if last - first < 1e-9 * segment.length:
             return None, False, False

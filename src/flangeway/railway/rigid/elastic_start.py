@@ -113,8 +113,8 @@ class RigidStart:
 def rigid_start(problem: WheelsetProblem, geometry: RigidGeometry | None = None) -> RigidStart:
     """Find the equilibrium that a rigid wheelset reaches from the middle of the track, or its prescribed position.
 
-    An `InputError` if the wheels do not fit the rails, the load overturns the wheelset or carries a flange over its
-    rail, or a prescribed lateral displacement cannot be reached.
+    An `InputError` if the wheels do not fit the rails, or the load overturns the wheelset or carries a flange over its
+    rail.
 
     - `problem`: wheelset, track, load and prescribed displacements.
     - `geometry`: rigid geometry of this wheelset on this track, if it is there already.
@@ -133,12 +133,15 @@ def rigid_start(problem: WheelsetProblem, geometry: RigidGeometry | None = None)
 
 def _prescribed_start(geometry: RigidGeometry, lateral: float) -> WheelsetPosition:
     """The position at a prescribed lateral displacement; before it, the last one in which the flange does not climb."""
-    ends = geometry.locus([lateral, 0.0])
+    low, high = geometry.limits(abs(lateral))
+    inside = low <= lateral <= high
+    reached = lateral if inside else SCAN_MM * math.trunc(min(max(lateral, low), high) / SCAN_MM)
+    ends = geometry.locus([reached, 0.0])
     at_it = ends.motion(0)
     if _steepest(ends)[0] <= CLIMBING_RAD and at_it.vertical_mm - ends.vertical_mm[1] <= CLIMBED_MM:
         return at_it
-    n_steps = max(math.ceil(abs(lateral) / SCAN_MM), 1)
-    scan = geometry.locus(lateral * np.arange(n_steps) / n_steps)
+    n_steps = max(math.ceil(abs(reached) / SCAN_MM), 1)
+    scan = geometry.locus(reached * np.arange(n_steps) / n_steps)
     climbing = np.flatnonzero(_steepest(scan) > CLIMBING_RAD)
     last = int(climbing[0]) - 1 if len(climbing) else n_steps - 1
     return at_it if last < 0 else scan.motion(last)

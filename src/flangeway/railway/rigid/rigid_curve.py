@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement
-from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, extent, graphs_of
+from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, STEEPEST_RAD, extent, graphs_of
 from flangeway.types import Floats
 
 
@@ -64,17 +64,20 @@ class RigidCurve:
             object.__setattr__(self, name, array)
 
     @classmethod
-    def from_contour(cls, contour: Contour, placement: Placement | None = None) -> Self:
-        """Return the widest part of a contour whose tangents are less steep than `STEEPEST_RAD`.
+    def from_contour(
+        cls, contour: Contour, placement: Placement | None = None, steepest_rad: float = STEEPEST_RAD
+    ) -> Self:
+        """Return the widest part of a contour whose tangents are less steep than an angle.
 
         What lies beyond an overhang, as of a chamfer or a lip, is left out. An `InputError` if there is no such part,
         or another one is wider than `MAX_CLIPPED` of it.
 
         - `contour`: in either direction.
         - `placement`: where it is; untransformed by default.
+        - `steepest_rad`: with more than 90 degrees x does not grow everywhere, and `over` has no meaning.
         """
         placed = contour if placement is None else contour.transformed(placement)
-        tables = graphs_of(placed)
+        tables = graphs_of(placed, steepest_rad)
         if not tables:
             raise InputError("a profile without a running surface", "tangents that are not vertical", "check its axes")
         if len(tables) > 1 and extent(tables[1]) > MAX_CLIPPED * extent(tables[0]):

@@ -154,7 +154,7 @@ def finer(
     sizes = [
         min(max(each.across / n_across, low), LENGTHENED * strip) for each, low in zip(windows, least, strict=True)
     ]
-    at_edge = grid.cuts(state.forces)
+    at_edge = old.cuts(state.forces)
     enough = grid.strip <= COARSER * strip and all(
         (grid.widths[window.rows] <= COARSER * window.sizes(grid.cells[window.rows], size, n_across)).all()
         for window, size in zip(windows, sizes, strict=True)

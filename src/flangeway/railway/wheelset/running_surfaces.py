@@ -1,9 +1,11 @@
 """Running surfaces of a wheelset and its track: the sections meshed, and their compliance tabulated."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from flangeway.contact.patch.elastic_surface import ElasticSurface, elastic_surface
 from flangeway.contact.patch.patch_body import stations_of
@@ -36,6 +38,11 @@ BODY_MM = 6.0
 """The same inside the bodies."""
 GROWTH = 0.2
 """Growth of the edges per distance for order 1, twice that for order 2."""
+WALL_RAD = math.radians(95.0)
+"""Steepest part of a rail that touches: a gauge face of 1:20 on a rail inclined by 1:20 is upright, and a patch on the
+gauge corner reaches it."""
+SAMPLED_MM, ON_CURVE_MM = 0.02, 0.01
+"""Distance of points of a curve near which corners of a mesh are sought, and their distance from it."""
 
 
 @dataclass(frozen=True)
@@ -77,13 +84,14 @@ def running_surfaces(
             done[of_wheel] = _wheel(problem, model, wheel, radius, cache, progress)
         if of_rail not in done:
             done[of_rail] = _rail(problem, model, rail, cache, progress)
+        on_rail = RigidCurve.from_contour(rail.running_surface, curves.rail_frame, WALL_RAD)
         found[side] = SideSurfaces(
             curves.wheel,
-            curves.rail,
+            on_rail,
             done[of_wheel][0],
             done[of_rail][0],
             _stations(curves.wheel, curves.wheel_frame.points(done[of_wheel][1])),
-            _stations(curves.rail, curves.rail_frame.points(done[of_rail][1])),
+            _stations(on_rail, curves.rail_frame.points(done[of_rail][1])),
             curves.wheel_frame,
             curves.rail_frame,
         )
@@ -181,15 +189,15 @@ def _corners(cells: SurfaceCells) -> Floats:
 def _stations(curve: RigidCurve, corners: Floats) -> Floats:
     """Lengths along a curve, and along the chain of its mesh's corners, at these, by rising lengths: (n, 2).
 
-    Corners beyond an overhang, which the curve leaves out, are left out: those kept follow each other across.
+    Corners that the curve leaves out, as beyond an overhang, are left out.
     """
-    arcs: Floats = np.linspace(0.0, curve.length, 1 + int(np.ceil(curve.length / 0.002)))
-    x = curve.at(arcs).x
-    along = stations_of(corners)
-    outward = corners[-1, 0] > corners[0, 0]
-    turns = np.flatnonzero(np.diff(corners[:, 0]) * (1.0 if outward else -1.0) <= 0.0) + 1
-    parts = np.split(np.arange(len(corners)), turns)
-    part = max(parts, key=lambda numbers: float(np.ptp(corners[numbers, 0])))
-    part = part[(corners[part, 0] >= x[0]) & (corners[part, 0] <= x[-1])]
-    pairs = np.stack((np.interp(corners[part, 0], x, arcs), along[part]), axis=1)
-    return pairs if outward else pairs[::-1]
+    arcs = np.linspace(0.0, curve.length, 1 + int(np.ceil(curve.length / SAMPLED_MM)))
+    at = curve.at(arcs)
+    numbers = cKDTree(np.column_stack((at.x, at.y))).query(corners)[1]
+    dx, dy = corners[:, 0] - at.x[numbers], corners[:, 1] - at.y[numbers]
+    nearest = arcs[numbers] + dx * np.cos(at.angle[numbers]) + dy * np.sin(at.angle[numbers])
+    there = curve.at(nearest)
+    on_curve = np.hypot(corners[:, 0] - there.x, corners[:, 1] - there.y) < ON_CURVE_MM
+    on_curve &= (nearest >= 0.0) & (nearest <= curve.length)
+    pairs = np.stack((nearest, stations_of(corners)), axis=1)[on_curve]
+    return pairs if pairs[-1, 0] > pairs[0, 0] else pairs[::-1]

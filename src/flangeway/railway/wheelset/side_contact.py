@@ -254,10 +254,6 @@ class SideGrid:
         ends[[0, -1]] = True
         return rows[:, None] | ends
 
-    def cuts(self, forces: Floats) -> bool:
-        """Whether a patch of forces (n, n_z) comes to an end of the cells."""
-        return bool(((forces > 0.0) & self.at_edge).any())
-
 
 @dataclass(frozen=True, eq=False)
 class SideState:
@@ -319,6 +315,21 @@ class GriddedSide:
         frames[:, 0, :2] = tangents_of(normals)
         frames[:, 1, :2], frames[:, 2, 2] = normals, 1.0
         return frames
+
+    @cached_property
+    def _outermost(self) -> Bools:
+        """Rows of cells between which and an end of the running surface no other one has room, (n, 1)."""
+        low, high = np.sort(self.surfaces.rail_stations[[0, -1], 1])
+        (first, last), widths = self.grid.cells.T, self.grid.widths
+        return np.asarray((first - low < widths) | (high - last < widths))[:, None]
+
+    def cuts(self, forces: Floats) -> bool:
+        """Whether a patch of forces (n, n_z) comes to an end of the cells beyond which the surface goes on."""
+        return bool(((forces > 0.0) & self.grid.at_edge & ~self._outermost).any())
+
+    def leaves(self, forces: Floats) -> bool:
+        """Whether a patch of forces (n, n_z) comes to the end of the running surface."""
+        return bool(((forces > 0.0) & self._outermost).any())
 
     @property
     def _elastic(self) -> tuple[ElasticSurface, ElasticSurface]:

@@ -188,7 +188,7 @@ class SpatialWheelset:
         elif torque_kNm and errors.argmax() == TORQUE:
             unit = 1e-6 * self.problem.load.in_track[1] * self.problem.wheelset.tape_radius_mm
             missing = unit * abs(residuals.torque_residual)
-            cause = f"friction does not transmit the torque: {missing:.1f} of {torque_kNm:.1f} kN m are left"
+            cause = f"friction does not transmit the torque: {missing:.3g} of {torque_kNm:.3g} kN m are left"
             advice = "give a smaller torque, or more friction"
         elif errors.argmax() == 0:
             cause = f"{place}, a lateral force of {1e-3 * abs(force):.1f} kN to the {_way(force)} is not balanced"
@@ -342,8 +342,6 @@ class _Cells:
         for side, each in found.state.sides.items():
             forces, creep = transferred(each, whole[side]), transferred_creep(each, whole[side])
             self.touching = {**self.touching, side: solve_side(whole[side], each.pose, forces, creep=creep)}
-        if found.status.converged and any(each.grid.grid.cuts(each.forces) for each in self.touching.values()):
-            self.status = Status(False, AT_END, found.status.iterations)
         self.last = False
         return self.fine(SpatialState(self.touching) if far else found.state, NEAR_MM)
 
@@ -364,7 +362,10 @@ class _Cells:
                 self.touching = {**self.touching, **beyond}
                 grids, state = self.fine(SpatialState({**state.sides, **beyond}))
         if grids == found.state.grids:
-            self.status, self.last = found.status if self.last else self.status, True
+            if self.last:
+                lost = any(each.grid.leaves(each.forces) for each in state.sides.values())
+                self.status = Status(False, AT_END, found.status.iterations) if lost else found.status
+            self.last = True
         return grids, state
 
     def fine(self, state: SpatialState, within: float = 0.0) -> Placed:

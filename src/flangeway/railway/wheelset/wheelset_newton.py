@@ -102,7 +102,7 @@ MAX_GROWTH, HALVED = 4.0, 0.25
 SADDLE = 1e-6
 """Push across the track over the stiffness of the rest, in mm, that is round-off."""
 LEAST_STIFFNESS = 1e-6
-"""Of a wheel that does not touch, weight per mm, so that it goes where it is pushed."""
+"""Of a wheel that does not touch, weight per mm, so that it goes where it is pushed; also for rate and yaw."""
 ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.1, 1e-2, 1e-3
 """Error of the law of friction over the residual of the position before, its largest one, and the residual that other
 cells give an equilibrium."""
@@ -112,8 +112,9 @@ DIRECT = 4.0
 """See `_steers`."""
 MAX_YAW_RAD = 1e-3
 """Step limit of the yaw."""
-RATE, YAW = 5, 6
-"""Numbers of the unknowns that friction adds behind position and tilts: the rate of rotation, and the yaw."""
+TILTS, RATE, YAW = (3, 4), 5, 6
+"""Numbers of the unknowns behind the position: tilts of both wheels, and with friction the rate of rotation and the
+yaw."""
 
 
 class WheelsetNewton:
@@ -149,8 +150,10 @@ class WheelsetNewton:
         if creep is not None:
             held += [True, creep.motion.yaw_is_free]
         self.free = np.array(held)
-        arm = problem.wheelset.back_to_back_mm / 2.0
-        self._least = LEAST_STIFFNESS * float(loads_of(problem).weight) * np.array([1.0, 1.0, arm**2])
+        arm, radius = problem.wheelset.back_to_back_mm / 2.0, problem.wheelset.tape_radius_mm
+        turning = [] if creep is None else [radius / creep.rate_rad_s, arm]
+        least = np.array([1.0, 1.0, arm**2, 0.0, 0.0, *turning])
+        self._least = np.diag(LEAST_STIFFNESS * float(loads_of(problem).weight) * least)
 
     def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
         """Go on with other cells, from a contact if it is known."""
@@ -197,7 +200,7 @@ class WheelsetNewton:
     @property
     def reaches_an_end(self) -> bool:
         """Whether a patch has come to an end of its cells."""
-        return any(each.grid.grid.cuts(each.forces) for each in self.sides.values())
+        return any(each.grid.cuts(each.forces) for each in self.sides.values())
 
     @property
     def _is_halved(self) -> bool:
@@ -310,20 +313,25 @@ class WheelsetNewton:
         limits = self._limits
         columns, rows = self.free.copy(), self.free.copy()
         columns[0] = False
-        jacobian = self.jacobian.copy()
-        jacobian[[0, 1, 2], [0, 1, 2]] -= self._least
+        jacobian = self.jacobian - self._least
         if self.steers is None:
             steers = across and n > YAW and bool(self.free[YAW])
             self.steers = steers and _steers(jacobian, self.free, self.yaw_stiffness)
         row, sense = (YAW, -1.0) if self.steers else (0, 1.0)
         if across:
             rows[row] = False
-        step, by_x = np.zeros(n), np.zeros(n)
-        matrix = jacobian[np.ix_(rows, columns)]
-        right = -np.stack((self.missed, self.jacobian[:, 0]), axis=1)[rows]
-        step[columns], by_x[columns] = np.linalg.solve(matrix, right).T
+        right = -np.stack((self.missed, self.jacobian[:, 0]), axis=1)
+        step, by_x = _solved(jacobian, right, rows, columns)
         if self.creep is not None:
             limits[RATE] = self.creep.reach.limit_of(float(step[RATE]), halved=self._is_halved)
+        # an unknown whose step is limited goes where it is pushed, and the rest comes into equilibrium all the same:
+        # moments of wheels that slip everywhere hardly depend on rate and yaw
+        limited = columns & rows & (np.abs(step) > limits) & ~np.isin(np.arange(n), TILTS)
+        if limited.any():
+            part = np.where(limited, np.copysign(limits, self.missed), 0.0)
+            right[:, 0] -= jacobian @ part
+            step, by_x = _solved(jacobian, right, rows & ~limited, columns & ~limited)
+            step += part
         excess = float((np.abs(step) / limits).max())
         if excess > 1.0:
             return step / excess
@@ -380,6 +388,13 @@ class WheelsetNewton:
             stable = is_stable(self.problem, whole)
         state = SpatialState(states, rolled)
         return Equilibrium(status, self.position, self.relative, state, self.residual, stable)
+
+
+def _solved(jacobian: Floats, right: Floats, rows: Bools, columns: Bools) -> Floats:
+    """Solutions of some equations for some unknowns, the others 0, one for each right-hand side (n, 2); (2, n)."""
+    found = np.zeros(right.shape[::-1])
+    found[:, columns] = np.linalg.solve(jacobian[np.ix_(rows, columns)], right[rows]).T
+    return found
 
 
 def _steers(jacobian: Floats, free: Bools, yaw_stiffness: float) -> bool:
