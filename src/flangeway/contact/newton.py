@@ -84,6 +84,9 @@ NOT_BALANCED = 1e-6
 ROUND_OFF = 1e-13
 """Force over the maximum one below which it is round-off of the solved equations: its constraint is open."""
 
+MAX_ROUND_OFF = 1e-3
+"""Residual that round-off of the positions excuses, at most: where nothing moves it would excuse any force."""
+
 UNHELD_AFTER = 12
 """Iterations after which a part slides away if friction did not hold its load in one: by about its size."""
 
@@ -351,7 +354,8 @@ class _Run:
                 fraction /= 2.0
                 taken = self._take(here, step, fraction, settle=settle)
             self.history.append(taken)
-            floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / self._scale()
+            round_off = 64.0 * float(np.finfo(float).eps) * float(np.abs(self.reference).max()) / self._scale()
+            floor = min(round_off, MAX_ROUND_OFF)
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
             met = taken.residual <= max(self.settings.tolerance, floor) and fraction == 1.0
             self.stalled = not met and is_at_round_off(self.history[first:])
@@ -443,7 +447,10 @@ class _Run:
         if len(current.nodes) == 0:
             return self.forces, self.tangential, applied, np.zeros(self.parts.n)
         geometric, constrained = self._laws(bend=bend)
-        near = (self.forces > 0.0) | (constrained.violations[: len(self.forces)] <= WITHIN * self._scale())
+        products, reaches = current.barriers.T
+        reaches = np.where(products > 0.0, reaches, 0.0)  # of barriers, which push before surfaces meet
+        gaps = constrained.violations[: len(reaches)] - reaches
+        near = (self.forces > 0.0) | (gaps <= WITHIN * self._scale())
         while True:
             near = near if near.any() else ~near
             found = self._step_of(geometric, constrained, near, bend=bend)
@@ -453,9 +460,8 @@ class _Run:
             # the laws of the others hold with them open if the step leaves a gap there, which it closes by no more than
             # nodes of both sides move: the mean over a sliver of an edge has derivatives that say more
             step = moved - constrained.displacements
-            apart = constrained.violations + constrained.jacobian @ step
-            missed = ~near & (apart[: len(near)] < 0.0)
-            missed &= constrained.violations[: len(near)] < CLOSES * float(np.abs(step).max())
+            apart = gaps + (constrained.jacobian @ step)[: len(near)]
+            missed = ~near & (apart < 0.0) & (gaps < CLOSES * float(np.abs(step).max()))
             if not missed.any():
                 break
             near |= missed

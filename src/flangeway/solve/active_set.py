@@ -44,7 +44,8 @@ MIN_COMPONENT = 0.03
 """Component of a neutral motion below which it is none of it: other motions are in equilibrium exactly."""
 
 UNHELD_FORCE = 1e-5
-"""Force that springs against the motions of a step hold, over the forces along them, above which nothing else does."""
+"""Force that springs against the motions of a step hold, or that equations leave, over the forces along the motions,
+above which nothing else holds it."""
 
 
 class Answer(NamedTuple):
@@ -289,15 +290,18 @@ class DenseEquations:
     def __init__(self, matrix: Floats, offset: Floats, laws: Laws, motions: Motions) -> None:
         self.matrix, self.offset, self.laws, self.motions = matrix, offset, laws, motions
 
-    def __call__(self, guess: Guess) -> Answer:
-        """Forces, gaps, slips and motions of a guess."""
+    def __call__(self, guess: Guess) -> Answer | None:
+        """Forces, gaps, slips and motions of a guess; None if what it closes cannot carry the loads."""
         n, m, forces = len(self.motions.residual), self.laws.m, np.zeros(len(self.offset))
         rows, ratios, by_unit, resultants = self._responses(guess)
         motions = np.zeros(n)
         if n:
             # S r = e - L A^-1 b with the stiffness against motions S = L A^-1 N - H
             stiffness = resultants @ by_unit[:, :n] - self.motions.stiffness
-            motions = equations(stiffness, self.motions.residual - resultants @ by_unit[:, n])
+            loads = self.motions.residual - resultants @ by_unit[:, n]
+            motions = equations(stiffness, loads)
+            if np.abs(stiffness @ motions - loads).max() > UNHELD_FORCE * np.abs(loads).max():
+                return None
         forces[rows] = -by_unit @ np.append(motions, 1.0)
         if self.laws.friction:
             forces[m:] += ratios * forces[:m]
