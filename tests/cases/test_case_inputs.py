@@ -102,7 +102,7 @@ def test_a_measured_profile_finds_its_body(tmp_path):
     np.savetxt(tmp_path / "tread.txt", wheel("S1002").running_surface.sampled(spacing=0.5))
     head_file, tread_file = str(tmp_path / "head.txt"), str(tmp_path / "tread.txt")
     for values, on_rail, on_wheel in (
-        ({"rail": head_file, "wheel": tread_file}, "on 60E1", "on S1002"),
+        ({"rail": head_file, "wheel": tread_file}, "body of 60E1", "body of S1002"),
         (
             {"rail": "136RE", "left_rail": head_file, "wheel": "heavy-haul", "left_wheel": tread_file},
             "136RE",

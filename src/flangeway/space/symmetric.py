@@ -76,9 +76,11 @@ class SymmetricMatrix:
     def round_off(self, motion: Floats) -> Floats:
         """Round-off of each row's entries over that of the last bit, from the forces of a motion (n,) without energy.
 
-        Entries of virtual elements of high order on thin cells are off by many times the last bit.
+        Entries of virtual elements of high order on thin cells are off by many times the last bit. The last bit is that
+        of the row's largest entries: those for a motion across may be round-off themselves.
         """
-        terms = np.maximum(EPS * self.magnitudes(motion), np.finfo(np.float64).tiny)
+        terms = EPS * float(np.abs(motion).max()) * self.magnitudes(np.ones(self.n))
+        terms = np.maximum(terms, np.finfo(np.float64).tiny)
         return np.maximum(np.abs(self.times(motion)) / terms, 1.0)
 
     def plus(self, added: sp.csc_array) -> "SymmetricMatrix":
