@@ -325,8 +325,11 @@ class WheelsetNewton:
         if self.creep is not None:
             limits[RATE] = self.creep.reach.limit_of(float(step[RATE]), halved=self._is_halved)
         # an unknown whose step is limited goes where it is pushed, and the rest comes into equilibrium all the same:
-        # moments of wheels that slip everywhere hardly depend on rate and yaw
-        limited = columns & rows & (np.abs(step) > limits) & ~np.isin(np.arange(n), TILTS)
+        # without friction the energy falls that way, and moments of wheels that slip everywhere hardly depend on rate
+        # and yaw; with creep forces it holds for these alone
+        numbers = np.arange(n)
+        pushed = ~np.isin(numbers, TILTS) if self.creep is None else numbers >= RATE
+        limited = columns & rows & (np.abs(step) > limits) & pushed
         if limited.any():
             part = np.where(limited, np.copysign(limits, self.missed), 0.0)
             right[:, 0] -= jacobian @ part
