@@ -118,7 +118,7 @@ def test_a_wheelset_is_moved_to_a_lateral_position_where_rails_deflect_and_refus
     held = [-solved(wheelset, lateral_mm=lateral).equilibrium.residual[0] for lateral in (16.0, 18.0, 20.0, 22.0)]
     np.testing.assert_allclose(np.diff(held), 39.1e3, rtol=0.02)
     steps, beside = [], wheelset.at(wheelset.problem.load, Prescribed(35.0), 0.0)
-    with pytest.raises(InputError, match=r"lateral_mm = 35: derailed, at 2\d\.\d mm"):
+    with pytest.raises(InputError, match=r"lateral_mm = 35: derailed, at \d\d\.\d mm"):
         solve_position(beside, {}, steps.append)
     assert len(steps) < 60
 

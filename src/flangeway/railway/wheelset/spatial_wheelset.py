@@ -41,7 +41,8 @@ MAX_ITERATIONS = 120
 FAST_RESIDUAL = 1e-7
 """Equilibrium residual with friction by fast theories, whose forces are not smooth."""
 LIFTED, TORQUE, YAW_MOMENT = 0.1, 3, 4
-"""Vertical or moment residual of wheels that do not carry the load; numbers of torque and yaw moment in residuals."""
+"""Vertical or moment residual of wheels that do not carry the load, or torque of those that spin; numbers of torque and
+yaw moment in residuals."""
 MAX_BENT_MM = 0.4
 """Displacement of a cell by creep forces in one step, at most."""
 NEARBY = 5.0
@@ -183,13 +184,13 @@ class SpatialWheelset:
         else:
             advice = "give a lateral_mm nearer to the middle of the track"
             advice += "" if motion is None else ", a smaller yaw, or less friction"
-        if errors[1:3].max() > LIFTED:
-            cause = f"{place}, a wheel no longer carries its load: it lifts, or climbs its rail (derailment)"
-        elif torque_kNm and errors.argmax() == TORQUE:
+        if torque_kNm and (errors.argmax() == TORQUE or errors[TORQUE] > LIFTED):
             unit = 1e-6 * self.problem.load.in_track[1] * self.problem.wheelset.tape_radius_mm
             missing = unit * abs(residuals.torque_residual)
             cause = f"friction does not transmit the torque: {missing:.3g} of {torque_kNm:.3g} kN m are left"
             advice = "give a smaller torque, or more friction"
+        elif errors[1:3].max() > LIFTED:
+            cause = f"{place}, a wheel no longer carries its load: it lifts, or climbs its rail (derailment)"
         elif errors.argmax() == 0:
             cause = f"{place}, a lateral force of {1e-3 * abs(force):.1f} kN to the {_way(force)} is not balanced"
             if force * position.lateral_mm > 0.0:
