@@ -11,6 +11,8 @@ from studies.registry import STUDIES
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 SMALL = re.compile(r"< (1e-10|0\.001 %)")  # round-off, whose size is another one on each processor, zero among it
+ROUND_OFF = 1e-9
+"""Differences that are round-off on one processor and below what is printed on another."""
 ROUNDED = "torsion: order of the energy error on curved edges | V4 |"
 """An order of errors so small at order 4 that the processor's rounding decides it: 4.66 to 5.12."""
 SECONDS = ("torsion", "conicity")  # the others take up to a minute each
@@ -23,7 +25,7 @@ def last_digit(number):
     if not fraction and not power and len(whole) < 4:
         return 0.0
     # processors round differently: on a mesh with ties that is seen in the fifth digit, and in what is round-off itself
-    return 1.01 * 10.0 ** (int(power or 0) - len(fraction)) + 1e-4 * abs(float(number)) + 1e-11
+    return 1.01 * 10.0 ** (int(power or 0) - len(fraction)) + 1e-4 * abs(float(number))
 
 
 @pytest.mark.parametrize(
@@ -46,4 +48,4 @@ def test_a_study_passes_with_the_numbers_of_the_page(name):
             continue  # its limit is among those above
         assert NUMBER.split(line) == NUMBER.split(new)
         for number, value in zip(NUMBER.findall(line), NUMBER.findall(new), strict=True):
-            assert abs(float(value) - float(number)) <= last_digit(number), f"{line}\n{new}"
+            assert abs(float(value) - float(number)) <= last_digit(number) + ROUND_OFF, f"{line}\n{new}"
