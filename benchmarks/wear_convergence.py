@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from flangeway.cases.damage.damage_file import DamageFile
-from flangeway.railway.damage.collective import COLLECTIVES
+from flangeway.railway.damage.collective import COLLECTIVES, ranges_of
 from flangeway.railway.damage.evolution import EvolutionSettings, EvolutionStep
 
 VARIANTS = ("as it is", "half the steps", "half the spacing", "half the cells")
@@ -27,12 +27,7 @@ def varied(file: DamageFile, variant: str) -> DamageFile:
     states = COLLECTIVES.get(file.data.get("collective", "")) or data["states"]
     evolution, inputs = dict(data["evolution"]), dict(data["inputs"])
     if variant == "half the spacing":
-        states = [
-            state | {"parts": 2 * state.get("parts", 1)}
-            if any(isinstance(value, list | tuple) for value in state.values())
-            else state
-            for state in states
-        ]
+        states = [state | {"parts": 2 * state.get("parts", 1)} if ranges_of(state) else state for state in states]
     elif variant == "half the steps":
         for key, part in (("max_depth_mm", 2.0), ("max_error_mm", 4.0)):
             evolution[key] = evolution.get(key, getattr(EvolutionSettings(1.0), key)) / part

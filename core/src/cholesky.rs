@@ -261,13 +261,7 @@ impl Cholesky {
         let mut update = Vec::new();
         for panel in self.panels() {
             if x.ncols() <= NARROW {
-                for j in 0..x.ncols() {
-                    let column = x.as_mut().col_mut(j).try_as_col_major_mut();
-                    panel.eliminate(
-                        column.expect("columns are contiguous").as_slice_mut(),
-                        &mut update,
-                    );
-                }
+                each_column(x.as_mut(), |column| panel.eliminate(column, &mut update));
                 continue;
             }
             let mut top = x.as_mut().subrows_mut(panel.start, panel.n_columns);
@@ -287,13 +281,7 @@ impl Cholesky {
         let mut known = Vec::new();
         for panel in self.panels().rev() {
             if x.ncols() <= NARROW {
-                for j in 0..x.ncols() {
-                    let column = x.as_mut().col_mut(j).try_as_col_major_mut();
-                    panel.substitute(
-                        column.expect("columns are contiguous").as_slice_mut(),
-                        &mut known,
-                    );
-                }
+                each_column(x.as_mut(), |column| panel.substitute(column, &mut known));
                 continue;
             }
             let mut known = Mat::zeros(panel.below.nrows(), x.ncols());
@@ -333,6 +321,14 @@ impl Cholesky {
                 below,
             }
         })
+    }
+}
+
+/// Calls `work` with each column.
+fn each_column(mut x: MatMut<f64>, mut work: impl FnMut(&mut [f64])) {
+    for j in 0..x.ncols() {
+        let column = x.as_mut().col_mut(j).try_as_col_major_mut();
+        work(column.expect("columns are contiguous").as_slice_mut());
     }
 }
 

@@ -111,7 +111,7 @@ def block_into_corner(
             (surface_of(pressed, "bottom"), surface_of(corner, "floor")),
             (surface_of(pressed, "left"), surface_of(corner, "wall")),
         ]
-    contacts = tuple(Contact(mine, other, *way) for mine, other in pairs)
+    contacts = tuple(Contact(secondary, primary, *way) for secondary, primary in pairs)
     return ContactCase(contacts, {pressed: moved(*motion)})
 
 

@@ -57,12 +57,12 @@ def test_the_table_has_the_exact_forces_at_its_nodes(patch, sampled):
 
 def test_finer_directions_keep_the_solutions_of_coarser_ones(patch, monkeypatch):
     """Two intervals have 3 directions, four have 13, of which those 3 are not solved again."""
-    solved, mine = [], SampledPatch(patch.bodies)
+    solved, fresh = [], SampledPatch(patch.bodies)
     none = SimpleNamespace(along=0.0, across=0.0, moment=0.0, status=SimpleNamespace(converged=True))
     monkeypatch.setattr(SampledPatch, "exact", lambda _, *point: solved.append(point[1:3]) or none)
     for directions, n_rays in ((2, 3), (4, 13), (2, 13)):
-        sample(mine, directions, AXES)
-        assert (len(set(solved)), mine.n_exact) == (n_rays, len(solved))
+        sample(fresh, directions, AXES)
+        assert (len(set(solved)), fresh.n_exact) == (n_rays, len(solved))
     assert len(solved) == 13 * (len(AXES[0]) - 2)
 
 

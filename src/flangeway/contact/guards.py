@@ -130,14 +130,19 @@ def guarded(
         if side == 0:
             new = faced != taken[nodes]
             nodes, faced = nodes[new], faced[new]
-        terms, secondary_edges, primary_edges = node_terms(places[side], edges, nodes, faced, side)
-        nearest = places[0][faced, np.where(terms[-1] > 0.5, -1, 0)] if side == 1 else nodes
+        points, slots, secondary_edges, primary_edges = node_terms(places[side], edges, nodes, faced, side)
+        found = node_edge_gaps(positions[side][nodes], edges[other][faced])
+        nearest = places[0][faced, np.where(found.parameters > 0.5, -1, 0)] if side == 1 else nodes
         areas = surfaces[side].tributary_areas[nodes]
         keys = first_keys[side] + nodes * len(edges[other]) + faced
-        gaps = node_edge_gaps(positions[side][nodes], edges[other][faced]).gaps
         partners, members = faced + side * len(edges[1]), places[0][secondary_edges]
-        given = keys, partners, nearest, gaps, areas, areas, members, primary_edges, np.arange(len(nodes))[:, None]
-        parts.append(NodePairs(*given, *terms))
+        each = np.arange(len(nodes))[:, None]
+        parts.append(
+            NodePairs(
+                keys, partners, nearest, found.gaps, areas, areas, members, primary_edges, each, points, slots,
+                found.parameters,
+            )
+        )  # fmt: skip
     joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in JOINED}
     starts, width = np.cumsum([len(part.keys) for part in parts]), base.rows.shape[1]
     rows = [np.repeat(first + part.rows, width, axis=1) for first, part in zip(starts, parts[1:], strict=False)]

@@ -53,6 +53,7 @@ from flangeway.solve.active_set import CoulombState
 from flangeway.solve.body_response import BodyResponse, Constrained
 from flangeway.solve.handles import Handle, Handles
 from flangeway.solve.status import Iteration, NewtonSettings, Status, is_at_round_off
+from flangeway.space.symmetric import EPS
 from flangeway.types import Bools, Floats
 
 MEMORY, MAX_GROWTH, MIN_FRACTION = 12, 2.0, 1.0 / 32.0
@@ -354,7 +355,7 @@ class _Run:
                 fraction /= 2.0
                 taken = self._take(here, step, fraction, settle=settle)
             self.history.append(taken)
-            round_off = 64.0 * float(np.finfo(float).eps) * float(np.abs(self.reference).max()) / self._scale()
+            round_off = 64.0 * EPS * float(np.abs(self.reference).max()) / self._scale()
             floor = min(round_off, MAX_ROUND_OFF)
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
             met = taken.residual <= max(self.settings.tolerance, floor) and fraction == 1.0

@@ -134,7 +134,7 @@ class NodeToNode(Pairing):
         longest = np.zeros(len(secondary.nodes))
         for column in secondary.edge_places.T:
             np.maximum.at(longest, column, secondary.edge_lengths)
-        (points, slots, _), own, _ = node_terms(places, (positions[places], primary_edges), found.nodes, found.edges)
+        points, slots, own, _ = node_terms(places, (positions[places], primary_edges), found.nodes, found.edges)
         parameters = gauss_lobatto(primary_edges.shape[1])[0][found.columns]
         members, each = places[own], np.arange(len(gaps))
         return MatchedPairs(

@@ -85,8 +85,8 @@ class NodePairs(Pairs):
 
 def node_terms(
     places: Ints, edges: tuple[Floats, Floats], nodes: Ints, faced: Ints, side: int = 0
-) -> tuple[tuple[Floats, Ints, Floats], Ints, Ints]:
-    """Points, slots and parameters of `NodePairs`, and their secondary and primary edges, each (m,).
+) -> tuple[Floats, Ints, Ints, Ints]:
+    """Points and slots of `NodePairs`, and their secondary and primary edges, each (m,).
 
     Of two edges that meet at a node the one of the higher number is taken.
 
@@ -111,8 +111,7 @@ def node_terms(
     its = np.arange(n_faced) + (1 - side) * n_secondary
     slots = np.column_stack((column[nodes] + side * n_secondary, np.tile(its, (len(nodes), 1))))
     points = np.concatenate((edges[0][secondary_edges], edges[1][primary_edges]), axis=1)
-    pairs = np.take_along_axis(points, slots[..., None], axis=1)
-    return (points, slots, closest_parameters(pairs[:, 0], pairs[:, 1:])), secondary_edges, primary_edges
+    return points, slots, secondary_edges, primary_edges
 
 
 @dataclass(frozen=True)
@@ -148,9 +147,11 @@ class NodeToSegment(Pairing):
         places = secondary.contact_places
         given = positions[: len(secondary.nodes)], secondary.edge_places, primary_edges, kept
         nodes, faced, found = self.find(*given, primary.corners, settle=settle)
-        terms, own, _ = node_terms(places, (positions[places], primary_edges), nodes, faced)
+        points, slots, own, _ = node_terms(places, (positions[places], primary_edges), nodes, faced)
         areas, rows = self.node_areas(secondary)[nodes], np.arange(len(nodes))[:, None]
-        return NodePairs(nodes, faced, nodes, found.gaps, areas, areas, places[own], faced, rows, *terms)
+        return NodePairs(
+            nodes, faced, nodes, found.gaps, areas, areas, places[own], faced, rows, points, slots, found.parameters
+        )
 
     def find(
         self,

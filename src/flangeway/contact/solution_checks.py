@@ -13,6 +13,7 @@ from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product, point_text, turned_right
 from flangeway.problems import Body, Part
 from flangeway.solve import BodyResponse, Checks, Handle
+from flangeway.space.symmetric import EPS
 from flangeway.types import Floats
 
 MAX_RESIDUAL = 1e-6
@@ -70,7 +71,7 @@ def check_solution(
     work = abs(float((state.nodal_forces * (state.positions - state.positions.mean(axis=0))).sum()))
     gap = work / max(float(state.forces.sum()), TINY)
     # forces that displace no digit of the positions are none
-    least = TINY + float(np.finfo(np.float64).eps) * size / max(part.body.softness for part in system.parts)
+    least = TINY + EPS * size / max(part.body.softness for part in system.parts)
     loads = (float(np.abs(handle.load[:2]).max()) for _, handle in given if handle is not None)
     reference = max(float(np.linalg.norm(state.nodal_forces, axis=1).max(initial=0.0)), least, *loads)
     # Friction acts across the gap of a law, and that between nodes; forces of paired nodes across their slides.

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.elements.quadrature import edge_rule, edge_shapes, gauss
+from flangeway.geometry.arrays import turned_right
 from flangeway.space import Space
 from flangeway.types import Floats
 
@@ -32,7 +33,7 @@ def edge_quadrature(space: Space, pairs: NDArray[np.integer], n_points: int | No
     start, end = space.mesh.points[pairs[:, 0]], space.mesh.points[pairs[:, 1]]
     along = end - start
     lengths = np.linalg.norm(along, axis=1)
-    normals = np.stack((along[:, 1], -along[:, 0]), axis=1) / lengths[:, None]
+    normals = turned_right(along) / lengths[:, None]
     points = start[:, None] + abscissae[:, None] * along[:, None]
     shapes = edge_shapes(space.order, abscissae)
     normals = np.repeat(normals[:, None], len(abscissae), axis=1)
@@ -43,6 +44,6 @@ def edge_quadrature(space: Space, pairs: NDArray[np.integer], n_points: int | No
         own = space.nodes[nodes[curved]]
         points[curved], along = shapes @ own, slopes @ own
         lengths = np.linalg.norm(along, axis=2)
-        normals[curved] = np.stack((along[..., 1], -along[..., 0]), axis=2) / lengths[..., None]
+        normals[curved] = turned_right(along) / lengths[..., None]
         sizes[curved] = lengths * weights
     return EdgeQuadrature(nodes, points, sizes, shapes, normals)

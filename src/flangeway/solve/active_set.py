@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
+from flangeway.space.symmetric import EPS
 from flangeway.types import Bools, Floats, Ints
 
 MIN_ROUNDS = 60
@@ -329,7 +330,7 @@ class DenseEquations:
         loads = motions.loads(answer.forces)
         stiffness = resultants @ by_unit[:, :n] - motions.stiffness
         # forces that would move what holds them by less than the last digit of the sizes are none
-        least = np.finfo(float).eps * float(np.abs(stiffness).max()) * motions.sizes.max()
+        least = EPS * float(np.abs(stiffness).max()) * motions.sizes.max()
         root = np.sqrt(np.maximum(loads, 1e-12 * (max(float(loads.max()), least) or 1.0)) / motions.sizes)
         left, values, right = np.linalg.svd(stiffness / root / root[:, None])
         along = left.T @ ((motions.residual - resultants @ by_unit[:, n]) / root)

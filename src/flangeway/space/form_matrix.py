@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.space.symmetric import EPS
+from flangeway.space.symmetric import over_last_bit
 from flangeway.types import Floats
 
 
@@ -26,8 +26,8 @@ class FormMatrix(sp.csr_array):  # type: ignore[misc]  # SciPy has no types
     def measured(cls, matrix: sp.sparray, motion: Floats, forces: Floats | None = None) -> "FormMatrix":
         """Measure the round-off by the forces of a motion (n,) without energy; of a part of the form, if given."""
         result = cls(matrix)
-        terms = np.maximum(EPS * (abs(result) @ np.abs(motion)), np.finfo(np.float64).tiny)
-        result.round_off = np.maximum(np.abs(result @ motion if forces is None else forces) / terms, 1.0)
+        zeros = result @ motion if forces is None else forces
+        result.round_off = over_last_bit(zeros, abs(result) @ np.abs(motion))
         return result
 
     def _kept(self, result: Any, other: Any = None) -> Any:

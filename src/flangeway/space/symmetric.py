@@ -79,9 +79,7 @@ class SymmetricMatrix:
         Entries of virtual elements of high order on thin cells are off by many times the last bit. The last bit is that
         of the row's largest entries: those for a motion across may be round-off themselves.
         """
-        terms = EPS * float(np.abs(motion).max()) * self.magnitudes(np.ones(self.n))
-        terms = np.maximum(terms, np.finfo(np.float64).tiny)
-        return np.maximum(np.abs(self.times(motion)) / terms, 1.0)
+        return over_last_bit(self.times(motion), float(np.abs(motion).max()) * self.magnitudes(np.ones(self.n)))
 
     def plus(self, added: sp.csc_array) -> "SymmetricMatrix":
         """Sum with another symmetric matrix, both triangles of which are given."""
@@ -124,6 +122,11 @@ class SymmetricMatrix:
         indptr = np.concatenate(([0], np.cumsum(np.bincount(column[kept], minlength=n)))).astype(np.int64)
         values = np.asarray(columns.data[kept], dtype=np.float64)
         return cls(n, indptr, columns.indices[kept].astype(np.int32), values)
+
+
+def over_last_bit(forces: Floats, terms: Floats) -> Floats:
+    """Forces that would be zero over the last bit of the terms that they add up, 1 or more, each (n,)."""
+    return np.maximum(np.abs(forces) / np.maximum(EPS * terms, np.finfo(np.float64).tiny), 1.0)
 
 
 class DifferenceProduct:

@@ -198,8 +198,8 @@ class _Build:
 
         The next one over yaw, which hardly matters, or both beside it, or the next one over load, or on one side.
         """
-        mine = self.contacts[position]["side"]
-        known = [each for each, found in self.sampled.items() if np.array_equal(found["side"], mine)]
+        sides = self.contacts[position]["side"]
+        known = [each for each, found in self.sampled.items() if np.array_equal(found["side"], sides)]
 
         def nearest(axis: int, beyond: float = 0.0) -> list[Position]:
             """The nearest one that differs in one number only; above (1) or below (-1) if it says so."""
@@ -219,7 +219,7 @@ class _Build:
         (low,), (high,) = below, above
         share = (position[0] - low[0]) / (high[0] - low[0])
         between = (1.0 - share) * self.sampled[low]["beyond"] + share * self.sampled[high]["beyond"]
-        return {"side": mine, "beyond": between.astype(np.float32)}
+        return {"side": sides, "beyond": between.astype(np.float32)}
 
     def _positions(self) -> list[Position]:
         return list(

@@ -9,6 +9,7 @@ from scipy.special import lambertw
 from flangeway.checks import as_numbers, check_finite
 from flangeway.contact.rolling.flash_temperature import Heating
 from flangeway.errors import InputError
+from flangeway.space.symmetric import EPS
 from flangeway.types import Bools, Floats
 
 UNUSUAL = 1.0
@@ -199,7 +200,7 @@ class Friction:
             argument = np.minimum(rate * span * np.exp(-rate * np.maximum(beyond, 0.0)), np.exp(-1.0))
             part = np.exp(-rate * beyond - lambertw(-argument).real)
         steepness = 1.0 - rate * span * part
-        steepness = np.where(np.abs(steepness) > np.finfo(float).eps, steepness, 1.0)
+        steepness = np.where(np.abs(steepness) > EPS, steepness, 1.0)
         by_trial, by_warmth = -rate * span * part / steepness, part * (rest - kinetic) * by_rise / steepness
         return FallenLimits(kinetic + span * part, by_trial, by_warmth)
 

@@ -159,6 +159,11 @@ class Collective:
         return replace(state.problem, track=track, wheelset=wheelset)
 
 
+def ranges_of(state: Mapping[str, Any]) -> dict[str, Sequence[Any]]:
+    """The inputs of a state that run over a range."""
+    return {key: value for key, value in state.items() if isinstance(value, list | tuple)}
+
+
 def parts_of(state: Mapping[str, Any]) -> list[dict[str, Any]]:
     """States in the place of one whose inputs run over ranges.
 
@@ -170,8 +175,7 @@ def parts_of(state: Mapping[str, Any]) -> list[dict[str, Any]]:
 
     An `InputError` if a range is no pair of numbers, a radius in it is 0 or changes its hand, or parts have no range.
     """
-    ranges = {key: value for key, value in state.items() if isinstance(value, list | tuple)}
-    number, name = state.get("parts", 1), state["name"]
+    ranges, number, name = ranges_of(state), state.get("parts", 1), state["name"]
     for key, pair in ranges.items():
         numbers = [each for each in pair if isinstance(each, int | float) and math.isfinite(each)]
         if len(pair) != 2 or len(numbers) != 2 or (key == RADIUS and not numbers[0] * numbers[1] > 0.0):

@@ -16,6 +16,7 @@ from flangeway.contact.patch.elastic_surface import ElasticSurface
 from flangeway.contact.patch.normal_contact import Convolution
 from flangeway.exact import contact_modulus
 from flangeway.geometry import Placement
+from flangeway.geometry.arrays import turned_right
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.solve import Status
 from flangeway.solve.half_spaces import half_spaces_on
@@ -562,4 +563,4 @@ def _modes(bending: Floats) -> tuple[Floats, Floats]:
 
 def tangents_of(normals: Floats) -> Floats:
     """Directions along the rail towards the gauge side from outward normals, each (n, 2)."""
-    return np.stack((-normals[:, 1], normals[:, 0]), axis=1)
+    return -turned_right(normals)
