@@ -141,9 +141,11 @@ class LocalWorkers(Workers[Work, Found]):
 
     def stop(self) -> None:
         """See `Workers`."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
         for process in set(multiprocessing.active_children()) - self._others:
             process.kill()
+        # waits for the pool's thread, which ends with its processes: while that one closes its pipes the interpreter
+        # must not end, or it writes to a closed pipe and prints a traceback
+        self._pool.shutdown(cancel_futures=True)
 
     def _new(self) -> ProcessPoolExecutor:
         return ProcessPoolExecutor(self._n_workers, mp_context=self._context, initializer=_begin)
