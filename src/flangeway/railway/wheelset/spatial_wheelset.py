@@ -75,8 +75,8 @@ class RollingPlace(NamedTuple):
         """Place of an equilibrium with friction."""
         rolled = found.state.rolled
         assert rolled is not None
-        tilts = (SIDE_SIGN[side] * found.state.sides[side].pose.tilt_rad for side in SIDES)
-        return cls(*found.position.components, *tilts, rolled.yaw_rad, rolled.rate_rad_s)
+        left, right = (SIDE_SIGN[side] * found.state.sides[side].pose.tilt_rad for side in SIDES)
+        return cls(*found.position.components, left, right, rolled.yaw_rad, rolled.rate_rad_s)
 
     @property
     def position(self) -> WheelsetPosition:
