@@ -11,15 +11,6 @@ from studies.friction.sliding_bodies import (
 )
 
 
-def test_a_coarse_belt_slips_as_eytelwein_says() -> None:
-    """Thickness 2 % of the radius, 40 cells: within 1 % of the ratio with its thickness, and no point sticks."""
-    belt = turned_belt(2.0, 40)
-    assert belt.status.converged, belt.status.message
-    assert not any(belt.friction_table.columns["sticks"])
-    ratio = np.divide(*belt_tensions(belt))
-    assert ratio == pytest.approx(np.exp(belt_exponent(1.0) * np.pi), rel=0.01)
-
-
 @pytest.mark.parametrize(("thickness", "cells", "pull", "mu"), [(1.0, 40, 100.0, 0.6), (2.0, 40, 100.0, 1.5)])
 def test_a_belt_that_is_pulled_hard_is_found_in_few_iterations(thickness, cells, pull, mu) -> None:
     """10 and 100 times the pull, friction up to 1.5: at most 30 iterations a step, none halved, Eytelwein to 6 %.
