@@ -120,6 +120,8 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
         ([("end = 100", "end = 100\n[strategies.a.inputs]\nspeed = 3")], ("line 24", "speed_km_h")),
         ([("end = 100", "end = 100\n[strategies.a.wear.wheel]\nk = 3")], ("line 25", "'k'")),
         ([('"mm3/kJ"', '"mm3"')], ("unit", "mm3/kJ")),
+        ([('unit = "mm3/kJ"', "")], ("line 17", "no unit", "mm3/kJ")),
+        ([("[wear.wheel]", "[wear.wheels]")], ("line 17", "wheels", "wheel, rail")),
         ([("share = 1", "share = 0.9")], ("0.9", "sum of 1")),
         ([('law = "energy"', 'law = "usfdd"')], ("usfdd", "usfd")),
         ([("end = 100", "end = 100\nfilter = 2")], ("filter", "filter_mm")),

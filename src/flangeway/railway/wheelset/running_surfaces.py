@@ -75,7 +75,8 @@ def running_surfaces(
     """Mesh wheels and rails and tabulate their compliance; equal bodies once."""
     done: dict[tuple[int, float], tuple[ElasticSurface, Floats]] = {}
     found: dict[Side, SideSurfaces] = {}
-    for side in SIDES:
+    alike = problem.track.is_symmetric and problem.wheelset.is_symmetric
+    for side in SIDES[:1] if alike else SIDES:
         curves = RigidSide.of(problem.track, problem.wheelset, side)
         wheel, rail = problem.wheelset.wheel_of(side), problem.track.rail_of(side)
         radius = problem.wheelset.tape_radius_of(side)
@@ -95,7 +96,8 @@ def running_surfaces(
             curves.wheel_frame,
             curves.rail_frame,
         )
-    return found
+    # sides are seen from their own gauge: those of a symmetric pair are one
+    return dict.fromkeys(SIDES, found[SIDES[0]]) if alike else found
 
 
 def _wheel(
