@@ -52,13 +52,13 @@ DISC_RADIUS_MM, DISC_WIDTH_MM = 23.5, 10.0
 """The usual discs of this machine: what was read has no sizes. Heat over friction force depends on the radius alone."""
 
 
-def full_slip(n: int = 600) -> tuple[CellLoads, Floats]:
+def full_slip(n: int = 600, creepage: float = CREEPAGE) -> tuple[CellLoads, Floats]:
     """Cells of the ellipse in full slip, and the distance y of their rows (n,) from the middle."""
     x, y = ((2.0 * np.arange(n) + 1.0 - n) / n * half for half in (A_MM, B_MM))
     pressures = P0_MPa * np.sqrt(np.maximum(1.0 - (x / A_MM) ** 2 - (y[:, None] / B_MM) ** 2, 0.0))
     along = np.zeros((n, n, 2))
     along[..., 1] = 1.0
-    slips = CREEPAGE * along * (pressures > 0.0)[..., None]
+    slips = creepage * along * (pressures > 0.0)[..., None]
     areas = np.full((n, n), 4.0 * A_MM * B_MM / n**2)
     return CellLoads(pressures, -FRICTION * pressures[..., None] * along, slips, areas, SPEED_m_s), y
 

@@ -1,6 +1,7 @@
 """Diffusion operator of virtual elements with pypolydim; run by the interpreter of its own environment.
 
-``pypolydim_laplace.py MESH ORDER`` prints the best time of three and the energy of u = x as JSON.
+``pypolydim_laplace.py MESH ORDER`` prints the best time of three, that of the processor, and the energy of u = x as
+JSON.
 """
 
 import itertools
@@ -41,15 +42,17 @@ def main(path: str, order: int) -> dict[str, Any]:
     dofs = tools.do_fs.DOFsManager().create_do_fs_2_d(info, tools.mesh.MeshMatricesDAO_mesh_connectivity_data(polygons))
     assembler = tools.assembler_utilities.pcc_2_d
     common = (geometry, polygons, measures, dofs)
-    seconds = float("inf")
+    seconds, processor = float("inf"), float("inf")
     for _ in range(3):
-        start = time.perf_counter()
+        start, start_of_processor = time.perf_counter(), time.process_time()
         operator = assembler.assemble_diffusion_operator(*common, dofs, reference, reference, lambda _x, _y, _z: 1.0)
         seconds = min(seconds, time.perf_counter() - start)
+        processor = min(processor, time.process_time() - start_of_processor)
     u = assembler.assemble_exact_solution(*common, reference, lambda x, _y, _z: x).function_dofs
     entries = operator.operator_dofs
     matrix = coo_array((entries.values, (entries.rows, entries.cols)), shape=(len(u), len(u))).tocsr()
-    return {"seconds": seconds, "energy": float(u @ (matrix @ u)), "version": version("pypolydim")}
+    energy = float(u @ (matrix @ u))
+    return {"seconds": seconds, "processor_s": processor, "energy": energy, "version": version("pypolydim")}
 
 
 if __name__ == "__main__":

@@ -75,6 +75,20 @@ def test_files_hold_what_was_computed(written, tmp_path, call) -> None:
 
 
 @pytest.mark.ci
+def test_states_without_equilibrium_are_told(written, tmp_path, call) -> None:
+    """A state that overturns is named, and the page says what stands for it."""
+    fast = "[[states]]\nname = 'fast'\nshare = 0.5\ncurve_radius_m = 200\nspeed_km_h = 200"
+    parts = ("share = 1\n", "share = 0.5\n"), ("radius_m = 600\n", f"radius_m = 600\n{fast}\n"), AT_ONCE
+    file, out = written(*parts), tmp_path / "out"
+    assert call("damage", str(file), "--out", str(out), "--no-pictures", "--quiet")[0] == 1
+    (message,) = json.loads((out / "summary.json").read_text())["unconverged"]
+    assert message.startswith("fast: ")
+    page = (out / "report.html").read_text()
+    assert message[:40] in page
+    assert "the mean of the others is taken" in page
+
+
+@pytest.mark.ci
 def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> None:
     """A strategy has the numbers of a file of its own with the same changes, and the page has all of them."""
     changes = {
@@ -106,6 +120,8 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
         ([("end = 100", "end = 100\n[strategies.a.inputs]\nspeed = 3")], ("line 24", "speed_km_h")),
         ([("end = 100", "end = 100\n[strategies.a.wear.wheel]\nk = 3")], ("line 25", "'k'")),
         ([('"mm3/kJ"', '"mm3"')], ("unit", "mm3/kJ")),
+        ([('unit = "mm3/kJ"', "")], ("line 17", "no unit", "mm3/kJ")),
+        ([("[wear.wheel]", "[wear.wheels]")], ("line 17", "wheels", "wheel, rail")),
         ([("share = 1", "share = 0.9")], ("0.9", "sum of 1")),
         ([('law = "energy"', 'law = "usfdd"')], ("usfdd", "usfd")),
         ([("end = 100", "end = 100\nfilter = 2")], ("filter", "filter_mm")),

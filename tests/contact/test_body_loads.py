@@ -22,11 +22,6 @@ from flangeway.problems import (
     Traction,
 )
 from flangeway.solve import Handle, StepSettings
-from studies.friction.loaded_bodies import (
-    bolted_flange,
-    cooled_ring,
-    wall_on_soil,
-)
 
 STEEL = Elastic(210e3, 0.3, density=7.85e-9, expansion=1.2e-5)
 
@@ -157,27 +152,3 @@ def test_loads_that_do_not_fit_are_refused(items, given) -> None:
     with pytest.raises(InputError) as caught:
         press([on(top, base())], {}, body_loads={top: items})
     assert given in f"{caught.value.given} {caught.value.allowed}"
-
-
-def test_a_ring_that_cools_has_lames_pressure() -> None:
-    """67.5 MPa by Lame's formula, to 0.1 % at every node."""
-    found = cooled_ring(8)
-    assert found.status.converged, found.status.message
-    np.testing.assert_allclose(found.friction_table.columns["pressure"], 67.5, rtol=2e-3)
-
-
-def test_a_wall_leans_on_its_edge() -> None:
-    """Weight and water: the contact's resultant to 1e-8, and its centre 265.5 mm off the middle, to what it leans."""
-    found = wall_on_soil(6)
-    assert found.status.converged, found.status.message
-    x, y, moment = found.resultants[0, 0]
-    np.testing.assert_allclose((x, y), (-18.75, 70.632), rtol=1e-8)
-    assert moment / y == pytest.approx(500.0 + 18.75 / 70.632 * 1000.0, rel=2e-3)
-
-
-def test_a_bolt_clamps_as_one_piece() -> None:
-    """A bolt pulled by a given displacement on a flange that it sticks to: the force of one piece, to 1e-9."""
-    found, whole = bolted_flange()
-    assert found.status.converged, found.status.message
-    assert np.all(found.friction_table.columns["sticks"])
-    assert found.forces[0, 1] == pytest.approx(whole, rel=1e-9)

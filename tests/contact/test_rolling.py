@@ -14,14 +14,13 @@ from flangeway.contact.rolling.fast_theories import polach
 from flangeway.contact.rolling.fastsim import fastsim
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
+from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, Rolling
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.problems import Elasticity, Harmonic
 from tests.contact.test_patch_contact import TURNED, block
 
 SOFT = Elastic(2.5, 0.25)
-SHEAR = 1.0
 MU = 0.3
 
 
@@ -56,49 +55,6 @@ def check_friction(found: Rolling, tolerance: float = 1e-3) -> None:
     np.testing.assert_array_equal(found.states == NO_CONTACT, found.contact.pressures == 0.0)
     slips = found.states == SLIPS
     np.testing.assert_allclose(size[slips], limits[slips], rtol=1e-9)
-
-
-@pytest.mark.parametrize("wide", [0.5, 1.0, 2.0])
-def test_small_creepages_have_kalkers_coefficients(wide) -> None:
-    """C11, C22, C23 (Kalker, 1990, table E.3, nu = 0.25) come within 2 % at 24 x 24 cells."""
-    table = {2.0: (3.62, 3.01, 0.929), 1.0: (4.12, 3.67, 1.47), 0.5: (5.10, 4.90, 2.62)}
-    contact = ellipse(24, wide)
-    area = float(contact.areas.max() * (contact.pressures > 0.0).sum()) / np.pi
-    rates = -derivatives(roll(contact, Creepages(1e-9))) / SHEAR
-    found = rates[0, 0] / area, rates[1, 1] / area, -rates[1, 2] / area**1.5
-    np.testing.assert_allclose(found, table[wide], rtol=0.02)
-    assert rates[1, 2] == pytest.approx(-rates[2, 1], rel=0.03)
-
-
-def test_cylinders_roll_as_carter_says() -> None:
-    """Carter (1926): F / (mu P) = 1 - (1 - xi / xi0)^2 and the width of stick 2 (1 - xi / xi0), to 0.5 % and a cell."""
-    n = 40
-    grid = PatchGrid(np.array([-200.0, 200.0]), 2.0 / n, n + 4)
-    ends = np.clip(grid.along[None] + grid.strip * np.array([[-0.5], [0.5]]), -1.0, 1.0)
-    pressures = np.diff((ends * np.sqrt(1.0 - ends**2) + np.arcsin(ends)) / 2.0, axis=0) / grid.strip
-    contact = RollingContact.between_half_spaces(grid, pressures, Friction(MU), (SOFT, SOFT))
-    saturation = MU * 4.0 * (1.0 - SOFT.poisson**2) / SOFT.young
-    for part in (0.2, 0.4, 0.7):
-        found = roll(contact, Creepages(part * saturation))
-        check_friction(found)
-        assert -found.along / (MU * contact.force) == pytest.approx(1.0 - (1.0 - part) ** 2, rel=5e-3)
-        stick = np.flatnonzero(found.states[0] == STICKS)
-        assert len(stick) * grid.strip == pytest.approx(2.0 * (1.0 - part), abs=grid.strip)
-        assert grid.along[stick[-1]] == pytest.approx(1.0 - grid.strip / 2.0)  # at the leading edge
-
-
-def test_a_shift_is_cattaneos_and_mindlins() -> None:
-    """Spheres shifted by a force T: stick within c = a (1 - T / mu P)^(1/3), and Mindlin's shift, to 1 %."""
-    contact = ellipse(32)
-    limit = MU * contact.force
-    found = roll(contact, Creepages(speed=0.0), force_along=-0.875 * limit)
-    check_friction(found)
-    assert found.along == pytest.approx(-0.875 * limit, rel=1e-5)
-    stick = (found.states == STICKS).sum() * contact.areas[0, 0]
-    assert np.sqrt(stick / np.pi) == pytest.approx(0.5, rel=0.02)
-    shift = 3.0 * limit * (2.0 - SOFT.poisson) / (8.0 * SHEAR) * (1.0 - 0.25)
-    assert found.motion.along == pytest.approx(shift, rel=0.01)
-    assert found.frictional_power > 0.0
 
 
 def test_transient_rolling_becomes_steady(circle) -> None:

@@ -5,11 +5,11 @@ import pytest
 
 from flangeway.contact import Surface
 from flangeway.elements import Lagrange, Virtual
-from flangeway.geometry import circle
+from flangeway.errors import InputError
+from flangeway.geometry import Contour, Line, circle
 from flangeway.materials import Elastic
 from flangeway.mesh import curved, triangulate
 from flangeway.problems import Body, Part
-from studies.curved import pressures
 
 
 @pytest.mark.parametrize("element", [Virtual(2), Virtual(3), Lagrange(2)], ids=repr)
@@ -29,9 +29,10 @@ def test_a_surface_of_curved_edges_is_on_its_curve_already(element) -> None:
     assert chord_depths > 5e-3
 
 
-@pytest.mark.parametrize(("order", "limit"), [(1, 0.04), (3, 0.015)])
-def test_pressures_are_smooth_on_curved_edges(order: int, limit: float) -> None:
-    """A disc on a block: with 4 triangles to the half width pressures are near Hertz's, half as rough as on chords."""
-    bent, chords = (pressures(order, 4, on_curves=on_curves) for on_curves in (True, False))
-    assert bent[0] < limit < chords[0]
-    assert bent[1] < 0.5 * chords[1]
+def test_a_curve_elsewhere_is_refused() -> None:
+    """A curve that is not the meshed outline is refused with the node that is far from it."""
+    mesh = triangulate(circle(1.0), size=0.4)
+    part = Part("disc", Body("disc", mesh, Lagrange(1), Elastic(1.0, 0.3), {(1.0, 0.0): "xy", (-1.0, 0.0): "y"}))
+    line = Contour((Line((-3.0, -3.0), (3.0, -3.0)),), ("line",))
+    with pytest.raises(InputError, match=r"is [2-4]\S* from its curve"):
+        Surface(part, mesh.boundary_edges, curve=line)

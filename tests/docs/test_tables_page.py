@@ -1,15 +1,11 @@
 """The how-to on tables for multibody programs, followed to the letter, with a small table in place of its own."""
 
-from pathlib import Path
-
 import pytest
 
 from flangeway.tables import write_table
 from tests.tables.conftest import few_points, small
 
 __all__ = ["few_points", "small"]
-
-PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "tables-for-multibody.md"
 
 
 def test_the_page_runs_from_top_to_bottom(follow, small, tmp_path, monkeypatch):

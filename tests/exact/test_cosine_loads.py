@@ -5,27 +5,15 @@ import pytest
 
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError
-from flangeway.geometry import polygon
 from flangeway.materials import Elastic, Orthotropic
-from flangeway.mesh import dual, rectangle_grid, triangulate
+from flangeway.mesh import dual, rectangle_grid
 from flangeway.problems import Elasticity, PointForce, Pressure, Traction, fixed
 from flangeway.problems.harmonic import Foundation, Harmonic, LongitudinalTraction
 from flangeway.solve import solve_elasticity
 from flangeway.solve.harmonic_solution import solve_harmonic
 from flangeway.space import Space
-from studies.spatial.cosine_loads import exact_bar
 
 ELEMENTS = [Lagrange(1), Lagrange(2), Virtual(1), Virtual(2), Virtual(3)]
-
-
-def disc(n_sides, element):
-    """A round bar as a polygon of equal area."""
-    radius = np.sqrt(2.0 * np.pi / (n_sides * np.sin(2.0 * np.pi / n_sides)))
-    angles = 2.0 * np.pi * (np.arange(n_sides) + 0.5) / n_sides
-    outline = polygon(radius * np.stack((np.cos(angles), np.sin(angles)), axis=1))
-    mesh = triangulate(outline, size=2.1 * np.pi / n_sides)
-    mesh = dual(mesh) if isinstance(element, Virtual) else mesh
-    return Space(mesh.with_edge_set("rim", mesh.boundary_edges), element)
 
 
 def ring(inner, outer, height, nx, ny, element):
@@ -37,38 +25,6 @@ def ring(inner, outer, height, nx, ny, element):
         on = (np.abs(points[edges][:, :, axis] - value) < 1e-9 * outer).all(axis=1)
         mesh = mesh.with_edge_set(name, edges[on])
     return Space(mesh, element)
-
-
-def bar_error(n_sides, element, wavenumber):
-    """Relative error of the mean radial displacement of a bar under the pressure cos(kz), from the load's work."""
-    space = disc(n_sides, element)
-    problem = Elasticity(space, Elastic(1.0, 0.3), loads=[Pressure("rim", 1.0)])
-    found = solve_harmonic(Harmonic(problem), wavenumber)
-    assert found.status.converged
-    # int u . n ds = 2 A u_r, on the polygon and on the circle
-    return -found.energy / float(space.mesh.cell_areas.sum()) / exact_bar()[wavenumber][0] - 1.0
-
-
-@pytest.mark.parametrize(
-    ("element", "rate", "least"),
-    [(Lagrange(2), 3.0, 2e-3), (Virtual(1), 1.5, 2e-2), (Virtual(2), 2.5, 1e-4), (Virtual(3), 3.0, 6e-5)],
-)
-def test_a_bar_under_a_cosine_pressure_converges_at_the_rate_of_the_element(element, rate, least) -> None:
-    """The radial displacement at ka = 5 tends to Love's solution at the element's rate or better."""
-    coarse, fine = (abs(bar_error(n_sides, element, 5.0)) for n_sides in (16, 32))
-    assert fine < least
-    assert np.log2(coarse / fine) > rate
-
-
-@pytest.mark.parametrize("element", [Lagrange(2), Virtual(2), Virtual(3)])
-def test_a_bar_as_a_body_of_revolution_is_the_same_bar(element) -> None:
-    """Half a wave of the bar, as harmonic n = 0 of its half section, gives Love's displacement to 2e-3 at the rim."""
-    wavenumber = 5.0
-    space = ring(0.0, 1.0, np.pi / wavenumber, 8, 4, element)
-    pressure = Pressure("outer", lambda points: np.cos(wavenumber * points[:, 1]))
-    problem = Elasticity(space, Elastic(1.0, 0.3, "axisymmetric"), loads=[pressure])
-    found = solve_harmonic(Harmonic(problem, held={"low": "y", "top": "y"}), 0)
-    assert found.amplitudes[problem.node_at((1.0, 0.0)), 0] == pytest.approx(exact_bar()[wavenumber][0], rel=2e-3)
 
 
 @pytest.mark.parametrize("element", ELEMENTS)

@@ -100,11 +100,13 @@ def test_a_newer_position_stops_the_one_before(engine):
     assert sum(answer is not None for answer in answers.values()) == 1
 
 
-@pytest.mark.parametrize("name", ["../secret.whl", "/etc/passwd"])
-def test_only_files_that_were_given_are_read(engine, name):
+@pytest.mark.parametrize(
+    ("key", "name"), [("wheel", "../secret.whl"), ("rail", "/etc/passwd"), ("friction_file", "/etc/passwd")]
+)
+def test_only_files_that_were_given_are_read(engine, key, name):
     """A path that the user did not give is refused before anything is opened."""
-    with pytest.raises(InputError, match=r"wheel|file"):
-        engine.case({"wheel": name})
+    with pytest.raises(InputError, match=r"files? (that were given to|of) this page"):
+        engine.case({key: name})
 
 
 def test_a_bad_file_has_the_message_of_the_command(engine, tmp_path):

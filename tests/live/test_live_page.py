@@ -1,6 +1,7 @@
 """The live page in a browser: files are dropped, the wheelset is dragged, and numbers are those of a run."""
 
 import statistics
+import tomllib
 
 import pytest
 
@@ -106,9 +107,9 @@ def test_moved_while_curves_fill_in_is_computed_afterwards(page):
     page.click("#sweep")
     page.wait_for_function("state.sweep.length > 0", timeout=120_000)
     page.evaluate("shift(1.5)")
-    page.click("#stop")
+    page.click("#sweep")
     page.wait_for_function(f"state.elastic.lateral_mm === 1.5 && {STANDS}", timeout=120_000)
-    assert "positions" in page.inner_text("#progress-text")
+    assert "of 25 positions computed" in page.inner_text("#progress-text")
 
 
 def test_keys_move_the_wheelset(page):
@@ -117,6 +118,57 @@ def test_keys_move_the_wheelset(page):
     page.keyboard.press("ArrowRight")
     page.keyboard.press("Shift+ArrowLeft")
     assert page.evaluate("state.lateral") == pytest.approx(-0.9)
+
+
+def test_a_report_asked_for_at_once_leaves_the_position_of_the_slider(page):
+    """A report begins before the patches of a new position are there: both come, one after the other."""
+    page.wait_for_function(STANDS, timeout=120_000)
+    page.evaluate("shift(1)")
+    with page.expect_download(timeout=120_000):
+        page.click("#report")
+    page.wait_for_function(f"state.elastic.lateral_mm === 1 && {STANDS}", timeout=120_000)
+
+
+def test_the_keyboard_alone_is_enough(page, profiles):
+    """Files, positions, yaw, a comparison, inputs, curves that are stopped, case and report, by keys; focus is seen."""
+    page.on("filechooser", lambda chooser: chooser.set_files([profiles / "my-wheel.whl", profiles / "my-rail.ban"]))
+
+    def press(name, *keys):
+        """Go on by Tab to an element, and press keys there."""
+        for _ in range(50):
+            page.keyboard.press("Tab")
+            if page.evaluate("document.activeElement.id") == name:
+                break
+        seen = "const drawn = getComputedStyle(document.activeElement); return [drawn.outlineStyle, drawn.outlineWidth]"
+        assert page.evaluate(f"(() => {{ {seen} }})()") == ["solid", "2px"], name
+        for key in keys:
+            page.keyboard.press(key)
+
+    press("drop", "Enter")
+    page.wait_for_function("$('wheel').value === 'my-wheel.whl' && $('rail').value === 'my-rail.ban'", timeout=60_000)
+    press("other-wheel", "A")
+    page.wait_for_function("state.other !== null", timeout=60_000)
+    press("lateral", "ArrowRight", "ArrowRight")
+    press("view", "ArrowRight", "ArrowUp", "ArrowUp")
+    page.wait_for_function(f"state.elastic?.lateral_mm === 0.12 && {STANDS}", timeout=120_000)
+    press("sweep", "Enter")
+    page.wait_for_function("state.sweep.length > 0", timeout=120_000)
+    page.keyboard.press("Enter")
+    page.wait_for_function("!lasting", timeout=60_000)
+    assert page.evaluate("document.activeElement.id") == "sweep"
+    press("input-axle_load_kN", *"150")
+    meaning = "getComputedStyle(document.activeElement.parentElement, '::after').content"
+    assert "axle load, weight on both rails" in page.evaluate(meaning)
+    with page.expect_download(timeout=60_000) as download:
+        press("save", "Enter")
+    saved = tomllib.loads(download.value.path().read_text())
+    expected = {"wheel": "my-wheel.whl", "lateral_mm": 0.12, "yaw_mrad": 0.2, "axle_load_kN": 150.0}
+    assert {key: saved[key] for key in expected} == expected
+    with page.expect_download(timeout=120_000) as download:
+        press("report", "Enter")
+    assert "150 kN" in download.value.path().read_text()
+    press("copy", "Enter")
+    page.wait_for_function("$('command').textContent.includes('axle_load_kN=150')", timeout=60_000)
 
 
 @pytest.mark.parametrize("width", [1400, 390])

@@ -6,52 +6,29 @@ import pytest
 from flangeway.elements import monomials
 from flangeway.errors import InputError
 from flangeway.forms import Plate, modes, solve
-from flangeway.geometry import circle, square
-from flangeway.mesh import agglomerated, curved, dual, rectangle_grid, triangulate
+from flangeway.geometry import circle
+from flangeway.mesh import curved, rectangle_grid, triangulate
+from studies.forms import KINDS, plate_curvature, plate_pressure, square_of
 
-
-def triangles(n):
-    return triangulate(square(1.0, (0.5, 0.5)), size=1.0 / n)
-
-
-MESHES = {
-    "triangles": lambda n: rectangle_grid(1.0, 1.0, n, n),
-    "duals": lambda n: dual(triangles(n)),
-    "not convex": lambda n: agglomerated(triangles(3 * n), 2 * n * n),
-}
 CLAMPED = 35.98519, 73.39377, 73.39377
 """Frequencies of the clamped unit square, by Ritz's method in `studies.forms` with more polynomials."""
 
 
-def waves(p):
-    return 1.0 - np.cos(2.0 * np.pi * p.T)
-
-
 def deflection(p):
-    return waves(p).prod(axis=0) / 4.0
+    return (1.0 - np.cos(2.0 * np.pi * p)).prod(axis=1) / 4.0
 
 
-def second_derivatives(p):
-    (a, b), (s, t) = waves(p), np.sin(2.0 * np.pi * p.T)
-    return np.pi**2 * np.array([[(1.0 - a) * b, s * t], [s * t, a * (1.0 - b)]]).transpose(2, 0, 1)
-
-
-def pressure(p):
-    a, b = waves(p)
-    return 4.0 * np.pi**4 * (-(1.0 - a) * b + 2.0 * (1.0 - a) * (1.0 - b) - a * (1.0 - b))
-
-
-@pytest.mark.parametrize(("name", "order"), [("triangles", 3), ("duals", 2), ("not convex", 2)])
-def test_errors_and_eigenvalues_have_their_published_order(name, order):
+@pytest.mark.parametrize(("kind", "order"), [("triangles", 3), ("duals", 2), ("not convex", 2)])
+def test_errors_and_eigenvalues_have_their_published_order(kind, order):
     """Second derivatives like h^(k - 1) within 0.3, deflection and eigenvalues like h^(2 k - 2) within 0.7."""
     errors, sizes = [], []
-    for n in {"triangles": (16, 32), "duals": (8, 16), "not convex": (7, 13)}[name]:
-        mesh = MESHES[name](n)
+    for n in {"triangles": (16, 32), "duals": (8, 16), "not convex": (7, 13)}[kind]:
+        mesh = square_of(kind, n)
         plate = Plate(mesh, order)
         stiffness, held = plate.stiffness(), plate.boundary_dofs()
-        found = solve(stiffness, plate.load(pressure), held)
+        found = solve(stiffness, plate.load(plate_pressure), held)
         points, weights, value, second = plate.at_quadrature(found, 2 * order + 2)
-        in_second = np.sqrt(weights @ ((second - second_derivatives(points)) ** 2).sum(axis=(1, 2)))
+        in_second = np.sqrt(weights @ ((second - plate_curvature(points)) ** 2).sum(axis=(1, 2)))
         in_value = np.sqrt(weights @ (value - deflection(points)) ** 2)
         clamped = np.sqrt(modes(plate, stiffness, plate.mass(), 3, held)[0])
         simple = np.sqrt(modes(plate, stiffness, plate.mass(), 1, plate.boundary_dofs("simple"))[0])
@@ -64,10 +41,10 @@ def test_errors_and_eigenvalues_have_their_published_order(name, order):
 
 
 @pytest.mark.parametrize("order", [2, 3])
-@pytest.mark.parametrize("name", MESHES)
-def test_polynomials_are_exact_and_a_free_plate_has_three_motions(name, order):
+@pytest.mark.parametrize("kind", KINDS)
+def test_polynomials_are_exact_and_a_free_plate_has_three_motions(kind, order):
     """A polynomial of degree k given along the boundary is found inside; three eigenvalues of a free plate are zero."""
-    plate = Plate(MESHES[name](4), order, rigidity=3.0, poisson=0.2)
+    plate = Plate(square_of(kind, 4), order, rigidity=3.0, poisson=0.2)
     stiffness = plate.stiffness()
     cubic = 0.0 if order == 2 else 1.0
 

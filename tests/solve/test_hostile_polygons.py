@@ -8,7 +8,7 @@ from scipy.linalg import LinAlgWarning
 
 from flangeway.elements import StabilisationFree, Virtual
 from flangeway.errors import InputError
-from flangeway.forms import Factor, bilinear, interpolate, linear, mass, solve, stiffness
+from flangeway.forms import Factor, bilinear, interpolate, linear, load, mass, solve, stiffness, stokes
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh
 from flangeway.problems import Elasticity, PrescribedDisplacement, Traction, fixed
@@ -183,7 +183,55 @@ def test_round_off_of_entries_is_that_of_their_forces_by_a_constant():
     assert forces.max() > 1e3
     by_form = bilinear(space, lambda u, v, w: (u.gradient * v.gradient).sum(axis=1))
     assert 0.1 < by_form.round_off.max() / forces.max() < 10.0
-    combined = 1j * (2.0 * mass(space) - matrix / 3.0)
-    assert np.array_equal(combined.round_off, matrix.round_off)
+    products, integrals = mass(space), np.zeros(space.n_dofs)
+    integrals[len(space.nodes)] = space.mesh.cell_areas[0]  # the first moment inside is the mean
+    errors = np.abs(products @ one - integrals) / (abs(products) @ np.abs(one)) / np.finfo(float).eps
+    assert 0.1 < products.round_off.max() / errors.max() < 10.0
+    assert errors.max() > 1e3
+    combined = 1j * (2.0 * products - matrix / 3.0)
+    assert np.array_equal(combined.round_off, np.maximum(matrix.round_off, products.round_off))
+    assert np.array_equal(matrix[3:9][:, 5:].round_off, matrix.round_off[3:9])
     lost = type(matrix)(matrix)
     assert Factor(matrix, [0]).digits < Factor(lost, [0]).digits - 1.0
+
+
+def stokes_error(points, order):
+    """A flow of constant gradient under its tractions: error of the velocity at the corners."""
+    gradient = np.array([[0.3, 0.8], [0.1, -0.3]])
+    exact = (points - points[0]) @ gradient.T
+    along = np.roll(points, -1, axis=0) - points
+    normals = np.stack((along[:, 1], -along[:, 0]), axis=1) / np.linalg.norm(along, axis=1)[:, None]
+    tractions = normals @ (gradient + gradient.T - 0.7 * np.eye(2))
+    mesh = one_cell(points)
+    held = np.zeros((Space(mesh, Virtual(order)).n_nodes, 2), dtype=bool)
+    held[0] = held[int(np.abs(points[:, 0] - points[0, 0]).argmax()), 1] = True
+    flow = stokes(
+        mesh,
+        order,
+        velocity=lambda p: (p - points[0]) @ gradient.T,
+        held=held,
+        tractions={f"edge {i}": traction for i, traction in enumerate(tractions)},
+    )
+    return np.abs(flow.velocity[: len(points)] - exact).max() / np.abs(exact).max()
+
+
+def mass_error(points, order):
+    """The projection of a linear function: error at the corners."""
+    space, size = Space(one_cell(points), Virtual(order)), np.abs(points - points[0]).max()
+    found = solve(mass(space), load(space, lambda p: 1.0 + (p - points[0]) @ [1.0, -0.3] / size))
+    exact = 1.0 + (points - points[0]) @ [1.0, -0.3] / size
+    return np.abs(found[: len(points)] - exact).max() / np.abs(exact).max()
+
+
+@pytest.mark.parametrize(
+    ("solved", "seed", "order"), [(stokes_error, 19, 6), (stokes_error, 9, 6), (mass_error, 45, 6), (mass_error, 39, 8)]
+)
+def test_round_off_of_flows_and_of_masses_is_said(solved, seed, order):
+    """Errors of 2e-4 to 1 in thin cells, which the last bits of the entries do not explain, are said or refused."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        try:
+            error = solved(random_polygon(np.random.default_rng(seed)), order)
+        except InputError:
+            return
+    assert error < 1e-4 or said

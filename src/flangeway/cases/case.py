@@ -507,10 +507,11 @@ def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]
 
 
 def _advice(key: str, field: FieldInfo, unit: UsUnit | None) -> str:
-    meaning = in_us_units(field.description or "") if unit else field.description
+    described = field.description or ""
+    meaning = in_us_units(described) if unit else described
     if field.is_required():
-        return f"give {key}: {meaning}"
-    return f"leave {key} out for the default {_default_text(field, unit)} ({meaning})"
+        return f"give {key}: {meaning}".removesuffix(": ")
+    return f"leave {key} out for the default {_default_text(field, unit)} ({meaning})".removesuffix(" ()")
 
 
 def _input_error(

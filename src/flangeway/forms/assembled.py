@@ -13,7 +13,15 @@ from numpy.typing import ArrayLike
 from flangeway.checks import as_numbers
 from flangeway.elements import Function, Reconstruction, missed_mass, monomials
 from flangeway.errors import InputError
-from flangeway.forms.weak import PointValues, bilinear, linear
+from flangeway.forms.weak import (
+    PointValues,
+    between,
+    bilinear,
+    is_stabilised,
+    linear,
+    products_round_off,
+    value_products,
+)
 from flangeway.problems.strains import strain_operators
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, FormMatrix, Space, load_vector
 from flangeway.space.functions import cell_quadrature, quadrature_degree
@@ -102,18 +110,19 @@ def mass(
     given = CellCoefficient.on(space, coefficient, "values")
     if on is not None:
         return _edge_mass(space, given, on)
+    round_off = np.ones(space.n_dofs)
 
     def matrices(batch: CellBatch, reconstruction: Reconstruction, blocks: Floats) -> None:
-        tensor, weighted = _weighted_mass(given, batch, reconstruction, space.order, degree)
-        value = reconstruction.projected_value
-        stabilised = not reconstruction.exact and reconstruction.for_energy is reconstruction
-        missed = missed_mass(reconstruction) if stabilised else None
+        products = value_products(reconstruction)
+        of_cells = products_round_off(reconstruction, products, space.constant[batch.dofs])
+        np.maximum.at(round_off, batch.dofs, of_cells)
+        tensor, product = _value_products(given, batch, reconstruction, products, degree)
         for i, j in np.argwhere(np.abs(tensor).any(axis=(-2, -1))):
-            blocks[i, j] = np.einsum("pme,pne->mne", value, np.einsum("pqe,qne->pne", weighted(i, j), value))
-            if missed is not None:
-                blocks[i, j] += missed * tensor[i, j].mean(axis=0)
+            blocks[i, j] = product(i, j)
 
-    return _assembled(space, given.n_components, matrices)
+    result = FormMatrix(_assembled(space, given.n_components, matrices))
+    result.round_off = np.repeat(round_off, given.n_components)
+    return result
 
 
 def _gradient_products(
@@ -126,22 +135,26 @@ def _gradient_products(
         return tensor, lambda i, a, j, b: strains.products(a, b) * tensor[i, a, j, b, 0]
     tensor, weighted = _weighted_mass(given, batch, energetic, energetic.order - 1, degree)
     gradient = energetic.gradient
+    return tensor, lambda i, a, j, b: between(gradient[:, a], weighted(i, a, j, b), gradient[:, b])
 
-    def product(i: int, a: int, j: int, b: int) -> Floats:
-        right = np.einsum("pqe,qne->pne", weighted(i, a, j, b), gradient[:, b])
-        return np.asarray(np.einsum("pme,pne->mne", gradient[:, a], right))
 
-    return tensor, product
+def _value_products(
+    given: CellCoefficient, batch: CellBatch, reconstruction: Reconstruction, products: Floats, degree: int | None
+) -> tuple[Floats, Callable[..., Floats]]:
+    """Coefficient of cells, and a function: integrals of its entry times products of values, given without it."""
+    if given.function is None:
+        tensor = given.at(batch, np.empty((1, 2, 0)))
+        return tensor, lambda i, j: products * tensor[i, j, 0]
+    tensor, weighted = _weighted_mass(given, batch, reconstruction, reconstruction.order, degree)
+    value = reconstruction.projected_value
+    missed = missed_mass(reconstruction) if is_stabilised(reconstruction) else 0.0
+    return tensor, lambda i, j: between(value, weighted(i, j), value) + missed * tensor[i, j].mean(axis=0)
 
 
 def _weighted_mass(
     given: CellCoefficient, batch: CellBatch, reconstruction: Reconstruction, order: int, degree: int | None
 ) -> tuple[Floats, Callable[..., Floats]]:
-    """Coefficient of cells, and a function: integrals of monomials' products times its entry at given indices."""
-    if given.function is None:
-        exact = monomials.mass(order, reconstruction.moments)
-        tensor = given.at(batch, np.empty((1, 2, 0)))
-        return tensor, lambda *place: exact * tensor[place][0]
+    """Values of a function, and a function: integrals of monomials' products times its entry at given indices."""
     degree = quadrature_degree(given.space) if degree is None else degree
     points, weights = cell_quadrature(batch, degree)
     values = monomials.evaluate(order, reconstruction.frame.local(points))

@@ -22,7 +22,7 @@ from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError
 from flangeway.forms.weak import scattered
 from flangeway.mesh import PolyMesh
-from flangeway.space import CellBatch, Space
+from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import at_points, cell_quadrature
 from flangeway.types import Floats
 
@@ -232,7 +232,9 @@ class Plate:
             missed = np.eye(len(cells.numbers))[:, :, None] - np.einsum("iae,ame->ime", cells.dofs, cells.value)
             return consistent + batched.symmetric_product(missed, missed) * (self.rigidity / cells.moments[0])
 
-        return self._assembled([(cells.numbers, matrix(cells)) for cells in self.cells()])
+        lifted = np.zeros(self.n_dofs)
+        lifted[0 : 3 * self.mesh.n_points : 3] = 1.0
+        return FormMatrix.measured(self._assembled([(cells.numbers, matrix(cells)) for cells in self.cells()]), lifted)
 
     def mass(self, density: float = 1.0) -> sp.csr_array:
         """Integrals of products of deflections, times a mass per area."""

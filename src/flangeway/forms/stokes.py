@@ -28,7 +28,7 @@ from flangeway.forms.assembled import load
 from flangeway.forms.weak import scattered
 from flangeway.mesh import PolyMesh
 from flangeway.solve.factor import Factor
-from flangeway.space import CellBatch, Space
+from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import at_points, cell_quadrature
 from flangeway.types import Bools, Floats
 
@@ -48,6 +48,7 @@ class DivergenceFree:
     gradient: Floats  # coefficients, (n_monomials(k - 1), 2 components, 2 derivatives, n_local, n_cells)
     value: Floats  # L2 projection, (n_monomials(k), 2, n_local, n_cells)
     missed: Floats  # (I - D Pi)^T (I - D Pi), (n_local, n_local, n_cells)
+    constant: Floats  # unknowns of constant velocities, (n_local, 2, n_cells)
 
 
 @cache
@@ -145,29 +146,30 @@ def divergence_free(order: int, vertices: Floats) -> DivergenceFree:
     on_perp[n_perp:] = np.einsum("iace,aime->cme", monomials_on_perp[:, :, n_perp:], polynomials)
     value = batched.solve(mass(k, k), vector_moments(k).reshape(n_full, -1, n_cells))
 
-    missed = _missed(cells, monomials_on_perp[:, :, :n_perp], mass(k - 1, k - 1)[1:], polynomials)
+    dofs = _monomial_dofs(cells, monomials_on_perp[:, :, :n_perp], mass(k - 1, k - 1)[1:])
+    missed = np.eye(n_local)[:, :, None] - np.einsum("nase,asme->nme", dofs, polynomials, optimize=True)
     return DivergenceFree(
         frame,
         cells.moments,
         divergence,
         batched.solve(mass(k - 1, k - 1), gradient.reshape(n_low, -1, n_cells)).reshape(gradient.shape),
         value.reshape(n_full, 2, n_local, n_cells),
-        missed,
+        batched.symmetric_product(missed, missed),
+        dofs[:, 0],
     )
 
 
-def _missed(cells: Polygons, on_perp: Floats, mass: Floats, projection: Floats) -> Floats:
-    """``(I - D Pi)^T (I - D Pi)``, D the unknowns of vector monomials ``e_i m_a``, (n_local, n_local, n_cells)."""
-    n_full, _, n_local, n_cells = projection.shape
+def _monomial_dofs(cells: Polygons, on_perp: Floats, mass: Floats) -> Floats:
+    """Unknowns of vector monomials ``e_i m_a``, matrix D, (n_local, n_monomials(k), 2, n_cells)."""
+    _, n_full, n_perp, n_cells = on_perp.shape
     n_values, n_div, h = 2 * cells.n_boundary, len(mass), np.sqrt(cells.moments[0])
-    dofs = np.zeros((n_local, n_full, 2, n_cells))
+    dofs = np.zeros((n_values + n_div + n_perp, n_full, 2, n_cells))
     derivatives = np.einsum("lie,ldb->idbe", cells.frame.map, monomials.derivatives(cells.order))
     for i in range(2):
         dofs[i:n_values:2, :, i] = cells.boundary_values().swapaxes(0, 1)
         dofs[n_values : n_values + n_div, :, i] = np.einsum("bde,dae->bae", mass, derivatives[i]) / h
         dofs[n_values + n_div :, :, i] = on_perp[i].swapaxes(0, 1) / h
-    missed = np.eye(n_local)[:, :, None] - np.einsum("nase,asme->nme", dofs, projection, optimize=True)
-    return batched.symmetric_product(missed, missed)
+    return dofs
 
 
 @dataclass(frozen=True, eq=False)
@@ -314,7 +316,8 @@ def stokes_matrix(space: Space, viscosity: float = 1.0, bulk_modulus: float = np
 
 
 def _assembled(parts: list[_Part], viscosity: float, bulk_modulus: float) -> sp.csr_array:
-    matrices = []
+    size = 1 + max(int(pressures.max()) for *_, pressures in parts)
+    matrices, constant = [], np.zeros((size, 2))
     for _, cells, numbers, pressures in parts:
         n_low, n = len(pressures), len(numbers)
         powers = exponents(HIGHEST_ORDER)[:n_low]
@@ -330,8 +333,8 @@ def _assembled(parts: list[_Part], viscosity: float, bulk_modulus: float) -> sp.
         whole[n:, n:] = -mass / bulk_modulus
         both = np.concatenate((numbers, pressures))
         matrices.append((both, both, whole))
-    size = 1 + max(int(pressures.max()) for *_, pressures in parts)
-    return scattered(matrices, (size, size))
+        constant[numbers] = cells.constant.swapaxes(1, 2)
+    return FormMatrix.measured(scattered(matrices, (size, size)), constant)
 
 
 def _function(given: Function | ArrayLike) -> Function:

@@ -21,6 +21,7 @@ from flangeway.post.lines import OUTSIDE, locate, polynomials_at
 from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import cell_quadrature, quadrature_degree
+from flangeway.space.symmetric import over_last_bit
 from flangeway.types import Floats
 
 Values = NDArray[np.inexact]
@@ -146,6 +147,35 @@ def _point_values(jets: Values, scalar: bool) -> PointValues:
     """Record of value and derivatives (3, n, m)."""
     value, gradient = jets[0], np.moveaxis(jets[1:], 0, -1)
     return PointValues(value[:, 0], gradient[:, 0]) if scalar else PointValues(value, gradient)
+
+
+def between(left: Floats, matrices: Floats, right: Floats) -> Floats:
+    """``L^T A R`` of each cell: functions' coefficients (p, n, n_cells), matrices (p, p, n_cells)."""
+    return np.asarray(np.einsum("pme,pne->mne", left, np.einsum("pqe,qne->pne", matrices, right)))
+
+
+def value_products(reconstruction: Reconstruction) -> Floats:
+    """Integrals of products of values and of what projections miss of them, (n_local, n_local, n_cells)."""
+    value, mass = reconstruction.projected_value, monomials.mass(reconstruction.order, reconstruction.moments)
+    projected = between(value, mass, value)
+    return projected + missed_mass(reconstruction) if is_stabilised(reconstruction) else projected
+
+
+def is_stabilised(reconstruction: Reconstruction) -> bool:
+    """Whether products of values get what projections miss."""
+    return not reconstruction.exact and reconstruction.for_energy is reconstruction
+
+
+def products_round_off(reconstruction: Reconstruction, products: Floats, constant: Floats) -> Floats:
+    """Round-off of `value_products` over the last bit, from those of unknowns (n_local, n_cells) of a constant.
+
+    They are integrals of the local functions, which are unknowns. Shape (n_local, n_cells).
+    """
+    if reconstruction.exact or reconstruction.order < 3:  # no projection is solved for
+        return np.ones_like(constant)
+    errors = np.einsum("mne,ne->me", products, constant)
+    errors[-reconstruction.n_interior :] -= reconstruction.inner_moments[0]
+    return over_last_bit(errors, np.einsum("mne,ne->me", np.abs(products), np.abs(constant)))
 
 
 def unit_fields(n: int, m: int, n_jets: int, scalar: bool) -> list[PointValues]:
@@ -313,6 +343,7 @@ def assembled_form(
     trial, test = region.spaces
     jets, parts = region.n_jets, []
     forces = np.zeros((test.n_dofs, m_test))  # maximum ones of the gradients of constants, which are round-off
+    least = np.ones((test.n_dofs, m_test))  # round-off of products of values
     for w, weights, ((shapes, dofs), (test_shapes, test_dofs)), batch, by_edges in region.parts():
         at_points = tensor(w)
         kind = at_points.dtype
@@ -330,6 +361,9 @@ def assembled_form(
                     local[:, i, :, j] += np.einsum("xqme,xqne->mne", test_shapes, right, optimize=True)
                     stresses = np.einsum("xyqe,yqe->xqe", block[:, 1:], slopes)
                     np.add.at(forces, (test_dofs, i), np.abs(np.einsum("xqme,xqe->me", test_shapes, stresses)))
+        if test is trial and batch is not None and weighted[::jets, ::jets].any():
+            own = batch.element.reconstruct(batch.outline)
+            np.maximum.at(least, dofs, products_round_off(own, value_products(own), constant)[..., None])
         if stabilise:
             added = np.zeros_like(local)
             _add_stabilisation(added, weighted, shapes, batch)
@@ -340,7 +374,7 @@ def assembled_form(
         flat = local.reshape(m_test * n_test, m * n, -1)
         parts.append((test_numbers.reshape(len(flat), -1), numbers.reshape(m * n, -1), flat))
     matrix = scattered(parts, (m_test * test.n_dofs, m * trial.n_dofs))
-    return FormMatrix.measured(matrix, np.repeat(trial.constant, m), forces.ravel())
+    return FormMatrix.measured(matrix, np.repeat(trial.constant, m), forces.ravel(), least.ravel())
 
 
 def scattered(
@@ -374,7 +408,7 @@ def _add_stabilisation(local: Values, weighted: Values, shapes: Floats, batch: C
             added = batch.element.stabilise(reconstruction, consistency)
             for i in range(m if added is not None else 0):
                 local[:, i, :, i] += unit * sign * added
-        if blocks[:, 0, :, 0].any() and reconstruction.for_energy is reconstruction:
+        if blocks[:, 0, :, 0].any() and is_stabilised(reconstruction):
             # mean over the cell of what multiplies values
             mean = blocks[:, 0, :, 0].sum(axis=2) / reconstruction.areas
             missed = missed_mass(reconstruction)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from flangeway.cases.case import GivenText, grouped
+from flangeway.cases.case_file import FILE_KEYS
 from flangeway.cases.case_identity import MAX_PREPARED, bodies_key, case_content, hash_of
 from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
@@ -35,7 +36,6 @@ from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.system.latest_values import LatestValues
 from flangeway.types import Floats
 
-PROFILE_INPUTS = ("wheel", "rail", "left_wheel", "left_rail")
 LATERAL_MM, STEP_MM = 12.0, 0.05
 """Lateral positions of the rigid contact: how far to both sides, and their distance; the page interpolates between."""
 AMPLITUDES_MM = np.arange(0.5, 8.01, 0.25)
@@ -116,10 +116,10 @@ class LiveEngine:
     def case(self, inputs: Mapping[str, str]) -> SpatialWheelsetCase:
         """Return the case of the inputs of the form, texts by key; files by the names that the page has for them."""
         values: dict[str, Any] = {key: GivenText(text.strip()) for key, text in inputs.items() if text.strip()}
-        for key in PROFILE_INPUTS:
-            if key in values and Path(values[key]).suffix.lower() in READABLE:
+        for key in values.keys() & set(FILE_KEYS):
+            if key == "friction_file" or Path(values[key]).suffix.lower() in READABLE:
                 values[key] = str(self._path(values[key]))
-            elif "/" in values.get(key, "") or "\\" in values.get(key, ""):
+            elif "/" in values[key] or "\\" in values[key]:
                 raise InputError(f"{key} = {values[key]}", "a bundled profile or a file of this page", "drop the file")
         return SpatialWheelsetCase.from_values(values)
 

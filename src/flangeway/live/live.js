@@ -2,7 +2,7 @@
 // State: inputs of the form by key, rigid contact of the pair (and of one to compare with), the last elastic position.
 const $ = id => document.getElementById(id);
 const state = { inputs: {}, lateral: 0, yaw: 0, free: false, rigid: null, other: null, elastic: null, sweep: [],
-  number: 0, sweeping: false, frames: [], reading: null };
+  number: 0, frames: [], reading: null };
 const WAIT_MS = 120;  // standing still before a position is computed
 
 async function ask(name, body) {
@@ -13,7 +13,8 @@ async function ask(name, body) {
 }
 
 // ---- inputs -------------------------------------------------------------------------------------------------------
-const SLIDERS = ["lateral_mm", "yaw_mrad", "wheel", "rail", "units", "model"];
+// what the page has elsewhere or cannot show, and a table of friction, which is no profile to drop
+const OUTSIDE = ["lateral_mm", "yaw_mrad", "wheel", "rail", "units", "model", "friction_file", "distance_m"];
 
 function inputsNow(changes = {}) {
   const inputs = { ...state.inputs, wheel: $("wheel").value, rail: $("rail").value, ...changes };
@@ -24,7 +25,7 @@ function inputsNow(changes = {}) {
 
 function makeForm(form) {
   for (const [caption, rows] of form.groups) {
-    const shown = rows.filter(([key]) => !SLIDERS.includes(key));
+    const shown = rows.filter(([key]) => !OUTSIDE.includes(key));
     if (!shown.length) continue;
     const group = document.createElement("details"), grid = document.createElement("div");
     group.innerHTML = "<summary></summary>";
@@ -33,9 +34,9 @@ function makeForm(form) {
     grid.className = "grid";
     for (const [key, initial, allowed, meaning] of shown) {
       const label = document.createElement("label"), words = allowed.split(" or ");
-      const choice = words.length > 1 && words.every(word => /^[a-z][\w.-]*$/i.test(word)) && words.includes(initial);
+      const choice = words.length > 1 && words.every(word => /^[a-z][\w.-]*$/i.test(word));
       const input = document.createElement(choice ? "select" : "input");
-      if (choice) for (const word of words) input.add(new Option(word, word === initial ? "" : word));
+      if (choice) for (const word of new Set([initial, ...words])) input.add(new Option(word, word === initial ? "" : word));
       else input.placeholder = initial;
       input.id = `input-${key}`;
       label.title = `${meaning}; ${allowed}`;
@@ -123,27 +124,35 @@ async function dropped(list) {
 }
 
 // ---- rigid contact ------------------------------------------------------------------------------------------------
-let geometryNumber = 0;
-async function loadGeometry() {
-  const number = ++geometryNumber;
+let asked = 0, loading = null;
+// One request after the other: what changed meanwhile, as a yaw that is being dragged, is asked for once, at the end.
+function loadGeometry() {
+  asked += 1;
   stale();
-  try {
-    const inputs = inputsNow();
-    delete inputs.lateral_mm;
-    const rigid = await ask("geometry", inputs);
-    const second = { wheel: $("other-wheel").value, rail: $("other-rail").value };
-    const changed = Object.fromEntries(Object.entries(second).filter(([, value]) => value));
-    const other = Object.keys(changed).length ? await ask("geometry", { ...inputs, ...changed }) : null;
-    if (number !== geometryNumber) return;
-    Object.assign(state, { rigid, other, sweep: [] });
-    const low = rigid.lateral[0], high = rigid.lateral.at(-1);
-    Object.assign($("lateral"), { min: low, max: high });
-    state.lateral = Math.min(Math.max(state.lateral, low), high);
-    $("pair").textContent = `Wheel: ${rigid.sides.right.titles.wheel}. Rail: ${rigid.sides.right.titles.rail}.`;
-    $("error").hidden = true;
-    moved();
-  } catch (error) {
-    if (number === geometryNumber) failed(error);
+  clearTimeout(timer);
+  return loading ??= geometries().finally(() => { loading = null; });
+}
+
+async function geometries() {
+  for (let answered = 0; answered !== asked;) {
+    answered = asked;
+    try {
+      const inputs = inputsNow();
+      delete inputs.lateral_mm;
+      const rigid = await ask("geometry", inputs);
+      const second = { wheel: $("other-wheel").value, rail: $("other-rail").value };
+      const changed = Object.fromEntries(Object.entries(second).filter(([, value]) => value));
+      const other = Object.keys(changed).length ? await ask("geometry", { ...inputs, ...changed }) : null;
+      Object.assign(state, { rigid, other, sweep: [] });
+      const low = rigid.lateral[0], high = rigid.lateral.at(-1);
+      Object.assign($("lateral"), { min: low, max: high });
+      state.lateral = Math.min(Math.max(state.lateral, low), high);
+      $("pair").textContent = `Wheel: ${rigid.sides.right.titles.wheel}. Rail: ${rigid.sides.right.titles.rail}.`;
+      showError("");
+      if (answered === asked) moved(); else requestAnimationFrame(drawRigid);
+    } catch (error) {
+      if (answered === asked) failed(error);
+    }
   }
 }
 
@@ -163,12 +172,16 @@ function positionAt(table, lateral) {
       radius: of(table.sides.right.radii) } };
 }
 
-let timer = 0;
-function moved() {
+function showSliders() {
   $("lateral").value = state.lateral;
   $("yaw").value = state.yaw;
   $("lateral-text").textContent = `${fixed(state.lateral, 2)} mm`;
   $("yaw-text").textContent = `${fixed(state.yaw, 1)} mrad`;
+}
+
+let timer = 0;
+function moved() {
+  showSliders();
   requestAnimationFrame(drawRigid);
   stale();
   clearTimeout(timer);
@@ -178,19 +191,20 @@ function moved() {
 // ---- elastic position -----------------------------------------------------------------------------------------------
 function stale() {
   state.number += 1;
+  status("busy", "computing …");
   for (const id of ["facts", "patches", "tables"]) $(id).classList.add("stale");
 }
 
 async function loadPosition() {
-  if (!state.rigid || state.sweeping) return;
+  if (!state.rigid) return;
+  if (lasting) return status("busy", "waits for what is being computed below");
   const number = ++state.number;
-  status("busy", "computing …");
   try {
     const elastic = await ask("position", inputsNow());
     if (number !== state.number) return;
     state.elastic = elastic;
-    if (state.free) { state.lateral = elastic.lateral_mm; $("lateral").value = state.lateral;
-      $("lateral-text").textContent = `${fixed(state.lateral, 2)} mm`; }
+    if (state.free) state.lateral = elastic.lateral_mm;
+    showSliders();
     showElastic();
     await showCommand();
   } catch (error) {
@@ -199,9 +213,13 @@ async function loadPosition() {
 }
 
 function failed(error) {
-  $("error").textContent = error.message;
-  $("error").hidden = false;
+  showError(error.message);
   status("failed", "no result");
+}
+
+// above the forces, and at the inputs, where it is seen while one writes
+function showError(message) {
+  for (const id of ["error", "input-error"]) Object.assign($(id), { textContent: message, hidden: !message });
 }
 
 function status(kind, words) {
@@ -211,7 +229,7 @@ function status(kind, words) {
 
 function showElastic() {
   const { elastic } = state;
-  $("error").hidden = true;
+  showError("");
   status(!elastic.converged ? "failed" : elastic.warnings.length ? "warned" : "good",
     `${elastic.converged ? "converged" : "not converged"}, ${elastic.message}`);
   $("warnings").replaceChildren(...elastic.warnings.map(words => element("li", words)));
@@ -436,10 +454,10 @@ function drawCurves() {
     const [x0, x1] = overLateral ? [state.rigid.lateral[0], state.rigid.lateral.at(-1)] : span(xs);
     let [y0, y1] = span(second ? given.concat(second[1]) : given);
     if (y1 - y0 < 1e-9) [y0, y1] = [y0 - 1, y1 + 1];
-    const at = (x, y) => [44 + (width - 54) * (x - x0) / (x1 - x0), height - 22 - (height - 48) * (y - y0) / (y1 - y0)];
+    const at = (x, y) => [48 + (width - 58) * (x - x0) / (x1 - x0), height - 22 - (height - 48) * (y - y0) / (y1 - y0)];
     context.fillStyle = colour("--soft");
     context.fillText(title, 8, 15);
-    for (const [value, text] of [[y0, y0], [y1, y1]]) context.fillText(text.toPrecision(3), 2, at(x0, value)[1] + 4);
+    for (const [value, text] of [[y0, y0], [y1, y1]]) context.fillText(Number(text.toPrecision(3)), 2, at(x0, value)[1] + 4);
     for (const value of [x0, x1]) context.fillText(value.toFixed(1), at(value, y0)[0] - (value === x1 ? 24 : 4), height - 6);
     if (overLateral) line(context, [at(state.lateral, y0), at(state.lateral, y1)], colour("--line"), 1);
     if (second) line(context, second[0].map((x, i) => at(x, second[1][i])), colour("--other"), 1.5, null, [5, 4]);
@@ -450,28 +468,52 @@ function drawCurves() {
 }
 
 // ---- positions one after the other ---------------------------------------------------------------------------------
-async function sweep() {
-  const begun = geometryNumber;
-  state.sweeping = true;
-  state.sweep = [];
-  $("sweep").disabled = true;
-  $("stop").disabled = $("progress").hidden = false;
-  const reach = Math.min(-state.rigid.lateral[0], state.rigid.lateral.at(-1), 6), n = 25;
-  for (let k = 0; k < n && state.sweeping && begun === geometryNumber; k += 1) {
+// Work that lasts: its button stops it, other such work too; positions wait for its end.
+let lasting = null;
+async function runAlone(button, progress, work) {
+  const stops = lasting?.button === button, caption = button.textContent, current = stops ? null : { button };
+  const stopped = lasting && ask("cancel", {});
+  lasting = current;
+  await stopped;
+  if (stops) return;
+  button.textContent = "Stop";
+  try {
+    await work(words => { progress.textContent = words; return lasting === current; });
+  } catch (error) {
+    if (error.status !== 409) failed(error);
+  }
+  button.textContent = caption;
+  if (lasting === current) lasting = null;
+  if (!lasting && $("facts").classList.contains("stale")) loadPosition();
+}
+
+async function sweep(goesOn) {
+  const begun = asked, points = state.sweep = [], n = 25;
+  const reach = Math.min(-state.rigid.lateral[0], state.rigid.lateral.at(-1), 6);
+  for (let k = 0; k < n && begun === asked; k += 1) {
     const lateral = Number((-reach + 2 * reach * k / (n - 1)).toFixed(3));
+    if (!goesOn(`${lateral.toFixed(2)} mm, ${k} of ${n}`)) break;
+    $("progress").hidden = false;
     $("progress").value = k / n;
-    $("progress-text").textContent = `${lateral.toFixed(2)} mm, ${k} of ${n}`;
     try {
       const found = await ask("position", inputsNow({ lateral_mm: String(lateral) }));
-      if (found.converged && state.sweeping && begun === geometryNumber) state.sweep.push(found);
+      if (found.converged) points.push(found);
     } catch (error) { if (error.status === 409) break; }
     drawCurves();
   }
-  state.sweeping = false;
-  $("sweep").disabled = $("progress").hidden = false;
-  $("stop").disabled = $("progress").hidden = true;
-  $("progress-text").textContent = `${state.sweep.length} positions`;
-  if ($("facts").classList.contains("stale")) loadPosition();  // moved meanwhile
+  $("progress").hidden = true;
+  goesOn(`${points.length} of ${n} positions computed`);
+}
+
+async function report(goesOn) {
+  goesOn("making the report …");
+  try {
+    download("report.html", (await ask("report", inputsNow())).html, "text/html");
+    goesOn("");
+  } catch (error) {
+    goesOn(error.status === 409 ? "stopped" : "");
+    throw error;
+  }
 }
 
 // ---- what can be run again ------------------------------------------------------------------------------------------
@@ -490,8 +532,7 @@ async function take(work) {
 // ---- start ----------------------------------------------------------------------------------------------------------
 function listen() {
   $("lateral").addEventListener("input", () => { state.lateral = Number($("lateral").value); $("free").checked = state.free = false; moved(); });
-  $("yaw").addEventListener("input", () => { state.yaw = Number($("yaw").value); moved(); });
-  $("yaw").addEventListener("change", loadGeometry);
+  $("yaw").addEventListener("input", () => turn(Number($("yaw").value)));
   $("shown").addEventListener("change", redraw);
   $("free").addEventListener("change", () => { state.free = $("free").checked; moved(); });
   for (const id of ["wheel", "rail", "other-wheel", "other-rail"]) $(id).addEventListener("change", loadGeometry);
@@ -508,22 +549,20 @@ function listen() {
     if (!steps) return;
     event.preventDefault();
     if (steps[0]) shift(state.lateral + (event.shiftKey ? 1 : 0.1) * steps[0]);
-    else { state.yaw = Math.round(10 * (state.yaw + (event.shiftKey ? 1 : 0.1) * steps[1])) / 10; loadGeometry(); }
+    else turn(state.yaw + (event.shiftKey ? 1 : 0.1) * steps[1]);
   });
   const drop = $("drop");
   drop.addEventListener("dragover", event => { event.preventDefault(); drop.classList.add("over"); });
   drop.addEventListener("dragleave", () => drop.classList.remove("over"));
   drop.addEventListener("drop", event => { event.preventDefault(); drop.classList.remove("over"); dropped(event.dataTransfer.files); });
   drop.addEventListener("click", () => $("files").click());
-  drop.addEventListener("keydown", event => { if (event.key === "Enter" || event.key === " ") $("files").click(); });
   $("files").addEventListener("change", () => dropped($("files").files));
   $("read-again").addEventListener("click", readAgain);
   $("form").addEventListener("submit", event => event.preventDefault());
-  $("sweep").addEventListener("click", sweep);
-  $("stop").addEventListener("click", () => { state.sweeping = false; ask("cancel", {}); });
+  $("sweep").addEventListener("click", () => runAlone($("sweep"), $("progress-text"), sweep));
+  $("report").addEventListener("click", () => runAlone($("report"), $("report-text"), report));
   $("save").addEventListener("click", () => take(async () => download("wheelset.toml", (await ask("saved", inputsNow())).case)));
   $("campaign").addEventListener("click", () => take(async () => download("campaign.toml", (await ask("saved", inputsNow())).campaign)));
-  $("report").addEventListener("click", () => take(async () => download("report.html", (await ask("report", inputsNow())).html, "text/html")));
   $("copy").addEventListener("click", () => take(async () => {
     await showCommand();
     await navigator.clipboard.writeText($("command").textContent).catch(() => getSelection().selectAllChildren($("command")));
@@ -543,6 +582,12 @@ function shift(lateral) {
   state.lateral = Math.min(Math.max(Math.round(100 * lateral) / 100, rigid.lateral[0]), rigid.lateral.at(-1));
   $("free").checked = state.free = false;
   moved();
+}
+
+function turn(yaw) {
+  state.yaw = Math.min(Math.max(Math.round(10 * yaw) / 10, Number($("yaw").min)), Number($("yaw").max));
+  showSliders();
+  loadGeometry();
 }
 
 function redraw() { drawRigid(); if (state.elastic) drawPatches(); drawReading(); }

@@ -29,8 +29,6 @@ REFINED_BELOW = 8.0
 """Digits below which a solution is corrected once with its residual."""
 SHIFT = 1e-9
 """Relative increase of the diagonal with which the motions that make a matrix singular are computed."""
-WITHOUT_ENERGY = 1e-7
-"""Product of such a unit motion with the matrix of unit diagonal, above `SHIFT` and below that of other motions."""
 PROBES = 4
 """Random right-hand sides of the estimate of a condition: all together miss the softest motion by a factor of three in
 two of 100 matrices, by a factor of ten in one of 5,000."""
@@ -197,13 +195,14 @@ class Factor:
         """Error that describes the motions without energy: the null space of the matrix, by inverse iteration."""
         scale = _unit_scale(self._inner)
         scaled = sp.csc_array(sp.diags_array(scale) @ self._inner @ sp.diags_array(scale))
+        round_off = EPS * float(self._round_off.max()) * abs(scaled).sum(axis=1).max()
         n = scaled.shape[0]
         raised = splu(scaled + SHIFT * sp.eye_array(n, format="csc"), permc_spec="MMD_AT_PLUS_A")
         motions = np.random.default_rng(0).standard_normal((n, min(4, n))).astype(scaled.dtype)
         for _ in range(4):
             motions = np.linalg.qr(raised.solve(motions))[0]
         _, energies, turned = np.linalg.svd(scaled @ motions, full_matrices=False)
-        null = (motions @ turned.conj().T)[:, energies < WITHOUT_ENERGY]
+        null = (motions @ turned.conj().T)[:, energies < round_off / SINGULAR]
         whole = np.zeros((self.matrix.shape[0], null.shape[1]), dtype=scaled.dtype)
         whole[self.free] = scale[:, None] * null
         return InputError(
@@ -216,7 +215,7 @@ class Factor:
         """Words for the columns (m n_dofs, n_motions) of a null space."""
         n_motions = null.shape[1]
         if n_motions == 0:
-            return "it is so close to singular that no digit of the solution is right"
+            return "it is so close to singular that round-off may leave no digit of the solution"
         m = 1 if len(self._shape) == 1 else self._shape[1]
         leading = null.reshape(self._shape[0], m, -1)[: max(3, self._shape[0] // LEADING)]
         units = leading / np.abs(null).max(axis=0)
@@ -235,7 +234,7 @@ class Factor:
         at = int(np.abs(null[:, 0]).argmax()) // m
         number = "one motion has" if n_motions == 1 else f"{n_motions} motions have"
         shape = "" if m == 1 or constants.shape[1] == n_motions else ", not constant (such as a rotation)"
-        return f"{number} no energy{shape}; the largest value is at unknown {at}"
+        return f"{number} no energy beyond round-off{shape}; the largest value is at unknown {at}"
 
 
 def free_unknowns(fixed: NDArray[np.integer] | Bools | None, shape: tuple[int, ...]) -> Bools:

@@ -16,18 +16,28 @@ class FormMatrix(sp.csr_array):  # type: ignore[misc]  # SciPy has no types
     ----------
     round_off
         Round-off of each row's entries over that of the last bit, 1 or more: of virtual elements of high order on thin
-        cells it is many times larger. Slices, products and blocks lose it: they have 1.
+        cells it is many times larger. Rows and columns keep it; products and blocks lose it: they have 1.
 
     """
 
     round_off: Floats | float = 1.0
 
     @classmethod
-    def measured(cls, matrix: sp.sparray, motion: Floats, forces: Floats | None = None) -> "FormMatrix":
-        """Measure the round-off by the forces of a motion (n,) without energy; of a part of the form, if given."""
+    def measured(
+        cls, matrix: sp.sparray, motions: Floats, forces: Floats | None = None, least: Floats | float = 1.0
+    ) -> "FormMatrix":
+        """Measure the round-off by the forces of motions (n,) or (n, m) without energy, or given ones of a part."""
         result = cls(matrix)
-        zeros = result @ motion if forces is None else forces
-        result.round_off = over_last_bit(zeros, abs(result) @ np.abs(motion))
+        zeros = result @ motions if forces is None else forces
+        found = over_last_bit(zeros, abs(result) @ np.abs(motions)).reshape(result.shape[0], -1).max(axis=1)
+        result.round_off = np.maximum(found, least)
+        return result
+
+    def __getitem__(self, key: Any) -> Any:
+        result = super().__getitem__(key)
+        if isinstance(result, FormMatrix) and result.ndim == 2:
+            rows = key[0] if isinstance(key, tuple) else key
+            result.round_off = np.broadcast_to(self.round_off, self.shape[:1])[rows].ravel()
         return result
 
     def _kept(self, result: Any, other: Any = None) -> Any:

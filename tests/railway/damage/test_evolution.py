@@ -1,6 +1,6 @@
 """Collectives and the evolution of profiles on coarse meshes: resuming, symmetry, energy, limits, wrong inputs."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -16,6 +16,7 @@ from flangeway.railway.damage.wear_laws import EnergyLaw, UsfdLaw
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.wheelset.spatial_result import solve_spatial
+from flangeway.railway.wheelset.spatial_wheelset import RollingPlace
 
 COARSE = {
     "size_scale": 6.0,
@@ -79,7 +80,7 @@ def settings(end: float = 3000.0, depth: float = 0.05, **more: object) -> Evolut
 class Fading(Evolution):
     """Wear without contact, whose rate falls with the depth: ``c exp(-depth / d)``; depth ``d ln(1 + c s / d)``."""
 
-    def _evaluated(self, position, surfaces, damage, progress):
+    def _evaluated(self, position, surfaces, damage, progress, near=()):  # noqa: ARG002
         progress(f"at {position}")
         rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 90.0)
                  for key, surface in surfaces.items()}  # fmt: skip
@@ -164,7 +165,21 @@ def test_a_mirrored_state_is_the_mirror_image(curve) -> None:
     assert areas[1]["left"] == pytest.approx(areas[0]["right"], rel=1e-5)
 
 
-def test_curves_of_both_hands_wear_both_sides_alike() -> None:
+def test_a_search_that_begins_near_an_equilibrium_finds_it(curve) -> None:
+    """From a place beside it, without the search on the whole running surfaces."""
+    place, cold = RollingPlace.of(curve.equilibrium), curve.equilibrium
+    beside = place._replace(lateral_mm=place.lateral_mm + 0.1, yaw_rad=place.yaw_rad + 2e-4)
+    texts: list[str] = []
+    found = curve.wheelset.solve(texts.append, beside)
+    assert found.status.converged
+    assert found.position.components == pytest.approx(cold.position.components, abs=2e-3)
+    assert RollingPlace.of(found).yaw_rad == pytest.approx(place.yaw_rad, abs=2e-5)
+    assert sum("after 0 steps" in text for text in texts) == 1  # one search, not two
+    for side, state in found.state.sides.items():
+        assert state.forces.sum() == pytest.approx(cold.state.sides[side].forces.sum(), rel=1e-3)
+
+
+def test_curves_of_both_hands_wear_both_sides_alike(tmp_path) -> None:
     """Curves to the left and to the right wear both wheels to the same bits, and as the mean of the sides of one."""
     one = state(0.5, curve_radius_m=600.0)
     both = Collective([one, state(0.5, curve_radius_m=-600.0)], separate=True)
@@ -172,7 +187,10 @@ def test_curves_of_both_hands_wear_both_sides_alike() -> None:
     assert not Collective([one, state(0.5, curve_radius_m=-500.0)], separate=True).is_symmetric
     at_once = settings(1.0, limits={"min_flange_thickness_mm": 50.0})  # reached before the first step
     (both_sides,) = Evolution(both, {"wheel": ENERGY}, at_once).run()
-    (mean,) = Evolution(Collective([replace(one, share=1.0)]), {"wheel": ENERGY}, at_once).run()
+    alone = Evolution(Collective([replace(one, share=1.0)]), {"wheel": ENERGY}, at_once)
+    (mean,), (stored,) = alone.run(tmp_path / "one.sqlite"), alone.run(tmp_path / "one.sqlite")
+    assert [*map(asdict, stored.states)] == [*map(asdict, mean.states)]  # from which the next step begins
+    assert stored.states[0].place is not None
     left, right = (both_sides.rates["wheel", side] for side in ("left", "right"))
     assert (left == right).all()
     assert right.max() > 1e-6

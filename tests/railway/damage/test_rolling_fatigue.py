@@ -3,18 +3,8 @@
 import numpy as np
 import pytest
 
-from flangeway.railway.damage.rolling_fatigue import (
-    DangVan,
-    ball_centres,
-    shakedown_index,
-    surface_fatigue_index,
-    t_gamma_damage,
-)
+from flangeway.railway.damage.rolling_fatigue import DangVan, ball_centres, shakedown_index, t_gamma_damage
 
-ROWS = [
-    (8.6, 6.18, 1e5, 0.0064, 300.0, -0.3275387327059806, 2.994561283432968),
-    (6.0, 4.0, 1e5, 0.3, 300.0, 0.14920355262768992, 6.631455962162306),
-]
 TIMES = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
 
 
@@ -22,18 +12,6 @@ def history(**components: np.ndarray) -> np.ndarray:
     """One point's stresses over `TIMES`, (1, m, 6)."""
     names = ("xx", "yy", "zz", "xy", "yz", "xz")
     return np.stack([components.get(name, np.zeros(len(TIMES))) for name in names], axis=1)[None]
-
-
-@pytest.mark.parametrize(("a", "b", "force", "friction", "k", "value", "factor"), ROWS)
-def test_fi_surf_is_friction_less_k_over_p0(
-    a: float, b: float, force: float, friction: float, k: float, value: float, factor: float
-) -> None:
-    """FI_surf on Hertz's ellipse is the utilised friction less k / p0, to 1e-10, and that of the given rows."""
-    p0 = 1.5 * force / (np.pi * a * b)
-    index = surface_fatigue_index(friction, (a, b), force, k)
-    assert index == pytest.approx(friction - k / p0, abs=1e-10)
-    assert index == pytest.approx(value, abs=1e-10)
-    assert p0 / k == pytest.approx(factor, rel=1e-10)
 
 
 def test_t_gamma_damage_has_the_points_of_the_whole_life_rail_model() -> None:

@@ -1,49 +1,25 @@
-"""Wear laws against closed forms on Hertz's ellipse in full slip, and their wrong inputs."""
+"""Wear laws on Hertz's ellipse in full slip; further closed forms are in `flangeway reproduce damage`."""
 
 import numpy as np
 import pytest
 
 from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, EnergyLaw, OwnLaw, PerPatch, UsfdLaw
+from studies.damage import A_MM, B_MM, FRICTION, WEAR_COEFFICIENT, HARDNESS_MPa, P0_MPa, SPEED_m_s, full_slip
 
-A, B, FORCE, FRICTION, SPEED, HARDNESS, K = 6.0, 4.0, 1e5, 0.3, 30.0, 2700.0, 0.0035
-P0 = 1.5 * FORCE / (np.pi * A * B)
 Y = np.array([0.0, 2.0, 3.5])
 
 
 def rows(creepage: float, n: int = 4000) -> tuple[CellLoads, np.ndarray]:
     """Cells of rows at Y in full slip, even in the angle of ``x = a cos t``, and their lengths."""
-    half = A * np.sqrt(1.0 - (Y / B) ** 2)
+    half = A_MM * np.sqrt(1.0 - (Y / B_MM) ** 2)
     ends = np.cos(np.linspace(np.pi, 0.0, n + 1))
     x = half[:, None] * np.cos(np.pi - np.pi * (np.arange(n) + 0.5) / n)
-    pressures = P0 * np.sqrt(1.0 - (x / A) ** 2 - (Y[:, None] / B) ** 2)
+    pressures = P0_MPa * np.sqrt(1.0 - (x / A_MM) ** 2 - (Y[:, None] / B_MM) ** 2)
     lengths = half[:, None] * np.diff(ends)
     along = np.zeros((*x.shape, 2))
     along[..., 1] = 1.0
     tractions = -FRICTION * pressures[..., None] * along
-    return CellLoads(pressures, tractions, creepage * along, lengths, SPEED), lengths
-
-
-def patch(creepage: float, n: int = 400) -> CellLoads:
-    """The whole ellipse in full slip on cells."""
-    x, y = A * (np.arange(n) + 0.5 - n / 2) / (n / 2), B * (np.arange(n) + 0.5 - n / 2) / (n / 2)
-    pressures = P0 * np.sqrt(np.maximum(1.0 - (x / A) ** 2 - (y[:, None] / B) ** 2, 0.0))
-    along = np.zeros((n, n, 2))
-    along[..., 1] = 1.0
-    area = np.full((n, n), 4.0 * A * B / n**2)
-    inside = (pressures > 0.0)[..., None]
-    return CellLoads(pressures, -FRICTION * pressures[..., None] * along, creepage * along * inside, area, SPEED)
-
-
-def test_archard_in_full_slip_has_its_closed_form() -> None:
-    """Depth of a passage is (k/H) g p0 (pi a/2)(1 - y^2/b^2) to 1e-6, volume over distance (k/H) g N."""
-    cells, lengths = rows(0.01)
-    depth = (ArchardLaw(HARDNESS, K).rates(cells) * lengths).sum(axis=1)
-    exact = K / HARDNESS * 0.01 * P0 * np.pi * A / 2.0 * (1.0 - (Y / B) ** 2)
-    assert depth == pytest.approx(exact, rel=1e-6)
-    assert depth == pytest.approx([0.00024305555555555555, 0.00018229166666666667, 5.6966145833333334e-05], rel=1e-3)
-    whole = patch(0.01)
-    volume = float((ArchardLaw(HARDNESS, K).rates(whole) * whole.areas).sum())
-    assert 1e3 * volume == pytest.approx(1.2962962962962963, rel=1e-3)
+    return CellLoads(pressures, tractions, creepage * along, lengths, SPEED_m_s), lengths
 
 
 @pytest.mark.parametrize("branch", ["continuous", "published"])
@@ -52,23 +28,18 @@ def test_usfd_branches_in_full_slip_are_those_of_quadrature(branch: str) -> None
     creepage = 0.2
     cells, lengths = rows(creepage)
     depth = (UsfdLaw(branch).rates(cells) * lengths).sum(axis=1)
-    top, third = FRICTION * creepage * P0, 61.9
+    top, third = FRICTION * creepage * P0_MPa, 61.9
     offset = 55.0 - third * 77.2 if branch == "continuous" else 0.0
     exact = []
     for y in Y:
-        share = np.sqrt(1.0 - (y / B) ** 2)
-        peak, half = top * share, A * share
-        # |x| at which T-gamma / A falls below a limit, and the integral of sqrt(1 - (x/half)^2) up to there
+        share = np.sqrt(1.0 - (y / B_MM) ** 2)
+        peak, half = top * share, A_MM * share
+        # |x| at which T-gamma / A_MM falls below a limit, and the integral of sqrt(1 - (x/half)^2) up to there
         cut = [half * np.sqrt(max(1.0 - (limit / peak) ** 2, 0.0)) for limit in (77.2, 10.4)]
         area = [0.5 * half * (c / half * np.sqrt(1.0 - (c / half) ** 2) + np.arcsin(c / half)) for c in (*cut, half)]
         steep = third * peak * area[0] + offset * cut[0]
         exact.append(2.0 * (steep + 55.0 * (cut[1] - cut[0]) + 5.3 * peak * (area[2] - area[1])) * 1e-3 / 7800.0)
     assert depth == pytest.approx(exact, rel=1e-3)
-
-
-def test_t_gamma_of_cells_is_force_times_creepage() -> None:
-    """Full slip dissipates mu N g over the distance: 300 N."""
-    assert patch(0.01).t_gamma_N == pytest.approx(300.0, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -77,32 +48,36 @@ def test_t_gamma_of_cells_is_force_times_creepage() -> None:
 )
 def test_map_of_jendel(velocity: float, pressure: float, k: float) -> None:
     """The coefficient is the middle of the range of its region."""
-    law = ArchardLaw(HARDNESS)
-    found = law.coefficients(np.array([velocity]), np.array([pressure * HARDNESS]))
+    law = ArchardLaw(HARDNESS_MPa)
+    found = law.coefficients(np.array([velocity]), np.array([pressure * HARDNESS_MPa]))
     assert found == pytest.approx([k])
 
 
 def test_level_moves_through_the_ranges_of_the_map() -> None:
     """Levels 0 and 1 are the ends of the range."""
-    ends = [ArchardLaw(HARDNESS, level=level).coefficients(np.array([0.3]), np.array([1.0]))[0] for level in (0.0, 1.0)]
+    ends = [
+        ArchardLaw(HARDNESS_MPa, level=level).coefficients(np.array([0.3]), np.array([1.0]))[0] for level in (0.0, 1.0)
+    ]
     assert ends == pytest.approx([30e-4, 40e-4])
 
 
 def test_energy_law_takes_energy_times_its_constant() -> None:
     """0.02 mm3/kJ of 300 J/m are 0.006 mm3/m, and 156 ug/kJ = 0.156 mg/kJ the same."""
-    cells = patch(0.01)
+    cells = full_slip()[0]
     for law in (EnergyLaw(0.02, "mm3/kJ"), EnergyLaw(0.156, "mg/kJ")):
         assert 1e3 * float((law.rates(cells) * cells.areas).sum()) == pytest.approx(2e-5 * cells.t_gamma_N, rel=1e-12)
 
 
 def test_own_law_is_that_of_its_function() -> None:
-    """A function that is Archard's law in um/m gives Archard's depths."""
-    cells, _ = rows(0.01)
+    """A_MM function that is Archard's law in um/m gives Archard's depths."""
+    cells, _ = full_slip()
 
     def archard(pressures: np.ndarray, slips: np.ndarray, tractions: np.ndarray) -> np.ndarray:
-        return 1e6 * K * pressures * np.hypot(*np.moveaxis(slips, -1, 0)) / HARDNESS
+        return 1e6 * WEAR_COEFFICIENT * pressures * np.hypot(*np.moveaxis(slips, -1, 0)) / HARDNESS_MPa
 
-    assert OwnLaw(archard, "um/m").rates(cells) == pytest.approx(ArchardLaw(HARDNESS, K).rates(cells))
+    assert OwnLaw(archard, "um/m").rates(cells) == pytest.approx(
+        ArchardLaw(HARDNESS_MPa, WEAR_COEFFICIENT).rates(cells)
+    )
 
 
 def test_per_patch_differs_from_local_only_where_the_constant_varies() -> None:
@@ -112,8 +87,8 @@ def test_per_patch_differs_from_local_only_where_the_constant_varies() -> None:
         local, mean = (float((each.rates(cells) * cells.areas).sum()) for each in (law, PerPatch(law)))
         return mean / local
 
-    assert volumes(ArchardLaw(HARDNESS, K), patch(0.01)) == pytest.approx(1.0)
-    assert volumes(UsfdLaw(), patch(0.01)) == pytest.approx(1.0)
-    assert abs(volumes(UsfdLaw(), patch(0.03)) - 1.0) > 0.05
-    high = patch(0.01)
+    assert volumes(ArchardLaw(HARDNESS_MPa, WEAR_COEFFICIENT), full_slip()[0]) == pytest.approx(1.0)
+    assert volumes(UsfdLaw(), full_slip()[0]) == pytest.approx(1.0)
+    assert abs(volumes(UsfdLaw(), full_slip(creepage=0.03)[0]) - 1.0) > 0.05
+    high = full_slip()[0]
     assert volumes(ArchardLaw(2000.0), high) < 0.5  # only the middle of the patch has pressures above 0.8 of H

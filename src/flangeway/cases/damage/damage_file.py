@@ -43,6 +43,15 @@ class StateTable(Table):
     """equal parts of its ranges, each computed in its middle"""
 
 
+class WearTables(Table):
+    """Tables of the wear laws, with their constants."""
+
+    wheel: dict[str, Any] | None = None
+    """wear law of the wheels; without it they keep their profile"""
+    rail: dict[str, Any] | None = None
+    """wear law of the rails; without it they keep their profile"""
+
+
 class DamageTables(Table):
     """Tables of the file."""
 
@@ -56,8 +65,8 @@ class DamageTables(Table):
     """states of the collective"""
     evolution: dict[str, Any]
     """how far the profiles wear, and by which steps"""
-    wear: dict[Role, dict[str, Any]] = Field({})
-    """wear law of wheels and rails, with its constants"""
+    wear: WearTables = Field(WearTables())
+    """wear laws of wheels and rails"""
     limits: dict[str, float] = Field({})
     """measures of the profiles at which it ends"""
     strategies: dict[str, dict[str, Any]] = Field({})
@@ -165,7 +174,8 @@ class DamageFile(TomlFile):
                 parts = parts_of(state)
             found += [self._state(inputs | part, number if tables.states else None) for part in parts]
         settings = self._values(("evolution",), tables.evolution, inputs_of(EvolutionSettings, "limits"))
-        laws = {role: self._law(role, given) for role, given in tables.wear.items()}
+        given_laws: dict[Role, dict[str, Any] | None] = {"wheel": tables.wear.wheel, "rail": tables.wear.rail}
+        laws = {role: self._law(role, law) for role, law in given_laws.items() if law is not None}
         with located(f"{self.file}: "):
             collective = Collective(found, tables.sides == "separate")
             evolution = Evolution(collective, laws, EvolutionSettings(**settings, limits=tables.limits))

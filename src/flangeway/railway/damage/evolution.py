@@ -19,9 +19,9 @@ from flangeway.railway.damage.surface_wear import PatchDamage, patch_damage, row
 from flangeway.railway.damage.wear_laws import WearLaw
 from flangeway.railway.damage.worn_surface import FILTER_MM, SPACING_MM, WornSurface
 from flangeway.railway.track.discretisation import Role
-from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.running_surfaces import ElasticBodies, running_surfaces
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
-from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
 from flangeway.system.disk_cache import Cache
 from flangeway.system.versions import versions
 from flangeway.types import Floats
@@ -86,11 +86,12 @@ class EvolutionSettings:
 
 @dataclass(frozen=True, eq=False)
 class StateDamage:
-    """One state on the profiles of a step: its patches, and why it has none."""
+    """One state on the profiles of a step: its patches, why it has none, and where the wheelset rolls."""
 
     name: str
     patches: tuple[PatchDamage, ...]
     message: str = ""
+    place: RollingPlace | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,7 +248,7 @@ class Evolution:
             # the end exactly, so that a run to it ends there
             end = settings.end if last.position + way >= settings.end * (1.0 - 1e-12) else last.position + way
             predicted = {key: each.worn_by(way * last.rates[key]) for key, each in last.surfaces.items()}
-            there = self._evaluated(end, predicted, last.damage, progress)
+            there = self._evaluated(end, predicted, last.damage, progress, last.states)
             error = max(0.5 * way * float(np.abs(there.rates[key] - last.rates[key]).max()) for key in last.rates)
             if error <= settings.max_error_mm:
                 break
@@ -260,7 +261,7 @@ class Evolution:
         damage = {
             key: each + half * (last.damage_rates[key] + there.damage_rates[key]) for key, each in last.damage.items()
         }
-        found = self._evaluated(end, surfaces, damage, progress)
+        found = self._evaluated(end, surfaces, damage, progress, there.states)
         # what did not converge on the way is reported as well
         both = zip(found.states, there.states, strict=True)
         states = tuple(replace(state, message=state.message or other.message) for state, other in both)
@@ -282,15 +283,19 @@ class Evolution:
         surfaces: Mapping[SurfaceKey, WornSurface],
         damage: Mapping[SurfaceKey, Floats],
         progress: Callable[[str], None],
+        near: Sequence[StateDamage] = (),
     ) -> EvolutionStep:
-        """Solve all states on worn profiles."""
+        """Solve all states on worn profiles.
+
+        - `near`: states on profiles that differ little, from whose places the searches begin; without a place as anew.
+        """
         deep = any(surface.depth.max() > MAX_COMPLIANCE_WEAR_MM for surface in surfaces.values())
         profiles = {key: surface.worn_body if deep else surface.worn for key, surface in surfaces.items()}
         if self.collective.is_symmetric:
             profiles = {(role, side): profiles[role, "right"] for role, side in profiles}
         rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
         damage_rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
-        made: list[SpatialWheelset] = []
+        made, bodies = list[SpatialWheelset](), ElasticBodies()
         states, t_gamma, solved = [], 0.0, 0.0
         all_states, end = self.collective.states, self.settings.end
         for count, state in enumerate(all_states, 1):
@@ -298,14 +303,16 @@ class Evolution:
             progress(f"{position:.4g} of {end:.4g} {self.unit}, state {count} of {len(all_states)}")
             problem = self.collective.problem_with(state, profiles)
             try:
-                result = _solved(SpatialWheelset(problem, {}, state.model), made)
+                place = near[count - 1].place if near else None
+                result = _solved(SpatialWheelset(problem, {}, state.model), made, bodies, place)
             except InputError as reason:
                 states.append(StateDamage(state.name, (), reason.given))
                 continue
             if not result.status.converged:
                 states.append(StateDamage(state.name, (), result.status.message))
                 continue
-            states.append(StateDamage(state.name, tuple(patch_damage(result))))
+            place = RollingPlace.of(result.equilibrium)
+            states.append(StateDamage(state.name, tuple(patch_damage(result)), place=place))
             t_gamma += share * sum(each.t_gamma_N for each in states[-1].patches)
             solved += share
             for wear in row_wear(result, dict(self.laws)):
@@ -341,7 +348,7 @@ class Evolution:
         settings = {key: value for key, value in asdict(self.settings).items() if key not in ("end", "limits")}
         parts = [
             versions()["flangeway"],
-            repr(OVER_PIECES),
+            repr((OVER_PIECES, RollingPlace._fields)),
             repr(sorted(settings.items())),
             repr([(role, law.name) for role, law in self.laws.items()]),
             repr(self.collective.separate),
@@ -372,7 +379,12 @@ class Evolution:
         depths = stored("depth")
         surfaces = {key: WornSurface(each, depths[key], self.settings.spacing_mm) for key, each in profiles.items()}
         states = tuple(
-            StateDamage(each["name"], tuple(PatchDamage(**patch) for patch in each["patches"]), each["message"])
+            StateDamage(
+                each["name"],
+                tuple(PatchDamage(**patch) for patch in each["patches"]),
+                each["message"],
+                None if each["place"] is None else RollingPlace(*each["place"]),
+            )
             for each in row["states"]
         )
         return EvolutionStep(
@@ -386,15 +398,17 @@ class Evolution:
         )
 
 
-def _solved(wheelset: SpatialWheelset, made: list[SpatialWheelset]) -> SpatialResult:
-    """Solve a state; bodies and rigid geometry of equal wheelsets on equal tracks are made once."""
+def _solved(
+    wheelset: SpatialWheelset, made: list[SpatialWheelset], bodies: ElasticBodies, near: RollingPlace | None
+) -> SpatialResult:
+    """Solve a state; equal bodies, and rigid geometry of equal wheelsets on equal tracks, are made once."""
     problem, model = wheelset.problem, wheelset.model
-    for bodies in made:
-        found = bodies.at(problem.load, problem.prescribed, model.yaw_rad, model.rolling)
+    for other in made:
+        found = other.at(problem.load, problem.prescribed, model.yaw_rad, model.rolling)
         if (found.problem, found.model) == (problem, model):
-            return solve_position(found, {})
-    made.append(replace(wheelset, surfaces=running_surfaces(problem, model, cache=Cache.of_user())))
-    return solve_position(made[-1], {})
+            return solve_position(found, {}, near=near)
+    made.append(replace(wheelset, surfaces=running_surfaces(problem, model, cache=Cache.of_user(), done=bodies)))
+    return solve_position(made[-1], {}, near=near)
 
 
 class StepStore:

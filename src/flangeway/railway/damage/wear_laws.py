@@ -18,9 +18,9 @@ Whether a law is evaluated in each cell (local) or once for a patch (`PerPatch`)
 depends on the load: say which.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 
@@ -34,7 +34,8 @@ JENDEL: tuple[tuple[float, float], ...] = ((1e-4, 10e-4), (30e-4, 40e-4), (1e-4,
 """Ranges of Archard's k: slip below 0.2 m/s, 0.2 to 0.7 m/s, above; and at pressures above 0.8 of the hardness."""
 JENDEL_VELOCITIES_m_s = (0.2, 0.7)
 JENDEL_PRESSURE = 0.8
-ENERGY_UNITS = {
+EnergyUnit = Literal["mm3/J", "mm3/kJ", "mm3/MJ", "ug/J", "mg/kJ"]
+ENERGY_UNITS: dict[EnergyUnit, float] = {
     "mm3/J": 1e-3,
     "mm3/kJ": 1e-6,
     "mm3/MJ": 1e-9,
@@ -228,7 +229,7 @@ class EnergyLaw:
     """
 
     constant: float
-    unit: str
+    unit: EnergyUnit
 
     def __post_init__(self) -> None:
         check_positive("EnergyLaw", "constant", self.constant, "a constant > 0", "give what tests showed")
@@ -295,6 +296,6 @@ class PerPatch:
         return np.asarray(cells.energy * (volume / t_gamma if t_gamma > 0.0 else 0.0))
 
 
-def _check_unit(owner: str, unit: str, allowed: dict[str, float]) -> None:
+def _check_unit(owner: str, unit: str, allowed: Collection[str]) -> None:
     if unit not in allowed:
         raise InputError(f"{owner}(unit={unit!r})", ", ".join(allowed), "give the unit of the constant")

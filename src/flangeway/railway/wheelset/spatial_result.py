@@ -28,7 +28,7 @@ from flangeway.railway.wheelset.rail_along_track import LoadedRail, RailAlongTra
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rows_of, strips_of
 from flangeway.railway.wheelset.running_surfaces import SpatialModel, running_surfaces
 from flangeway.railway.wheelset.side_contact import SideState, tangents_of
-from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
 from flangeway.railway.wheelset.supported_rail import supported_rail
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.railway.wheelset.wheelset_checks import STEEL_MPa, YIELD_MPa
@@ -226,10 +226,14 @@ def solve_position(
     wheelset: SpatialWheelset,
     timings: dict[str, float],
     progress: Callable[[str], None] = lambda _: None,
+    near: RollingPlace | None = None,
 ) -> SpatialResult:
-    """Find the equilibrium of a wheelset whose running surfaces are ready."""
+    """Find the equilibrium of a wheelset whose running surfaces are ready.
+
+    - `near`: see `flangeway.railway.wheelset.spatial_wheelset.SpatialWheelset.solve`.
+    """
     begun = time.perf_counter()
-    equilibrium = wheelset.solve(progress)
+    equilibrium = wheelset.solve(progress, near)
     problem = wheelset.problem
     materials = {role: (problem.material_of(role).young, problem.material_of(role).poisson) for role in ROLES}
     patches: list[SpatialPatch] = []

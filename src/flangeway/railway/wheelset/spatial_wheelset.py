@@ -3,13 +3,13 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from flangeway.railway.rigid.elastic_start import CLIMBED_MM, RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
@@ -58,6 +58,37 @@ SEARCHED_MM = 90.0
 FLANGE_SLOPE = 3.0
 """Slope of the flange, by which yaw moves its contact along the track."""
 
+
+class RollingPlace(NamedTuple):
+    """Where a wheelset rolls: position of the axle's middle, tilts of both wheels, yaw, and rate of rotation."""
+
+    lateral_mm: float
+    vertical_mm: float
+    roll_rad: float
+    left_tilt_rad: float
+    right_tilt_rad: float
+    yaw_rad: float
+    rate_rad_s: float
+
+    @classmethod
+    def of(cls, found: Equilibrium[SpatialState]) -> "RollingPlace":
+        """Place of an equilibrium with friction."""
+        rolled = found.state.rolled
+        assert rolled is not None
+        left, right = (SIDE_SIGN[side] * found.state.sides[side].pose.tilt_rad for side in SIDES)
+        return cls(*found.position.components, left, right, rolled.yaw_rad, rolled.rate_rad_s)
+
+    @property
+    def position(self) -> WheelsetPosition:
+        """Position of the axle's middle."""
+        return WheelsetPosition(*self[:3])
+
+    @property
+    def tilts_rad(self) -> tuple[float, float]:
+        """Tilts of the left and the right wheel."""
+        return self.left_tilt_rad, self.right_tilt_rad
+
+
 Placed: TypeAlias = tuple[dict[Side, GriddedSide], SpatialState]
 """Cells, and a contact to start from on them."""
 AT_END = "a contact reaches the end of the running surface; check the profiles and the load"
@@ -102,28 +133,49 @@ class SpatialWheelset:
         """Rigid equilibrium."""
         return rigid_start(self.problem, self.geometry)
 
-    def solve(self, progress: Callable[[str], None] = lambda _: None) -> Equilibrium[SpatialState]:
+    def solve(
+        self, progress: Callable[[str], None] = lambda _: None, near: RollingPlace | None = None
+    ) -> Equilibrium[SpatialState]:
         """Find the equilibrium, first on coarse cells over the whole running surfaces, then on fine ones.
 
         With friction from the equilibrium without on coarse cells, first on fewer fine cells: on coarse ones creep
         forces jump with each cell that comes into contact.
+
+        - `near`: place close to the equilibrium with friction, from which the search begins instead.
         """
+        if near is not None:
+            return self._rolling(near.position, self._touching(near), near.rate_rad_s, progress)
         start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM - self._sinking))
         kept = None, *self.problem.prescribed.components[1:]  # the wheelset is moved to a lateral position
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
         grids, yaw, tilts = self.whole(position, None, {}), self.model.yaw_rad, self._tilts_by_forces
         newton = WheelsetNewton(self.problem, grids, position, yaw, tilts, None, None)
-        motion, across = self.model.rolling, self.model.patch_cells
+        motion = self.model.rolling
         if motion is None:
-            return self._search(newton, _Cells(self, position, ((across, FINE_RESIDUAL),)), progress)
+            return self._search(newton, _Cells(self, position, ((self.model.patch_cells, FINE_RESIDUAL),)), progress)
         free = self._search(newton, _Cells(self, position, ()), progress)
+        return self._rolling(free.position, free.state, rate_of(motion, free.state.sides), progress)
+
+    def _rolling(
+        self, position: WheelsetPosition, state: SpatialState, rate: float, progress: Callable[[str], None]
+    ) -> Equilibrium[SpatialState]:
+        """Equilibrium with friction from a contact on coarse cells."""
+        motion, across = self.model.rolling, self.model.patch_cells
+        assert motion is not None
         last = FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
         stages = (round(FEWER_ACROSS * across), NESTED_RESIDUAL), (across, last)
-        cells = _Cells(self, free.position, stages, free.state.sides)
-        grids, _ = cells.fine(free.state)
-        creep = WheelsetCreep(motion, rate_of(motion, free.state.sides), motion.theory, MAX_BENT_MM)
-        newton = WheelsetNewton(self.problem, grids, free.position, yaw, tilts, free.state, creep)
-        return self._search(newton, cells, progress)
+        cells = _Cells(self, position, stages, state.sides)
+        grids, _ = cells.fine(state)
+        creep = WheelsetCreep(motion, rate, motion.theory, MAX_BENT_MM)
+        yaw, tilts = self.model.yaw_rad, self._tilts_by_forces
+        return self._search(WheelsetNewton(self.problem, grids, position, yaw, tilts, state, creep), cells, progress)
+
+    def _touching(self, place: RollingPlace) -> SpatialState:
+        """Contact without friction on coarse cells at a place."""
+        grids, found = self.whole(place.position, None, {}), dict[Side, SideState]()
+        for side, tilt in zip(SIDES, place.tilts_rad, strict=True):
+            found[side] = solve_side(grids[side], pose_of(self.problem, place.position, side, place.yaw_rad, tilt))
+        return SpatialState(found)
 
     def whole(
         self, position: WheelsetPosition, near: SpatialState | None, before: Mapping[Side, GriddedSide]
@@ -140,6 +192,7 @@ class SpatialWheelset:
         Fine cells suffice for the patches, and hold all of them. Where a patch comes to the end of these, or the
         wheelset leaves the position that they are for, they are chosen by the contact on coarse cells.
         """
+        begun = newton.position
         for iteration in range(MAX_ITERATIONS):
             newton.linearise()
             error = newton.relative.equilibrium_residual
@@ -152,7 +205,7 @@ class SpatialWheelset:
                 return replace(found, status=cells.status)
             if grids != found.state.grids:
                 newton.place(grids, state)
-            if self._is_off(newton.position):
+            if self._is_off(newton.position, begun):
                 break
         return replace(found, status=self._none(found, None if newton.creep is None else newton.creep.motion))
 
@@ -163,11 +216,11 @@ class SpatialWheelset:
     @cached_property
     def _middle_mm(self) -> float:
         """Height of the rigid axle in the middle of the track."""
-        return float(self.start.geometry.locus([0.0]).vertical_mm[0])
+        return float(self.geometry.locus([0.0]).vertical_mm[0])
 
-    def _is_off(self, position: WheelsetPosition) -> bool:
+    def _is_off(self, position: WheelsetPosition, begun: WheelsetPosition) -> bool:
         """Whether the wheelset has left the track, or a flange has climbed on the way to a lateral position."""
-        far = bool((np.abs(np.subtract(position.components, self.start.motion.components)) > MAX_WAY).any())
+        far = bool((np.abs(np.subtract(position.components, begun.components)) > MAX_WAY).any())
         return far or (self.problem.prescribed.lateral_mm is not None and self.rise(position) > CLIMBED_MM)
 
     def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:

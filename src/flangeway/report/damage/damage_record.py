@@ -29,6 +29,7 @@ PROFILES_TEXT = (
     "grow, below 0 they are worn off. Over the distance: equivalent conicity at 3 mm, maximum pressure, mean T-gamma "
     "of all states."
 )
+LOST_TEXT = "where a state has no equilibrium, the mean of the others is taken for its share of the line"
 CONICITY_MM = 3.0
 """Amplitude of the equivalent conicity, as EN 15302 reports it."""
 OVER_DISTANCE = {"conicity": ("conicity at 3 mm", ""), "max_pressure_MPa": ("p0", "MPa"), "t_gamma_N": ("T-gamma", "N")}
@@ -83,7 +84,7 @@ def damage_record(
             command, files="`steps.csv` has all numbers, `worn-*.csv` the worn profiles, `damage.sqlite` all steps."
         ),
         units=units,
-        warnings=list(dict.fromkeys(unconverged)),
+        warnings=[*dict.fromkeys(unconverged), *([LOST_TEXT] if unconverged else [])],
         assumptions=_assumptions(inputs),
         pictures=[
             Picture(PROFILES_PNG, lambda: profiles_figure(steps, rows, unit, units), PROFILES_TEXT),
