@@ -1,6 +1,8 @@
 """`flangeway profiles FOLDER`: wear, measures and conicity of all profiles of a folder."""
 
 import csv
+import json
+import re
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.formats.two_column import write_two_column
+from flangeway.railway.profiles.measures import measures
 
 FLANGE_MM, TREAD_MM, SIDE_MM, TOP_MM = 2.5, 1.5, 4.0, 3.0
 
@@ -75,12 +78,32 @@ def test_the_command_writes_table_picture_and_report(call, done, monkeypatch, fo
         "profiles.json",
         "profiles.png",
         "report.html",
+        *(f"worn-{kind}-{number}.png" for kind in ("rail", "wheel") for number in (1, 2)),
     }
     with (tmp_path / "found" / "profiles.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     assert [row["file"] for row in rows][:1] == ["narrow.txt"]
     assert len(rows) == 5
     assert float(rows[0]["side_wear_mm"]) == pytest.approx(SIDE_MM, abs=0.05)
+    # what was assumed of a file is in the report, with its name, and in the file for programs
+    summary = json.loads((tmp_path / "found" / "profiles.json").read_text())
+    notices = {row["file"]: row["notices"] for row in summary["profiles"]}
+    (assumed,) = notices["hollow.txt"]
+    assert f"{TREAD_MM:.3f} mm" in assumed
+    report = (tmp_path / "found" / "report.html").read_text()
+    assert re.search(rf">[^<]*hollow\.txt[^<]*</th>\s*<td[^>]*>[^<]*{re.escape(assumed)}", report)
+
+
+def test_wear_is_of_the_given_nominal_profile(folder, tmp_path):
+    """Side wear against a given rail is how much narrower the head is than that rail's; wheels keep the nearest one."""
+    for name in ("head.ban", "thin.txt"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    rows = {row.file: row for row in run_folder(tmp_path, nominal="54E1").profiles}
+    widths = {name: measures(rail(name).running_surface, "rail")["head_width_mm"] for name in ("54E1", "60E1")}
+    assert rows["head.ban"].wear_mm["side_wear"] == pytest.approx(widths["54E1"] - widths["60E1"], abs=0.05)
+    assert (rows["head.ban"].nominal, rows["thin.txt"].nominal) == ("54E1", "S1002")
+    with pytest.raises(InputError, match="S1003"):
+        run_folder(tmp_path, nominal="S1003")
 
 
 def test_folders_without_profiles_are_refused(tmp_path):

@@ -287,6 +287,15 @@ def profiles(
             autocompletion=completion(profile_names),
         ),
     ] = None,
+    nominal: Annotated[
+        str | None,
+        typer.Option(
+            "--nominal",
+            metavar="NAME",
+            help="Bundled rail or wheel that the rails or wheels were when new; the nearest one of each if left out.",
+            autocompletion=completion(profile_names),
+        ),
+    ] = None,
     out: Out = None,
     *,
     show: Show,
@@ -298,5 +307,5 @@ def profiles(
     name = folder.resolve().name
     target = results_folder(out, f"profiles-{name}")
     with show.progress() as progress:
-        done = run_folder(folder, partner, progress)
+        done = run_folder(folder, partner, nominal, progress)
     return show.record(folder_record(done, name, command_typed(), show.units or "metric"), target)

@@ -56,6 +56,11 @@ class FolderProfile:
     notice: str = ""
 
     @property
+    def notices(self) -> tuple[str, ...]:
+        """What was repaired, assumed or left out of the file, and why there is no conicity."""
+        return (*self.run.notices, self.notice) if self.notice else tuple(self.run.notices)
+
+    @property
     def worst_mm(self) -> float:
         """Largest wear; that of a profile without a nominal one counts as none."""
         return max(self.wear_mm.values(), default=0.0)
@@ -63,10 +68,11 @@ class FolderProfile:
 
 @dataclass(frozen=True, eq=False)
 class ProfileFolder(Result):
-    """The profiles of a folder, the most worn first, and sentences on files that are refused."""
+    """The profiles of a folder, the most worn first, sentences on files that are refused, and the given nominal one."""
 
     profiles: tuple[FolderProfile, ...]
     refused: tuple[str, ...]
+    nominal: str | None = None
 
     @property
     def table(self) -> ResultTable:
@@ -79,7 +85,7 @@ def _wear(key: str) -> Callable[[FolderProfile], float | None]:
 
 
 def _of_run(quantity: Quantity[ProfileRun]) -> Quantity[FolderProfile]:
-    return Quantity(quantity.key, quantity.label, lambda row: quantity.value(row.run), quantity.unit, ".2f")
+    return Quantity(quantity.key, quantity.label, lambda row: quantity.value(row.run), quantity.unit, "z.2f")
 
 
 WEAR: dict[Kind, dict[str, str]] = {
@@ -98,23 +104,29 @@ FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("kind", "kind", lambda row: row.run.profile.kind),
     Quantity("nominal", "nominal", "nominal"),
     *map(_of_run, MEASURES[:4]),
-    *(Quantity(key, label, _wear(key), "mm", ".2f") for words in WEAR.values() for key, label in words.items()),
+    *(Quantity(key, label, _wear(key), "mm", "z.2f") for words in WEAR.values() for key, label in words.items()),
     Quantity("conicity", f"conicity at {REFERENCE_AMPLITUDE_MM:g} mm", "conicity", form=".3f"),
 )
 """What is reported of each profile."""
 
 
-def run_folder(folder: Path, partner: str | None = None, progress: Progress = lambda _: None) -> ProfileFolder:
+def run_folder(
+    folder: Path, partner: str | None = None, nominal: str | None = None, progress: Progress = lambda _: None
+) -> ProfileFolder:
     """Read all profiles of a folder.
 
     It is an `InputError` if there is no folder, or none of its files is a profile.
     - `partner`: bundled rail for wheels or wheel for rails; None: by `PARTNERS`.
+    - `nominal`: bundled profile that those of its kind were when new; None: the nearest one of each, which may be
+      another one where heads are worn by more than rails differ.
     """
+    if nominal is not None:
+        nominal_profile(nominal)
     if not folder.is_dir():
         raise InputError(f"folder {folder}", "a folder with files of profiles", "give the folder, not a file of it")
     files = sorted(file for file in folder.iterdir() if file.suffix.lower() in FORMATS)
     profiles, refused = [], []
-    for number, found in enumerate(_each([(file, partner) for file in files]), 1):
+    for number, found in enumerate(_each([(file, partner, nominal) for file in files]), 1):
         progress(f"{number} of {len(files)} files")
         if isinstance(found, FolderProfile):
             profiles.append(found)
@@ -127,17 +139,17 @@ def run_folder(folder: Path, partner: str | None = None, progress: Progress = la
             f"look at one: {refused[0]}" if refused else "check the name of the folder",
         )
     profiles.sort(key=lambda row: (-row.worst_mm, row.file))
-    return ProfileFolder(tuple(profiles), tuple(sorted(refused)))
+    return ProfileFolder(tuple(profiles), tuple(sorted(refused)), nominal)
 
 
-Work = tuple[Path, str | None]
-"""A file, and its partner."""
+Work = tuple[Path, str | None, str | None]
+"""A file, its partner, and its nominal profile."""
 
 
 def _each(works: list[Work]) -> Iterator[FolderProfile | InputError]:
     """Profiles or reasons why files are refused, in any order: by all cores where there are many files."""
     n_workers = min(number_of_cores(), math.ceil(len(works) / FILES_A_WORKER))
-    for (file, _), found in computed_here(works, _profile, n_workers):
+    for (file, *_), found in computed_here(works, _profile, n_workers):
         if isinstance(found, LostWorkerError):
             yield InputError(f"{file.name}: {found}", "a file that fits into memory", "give it alone")
         else:
@@ -152,10 +164,15 @@ def _profile(work: Work) -> FolderProfile | InputError:
         return reason
 
 
-def _read(file: Path, partner: str | None) -> FolderProfile:
+def _read(file: Path, partner: str | None, named: str | None) -> FolderProfile:
     run = ProfileRun(read_profile(file))
     profile, kind = run.profile, run.profile.kind
-    gaps = {name: gap for name in USUAL_BODIES[kind] if (gap := body_distance_mm(profile, name)) is not None}
+    of_kind = named is not None and isinstance(nominal_profile(named), RailProfile) == (kind == "rail")
+    gaps = {
+        name: gap
+        for name in ([named] if named and of_kind else USUAL_BODIES[kind])
+        if (gap := body_distance_mm(profile, name)) is not None
+    }
     nominal = min(gaps, key=lambda name: gaps[name]) if gaps else None
     wear: dict[str, float] = {}
     if nominal is not None:
@@ -169,7 +186,7 @@ def _read(file: Path, partner: str | None) -> FolderProfile:
     try:
         return FolderProfile(run, file.name, nominal, wear, _conicity(run, partner))
     except InputError as reason:
-        notice = f"{file.name} on {partner}: no conicity: {reason.given}"
+        notice = f"No conicity on {partner}: {reason.given}."
         return FolderProfile(run, file.name, nominal, wear, None, notice)
 
 

@@ -8,7 +8,7 @@ of the axle's middle turns back when a steep flange climbs.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -112,9 +112,9 @@ class RigidGeometry:
         """
         refuse_misfit(track, wheelset)
         right = RigidSide.of(track, wheelset, "right", yaw_rad)
-        # sides are seen from their own gauge: those of a symmetric pair are one
-        alike = track.is_symmetric and wheelset.is_symmetric and yaw_rad == 0.0
-        left = right if alike else RigidSide.of(track, wheelset, "left", yaw_rad)
+        # sides are seen from their own gauge: those of a symmetric pair are one, but for the sense of the yaw
+        alike = track.is_symmetric and wheelset.is_symmetric
+        left = replace(right, yaw_rad=-yaw_rad) if alike else RigidSide.of(track, wheelset, "left", yaw_rad)
         return cls(left, right, wheelset.tape_radius_mm, wheelset.centre_of_gravity_height_mm)
 
     def side(self, side: Side) -> RigidSide:

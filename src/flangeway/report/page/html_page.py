@@ -70,7 +70,11 @@ def write_record(
     if record.pictures and pictures:
         progress("drawing the pictures")
         drawn = [(each, png(each.draw())) for each in record.pictures]
-    timings_s = {**record.timings_s, "pictures": time.perf_counter() - start} if drawn else record.timings_s
+    timings_s = (
+        {**record.timings_s, "pictures": time.perf_counter() - start}
+        if drawn and record.timings_s
+        else record.timings_s
+    )
     progress("writing the files")
     writers = {each.file: bytes_writer(data) for each, data in drawn} | dict(record.files())
     if xlsx:

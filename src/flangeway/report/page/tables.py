@@ -137,7 +137,8 @@ def print_table(console: Console, table: SummaryTable) -> None:
     shown = plain_table()
     shown.show_header = any(table.header[2:])
     for place, name in enumerate(table.header):
-        shown.add_column(name, justify="left" if place == 0 or table.of_words else "right")
+        # names of files are read to their ends
+        shown.add_column(name, justify="left" if place == 0 or table.of_words else "right", overflow="fold")
     for row in table.rows:
         shown.add_row(*(f"≈ {cell}" if isinstance(cell, About) else cell.strip("*") for cell in row))
     console.print(shown, markup=False)

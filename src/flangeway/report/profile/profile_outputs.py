@@ -2,12 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
-from flangeway.cases.profile.profile_folder import FOLDER_QUANTITIES, ProfileFolder
+from flangeway.cases.profile.profile_folder import FOLDER_QUANTITIES, FolderProfile, ProfileFolder
 from flangeway.cases.profile.profile_run import MEASURES, QUANTITIES, ProfileRun, converted
 from flangeway.errors import InputError
 from flangeway.quantities import Quantity, columns, measured, values
+from flangeway.railway.profiles.formats.raw_profile import KINDS, Kind
+from flangeway.railway.profiles.joining import joined
 from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, table_across, table_of
 from flangeway.report.profile.profile_figures import curvature_figure, join_figure, overlay_figure, shape_figure
@@ -17,6 +20,7 @@ from flangeway.units import Units
 SUMMARY = "profile.json"
 TABLE, OVERLAY, BATCH_SUMMARY = "profiles.csv", "profiles.png", "profiles.json"
 BATCH = ("format", "points", "length", "minimum_convex_radius", "minimum_concave_radius", "noise")  # of all in CSV
+MAX_WORST, MAX_JOINED = 40, 2  # profiles of a kind in the table that is not folded, and in pictures
 OVERLAY_SHOWN = "All profiles, and the distance of each from the first."
 
 
@@ -108,35 +112,71 @@ def _notes(runs: Sequence[ProfileRun]) -> list[str]:
 
 
 def folder_record(folder: ProfileFolder, name: str, command: str, units: Units = "metric") -> Record:
-    """Return wear, measures and conicity of the profiles of a folder, the most worn first."""
+    """Return wear, measures and conicity of the profiles of a folder, the most worn first, and notices on its files."""
     rows = folder.profiles
     runs = [replace(row.run, profile=replace(row.run.profile, title=row.file)) for row in rows]
-    tables = []
+    worst, whole, facts = [], [], []
     for kind in dict.fromkeys(row.run.profile.kind for row in rows):
         chosen = [row for row in rows if row.run.profile.kind == kind]
         there = [q for q in FOLDER_QUANTITIES if q.key != "kind" and any(q.value(row) is not None for row in chosen)]
-        if chosen:
-            tables.append(table_of(f"{kind.capitalize()}s, the most worn first", chosen, there, units=units))
-    notices = [(row.file, notice) for row in rows for notice in row.run.notices]
+        few = (
+            f"The {MAX_WORST} most worn {kind}s"
+            if len(chosen) > MAX_WORST
+            else f"{kind.capitalize()}s, the most worn first"
+        )
+        worst.append(table_of(few, chosen[:MAX_WORST], there, units=units))
+        if len(chosen) > MAX_WORST:
+            whole.append(table_of(f"All {kind}s, the most worn first", chosen, there, units=units))
+        facts.append((measured(chosen[0].worst_mm, "mm", units, ".2f"), f"largest wear of a {kind}: {chosen[0].file}"))
+    files: dict[tuple[str, ...], list[str]] = {}
+    for row in rows:
+        files.setdefault(row.notices, []).append(row.file)
+    notices = [("\n".join(names), " ".join(of_files)) for of_files, names in files.items() if of_files]
+    n_noticed = sum(bool(row.notices) for row in rows)
+    compared = f"{folder.nominal} or the nearest" if folder.nominal else "the nearest"
     return Record(
         name=name,
         title=f"{len(rows)} profiles of {name}",
-        subtitle="wear against the nearest bundled profile, measures, and conicity in standard gauge with a partner",
+        subtitle=f"wear against {compared} bundled profile, measures, and conicity in standard gauge with a partner",
         converged=True,
         success="read",
-        message=f"{len(rows)} profiles, {len(folder.refused)} files refused",
-        facts=[(measured(rows[0].worst_mm, "mm", units, ".2f"), f"largest wear: {rows[0].file}")],
-        results=tables[0],
-        tables=[
-            *tables[1:],
-            SummaryTable("Notices", ("file", ""), tuple(notices), of_words=True),
-        ],
-        summary={"profiles": [values(FOLDER_QUANTITIES, row) for row in rows], "refused": folder.refused},
+        message=f"{len(rows)} profiles; refused files: {len(folder.refused)}; files with notices: {n_noticed}",
+        facts=facts,
+        results=worst[0],
+        tables=whole,
+        chapters={
+            **{table.caption: [table] for table in worst[1:]},
+            "Pictures": [],  # behind all tables
+            "Notices": [SummaryTable("How files were read", ("files", ""), tuple(notices), of_words=True)]
+            * bool(notices),
+        },
+        summary={
+            "profiles": [{**values(FOLDER_QUANTITIES, row), "notices": row.notices} for row in rows],
+            "refused": folder.refused,
+        },
         summary_file=BATCH_SUMMARY,
-        again=Again(command, files=f"The table is in `{TABLE}`."),
+        again=Again(command, files=f"The table is in `{TABLE}`, the notices on each file also in `{BATCH_SUMMARY}`."),
         units=units,
         warnings=folder.refused,
-        notes=[row.notice for row in rows if row.notice],
-        pictures=[Picture(OVERLAY, lambda: overlay_figure(runs, units), OVERLAY_SHOWN)],
+        pictures=[
+            Picture(OVERLAY, lambda: overlay_figure(runs, units), OVERLAY_SHOWN),
+            *(picture for kind in KINDS for picture in _joined_pictures(rows, kind, units)),
+        ],
         files=lambda: {TABLE: folder.table.in_units(units).to_csv},
     )
+
+
+def _joined_pictures(rows: Sequence[FolderProfile], kind: Kind, units: Units) -> list[Picture]:
+    """Return pictures of the most worn profiles of a kind on the bodies of their nominal ones, as far as they fit."""
+    pictures: list[Picture] = []
+    for row in rows:
+        if row.run.profile.kind != kind or row.nominal is None or len(pictures) == MAX_JOINED:
+            continue
+        try:
+            found = joined(replace(row.run.profile, title=row.file), row.nominal)
+        except InputError:  # a whole outline, or a surface too short for contact
+            continue
+        file = f"worn-{kind}-{len(pictures) + 1}.png"
+        caption = f"{row.file} on the nominal {row.nominal}."
+        pictures.append(Picture(file, partial(join_figure, found, units), caption, "Pictures"))
+    return pictures
