@@ -1,12 +1,10 @@
 """Campaigns on a cluster: a scheduler and workers that are separate processes."""
 
-import os
 import re
 import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
@@ -14,6 +12,7 @@ from flangeway.campaign import Campaign, results, run_campaign
 from flangeway.campaign.chunk import Chunk, compute
 from flangeway.errors import InputError, MissingLibraryError
 from flangeway.system import workers
+from tests.processes import environment
 
 pytestmark = [pytest.mark.ci, pytest.mark.filterwarnings("ignore")]  # warnings: of the libraries of the cluster
 
@@ -28,11 +27,10 @@ rail_inclination = [0.025, 0.03]
 
 
 def dask(log, *arguments):
-    paths = [str(Path(path).resolve()) for path in sys.path if path]
     with log.open("w") as said:
         return subprocess.Popen(
             [sys.executable, "-m", "dask", *map(str, arguments)], stderr=said, stdout=said,
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
+            env=environment(),
         )  # fmt: skip
 
 

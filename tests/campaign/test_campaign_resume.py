@@ -14,6 +14,7 @@ import pytest
 
 from flangeway.campaign.database import CampaignDatabase
 from flangeway.errors import InputError
+from tests.processes import environment
 
 SYNTHETIC = '''
 """A case that takes a moment, and one that kills its worker."""
@@ -87,11 +88,6 @@ if __name__ == "__main__":
     print(hits, flush=True)
     one(file, database)
 '''
-
-
-def environment(folder, **others):
-    paths = [str(folder), *(str(Path(path).resolve()) for path in sys.path if path)]
-    return os.environ | {"PYTHONPATH": os.pathsep.join(paths), "COLUMNS": "100", "NO_COLOR": "1", **others}
 
 
 @pytest.fixture

@@ -2,12 +2,10 @@
 
 import importlib
 import json
-import os
 import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 import typer
@@ -15,13 +13,7 @@ import typer
 from flangeway import cli
 from flangeway.cases import CASES, WheelsetTangentCase, load_case
 from flangeway.cases.case_file import CASE_FILES, file_title
-
-MAIN = "from flangeway.cli import main; main()"
-
-
-def environment():
-    paths = [str(Path(path).resolve()) for path in sys.path if path]
-    return os.environ | {"PYTHONPATH": os.pathsep.join(paths), "COLUMNS": "100", "NO_COLOR": "1"}
+from tests.processes import started
 
 
 def test_the_main_job_end_to_end(call, tmp_path):
@@ -67,10 +59,7 @@ def test_converge_compares_two_meshes(call, tmp_path):
 
 def test_interrupting_leaves_nothing(tmp_path, interruptible):
     """Ctrl-C while it works: status 130, a sentence, no traceback, no file."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", MAIN, "run", "wheelset-tangent"],
-        cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment(),
-    )  # fmt: skip
+    process = started(tmp_path, "run", "wheelset-tangent")
     first = process.stderr.readline()
     time.sleep(0.05)
     process.send_signal(signal.SIGINT)

@@ -2,29 +2,18 @@
 
 import errno
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-MAIN = "from flangeway.cli import main; main()"
+from tests.processes import MAIN, started
+
 RUN = ("run", "hertz", "--set", "size_mm=0.5", "--no-pictures")
 
 
 def everything(folder):
     return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
-
-
-def environment():
-    return {**os.environ, "OPENBLAS_NUM_THREADS": "1", "FLANGEWAY_CACHE": "off"}
-
-
-def started(folder, *arguments, code=MAIN):
-    return subprocess.Popen(
-        [sys.executable, "-c", code, *arguments],
-        cwd=folder, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment(),
-    )  # fmt: skip
 
 
 def full_disk(after):
@@ -86,7 +75,7 @@ def test_a_real_limit_of_memory_is_told(tmp_path):
         "used = int(re.search(r'VmSize:\\s+(\\d+)', open('/proc/self/status').read())[1]) * 1024\n"
         "resource.setrlimit(resource.RLIMIT_AS, (used + 40 * 2**20,) * 2)\n" + MAIN
     )
-    process = started(tmp_path, "run", "cook", "--order", "1", "--set", "level=6", code=code)
+    process = started(tmp_path, "run", "cook", "--order", "1", "--set", "level=6", code=code, FLANGEWAY_CACHE="off")
     out, err = process.communicate(timeout=300)
     assert process.returncode == 1, err
     assert "flangeway: out of memory" in err

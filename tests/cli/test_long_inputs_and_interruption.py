@@ -1,9 +1,6 @@
 """Inputs with which the program hung, and ends of which it said nothing."""
 
-import os
 import signal
-import subprocess
-import sys
 import time
 
 import pytest
@@ -13,6 +10,7 @@ from flangeway.elements import Lagrange
 from flangeway.errors import InputError
 from flangeway.mesh import rectangle_grid
 from flangeway.space import Space
+from tests.processes import started
 
 
 def test_very_many_unknown_keys_are_refused_at_once(tmp_path):
@@ -60,11 +58,7 @@ main()
 @pytest.mark.parametrize("module", ["typer", "numpy"])
 def test_an_early_interruption_is_told(module, tmp_path, interruptible):
     """Ctrl-C while the program is still loading: status 130 and the usual words, no traceback."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", PATIENT.format(module=module), "run", "hertz"],
-        cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-    )  # fmt: skip
+    process = started(tmp_path, "run", "hertz", code=PATIENT.format(module=module))
     assert process.stderr.readline() == "here\n"
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=300)
@@ -80,8 +74,6 @@ def test_work_in_another_process_heeds_an_ignored_interruption(tmp_path):
         "from flangeway.system.own_process import in_own_process\n"
         "print(in_own_process(signal.raise_signal, signal.SIGINT))\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=300,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-    )  # fmt: skip
-    assert (done.returncode, done.stdout) == (0, "None\n"), done.stderr
+    process = started(tmp_path, code=code)
+    out, err = process.communicate(timeout=300)
+    assert (process.returncode, out) == (0, "None\n"), err

@@ -1,8 +1,6 @@
 """Tracebacks that reached a user."""
 
 import os
-import subprocess
-import sys
 
 import pytest
 
@@ -11,6 +9,7 @@ from flangeway.campaign.chunk import Chunk, compute
 from flangeway.cases import find_case
 from flangeway.errors import UnforeseenError
 from flangeway.system.own_process import in_own_process
+from tests.processes import started
 
 FORESEEN = ("foresaw", "Traceback")
 
@@ -114,21 +113,15 @@ def test_names_that_no_file_can_have_are_refused(call, tmp_path):
 def test_a_wrong_backend_of_matplotlib_does_not_matter(tmp_path):
     """Pictures go to files: a backend for windows that does not exist is not looked for."""
     code = "import flangeway.cli, matplotlib.figure; matplotlib.figure.Figure().savefig('a.png')"
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300,
-        env={**os.environ, "MPLBACKEND": "nonsense", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    process = started(tmp_path, code=code, MPLBACKEND="nonsense")
+    _, err = process.communicate(timeout=300)
+    assert process.returncode == 0, err
     assert (tmp_path / "a.png").exists()
 
 
 def test_a_reader_that_has_seen_enough_is_no_error(tmp_path):
     """``flangeway cases | head -1`` ends without a word."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", "from flangeway.cli import main; main()", "cases"],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-    )  # fmt: skip
+    process = started(tmp_path, "cases")
     process.stdout.readline()
     process.stdout.close()
     assert process.stderr.read() == ""

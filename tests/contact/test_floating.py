@@ -277,24 +277,6 @@ def test_a_block_that_friction_alone_holds_is_dragged(pairing, law) -> None:
     assert (solution.dissipated_work >= 0.0).all()
 
 
-def test_a_roller_between_plates_rolls() -> None:
-    """Its centre goes half of the way of the upper plate, and it turns by that over its radius."""
-    plates = [block(name, 4.0, 1.0, name, (-2.0, y), (40, 6)) for name, y in (("bottom", -1.0), ("top", 2.0))]
-    roller, surface = disc("roller", 1.0, 0.15, at=(0.0, 1.0))
-    contacts = [
-        Contact(surface, surface_of(plate, edges), NodeToSegment(), Multiplier(), 0.2)
-        for plate, edges in zip(plates, ("top", "bottom"), strict=True)
-    ]
-    path = [{}, {plates[1]: Placement(0.0, (0.1, 0.0))}]
-    solution = press_parts(contacts, path, loads={plates[1]: (None, -40.0, None)})
-    assert solution.status.converged, solution.status.message
-    placement = solution.state.placements[solution.system.parts.index(roller)]
-    assert placement.translation[0] == pytest.approx(0.05, rel=0.01)
-    assert placement.rotation_rad == pytest.approx(-0.05, rel=0.02)
-    assert unbalanced(solution, roller) < EQUILIBRIUM
-    assert np.abs(solution.forces[:, 0]).max() < 0.05 * 40.0  # it resists little
-
-
 @pytest.mark.parametrize(("share", "holds"), [(0.99, True), (1.01, False)])
 def test_a_load_along_the_surface_is_held_up_to_the_limit(share: float, holds: bool) -> None:
     """Friction alone carries a tangential load on a sled below the limit; above it nothing does, and this is named."""

@@ -1,6 +1,5 @@
 """The how-to on campaigns, followed to the letter, with a scheduler and workers that are processes of their own."""
 
-import os
 import re
 import runpy
 import shlex
@@ -14,6 +13,7 @@ import pytest
 
 from flangeway import cli
 from flangeway.campaign import results
+from tests.processes import environment
 
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "run-a-campaign.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(python|sh|text|toml|csv)\n(.*?)```", TEXT, flags=re.DOTALL)
@@ -30,11 +30,10 @@ def background(tmp_path):
         assert program[0] == "dask"
         log = (tmp_path / f"{len(started)}.log").open("w")
         with log:
-            paths = [str(Path(path).resolve()) for path in sys.path if path]
             started.append(
                 subprocess.Popen(
                     [sys.executable, "-m", *program], stdout=log, stderr=log, cwd=tmp_path,
-                    env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
+                    env=environment(),
                 )
             )  # fmt: skip
 

@@ -27,6 +27,7 @@ from flangeway.mesh import (
 from flangeway.mesh.sizing import mesh_bound
 from flangeway.system.memory_limits import refuse_beyond_memory
 from flangeway.system.own_process import in_own_process
+from tests.processes import started
 
 BOTTOM = [(-0.5, -0.5), (0.5, -0.5)]
 AROUND = [*BOTTOM, (0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5)]
@@ -245,10 +246,7 @@ def children(process):
 
 def working(folder, width):
     """Begin a check that meshes for a long time; return it when its other process works, with that one's number."""
-    command = ["-c", "from flangeway.cli import main; main()", "check", "contact-patch", "--set", f"width_mm={width}"]
-    process = subprocess.Popen(
-        [sys.executable, *command], cwd=folder, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
+    process = started(folder, "check", "contact-patch", "--set", f"width_mm={width}")
     end = time.monotonic() + 300.0
     while not (begun := children(process)) and process.poll() is None and time.monotonic() < end:
         time.sleep(0.05)

@@ -124,26 +124,6 @@ def test_composite_of_equal_materials_is_the_homogeneous_section():
         assert one.torsion_constant == pytest.approx(ten.torsion_constant, rel=1e-12)
 
 
-@pytest.mark.parametrize("element", [Lagrange(2), Virtual(2)], ids=["Lagrange", "virtual"])
-def test_composite_circle_of_two_rings_has_the_sum_of_rigidities(element):
-    """Concentric materials do not warp: the rigidity is the sum of G J of disc and ring."""
-    mesh = triangulate(circle(1.0), size=0.06)
-    inside = np.hypot(*mesh.cell_centroids.T) < 0.5
-    mesh = mesh.with_cell_set("core", inside).with_cell_set("shell", ~inside)
-    moments = [np.sum(polar_moments(mesh)[part]) for part in (inside, ~inside)]
-    space = Space(mesh, element)
-    for formulation in ("warping", "prandtl"):
-        solution = solve_torsion(Torsion(space, {"core": 5.0, "shell": 1.0}, formulation))
-        assert solution.torsional_rigidity == pytest.approx(5.0 * moments[0] + moments[1], rel=0.02)
-
-
-def polar_moments(mesh):
-    """Integral of x^2 + y^2 over triangles, by the rule of edge middles."""
-    corners = mesh.points[mesh.cell_points.reshape(-1, 3)]
-    middles = (corners + np.roll(corners, -1, axis=1)) / 2.0
-    return mesh.cell_areas * (middles**2).sum(axis=2).mean(axis=1)
-
-
 def halves():
     mesh = rectangle_grid(1.0, 0.5, 8, 4, origin=(3.0, 7.0))
     left = mesh.cell_centroids[:, 0] < 3.5

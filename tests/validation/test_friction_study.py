@@ -3,12 +3,7 @@
 import numpy as np
 import pytest
 
-from studies.friction.sliding_bodies import (
-    BELT_STRAIN,
-    belt_exponent,
-    belt_tensions,
-    turned_belt,
-)
+from studies.friction.sliding_bodies import BELT_STRAIN, belt_exponent, belt_tensions, turned_belt
 
 
 @pytest.mark.parametrize(("thickness", "cells", "pull", "mu"), [(1.0, 40, 100.0, 0.6), (2.0, 40, 100.0, 1.5)])

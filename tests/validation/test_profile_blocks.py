@@ -3,12 +3,7 @@
 import numpy as np
 import pytest
 
-from studies.spatial.profile_blocks import (
-    HALF,
-    RADIUS,
-    cut_surfaces,
-    heights,
-)
+from studies.spatial.profile_blocks import HALF, RADIUS, cut_surfaces, heights
 
 
 def test_the_cut_profiles_touch_first_at_the_origin() -> None:

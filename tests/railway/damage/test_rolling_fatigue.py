@@ -3,12 +3,7 @@
 import numpy as np
 import pytest
 
-from flangeway.railway.damage.rolling_fatigue import (
-    DangVan,
-    ball_centres,
-    shakedown_index,
-    t_gamma_damage,
-)
+from flangeway.railway.damage.rolling_fatigue import DangVan, ball_centres, shakedown_index, t_gamma_damage
 
 TIMES = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
 
