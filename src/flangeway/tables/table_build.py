@@ -166,9 +166,8 @@ class _Build:
                 break
             if number < MAX_PASSES - 1:
                 self.lateral = sorted({*self.lateral, *wrong})
-                self.progress(
-                    f"claimed error {checks['claimed_error']:.2%}: {len(wrong)} more lateral positions, then a new sample"
-                )
+                claimed = checks["claimed_error"]
+                self.progress(f"claimed error {claimed:.2%}: {len(wrong)} more lateral positions, then a new sample")
                 self._locate_jumps()
         return replace(found, metadata={**found.metadata, "checks": checks})
 
