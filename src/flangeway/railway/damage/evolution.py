@@ -19,7 +19,7 @@ from flangeway.railway.damage.surface_wear import PatchDamage, patch_damage, row
 from flangeway.railway.damage.wear_laws import WearLaw
 from flangeway.railway.damage.worn_surface import FILTER_MM, SPACING_MM, WornSurface
 from flangeway.railway.track.discretisation import Role
-from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.running_surfaces import ElasticBodies, running_surfaces
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
 from flangeway.system.disk_cache import Cache
@@ -295,7 +295,7 @@ class Evolution:
             profiles = {(role, side): profiles[role, "right"] for role, side in profiles}
         rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
         damage_rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
-        made: list[SpatialWheelset] = []
+        made, bodies = list[SpatialWheelset](), ElasticBodies()
         states, t_gamma, solved = [], 0.0, 0.0
         all_states, end = self.collective.states, self.settings.end
         for count, state in enumerate(all_states, 1):
@@ -304,7 +304,7 @@ class Evolution:
             problem = self.collective.problem_with(state, profiles)
             try:
                 place = near[count - 1].place if near else None
-                result = _solved(SpatialWheelset(problem, {}, state.model), made, place)
+                result = _solved(SpatialWheelset(problem, {}, state.model), made, bodies, place)
             except InputError as reason:
                 states.append(StateDamage(state.name, (), reason.given))
                 continue
@@ -398,14 +398,16 @@ class Evolution:
         )
 
 
-def _solved(wheelset: SpatialWheelset, made: list[SpatialWheelset], near: RollingPlace | None) -> SpatialResult:
-    """Solve a state; bodies and rigid geometry of equal wheelsets on equal tracks are made once."""
+def _solved(
+    wheelset: SpatialWheelset, made: list[SpatialWheelset], bodies: ElasticBodies, near: RollingPlace | None
+) -> SpatialResult:
+    """Solve a state; equal bodies, and rigid geometry of equal wheelsets on equal tracks, are made once."""
     problem, model = wheelset.problem, wheelset.model
-    for bodies in made:
-        found = bodies.at(problem.load, problem.prescribed, model.yaw_rad, model.rolling)
+    for other in made:
+        found = other.at(problem.load, problem.prescribed, model.yaw_rad, model.rolling)
         if (found.problem, found.model) == (problem, model):
             return solve_position(found, {}, near=near)
-    made.append(replace(wheelset, surfaces=running_surfaces(problem, model, cache=Cache.of_user())))
+    made.append(replace(wheelset, surfaces=running_surfaces(problem, model, cache=Cache.of_user(), done=bodies)))
     return solve_position(made[-1], {}, near=near)
 
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -65,22 +66,31 @@ class SpatialModel:
     patch_cells: int = PATCH_CELLS
 
 
+ElasticBodies: TypeAlias = dict[tuple[object, ...], tuple[ElasticSurface, Floats]]
+"""Compliance of bodies, and corners of their meshes, by the profile's `id` and what else they depend on."""
+
+
 def running_surfaces(
     problem: WheelsetProblem,
     model: SpatialModel,
     *,
     cache: Cache | None = None,
     progress: Callable[[str], None] = lambda _: None,
+    done: ElasticBodies | None = None,
 ) -> dict[Side, SideSurfaces]:
-    """Mesh wheels and rails and tabulate their compliance; equal bodies once."""
-    done: dict[tuple[int, float], tuple[ElasticSurface, Floats]] = {}
+    """Mesh wheels and rails and tabulate their compliance; equal bodies once.
+
+    - `done`: bodies that are ready, to which new ones are added.
+    """
+    done, given = {} if done is None else done, (problem.discretisation, model.support, model.disc)
     found: dict[Side, SideSurfaces] = {}
     alike = problem.track.is_symmetric and problem.wheelset.is_symmetric
     for side in SIDES[:1] if alike else SIDES:
         curves = RigidSide.of(problem.track, problem.wheelset, side)
         wheel, rail = problem.wheelset.wheel_of(side), problem.track.rail_of(side)
         radius = problem.wheelset.tape_radius_of(side)
-        of_wheel, of_rail = (id(wheel), radius), (id(rail), 0.0)
+        of_wheel = id(wheel), radius, problem.material_of("wheel"), *given
+        of_rail = id(rail), 0.0, problem.material_of("rail"), *given
         if of_wheel not in done:
             done[of_wheel] = _wheel(problem, model, wheel, radius, cache, progress)
         if of_rail not in done:
