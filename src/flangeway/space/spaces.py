@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway._core import Pattern, n_threads
+from flangeway.checks import values_at
 from flangeway.elements import Element
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, OutOfMemoryError, short
@@ -208,7 +209,7 @@ class Space:
         nodes = np.unique(self.edge_nodes(pairs)).astype(np.int64)
         if where is None or isinstance(where, str):
             return nodes
-        taken = np.asarray(where(self.nodes[nodes])) if callable(where) else np.empty(0)
+        taken = values_at(where, self.nodes[nodes]) if callable(where) else np.empty(0)
         if taken.shape != nodes.shape or taken.dtype != bool or not taken.any():
             raise InputError(
                 f"boundary_dofs({short(where)}), which takes {int(taken.sum())} of {len(nodes)} boundary points",

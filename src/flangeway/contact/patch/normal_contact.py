@@ -8,7 +8,7 @@ import scipy.fft
 
 from flangeway.errors import InputError
 from flangeway.solve import Status
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Complex, Floats
 
 MOST_ITERATIONS = 500
 NOTHING = 1e-20
@@ -72,13 +72,19 @@ class Convolution:
         # u_wik = sum over j of A_wij f_wjk for each wavenumber w, all k at once
         waves = (at_once[:, rows] @ self._forward).view(np.complex128).transpose(2, 1, 0)
         waves = np.ascontiguousarray(into[rows] * waves)
-        matrices = self._spectrum[:, rows].conj().swapaxes(1, 2) if transposed else self._spectrum[:, :, rows]
-        if np.isrealobj(matrices):
-            product = np.matmul(matrices, waves.view(np.float64)).view(np.complex128)
+        if transposed:  # A^H f is the conjugate of A^T times that of f: no copy of A
+            product = _product(self._spectrum[:, rows].swapaxes(1, 2), waves.conj()).conj()
         else:
-            product = np.matmul(matrices, waves)
+            product = _product(self._spectrum[:, :, rows], waves)
         moved = np.ascontiguousarray((out.conj() * product).transpose(2, 1, 0)).view(np.float64) @ self._back
         return np.asarray(moved.reshape(*forces.shape[:-2], -1, n_strips), dtype=np.float64)
+
+
+def _product(matrices: Floats | Complex, waves: Complex) -> Complex:
+    """Products (n, m, k) of matrices (n, m, l), real or complex, with complex columns (n, l, k)."""
+    if np.isrealobj(matrices):
+        return np.matmul(matrices, waves.view(np.float64)).view(np.complex128)
+    return np.matmul(matrices, waves)
 
 
 @dataclass(frozen=True, eq=False)
