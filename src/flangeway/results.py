@@ -136,7 +136,9 @@ class Result:
         return f"{type(self).__name__}({', '.join(words)})"
 
     def _repr_html_(self) -> str:
-        return f"<p><code>{html.escape(repr(self))}</code></p>{self.table._repr_html_()}"
+        case = getattr(self, "case", None)  # runs of cases show what the command prints
+        shown = import_module("flangeway.report").run_html(self) if case is not None else None
+        return shown or f"<p><code>{html.escape(repr(self))}</code></p>{self.table._repr_html_()}"
 
     def to_dataframe(self) -> Any:
         """Return its table as a data frame of pandas; an `InputError` where pandas is not installed."""

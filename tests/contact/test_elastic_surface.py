@@ -59,7 +59,7 @@ def test_half_space_and_remainder_give_the_compliance_on_other_cells(bar) -> Non
     direct = direct.reshape(n_strips, 40, 3, 40, 3)
     stations = (fine.limits[1:] + fine.limits[:-1]) / 2.0
     across, along = surface.interpolation(stations), surface.along(strip * np.arange(n_strips))
-    remainder = np.einsum("zk,ia,kaxby,jb->zixjy", along, across, surface.remainder, across, optimize=True)
+    remainder = np.einsum("zk,ia,xykab,jb->zixjy", along, across, surface.by_axes, across, optimize=True)
     remainder = np.einsum("iax,zixjy,jby->ziajb", fine.frames, remainder, fine.frames, optimize=True)
     ends = np.stack((fine.limits[:-1], fine.limits[1:]), axis=1)
     flat = half_spaces_on((STEEL,), ends, fine.frames, strip, n_strips)

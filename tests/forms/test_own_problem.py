@@ -178,6 +178,7 @@ WRONG = {
     "fixed unknowns": lambda s: solve(stiffness(s), load(s, 1.0), [99]),
     "two or more": lambda s: convergence(lambda _: {"e": 1.0}, [s.mesh]),
     "other arguments": lambda s: stiffness(s, lambda x, y: x + y),
+    "points: missing": lambda s: s.boundary_dofs(lambda x, y: x < y),
     "complex": lambda s: load(s, lambda p: 1j * p[:, 0]),
     "gives shape": lambda s: load(s, lambda p: 1.0),
     "not real and symmetric": lambda s: modes(s, stiffness(s) + advection(s), mass(s), 2, s.boundary_dofs("left")),

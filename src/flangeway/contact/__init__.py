@@ -9,6 +9,7 @@ from flangeway.contact.node_to_node import NodeToNode
 from flangeway.contact.node_to_segment import NodeToSegment
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.press import ContactSolution, LoadStep, press
+from flangeway.contact.press_nonlinear import NonlinearContact, press_nonlinear
 from flangeway.contact.search import nearest_edges
 from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
@@ -28,6 +29,7 @@ __all__ = [
     "NodeEdgeGaps",
     "NodeToNode",
     "NodeToSegment",
+    "NonlinearContact",
     "Pairing",
     "Pairs",
     "Penalty",
@@ -36,6 +38,7 @@ __all__ = [
     "nearest_edges",
     "node_edge_gaps",
     "press",
+    "press_nonlinear",
     "shape_functions",
     "solve_contact",
 ]

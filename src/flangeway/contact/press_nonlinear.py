@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,8 +13,30 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.problems import Body, Part
 from flangeway.problems.loads import GivenForces
-from flangeway.problems.nonlinear_body import LinearisedBody, MaterialByCells, NonlinearBody
+from flangeway.problems.nonlinear_body import LinearisedBody, MaterialByCells, MaterialState, NonlinearBody
 from flangeway.types import Floats
+
+
+class NonlinearContact(NamedTuple):
+    """Bodies of nonlinear materials in contact.
+
+    Parameters
+    ----------
+    contact
+        The contact of the linearised bodies.
+    displacements
+        Of the nonlinear parts, (n_dofs, 2).
+    converged
+        Whether both the last contact and the iteration converged.
+    states
+        What the nonlinear parts remember, where the next motion starts.
+
+    """
+
+    contact: ContactSolution
+    displacements: dict[Part, Floats]
+    converged: bool
+    states: dict[Part, MaterialState]
 
 
 def press_nonlinear(
@@ -21,9 +44,10 @@ def press_nonlinear(
     motion: Mapping[Part, Placement],
     materials: Mapping[Part, MaterialByCells],
     *,
+    start: Mapping[Part, MaterialState] | None = None,
     tolerance: float = 1e-9,
     max_iterations: int = 20,
-) -> tuple[ContactSolution, dict[Part, Floats], bool]:
+) -> NonlinearContact:
     """Move parts against each other in one step, some of them of nonlinear materials.
 
     In each iteration the nonlinear bodies are replaced by their tangents with the forces ``K u - r``, and `press` finds
@@ -32,19 +56,15 @@ def press_nonlinear(
     Parameters
     ----------
     contacts, motion
-        As of `press`; one motion.
+        As of `press`; one motion, from the undeformed bodies. Friction starts at rest.
     materials
         Nonlinear material of parts; the others stay elastic.
+    start
+        The `states` of the motion before; left out, the material has no history.
     tolerance
         Change of the displacements over their maximum that ends the iteration.
     max_iterations
         Number of contacts that are solved.
-
-    Returns
-    -------
-    tuple
-        The contact of the linearised bodies, displacements (n_dofs, 2) of the nonlinear parts, and whether both the
-        last contact and the iteration converged.
 
     Raises
     ------
@@ -57,7 +77,7 @@ def press_nonlinear(
         if not isinstance(part.body, Body):
             raise InputError(f"a nonlinear material of {part.name!r}", "a meshed Body", "make it of mesh and element")
         bodies[part] = NonlinearBody(part.body.elasticity, material)
-        states[part] = bodies[part].start()
+        states[part] = bodies[part].start() if start is None else start[part]
         fields[part] = states[part].displacements
     converged = False
     for _ in range(max_iterations):
@@ -81,7 +101,8 @@ def press_nonlinear(
         fields = found
         if not np.isfinite(change) or (converged := solution.status.converged and change <= tolerance):
             break
-    return solution, fields, converged
+    after = {part: body.committed(states[part], fields[part]) for part, body in bodies.items()} if converged else states
+    return NonlinearContact(solution, fields, converged, after)
 
 
 def _on(surface: Surface, now: Mapping[Part, Part]) -> Surface:

@@ -1,6 +1,6 @@
 """What people look at: pictures, the HTML report, and files for ParaView."""
 
-from flangeway.report.case_outputs import RECORDS, write_case
+from flangeway.report.case_outputs import RECORDS, run_html, write_case
 from flangeway.report.figures.drawing import name_axes, panels
 from flangeway.report.figures.fields import PartFields, part_fields
 from flangeway.report.figures.plots import (
@@ -34,6 +34,7 @@ __all__ = [
     "plot_result",
     "plot_stress",
     "rows_of",
+    "run_html",
     "run_record",
     "solution_frame",
     "write_case",

@@ -24,7 +24,7 @@ from flangeway.report.bodies.bodies_figures import stress_figure
 from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.figures.plots import plot_result
 from flangeway.report.page.case_text import command_line
-from flangeway.report.page.html_page import write_record
+from flangeway.report.page.html_page import record_html, write_record
 from flangeway.report.page.record import SUMMARY, Record
 from flangeway.report.profile.profile_figures import shape_figure
 from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure
@@ -74,6 +74,11 @@ for _kind, _draw in PLOTS.items():
 def case_record(run: Run) -> Record:
     """Return what a run found, for the terminal, the report and programs."""
     return next(RECORDS[kind] for kind in type(run.case).__mro__ if kind in RECORDS)(run)
+
+
+def run_html(run: Run) -> str | None:
+    """Return how a run ended, its warnings and its table of results for a notebook; None if its case has no report."""
+    return record_html(case_record(run)) if any(kind in RECORDS for kind in type(run.case).__mro__) else None
 
 
 def write_case(run: Run, folder: Path, progress: Progress = lambda _: None) -> list[Path]:

@@ -1,10 +1,10 @@
 """Given functions on a space: interpolation and loads."""
 
 from functools import partial
-from inspect import signature
 
 import numpy as np
 
+from flangeway.checks import values_at
 from flangeway.elements import Function, polygon_quadrature
 from flangeway.errors import InputError
 from flangeway.space.spaces import CellBatch, Space
@@ -14,18 +14,6 @@ from flangeway.types import Floats
 def quadrature_degree(space: Space) -> int:
     """Degree of quadrature of given smooth functions, so that its error is below that of the space."""
     return 2 * space.order + 2
-
-
-def refuse_other_arguments(function: Function) -> None:
-    """Raise `InputError` for a function that does not take points alone, such as ``lambda x, y: ...``."""
-    try:
-        signature(function).bind(None)
-    except TypeError as error:
-        raise InputError(
-            f"a function of other arguments than points: {error}", "one argument: points (n, 2)", "write lambda p: ..."
-        ) from error
-    except ValueError:  # no signature, as of some compiled functions
-        return
 
 
 def at_points(function: Function, points: Floats) -> Floats:
@@ -44,8 +32,7 @@ def at_points(function: Function, points: Floats) -> Floats:
     """
     given = points.swapaxes(-1, -2)
     rows = given.reshape(-1, 2)
-    refuse_other_arguments(function)
-    values = np.asarray(function(rows))
+    values = values_at(function, rows)
     if np.iscomplexobj(values):
         raise InputError(
             "a complex function", "real values", "give its real and imaginary parts one by one, or a form to `linear`"

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
@@ -63,17 +63,32 @@ class ElasticSurface:
 
     @cached_property
     def by_axes(self) -> Floats:
-        """`remainder` by the axes of displacement and force, distance, displacement and force: (3, 3, n_z, n, n)."""
-        return np.ascontiguousarray(self.remainder.transpose(2, 4, 0, 1, 3))
+        """`remainder` on the m B-splines of `interpolation`, shape (3, 3, n_z, m, m).
 
-    def interpolation(self, at: Floats, derivative: int = 0) -> Floats:
-        """Weights of the tabulated stations at other ones, or of their derivatives, shape (m, n)."""
-        inside = np.clip(at, self.stations[0], self.stations[-1])
-        return self._across(inside, derivative)
+        By axes of displacement and force, distance, splines of displacement and force. At a place four splines are not
+        zero; values at the stations would all have a weight.
+        """
+        to_splines = make_interp_spline(self.stations, np.eye(len(self.stations)), bc_type="natural").c
+        # T_xyzkl = sum over stations i, j of S_ki R_zixjy S_lj
+        return np.ascontiguousarray(to_splines @ self.remainder.transpose(2, 4, 0, 1, 3) @ to_splines.T)
 
     @cached_property
-    def _across(self) -> CubicSpline:
-        return CubicSpline(self.stations, np.eye(len(self.stations)), bc_type="natural")
+    def in_section(self) -> Floats:
+        """The same in the plane of the force, by spline and axis: (3 m, 3 m)."""
+        table = self.by_axes[:, :, 0]
+        return table.transpose(2, 0, 3, 1).reshape(3 * table.shape[2], -1)
+
+    def interpolation(self, at: Floats, derivative: int = 0) -> Floats:
+        """Weights of the cubic B-splines at places along the surface, or of their derivatives, shape (m, n + 2).
+
+        Beyond the first and the last tabulated station those there.
+        """
+        return np.asarray(self._splines(np.clip(at, self.stations[0], self.stations[-1]), derivative))
+
+    @cached_property
+    def _splines(self) -> BSpline:
+        knots = np.pad(self.stations, 3, mode="edge")
+        return BSpline(knots, np.eye(len(self.stations) + 2), 3)
 
     @cached_property
     def _along(self) -> CubicSpline:

@@ -28,6 +28,9 @@ from flangeway.geometry import Contour, Placement
 from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, STEEPEST_RAD, extent, graphs_of
 from flangeway.types import Floats
 
+UPRIGHT = np.finfo(float).eps
+"""Cosine of the angle of an upright tangent: its slope stays a number."""
+
 
 class CurvePoints(NamedTuple):
     """Points on a curve, arrays of one shape.
@@ -161,14 +164,21 @@ class RigidCurve:
     def over(self, x: ArrayLike) -> CurvePoints:
         """Points at given x; beyond the ends the tangents there are prolonged, without curvature."""
         at = np.asarray(x, dtype=np.float64)
+        height, slope, curvature = self.graph(at)
+        return CurvePoints(at, height, np.arctan(slope), curvature)
+
+    def graph(self, at: Floats) -> tuple[Floats, Floats, Floats]:
+        """Heights, slopes and curvatures at given x, as `over`."""
         inside = np.clip(at, self.joints[0], self.joints[-1])
         piece = np.clip(np.searchsorted(self.joints, inside, side="right") - 1, 0, len(self.lengths) - 1)
-        start_angle, curvature = self.angles[piece], self.curvatures[piece]
+        curvature, sine, cosine = self.curvatures[piece], np.sin(self.angles)[piece], np.cos(self.angles)[piece]
         step = inside - self.starts[piece, 0]
-        angle = np.arcsin(np.clip(np.sin(start_angle) + curvature * step, -1.0, 1.0))
-        height = self.starts[piece, 1] + step * np.tan(0.5 * (start_angle + angle))
-        beyond = at - inside
-        return CurvePoints(at, height + beyond * np.tan(angle), angle, np.where(beyond == 0.0, curvature, 0.0))
+        # sin(b) = sin(a) + k dx along an arc, and its chord has the slope tan((a + b) / 2)
+        sine_there = np.clip(sine + curvature * step, -1.0, 1.0)
+        cosine_there = np.sqrt(np.maximum(1.0 - sine_there**2, UPRIGHT**2))
+        height = self.starts[piece, 1] + step * (sine + sine_there) / (cosine + cosine_there)
+        slope, beyond = sine_there / cosine_there, at - inside
+        return height + beyond * slope, slope, np.where(beyond == 0.0, curvature, 0.0)
 
     def moved(self, x: float, y: float) -> "RigidCurve":
         """Return the curve after a translation."""

@@ -10,6 +10,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from flangeway.contact.patch.contact_ellipse import CellForces
 from flangeway.contact.patch.elastic_surface import ElasticSurface
@@ -79,38 +80,36 @@ def wheel_gap(
         Gaps from close by to start from, shape (n, n_z).
 
     """
-    shape = (len(points), len(z))
-    places = np.empty((*shape, 3))
-    places[..., :2] = (points - middle)[:, None]
-    places[..., 2] = z
-    start: Floats = places.reshape(-1, 3)
-    rays = np.repeat(np.pad(normals, ((0, 0), (0, 1))), len(z), axis=0)
-    gaps: Floats = np.zeros(len(rays)) if guess is None else np.where(guess < FAR_MM, guess, 0.0).ravel()
-    arms, gradient = np.empty_like(start), np.empty_like(start)
-    along, error, slope = np.empty_like(gaps), np.empty_like(gaps), np.empty_like(gaps)
-    left = np.arange(len(rays))  # rays that have not met the wheel
+    # components first, (3, n n_z): sums over three of them are slow otherwise
+    arms = np.vstack((np.repeat((points - middle).T, len(z), axis=1), np.tile(z, len(points))))
+    rays = np.repeat(normals.T, len(z), axis=1)
+    start, (u, v, w) = arms[:2].copy(), axis.tolist()
+    gaps: Floats = np.zeros(rays.shape[1]) if guess is None else np.where(guess < FAR_MM, guess, 0.0).ravel()
+    along, error, falling, radius, steepness = np.empty((5, len(gaps)))
+    left = np.arange(len(gaps))  # rays that have not met the wheel
     for _ in range(MOST_STEPS):
-        ray = rays[left]
-        arms[left] = arm = start[left] + gaps[left, None] * ray
-        along[left] = place = arm @ axis
-        radial = arm - place[:, None] * axis
-        radius = np.sqrt((radial**2).sum(axis=1))
-        at = wheel.over(place)
+        ray = rays[:, left]
+        arms[:2, left] = start[:, left] + gaps[left] * ray
+        x, y, ahead = arms[:, left]
+        place = u * x + v * y + w * ahead
+        from_axis = x - place * u, y - place * v, ahead - place * w
+        far = np.sqrt(from_axis[0] ** 2 + from_axis[1] ** 2 + from_axis[2] ** 2)
+        height, steep, _ = wheel.graph(place)
         # f = r + y(x): positive outside of the wheel
-        error[left] = wrong = radius + at.y
-        gradient[left] = steepest = radial / radius[:, None] + np.tan(at.angle)[:, None] * axis
-        slope[left] = falling = (steepest * ray).sum(axis=1)
+        wrong = far + height
+        slope = (from_axis[0] * ray[0] + from_axis[1] * ray[1]) / far + steep * (u * ray[0] + v * ray[1])
+        along[left], error[left], falling[left], radius[left], steepness[left] = place, wrong, slope, far, steep
         further = np.abs(wrong) >= MET_MM
         if not further.any():
             break
-        wrong, falling, left = wrong[further], falling[further], left[further]
-        step = np.where(falling < 0.0, -wrong / np.minimum(falling, -1e-3), MAX_STEP_MM * np.sign(wrong))
+        wrong, slope, left = wrong[further], slope[further], left[further]
+        step = np.where(slope < 0.0, -wrong / np.minimum(slope, -1e-3), MAX_STEP_MM * np.sign(wrong))
         gaps[left] += np.clip(step, -MAX_STEP_MM, MAX_STEP_MM)
     first, last = wheel.joints[[0, -1]]
-    met = (np.abs(error) < 1e4 * MET_MM) & (slope < 0.0) & (along > first) & (along < last)
-    by_motion = gradient / np.where(met, slope, -1.0)[:, None]
-    each = (np.where(met, gaps, FAR_MM), along, by_motion, arms)
-    return WheelGap(*(values.reshape(*shape, *values.shape[1:]) for values in each))
+    met = (np.abs(error) < 1e4 * MET_MM) & (falling < 0.0) & (along > first) & (along < last)
+    gradient = (arms - along * axis[:, None]) / radius + steepness * axis[:, None]
+    each = (np.where(met, gaps, FAR_MM), along, gradient / np.where(met, falling, -1.0), arms)
+    return WheelGap(*(values.T.reshape(len(points), len(z), *values.shape[:-1]) for values in each))
 
 
 SECTION_AXES = ((0, 1), (0, 1), (2,))
@@ -338,7 +337,7 @@ class GriddedSide:
 
     @cached_property
     def _weights(self) -> tuple[Floats, Floats]:
-        """Weights of the tabulated stations of the rail and the wheel at the cells."""
+        """Weights of the splines of the rail and the wheel at the cells."""
         points, normals = self._at
         hit = wheel_gap(self.surfaces.wheel, self.pose.middle, self.pose.axis, points, normals, np.zeros(1))
         return (
@@ -353,7 +352,7 @@ class GriddedSide:
 
     @cached_property
     def _loads(self) -> tuple[Floats, Floats]:
-        """Unit normal forces on the cells in the axes of rail and wheel at the tabulated stations, (3 N, n)."""
+        """Unit normal forces on the cells in the axes of rail and wheel on their splines, (3 N, n)."""
         return self._unit_forces((1,), slice(None))
 
     def _unit_forces(self, axes: Sequence[int], rows: slice) -> tuple[Floats, Floats]:
@@ -396,11 +395,10 @@ class GriddedSide:
             self._elastic, self._weights, self._directions(axes, rows), strict=True
         ):
             used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, len(grid.planes)))) + 3
-            across = weights[rows]
+            across = csr_array(weights[rows])
             along = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, :used]
-            # T_xyzij = sum over stations of A_ik T_xyzkl A_jl
             on_cells = {
-                place: across @ elastic.by_axes[place][:used] @ across.T
+                place: _on_cells(across, elastic.by_axes[place][:used])
                 for place in product(*[sorted({x for axis in axes for x in SECTION_AXES[axis]})] * 2)
             }
             for (i, of), (j, by) in pairs:
@@ -414,7 +412,7 @@ class GriddedSide:
 
     @cached_property
     def _bending(self) -> tuple[Floats, Floats]:
-        """What the bodies move more than half-spaces at the cells and tabulated stations by unit normal forces.
+        """What the bodies move more than half-spaces at the cells by unit normal forces.
 
         Displacement of the rail less that of the wheel at the cells (n, 2, n), and turn of the rail's normals (n, n).
         """
@@ -434,7 +432,7 @@ class GriddedSide:
         grid, (rail_weights, wheel_weights) = self.grid, self._weights
         moved = []
         for elastic, loads, turn in zip(self._elastic, forces, self._turns, strict=True):
-            found = (elastic.remainder[0].reshape(len(loads), -1) @ loads).reshape(-1, 3, loads.shape[1])[:, :2]
+            found = (elastic.in_section @ loads).reshape(-1, 3, loads.shape[1])[:, :2]
             moved.append(np.einsum("xy,ayj->axj", turn, found))
         rail = -np.einsum("ia,axj->ixj", rail_weights, moved[0])
         wheel = np.einsum("ia,axj->ixj", wheel_weights, moved[1])
@@ -453,7 +451,7 @@ class GriddedSide:
         row = forces.sum(axis=1)
         shares = self.turned(row, across)[1]
         load = loads @ row + self._unit_forces((0,), slice(None))[0] @ (shares if across is None else shares + across)
-        moved = -(elastic.remainder[0].reshape(len(loads), -1) @ load).reshape(-1, 3)[:, :2]
+        moved = -elastic.interpolation(elastic.stations) @ (elastic.in_section @ load).reshape(-1, 3)[:, :2]
         moved, points = moved @ turn.T, self.surfaces.rail_frame.points(elastic.points)
         top = points[np.argmax(points[:, 1])]
         x, y = (points - top).T
@@ -553,6 +551,14 @@ class GriddedSide:
         along = row[:, None] * normals + 0.5 * shares[:, None] * tangents_of(normals)
         by_shares = float((along * (self.bending_across @ shares)).sum())
         return 0.5 * float((forces * self.influence(forces)).sum()) - by_shares
+
+
+def _on_cells(across: csr_array, table: Floats) -> Floats:
+    """A table by distance and splines on cells, T_zij = sum over splines of A_ik T_zkl A_jl: (n_z, n, n)."""
+    n_z, m, _ = table.shape
+    by_force = across @ table.transpose(1, 0, 2).reshape(m, -1)
+    both = across @ by_force.reshape(-1, n_z, m).transpose(2, 1, 0).reshape(m, -1)
+    return np.asarray(both.reshape(len(both), n_z, -1).transpose(1, 2, 0))
 
 
 def _modes(bending: Floats) -> tuple[Floats, Floats]:

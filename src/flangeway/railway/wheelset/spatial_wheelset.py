@@ -288,7 +288,9 @@ class SpatialWheelset:
     @cached_property
     def _sinking(self) -> float:
         """Displacement of the rails under the vertical load, at the middle of their heads, mm."""
-        compliance = [float(np.diagonal(side.rail_elastic.by_axes[1, 1, 0]).min()) for side in self.surfaces.values()]
+        compliance = [
+            float(side.rail_elastic.remainder[0, :, 1, :, 1].diagonal().min()) for side in self.surfaces.values()
+        ]
         return min(compliance) * self.problem.load.in_track[1] / 2.0
 
     @cached_property

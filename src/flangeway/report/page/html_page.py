@@ -50,6 +50,19 @@ def report_page(record: Record, drawn: Drawn = (), timings_s: Mapping[str, float
     )
 
 
+def record_html(record: Record) -> str:
+    """Return what the terminal shows of a record, as HTML for a notebook."""
+
+    def line(cells: Sequence[str], tag: str) -> str:
+        return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+
+    table = record.results
+    head = f"<p><b>{escape(record.verdict)}</b>, {escape(record.message)}<br>{escape(record.subtitle)}</p>"
+    warnings = "".join(f"<li>{escape(warning)}</li>" for warning in record.warnings)
+    body = "".join(line(row, "td") for row in table.rows)
+    return f"{head}<ul>{warnings}</ul><table><thead>{line(table.header, 'th')}</thead><tbody>{body}</tbody></table>"
+
+
 def write_record(
     record: Record,
     folder: Path,
