@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flangeway._core import Pattern, n_threads
 from flangeway.checks import values_at
-from flangeway.elements import Element
+from flangeway.elements import Element, Reconstruction
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, OutOfMemoryError, short
 from flangeway.mesh import PolyMesh, check
@@ -49,6 +49,11 @@ class CellBatch:
     vertices: Floats
     dofs: Ints
     outline: Floats
+
+    @cached_property
+    def reconstruction(self) -> Reconstruction:
+        """The element's polynomials on these cells."""
+        return self.element.reconstruct(self.outline)
 
     def part(self, columns: NDArray[np.integer]) -> "CellBatch":
         """Some of the cells, by their places in the batch (m,)."""
