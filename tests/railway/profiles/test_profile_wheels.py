@@ -9,7 +9,7 @@ import pytest
 from flangeway.geometry import Arc
 from flangeway.mesh import check, triangulate
 from flangeway.railway.profiles.bundled import RAILS, REFERENCE_RAIL, WHEELS, rail, wheel
-from flangeway.railway.profiles.measures import measures
+from flangeway.railway.profiles.measures import flange_angle_rad, measures
 from flangeway.railway.profiles.wheel_contours import POLYNOMIAL_TOLERANCE_MM, heavy_haul_contour, s1002_contour
 from flangeway.railway.track.placements import Track
 
@@ -23,6 +23,13 @@ def test_s1002_follows_its_polynomial():
     y = np.linspace(-26.0, 32.15796, 4001)
     points = np.column_stack([y, -np.polynomial.polynomial.polyval(y, TREAD)])
     assert s1002_contour().closest(points)[2].max() <= 1.05 * POLYNOMIAL_TOLERANCE_MM
+
+
+@pytest.mark.parametrize(("name", "degrees"), [("S1002", 70.0), ("AAR-1B", 75.0)])
+def test_flange_angles_are_those_of_the_standards(name, degrees):
+    """70 degrees (EN 13715) and 75 degrees (AAR); the rounded edge of the rim, which is upright at its end, is none."""
+    surface = wheel(name).running_surface
+    assert math.degrees(flange_angle_rad(surface)) == pytest.approx(degrees, abs=0.05)
 
 
 def test_s1002_has_the_figures_of_the_standard():
