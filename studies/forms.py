@@ -7,6 +7,7 @@ import numpy as np
 import scipy.linalg
 from scipy.optimize import brentq
 
+from flangeway.cases.bodies.cook import of_unit_square
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.forms import (
     Field,
@@ -379,8 +380,7 @@ def cylinder(run: Run) -> Iterator[Row]:
 
 def membrane(p: Floats) -> Floats:
     """Cook's membrane from the unit square, with smaller cells at its upper clamped corner."""
-    s, t = p[:, 0] ** 1.5, 1.0 - (1.0 - p[:, 1]) ** 1.5
-    return np.stack((48.0 * s, 44.0 * s + t * (44.0 - 28.0 * s)), axis=1)
+    return of_unit_square(np.stack((p[:, 0] ** 1.5, 1.0 - (1.0 - p[:, 1]) ** 1.5), axis=1))
 
 
 def cook(run: Run) -> Iterator[Row]:

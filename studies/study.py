@@ -26,6 +26,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from importlib.resources import files
 from itertools import cycle
+from typing import TypeAlias
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -45,6 +46,8 @@ from flangeway.types import Floats
 ROUND_OFF = 1e-10  # numbers below it are shown as such, not with digits that change with the machine
 MIN_CHANGE = 1e-5  # relative differences below it are shown as such
 SHOWN_ONLY = "shown only"
+Published: TypeAlias = dict[tuple[str, str], float]
+"""Published values by code and quantity."""
 TABLE = "table.csv"
 COMPARED = ("published or exact", "computed", "difference", "limit", "within")
 PICTURE = re.compile(r'^!\[(.+)\]\((\w+)\.png "(.+?) \| (.+?)( \| logarithmic)?"\)$', re.MULTILINE)
@@ -368,7 +371,7 @@ def published_rows(name: str) -> list[dict[str, str]]:
     return packaged_rows("studies", name)
 
 
-def published_values(name: str, case: str) -> dict[tuple[str, str], float]:
+def published_values(name: str, case: str) -> Published:
     """Values of one case of a published table with the columns case, code, quantity and value, by code and quantity."""
     rows = published_rows(name)
     return {(row["code"], row["quantity"]): float(row["value"]) for row in rows if row["case"] == case}

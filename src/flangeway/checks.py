@@ -1,10 +1,13 @@
 """Checks of the numbers that a user gives: a number is a number, not a text, not a truth value."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from inspect import signature
 from numbers import Integral, Real
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flangeway.errors import InputError, short
 from flangeway.types import Floats
@@ -124,3 +127,16 @@ def check_integer(
 def refused(owner: str, name: str, value: object, allowed: str, advice: str) -> InputError:
     """The error of a value that is not allowed."""
     return InputError(f"{owner}({name}={short(value)})", allowed, advice)
+
+
+def values_at(function: Callable[[Floats], Any], points: Floats) -> NDArray[Any]:
+    """Values of a user's function at points (n, 2); `InputError` if it takes others, such as ``lambda x, y: ...``."""
+    try:
+        signature(function).bind(points)
+    except TypeError as error:
+        raise InputError(
+            f"a function of other arguments than points: {error}", "one argument: points (n, 2)", "write lambda p: ..."
+        ) from error
+    except ValueError:  # no signature, as of some compiled functions
+        pass
+    return np.asarray(function(points))

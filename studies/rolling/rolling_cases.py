@@ -14,7 +14,7 @@ from flangeway.contact.rolling.rolling_result import STICKS, Rolling
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.types import Floats
-from studies.study import Row, Run, published_values
+from studies.study import Published, Row, Run, published_values
 
 STEEL = Elastic(2.56 * 82000.0, 0.28)
 PEAK, MU = 113.89008307646377, 0.3
@@ -57,7 +57,7 @@ class Energy:
         )
 
 
-def published(case: str) -> dict[tuple[str, str], float]:
+def published(case: str) -> Published:
     """Published values of a case by code and quantity."""
     return published_values("rolling.csv", case)
 

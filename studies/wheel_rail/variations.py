@@ -20,7 +20,7 @@ from flangeway.railway.wheelset.subsurface import maximum_shear
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 from flangeway.types import Floats
-from studies.study import Row, Run
+from studies.study import Published, Row, Run
 
 FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)  # factors on Young's modulus
 DIVISORS = (1, 2, 4)  # divisors of the element size in contact
@@ -65,7 +65,7 @@ def contact_name(result: WheelsetResult, patch: WheelRailPatch) -> str:
     return f"{patch.side} {'flange root' if in_root else 'tread'}"
 
 
-def contact_quantities(result: WheelsetResult) -> dict[tuple[str, str], float]:
+def contact_quantities(result: WheelsetResult) -> Published:
     """Force in N, maximum pressure and maximum shear stresses below in MPa, by patch and quantity."""
     found = {}
     for patch in result.patches:

@@ -16,7 +16,7 @@ from flangeway.materials import Elastic
 from flangeway.railway.profiles.flange_root import IDENTIFIED
 from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
-from studies.study import Limit, Row, Run
+from studies.study import Limit, Published, Row, Run
 from studies.wheel_rail.variations import (
     DIVISORS,
     FACTORS,
@@ -142,7 +142,7 @@ def _rigid_limit(run: Run, curve: WheelsetCurveCase) -> Iterator[Row]:
 
 
 def _refined(run: Run, curve: WheelsetCurveCase) -> Iterator[Row]:
-    before: dict[tuple[str, str], float] = {}
+    before: Published = {}
     for divisor in (1, 2) if run.quick else DIVISORS:
         run.progress(f"element size in contact over {divisor}")
         result = solve_varied(curve, {"contact_size_mm": curve.contact_size_mm / divisor})

@@ -94,16 +94,21 @@ def test_a_stack_is_pressed_uniformly(element, law) -> None:
         np.testing.assert_allclose(moved, exact, atol=1e-4 * np.abs(exact).max())
 
 
-def test_motions_that_stay_free_are_named_and_zero() -> None:
-    """The middle of a stack slides on a wider base: it stays in place, and the message names the motion."""
+def on_a_wide_base(pairing, law, friction=(0.0, 0.0)):
+    """Contacts of a block that nothing holds with a wide base below and a block above it; that block, and itself."""
     base = block("base", 4.0, 1.0, "bottom", (-1.0, 0.0), (8, 2))
     middle = block("middle", 2.0, 1.0, None, (0.0, 1.0), (6, 3))
     top = block("top", 2.0, 1.0, "top", (0.0, 2.0), (6, 2))
-    pair = SegmentToSegment(), Multiplier()
     contacts = [
-        Contact(surface_of(middle, "bottom"), surface_of(base, "top"), *pair),
-        Contact(surface_of(top, "bottom"), surface_of(middle, "top"), *pair),
+        Contact(surface_of(upper, "bottom"), surface_of(lower, "top"), pairing, law, of)
+        for upper, lower, of in ((middle, base, friction[0]), (top, middle, friction[1]))
     ]
+    return contacts, top, middle
+
+
+def test_motions_that_stay_free_are_named_and_zero() -> None:
+    """The middle of a stack slides on a wider base: it stays in place, and the message names the motion."""
+    contacts, top, _ = on_a_wide_base(SegmentToSegment(), Multiplier())
     solution = press_parts(contacts, {}, loads={top: (None, -100.0, None)})
     assert solution.status.converged
     assert "`middle` can slide in x, which hardly anything prevents" in solution.status.message
@@ -232,17 +237,11 @@ def test_what_cannot_be_solved_is_refused_or_named() -> None:
         CondensedBodies([SurfaceNodes(pieces, np.arange(3, dtype=np.int32))])
 
 
-def dragged(pairing, law, path="condensed", friction=(0.3, 0.5)):
+def dragged(pairing, law):
     """A block that friction alone holds: pressed, then dragged by the block above it, over a base."""
-    base = block("base", 4.0, 1.0, "bottom", (-1.0, 0.0), (8, 2))
-    middle = block("middle", 2.0, 1.0, None, (0.0, 1.0), (6, 3))
-    top = block("top", 2.0, 1.0, "top", (0.0, 2.0), (6, 2))
-    contacts = [
-        Contact(surface_of(middle, "bottom"), surface_of(base, "top"), pairing, law, friction[0]),
-        Contact(surface_of(top, "bottom"), surface_of(middle, "top"), pairing, law, friction[1]),
-    ]
+    contacts, top, middle = on_a_wide_base(pairing, law, (0.3, 0.5))
     push = [{}, {top: Placement(0.0, (0.02, 0.0))}]
-    return press_parts(contacts, push, loads={top: (None, -100.0, None)}, path=path), middle
+    return press_parts(contacts, push, loads={top: (None, -100.0, None)}), middle
 
 
 def cone_error(solution) -> float:

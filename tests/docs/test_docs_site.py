@@ -145,4 +145,5 @@ def test_a_page_with_code_is_followed_by_a_test(page):
     if kinds <= {"text", "console"}:
         return
     texts = [test.read_text(encoding="utf-8") for test in (ROOT / "tests").rglob("test_*.py")]
-    assert any(f'"{page.name}"' in text or f"{name_of(page)}" in text for text in texts)
+    names = f'"{page.name}"', f'"{page.stem}"', name_of(page)
+    assert any(name in text for text in texts for name in names)

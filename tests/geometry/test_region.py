@@ -83,6 +83,7 @@ def test_points_on_the_chord_of_an_arc_are_inside(turn, n_arcs):
         (square(1.0, (0.0, 0.0)), r"hole 2 of 2 meets hole 1 at \(-0.5"),
         (circle(0.2, (-1.0, 0.0)), "one inside the other"),
         (square(1.6, (-1.0, 0.0)), "one inside the other"),
+        (square(1.0, (-0.3, 0.0)), "keep apart|meets hole 1"),
     ],
 )
 def test_holes_that_meet_or_nest_are_refused(second, message):

@@ -32,7 +32,7 @@ def test_dropped_profiles_dragged_give_the_numbers_of_a_run(page, served, profil
     """Two files are dropped and the wheelset is dragged: the table is that of the case with the same inputs."""
     page.set_input_files("#files", [profiles / "my-wheel.whl", profiles / "my-rail.ban"])
     page.wait_for_function("$('wheel').value === 'my-wheel.whl' && $('rail').value === 'my-rail.ban'", timeout=60_000)
-    assert "MiniProf" in page.inner_text("#read-words")
+    assert all("MiniProf" in page.inner_text(f"#read-{kind}") for kind in ("wheel", "rail"))
     page.wait_for_function(STANDS, timeout=120_000)
     box = page.locator("#view").bounding_box()
     page.mouse.move(box["x"] + 200, box["y"] + 100)
@@ -50,6 +50,21 @@ def test_dropped_profiles_dragged_give_the_numbers_of_a_run(page, served, profil
     )
     assert [tuple(row) for row in cells] == [tuple(row) for row in results_table(run).rows]
     assert "lateral_mm" in page.inner_text("#command")
+
+
+def test_options_of_a_file_are_forgotten_with_it(page, profiles):
+    """A rail that is mirrored on the page is mirrored in the case, until another rail is chosen; the wheel stays."""
+    page.set_input_files("#files", [profiles / "my-wheel.whl", profiles / "my-rail.ban"])
+    page.wait_for_function("$('rail').value === 'my-rail.ban' && !loading", timeout=60_000)
+    page.select_option("#read-rail .mirror", "true")
+    page.click("#read-rail button")
+    page.wait_for_function("inputsNow().rail_mirror === 'true' && !loading", timeout=60_000)
+    assert page.input_value("#read-rail .mirror") == "true"
+    page.select_option("#rail", "60E1")
+    page.wait_for_function("!('rail_mirror' in inputsNow()) && !loading", timeout=60_000)
+    assert page.is_visible("#read-wheel")
+    assert page.is_hidden("#read-rail")
+    assert page.is_hidden("#error")
 
 
 def test_fifty_quick_changes_leave_the_last_one(page, served):

@@ -9,9 +9,10 @@ from flangeway.elements import Virtual
 from flangeway.geometry import square
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
-from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
+from flangeway.problems import Elasticity
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
+from tests.given_displacement import bounded
 from tests.patch.test_elasticity_patch import polynomial
 from tests.rates.test_virtual_variants import stars
 
@@ -48,10 +49,9 @@ def patch(mesh: PolyMesh, order: int, poisson: float) -> tuple[Elasticity, np.nd
     """The problem of a polynomial of the order, given on the boundary, and its values at the nodes."""
     exact, _, second = polynomial(order, centre=0.5)
     material = Elastic(1.0, poisson)
-    space = Space(mesh.with_edge_set("boundary", mesh.boundary_edges), Virtual(order))
-    support = PrescribedDisplacement("boundary", lambda p: exact(p)[:, 0], lambda p: exact(p)[:, 1])
-    load = BodyForce(lambda p: -np.einsum("ijkl,nklj->ni", material.stiffness, second(p)))
-    return Elasticity(space, material, loads=[load], supports=[support]), exact(space.nodes)
+    space = Space(mesh, Virtual(order))
+    problem = bounded(space, material, exact, lambda p: -np.einsum("ijkl,nklj->ni", material.stiffness, second(p)))
+    return problem, exact(space.nodes)
 
 
 def uncondensed(problem: Elasticity, values: np.ndarray) -> np.ndarray:

@@ -16,12 +16,11 @@ from flangeway.elements import (
     Virtual,
 )
 from flangeway.geometry import Placement, square
-from flangeway.materials import Elastic, Material, Orthotropic
+from flangeway.materials import Elastic, Orthotropic
 from flangeway.mesh import PolyMesh, dual, triangulate
 from flangeway.post import corner_stresses
-from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
-from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
+from tests.given_displacement import solved
 from tests.rates.test_elasticity_rates import mixed
 
 
@@ -82,14 +81,6 @@ def polynomial(order: int, centre: float = 0.0):
         return np.moveaxis(np.array(rows), (0, 1), (2, 3))
 
     return lambda points: derivative(points, 0, 0), gradient, second
-
-
-def solved(space: Space, material: Material, exact, body_force=None) -> ElasticitySolution:
-    """Solution with a given displacement on the whole boundary."""
-    mesh = space.mesh.with_edge_set("boundary", space.mesh.boundary_edges)
-    support = PrescribedDisplacement("boundary", lambda p: exact(p)[:, 0], lambda p: exact(p)[:, 1])
-    loads = [] if body_force is None else [BodyForce(body_force)]
-    return solve_elasticity(Elasticity(Space(mesh, space.element), material, loads=loads, supports=[support]))
 
 
 @pytest.mark.parametrize("hypothesis", ["plane_strain", "plane_stress"])

@@ -8,9 +8,10 @@ from flangeway.geometry import square
 from flangeway.materials import Elastic
 from flangeway.mesh import dual, rectangle_grid, triangulate
 from flangeway.post import RecoveredStresses, recovered_stresses
-from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement, fixed
+from flangeway.problems import Elasticity, PrescribedDisplacement, fixed
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
+from tests.given_displacement import solved
 from tests.rates import test_elasticity_rates as elastic
 
 
@@ -21,12 +22,7 @@ def stress(points):
 
 
 def recovered(mesh, element) -> RecoveredStresses:
-    mesh = mesh.with_edge_set("boundary", mesh.boundary_edges)
-    support = PrescribedDisplacement("boundary", lambda p: elastic.exact(p)[:, 0], lambda p: elastic.exact(p)[:, 1])
-    problem = Elasticity(
-        Space(mesh, element), elastic.MATERIAL, loads=[BodyForce(elastic.body_force)], supports=[support]
-    )
-    return recovered_stresses(solve_elasticity(problem))
+    return recovered_stresses(solved(Space(mesh, element), elastic.MATERIAL, elastic.exact, elastic.body_force))
 
 
 def cell_errors(recovery: RecoveredStresses) -> np.ndarray:

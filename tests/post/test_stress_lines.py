@@ -18,8 +18,9 @@ from flangeway.post import (
     stresses_at,
 )
 from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure
-from flangeway.solve import ElasticitySolution, solve_elasticity
+from flangeway.solve import solve_elasticity
 from flangeway.space import Space
+from tests.given_displacement import solved
 
 MATERIAL = Elastic(100.0, 0.3)
 POLYGONS = dual(triangulate(square(1.0), size=0.15))
@@ -29,12 +30,6 @@ def quadratic(points: np.ndarray) -> np.ndarray:
     """A displacement whose stress is in equilibrium without a body force."""
     x, y = points.T
     return 1e-2 * np.stack((x * y, -0.5 * x**2 - 0.5 * y**2 * 0.3 / 0.7), axis=1)
-
-
-def bent(mesh: PolyMesh, element) -> ElasticitySolution:
-    mesh = mesh.with_edge_set("boundary", mesh.boundary_edges)
-    support = PrescribedDisplacement("boundary", lambda p: quadratic(p)[:, 0], lambda p: quadratic(p)[:, 1])
-    return solve_elasticity(Elasticity(Space(mesh, element), MATERIAL, supports=[support]))
 
 
 def bending_stress(points: np.ndarray) -> np.ndarray:
@@ -70,7 +65,7 @@ def test_cells_that_are_not_convex_are_told_apart() -> None:
 )
 def test_pure_bending_everywhere(mesh: PolyMesh, element) -> None:
     """Order 2 has the stresses and displacements of pure bending at any point, along a line, and at nodes."""
-    solution = bent(mesh, element)
+    solution = solved(Space(mesh, element), MATERIAL, quadratic)
     points = np.random.default_rng(2).uniform(-0.5, 0.5, (50, 2))
     assert stresses_at(solution, points).components == pytest.approx(bending_stress(points), abs=1e-9)
     assert displacements_at(solution, points) == pytest.approx(quadratic(points), abs=1e-12)
@@ -86,7 +81,7 @@ def test_pure_bending_everywhere(mesh: PolyMesh, element) -> None:
 
 def test_a_cut_carries_the_bending_moment() -> None:
     """The force through any straight cut of pure bending has the moment of the linear stress, oblique or not."""
-    solution = bent(POLYGONS, Virtual(2))
+    solution = solved(Space(POLYGONS, Virtual(2)), MATERIAL, quadratic)
     moment = -100.0 / 0.91 * 1e-2 / 12.0
     for top in (0.1, 0.35):
         cut = force_through_cut(solution, (0.1, -0.6), (top, 0.6))

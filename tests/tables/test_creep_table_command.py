@@ -37,7 +37,7 @@ def test_the_command_writes_the_table(known, call, tmp_path):
     assert any(line.split() == ["patches", "4"] for line in lines)
     assert max(map(len, lines)) <= 80
     assert lines[-1] == "Report: made/report.html"
-    assert "2 of 2 positions between; 0 s left" in err
+    assert "exact at random positions: 2 of 2; 0 s left of this stage" in err
     assert sorted(path.name for path in (tmp_path / "made").iterdir()) == [
         "README.md", "creep-forces.png", "creep-table.npz", "forces.csv", "patches.csv", "report.html", "summary.json",
     ]  # fmt: skip

@@ -9,7 +9,7 @@ from contextvars import ContextVar
 from dataclasses import replace
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, cast, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, TypeAlias, Union, cast, get_args, get_origin
 
 import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
@@ -62,6 +62,9 @@ PoissonRatio = Annotated[float, at.Gt(-1.0), at.Lt(0.5)]
 ElementSize = Annotated[float, at.Ge(1e-6)]
 ElementOrder = Annotated[int, at.Ge(1), at.Le(2)]
 
+
+InputRow: TypeAlias = tuple[str, str, str, str]
+"""Key, default, what is allowed, and meaning of an input."""
 
 _IN_US_UNITS: ContextVar[set[str]] = ContextVar("_IN_US_UNITS")
 """Inputs of the case that is being made which were given in US units."""
@@ -227,7 +230,7 @@ class Case(Table):
             raise InputError(f"{place(given)}{given}", allowed, advice) from reason
 
     @classmethod
-    def tables_of_inputs(cls, units: Units = "metric") -> list[tuple[str, list[tuple[str, str, str, str]]]]:
+    def tables_of_inputs(cls, units: Units = "metric") -> list[tuple[str, list[InputRow]]]:
         """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path."""
         return _inputs_of(cls, "", units)
 
@@ -327,7 +330,7 @@ class PresetCase(RunnableCase):
         return replace(cast("Any", self.general().run(progress)), case=self)
 
 
-def _inputs_of(table: type[Table], path: str, units: Units) -> list[tuple[str, list[tuple[str, str, str, str]]]]:
+def _inputs_of(table: type[Table], path: str, units: Units) -> list[tuple[str, list[InputRow]]]:
     rows, inner = [], []
     for key, field in table.model_fields.items():
         unit, meaning = us_key(key) if units == "us" else None, field.description or ""
@@ -365,9 +368,9 @@ GROUPS = {
 """Captions of the groups of inputs, by the key that begins the group."""
 
 
-def grouped(rows: list[tuple[str, str, str, str]]) -> dict[str, list[tuple[str, str, str, str]]]:
+def grouped(rows: list[InputRow]) -> dict[str, list[InputRow]]:
     """Return the inputs of a table in their groups, by the caption."""
-    groups: dict[str, list[tuple[str, str, str, str]]] = {}
+    groups: dict[str, list[InputRow]] = {}
     caption = ""
     for row in rows:
         caption = next((text for key, text in GROUPS.items() if row[0] == key or same_quantity(key, row[0])), caption)

@@ -1,6 +1,7 @@
 """``flangeway live``."""
 
 import webbrowser
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -41,4 +42,5 @@ def live(
     stdout().print(f"{server.address}\nThe page is served on this machine alone; Ctrl-C ends it.", soft_wrap=True)
     if browser:
         webbrowser.open(server.address)
-    server.run()
+    with suppress(KeyboardInterrupt):  # the way to end it
+        server.run()

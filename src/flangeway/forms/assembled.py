@@ -10,21 +10,12 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from flangeway.checks import as_numbers
-from flangeway.elements import Function, Reconstruction, missed_mass, monomials
+from flangeway.elements import Function, Reconstruction
 from flangeway.errors import InputError
-from flangeway.forms.weak import (
-    PointValues,
-    between,
-    bilinear,
-    is_stabilised,
-    linear,
-    products_round_off,
-    value_products,
-)
+from flangeway.forms.weak import FormRegion, PointValues, assembled_form, linear, products_round_off, value_products
 from flangeway.problems.strains import strain_operators
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, FormMatrix, Space, load_vector
-from flangeway.space.functions import cell_quadrature, quadrature_degree
+from flangeway.space.functions import function_of
 from flangeway.types import Floats
 
 
@@ -59,13 +50,15 @@ def stiffness(space: Space, coefficient: Coefficient = 1.0, *, degree: int | Non
 
     """
     given = CellCoefficient.on(space, coefficient, "gradients")
+    if given.function is not None:
+        return _at_points(given, None, degree)
 
     def matrices(batch: CellBatch, reconstruction: Reconstruction, blocks: Floats) -> Floats | None:
-        energetic = reconstruction.for_energy
-        tensor, product = _gradient_products(given, batch, energetic, degree)
+        strains = strain_operators(batch, reconstruction.for_energy, axisymmetric=False)
+        tensor = given.at(batch, np.empty((1, 2, 0)))
         for i, a, j, b in np.argwhere(np.abs(tensor).any(axis=(-2, -1))):
             if (i, a) <= (j, b):
-                block = product(i, a, j, b)
+                block = strains.products(a, b) * tensor[i, a, j, b, 0]
                 blocks[i, j] += block
                 if (i, a) != (j, b):
                     blocks[j, i] += block.swapaxes(0, 1)
@@ -108,58 +101,39 @@ def mass(
 
     """
     given = CellCoefficient.on(space, coefficient, "values")
-    if on is not None:
-        return _edge_mass(space, given, on)
+    if on is not None and given.values is not None and len(given.values) > 1:
+        raise InputError("a coefficient of cells along edges", "a number, a matrix or a function", "give one of these")
+    if on is not None or given.function is not None:
+        return _at_points(given, on, degree)
     round_off = np.ones(space.n_dofs)
 
     def matrices(batch: CellBatch, reconstruction: Reconstruction, blocks: Floats) -> None:
         products = value_products(reconstruction)
         of_cells = products_round_off(reconstruction, products, space.constant[batch.dofs])
         np.maximum.at(round_off, batch.dofs, of_cells)
-        tensor, product = _value_products(given, batch, reconstruction, products, degree)
+        tensor = given.at(batch, np.empty((1, 2, 0)))
         for i, j in np.argwhere(np.abs(tensor).any(axis=(-2, -1))):
-            blocks[i, j] = product(i, j)
+            blocks[i, j] = products * tensor[i, j, 0]
 
     result = FormMatrix(_assembled(space, given.n_components, matrices))
     result.round_off = np.repeat(round_off, given.n_components)
     return result
 
 
-def _gradient_products(
-    given: CellCoefficient, batch: CellBatch, energetic: Reconstruction, degree: int | None
-) -> tuple[Floats, Callable[..., Floats]]:
-    """Coefficient of cells, and a function: integrals of its entry times derivatives of local functions."""
-    if given.function is None:
-        tensor = given.at(batch, np.empty((1, 2, 0)))
-        strains = strain_operators(batch, energetic, axisymmetric=False)
-        return tensor, lambda i, a, j, b: strains.products(a, b) * tensor[i, a, j, b, 0]
-    tensor, weighted = _weighted_mass(given, batch, energetic, energetic.order - 1, degree)
-    gradient = energetic.gradient
-    return tensor, lambda i, a, j, b: between(gradient[:, a], weighted(i, a, j, b), gradient[:, b])
+def _at_points(given: CellCoefficient, on: str | None, degree: int | None) -> sp.csr_array:
+    """Integrals by values of the coefficient at points of cells or edges."""
+    m, region = given.n_components, FormRegion((given.space, given.space), {}, on, degree)
 
+    def tensor(w: SimpleNamespace) -> Floats:
+        values = given.along(w.points[None])[..., 0, :]
+        whole = np.zeros((m, region.n_jets, m, region.n_jets, len(w.points)))
+        if values.ndim == 3:
+            whole[:, 0, :, 0] = values
+        else:
+            whole[:, 1:, :, 1:] = values
+        return whole.reshape(m * region.n_jets, m * region.n_jets, -1)
 
-def _value_products(
-    given: CellCoefficient, batch: CellBatch, reconstruction: Reconstruction, products: Floats, degree: int | None
-) -> tuple[Floats, Callable[..., Floats]]:
-    """Coefficient of cells, and a function: integrals of its entry times products of values, given without it."""
-    if given.function is None:
-        tensor = given.at(batch, np.empty((1, 2, 0)))
-        return tensor, lambda i, j: products * tensor[i, j, 0]
-    tensor, weighted = _weighted_mass(given, batch, reconstruction, reconstruction.order, degree)
-    value = reconstruction.projected_value
-    missed = missed_mass(reconstruction) if is_stabilised(reconstruction) else 0.0
-    return tensor, lambda i, j: between(value, weighted(i, j), value) + missed * tensor[i, j].mean(axis=0)
-
-
-def _weighted_mass(
-    given: CellCoefficient, batch: CellBatch, reconstruction: Reconstruction, order: int, degree: int | None
-) -> tuple[Floats, Callable[..., Floats]]:
-    """Values of a function, and a function: integrals of monomials' products times its entry at given indices."""
-    degree = quadrature_degree(given.space) if degree is None else degree
-    points, weights = cell_quadrature(batch, degree)
-    values = monomials.evaluate(order, reconstruction.frame.local(points))
-    at_points = given.at(batch, points)
-    return at_points, lambda *place: np.einsum("pqe,rqe->pre", values, values * (weights * at_points[place]))
+    return assembled_form(region, tensor, m, m, on is None)
 
 
 def _assembled(
@@ -179,18 +153,6 @@ def _assembled(
         return result.reshape(m * n, m * n, -1)
 
     return space.assemble(of_cells, m).full()
-
-
-def _edge_mass(space: Space, given: CellCoefficient, on: str) -> sp.csr_array:
-    if given.function is None and given.values is not None and len(given.values) > 1:
-        raise InputError("a coefficient of cells along edges", "a number, a matrix or a function", "give one of these")
-    m = given.n_components
-
-    def springs(u: PointValues, v: PointValues, w: SimpleNamespace) -> Floats:
-        weighted = np.einsum("ijn,nj->ni", given.along(w.points[None])[:, :, 0], u.value.reshape(-1, m))
-        return (weighted * v.value.reshape(-1, m)).sum(axis=1)
-
-    return bilinear(space, springs, components=m, on=on)
 
 
 def load(space: Space, function: Function | ArrayLike, *, on: str | None = None, degree: int | None = None) -> Floats:
@@ -213,15 +175,13 @@ def load(space: Space, function: Function | ArrayLike, *, on: str | None = None,
         Shape (n_dofs,) or (n_dofs, m).
 
     """
-    if not callable(function):
-        constant = as_numbers("a load", function)
-        return load(space, lambda points: np.broadcast_to(constant, (len(points), *constant.shape)), on=on)
+    given = function_of("a load", function)
     if on is None:
-        return load_vector(space, function, degree)
-    m = int(np.prod(np.shape(function(space.nodes[:1]))[1:], dtype=np.int64))
+        return load_vector(space, given, degree)
+    shape = np.shape(given(space.nodes[:1]))[1:]
+    m = int(np.prod(shape, dtype=np.int64))
 
     def traction(v: PointValues, w: SimpleNamespace) -> Floats:
-        return (np.reshape(function(w.points), (-1, m)) * v.value.reshape(-1, m)).sum(axis=1)
+        return (np.reshape(given(w.points), (-1, m)) * v.value.reshape(-1, m)).sum(axis=1)
 
-    result = np.asarray(linear(space, traction, components=m, on=on), dtype=np.float64)
-    return result if m > 1 or np.ndim(function(space.nodes[:1])) == 1 else result[:, None]
+    return np.asarray(linear(space, traction, components=m, on=on), dtype=np.float64).reshape(-1, *shape)

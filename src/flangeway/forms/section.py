@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from flangeway.checks import check_positive, is_finite, refused
 from flangeway.errors import InputError
 from flangeway.forms.assembled import stiffness
-from flangeway.forms.weak import Field, local_functions
+from flangeway.forms.weak import Field, integrals, local_functions
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.post.lines import locate
 from flangeway.post.section_constants import SectionConstants, section_constants
@@ -126,12 +126,10 @@ class BeamSection:
         for batch in space.batches():
             points, weights = cell_quadrature(batch, 2 * space.order + 2)
             (x, y), weights = points.swapaxes(0, 1) - self.centroid[:, None, None], weights * self._moduli[batch.cells]
-            value, *slope = local_functions(batch, points)
+            local = local_functions(batch, points)
             sources = 2 * (1 + nu) * (xx * x - xy * y), 2 * (1 + nu) * (yy * y - xy * x)
             for i, (source, flux) in enumerate(zip(sources, nu / 2.0 * self._parameters(x, y), strict=True)):
-                local = np.einsum("qme,qe->me", value, weights * source)
-                local += sum(np.einsum("qme,qe->me", s, weights * f) for s, f in zip(slope, flux, strict=True))
-                np.add.at(rhs[:, i], batch.dofs, local)
+                np.add.at(rhs[:, i], batch.dofs, integrals(local, weights * np.array([source, *flux])))
         by_cells = self._moduli if isinstance(self.young, Mapping) else float(self._moduli[0])
         factor = Factor(stiffness(space, by_cells), np.array([0]))
         shear = [factor.solve(column) for column in rhs.T]

@@ -98,8 +98,7 @@ class Field:
     def on(self, batch: CellBatch, points: Floats) -> PointValues:
         """Values at points (n_points, 2, n_cells) of cells, points of one number in all cells after each other."""
         own = self.space.batch_like(batch)
-        shapes = local_functions(own, points)
-        jets = np.einsum("aqme,mec->aqec", shapes, self.dofs.reshape(len(self.dofs), -1)[own.dofs])
+        jets = evaluated(local_functions(own, points), self.dofs.reshape(len(self.dofs), -1)[own.dofs])
         return _point_values(jets.reshape(JETS, -1, jets.shape[-1]), self.dofs.ndim == 1)
 
     def along(self, pairs: NDArray[np.integer], n_points: int) -> PointValues:
@@ -121,7 +120,7 @@ class Field:
         count = dofs.shape[1] * int(np.prod(tail))
 
         def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
-            reconstruction = batch.element.reconstruct(batch.outline)
+            reconstruction = batch.reconstruction
             coefficients = reconstruction.gradient if derivative else reconstruction.projected_value
             combined = np.einsum("a...me,mec->c...ae", coefficients, dofs[batch.dofs])
             return reconstruction, combined.reshape(count, combined.shape[-2], -1)
@@ -130,17 +129,49 @@ class Field:
         return values.reshape(len(given), *self.dofs.shape[1:], *tail)
 
 
-def local_functions(batch: CellBatch, points: Floats) -> Floats:
-    """Value and derivatives of the local functions at points (q, 2, e), shape (3, q, n_local, e)."""
-    reconstruction = batch.element.reconstruct(batch.outline)
+Functions = list[tuple[Floats, Floats]]
+"""Local functions at points: of the value and of each derivative polynomials (p, q, e) and coefficients (p, n, e)."""
+
+
+def local_functions(batch: CellBatch, points: Floats) -> Functions:
+    """Value and two derivatives of the local functions at points (q, 2, e), by monomials."""
+    reconstruction = batch.reconstruction
     energetic = reconstruction.for_energy
     values = monomials.evaluate(max(reconstruction.order, energetic.order - 1), reconstruction.frame.local(points))
-    projected, gradient = reconstruction.projected_value, energetic.gradient
-    shapes = np.empty((JETS, len(points), *projected.shape[1:]))
-    # B_q,m = sum over monomials a of p_a(x_q) c_a,m
-    shapes[0] = np.einsum("aqe,ame->qme", values[: len(projected)], projected)
-    shapes[1:] = np.einsum("aqe,aime->iqme", values[: len(gradient)], gradient)
-    return shapes
+    coefficients = reconstruction.projected_value, *energetic.gradient.swapaxes(0, 1)
+    return [(values[: len(each)], each) for each in coefficients]
+
+
+def evaluated(functions: Functions, dofs: Values) -> Values:
+    """Sums of local functions times unknowns (n, e, c), shape (number of jets, q, e, c)."""
+    return np.array([np.einsum("pqe,pec->qec", at, np.einsum("pne,nec->pec", own, dofs)) for at, own in functions])
+
+
+def integrals(functions: Functions, fields: Values) -> Values:
+    """Sums over points of fields (number of jets, q, e), times weights, times local functions, (n, e)."""
+    parts = zip(functions, fields, strict=True)
+    return np.asarray(
+        sum(np.einsum("pne,pe->ne", own, np.einsum("pqe,qe->pe", at, field)) for (at, own), field in parts)
+    )
+
+
+def _products(tests: Functions, weighted: Values, functions: Functions) -> NDArray[Any]:
+    """Sums over points of test functions times fields (m', jets, m, jets, q, e) times functions, (n', m', n, m, e)."""
+    m_test, _, m, _, _, n_cells = weighted.shape
+    n_test, n = (each[0][1].shape[1] for each in (tests, functions))
+    symmetric = tests is functions and np.array_equal(weighted, weighted.transpose(2, 3, 0, 1, 4, 5))
+    result = np.zeros((n_test, m_test, n, m, n_cells), dtype=weighted.dtype)
+    for i, x, j, y in np.argwhere(weighted.any(axis=(-2, -1))):
+        if symmetric and (j, y) < (i, x):
+            continue
+        (left, rows), (right, columns) = tests[x], functions[y]
+        block = between(rows, np.einsum("pqe,rqe->pre", left, right * weighted[i, x, j, y]), columns)
+        if symmetric and (i, x) == (j, y):  # each half of it once more
+            block = block / 2.0
+        result[:, i, :, j] += block
+        if symmetric:
+            result[:, j, :, i] += block.swapaxes(0, 1)
+    return result
 
 
 def _point_values(jets: Values, scalar: bool) -> PointValues:
@@ -149,7 +180,7 @@ def _point_values(jets: Values, scalar: bool) -> PointValues:
     return PointValues(value[:, 0], gradient[:, 0]) if scalar else PointValues(value, gradient)
 
 
-def between(left: Floats, matrices: Floats, right: Floats) -> Floats:
+def between(left: Floats, matrices: Any, right: Floats) -> Any:
     """``L^T A R`` of each cell: functions' coefficients (p, n, n_cells), matrices (p, p, n_cells)."""
     return np.asarray(np.einsum("pme,pne->mne", left, np.einsum("pqe,qne->pne", matrices, right)))
 
@@ -157,7 +188,7 @@ def between(left: Floats, matrices: Floats, right: Floats) -> Floats:
 def value_products(reconstruction: Reconstruction) -> Floats:
     """Integrals of products of values and of what projections miss of them, (n_local, n_local, n_cells)."""
     value, mass = reconstruction.projected_value, monomials.mass(reconstruction.order, reconstruction.moments)
-    projected = between(value, mass, value)
+    projected: Floats = between(value, mass, value)
     return projected + missed_mass(reconstruction) if is_stabilised(reconstruction) else projected
 
 
@@ -254,12 +285,13 @@ class FormRegion:
 
 def _energy_degree(batch: CellBatch) -> int:
     """Degree of products of gradients, which elements without stabilisation have of higher degree."""
-    return 2 * (batch.element.reconstruct(batch.outline).for_energy.order - 1)
+    return 2 * (batch.reconstruction.for_energy.order - 1)
 
 
-def _edge_functions(rule: EdgeQuadrature) -> tuple[Floats, NDArray[np.int32]]:
-    shapes = np.broadcast_to(rule.shapes[None, :, :, None], (1, *rule.shapes.shape, len(rule.nodes)))
-    return shapes, rule.nodes.T
+def _edge_functions(rule: EdgeQuadrature) -> tuple[Functions, NDArray[np.int32]]:
+    n, n_edges = rule.shapes.shape[1], len(rule.nodes)
+    at = np.broadcast_to(rule.shapes.T[:, :, None], (*rule.shapes.T.shape, n_edges))
+    return [(at, np.broadcast_to(np.eye(n)[:, :, None], (n, n, n_edges)))], rule.nodes.T
 
 
 def _turned(values: Values, weights: Floats, by_edges: bool) -> Values:
@@ -344,35 +376,27 @@ def assembled_form(
     jets, parts = region.n_jets, []
     forces = np.zeros((test.n_dofs, m_test))  # maximum ones of the gradients of constants, which are round-off
     least = np.ones((test.n_dofs, m_test))  # round-off of products of values
-    for w, weights, ((shapes, dofs), (test_shapes, test_dofs)), batch, by_edges in region.parts():
-        at_points = tensor(w)
-        kind = at_points.dtype
-        weighted = np.array([[_turned(entry, weights, by_edges) for entry in row] for row in at_points])
-        n, n_test = len(dofs), len(test_dofs)
-        local = np.zeros((n_test, m_test, n, m, weights.shape[1]), dtype=kind)
+    for w, weights, ((functions, dofs), (tests, test_dofs)), batch, by_edges in region.parts():
+        weighted = np.array([[_turned(entry, weights, by_edges) for entry in row] for row in tensor(w)])
+        weighted = weighted.reshape(m_test, jets, m, jets, *weights.shape)
+        local = _products(tests, weighted, functions)
         constant = trial.constant[dofs]
-        slopes = np.einsum("yqne,ne->yqe", shapes[1:], constant)
-        for i in range(m_test):
-            for j in range(m):
-                block = weighted[jets * i : jets * (i + 1), jets * j : jets * (j + 1)]
-                if block.any():
-                    # K_mn = sum over points q and numbers x of v, y of u: B'_xqm D_xyq B_yqn
-                    right = np.einsum("xyqe,yqne->xqne", block, shapes)
-                    local[:, i, :, j] += np.einsum("xqme,xqne->mne", test_shapes, right, optimize=True)
-                    stresses = np.einsum("xyqe,yqe->xqe", block[:, 1:], slopes)
-                    np.add.at(forces, (test_dofs, i), np.abs(np.einsum("xqme,xqe->me", test_shapes, stresses)))
-        if test is trial and batch is not None and weighted[::jets, ::jets].any():
-            own = batch.element.reconstruct(batch.outline)
+        slopes = evaluated(functions, constant[..., None])[1:, ..., 0]
+        for i, j in np.ndindex(m_test, m):
+            stresses = np.einsum("xyqe,yqe->xqe", weighted[i, :, j, 1:], slopes)
+            np.add.at(forces, (test_dofs, i), np.abs(integrals(tests, stresses)))
+        if test is trial and batch is not None and weighted[:, 0, :, 0].any():
+            own = batch.reconstruction
             np.maximum.at(least, dofs, products_round_off(own, value_products(own), constant)[..., None])
         if stabilise:
             added = np.zeros_like(local)
-            _add_stabilisation(added, weighted, shapes, batch)
+            _add_stabilisation(added, weighted, functions, batch)
             local += added
             np.add.at(forces, test_dofs, np.abs(np.einsum("minje,ne->mei", added, constant)))
         numbers = m * dofs[:, None] + np.arange(m)[:, None]
         test_numbers = m_test * test_dofs[:, None] + np.arange(m_test)[:, None]
-        flat = local.reshape(m_test * n_test, m * n, -1)
-        parts.append((test_numbers.reshape(len(flat), -1), numbers.reshape(m * n, -1), flat))
+        rows, columns = (each.reshape(-1, weights.shape[1]) for each in (test_numbers, numbers))
+        parts.append((rows, columns, local.reshape(len(rows), len(columns), -1)))
     matrix = scattered(parts, (m_test * test.n_dofs, m * trial.n_dofs))
     return FormMatrix.measured(matrix, np.repeat(trial.constant, m), forces.ravel(), least.ravel())
 
@@ -390,21 +414,20 @@ def scattered(
     return sp.csr_array(sp.coo_array((np.concatenate(entries), coordinates), shape=shape))
 
 
-def _add_stabilisation(local: Values, weighted: Values, shapes: Floats, batch: CellBatch) -> None:
+def _add_stabilisation(local: Values, weighted: Values, functions: Functions, batch: CellBatch) -> None:
     """Add stiffness and mass of what projections miss, with the sign of the form's parts, real and imaginary."""
-    reconstruction = batch.element.reconstruct(batch.outline)
+    reconstruction = batch.reconstruction
     if reconstruction.exact:
         return
-    m = local.shape[1]
+    m, slopes = local.shape[1], functions[1:]
     parts = [(1.0, weighted.real)] + ([(1j, weighted.imag)] if np.iscomplexobj(weighted) else [])
-    for unit, part in parts:
-        blocks = part.reshape(m, JETS, m, JETS, *part.shape[2:])
+    for unit, blocks in parts:
         gradients = blocks[:, 1:, :, 1:]
         trace = np.einsum("iaiaqe->", gradients)
         if trace != 0.0:
             sign = np.sign(trace)
             symmetric = 0.5 * sign * (gradients + gradients.transpose(2, 3, 0, 1, 4, 5))
-            consistency = np.einsum("xqme,ixjyqe,yqne->ijmne", shapes[1:], symmetric, shapes[1:], optimize=True)
+            consistency = _products(slopes, symmetric, slopes).transpose(1, 3, 0, 2, 4)
             added = batch.element.stabilise(reconstruction, consistency)
             for i in range(m if added is not None else 0):
                 local[:, i, :, i] += unit * sign * added
@@ -445,11 +468,10 @@ def linear(
 def assembled_vector(region: FormRegion, vector: Callable[[SimpleNamespace], Values], m: int) -> Values:
     """Assemble what multiplies the numbers of v at each point, (3 m, n)."""
     result: Values | None = None
-    for w, weights, (_, (shapes, dofs)), _, by_edges in region.parts():
-        at_points = vector(w)
-        weighted = np.array([_turned(entry, weights, by_edges) for entry in at_points])
-        weighted = weighted.reshape(m, region.n_jets, *weights.shape)
-        local = np.einsum("cxqe,xqme->mec", weighted, shapes, optimize=True)
+    for w, weights, (_, (functions, dofs)), _, by_edges in region.parts():
+        weighted = np.array([_turned(entry, weights, by_edges) for entry in vector(w)])
+        fields = weighted.reshape(m, region.n_jets, *weights.shape)
+        local = np.stack([integrals(functions, each) for each in fields], axis=-1)
         if result is None or (np.iscomplexobj(local) and not np.iscomplexobj(result)):
             result = np.zeros((region.spaces[1].n_dofs, m), dtype=local.dtype) + (0.0 if result is None else result)
         np.add.at(result, dofs, local)

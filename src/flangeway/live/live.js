@@ -2,7 +2,7 @@
 // State: inputs of the form by key, rigid contact of the pair (and of one to compare with), the last elastic position.
 const $ = id => document.getElementById(id);
 const state = { inputs: {}, lateral: 0, yaw: 0, free: false, rigid: null, other: null, elastic: null, sweep: [],
-  number: 0, frames: [], reading: null };
+  number: 0, frames: [], readings: {} };
 const WAIT_MS = 120;  // standing still before a position is computed
 
 async function ask(name, body) {
@@ -14,7 +14,8 @@ async function ask(name, body) {
 
 // ---- inputs -------------------------------------------------------------------------------------------------------
 // what the page has elsewhere or cannot show, and a table of friction, which is no profile to drop
-const OUTSIDE = ["lateral_mm", "yaw_mrad", "wheel", "rail", "units", "model", "friction_file", "distance_m"];
+const OUTSIDE = ["lateral_mm", "yaw_mrad", "wheel", "rail", "units", "model", "friction_file", "distance_m",
+  "wheel_unit", "wheel_mirror", "wheel_tape_mm", "rail_unit", "rail_mirror"];
 
 function inputsNow(changes = {}) {
   const inputs = { ...state.inputs, wheel: $("wheel").value, rail: $("rail").value, ...changes };
@@ -77,7 +78,8 @@ async function readFile(name, content, options = {}) {
     if (!own[answer.kind].includes(answer.name)) own[answer.kind].push(answer.name);
     fillProfiles({ ...state.form, own });
     $(answer.kind).value = answer.name;
-    showReading(answer);
+    readWith(answer.kind, options);
+    showReading(answer, options);
     await loadGeometry();
   } catch (error) {
     $("file-error").textContent = error.message;
@@ -85,38 +87,57 @@ async function readFile(name, content, options = {}) {
   }
 }
 
-function showReading(answer) {
-  state.reading = answer;
-  $("read").hidden = false;
-  $("tape-label").hidden = answer.kind !== "wheel";
-  $("read-words").textContent =
-    `${answer.name}: ${answer.kind}, ${answer.format}, ${answer.measured.length} points. ${answer.notices.join(". ")}`;
-  drawReading();
-}
-
-function drawReading() {
-  if (!state.reading) return;
-  const { context, width, height } = fresh($("read-picture"));
-  const { measured, surface } = state.reading, all = measured.concat(surface);
-  const [x0, x1] = span(all.map(p => p[0])), [y0, y1] = span(all.map(p => p[1]));
-  const scale = Math.min((width - 20) / (x1 - x0 || 1), (height - 20) / (y1 - y0 || 1));
-  const at = p => [width / 2 + scale * (p[0] - (x0 + x1) / 2), height / 2 - scale * (p[1] - (y0 + y1) / 2)];
-  line(context, surface.map(at), colour("--focus"), 2);
-  context.fillStyle = colour("--other");
-  for (const p of measured.map(at)) context.fillRect(p[0] - 1, p[1] - 1, 2, 2);
-}
-
-// the switches change how the case reads the file, and how it is shown here
-function readAgain() {
-  const { name, kind } = state.reading, options = {};
-  if ($("mirror").checked) options.mirror = true;
-  if ($("unit").value) options.unit = $("unit").value;
-  if (kind === "wheel" && $("tape").value.trim()) options.tape_mm = Number($("tape").value.replace(",", "."));
-  for (const option of ["mirror", "unit", "tape_mm"]) {
+// the options by which the case reads the file too
+const READ_OPTIONS = ["mirror", "unit", "tape_mm"];
+function readWith(kind, options) {
+  for (const option of READ_OPTIONS) {
     const key = `${kind}_${option}`;
     if (option in options) state.inputs[key] = String(options[option]); else delete state.inputs[key];
   }
-  return readFile(name, new Blob([]), options);
+}
+
+function showReading(answer, options) {
+  const { kind } = answer, block = $(`read-${kind}`), of = name => block.querySelector(name);
+  if (!block.firstChild) {
+    block.append($("reading").content.cloneNode(true));
+    of("button").addEventListener("click", () => readAgain(kind));
+    of(".of-wheels").hidden = kind !== "wheel";
+  }
+  state.readings[kind] = answer;
+  block.hidden = false;
+  for (const name of READ_OPTIONS) of(`.${name}`).value = options[name] ?? "";
+  of(".words").textContent =
+    `${answer.name}: ${kind}, ${answer.format}, ${answer.measured.length} points. ${answer.notices.join(" ")}`;
+  drawReadings();
+}
+
+function drawReadings() {
+  for (const [kind, { measured, surface }] of Object.entries(state.readings)) {
+    const { context, width, height } = fresh($(`read-${kind}`).querySelector("canvas")), all = measured.concat(surface);
+    const [x0, x1] = span(all.map(p => p[0])), [y0, y1] = span(all.map(p => p[1]));
+    const scale = Math.min((width - 20) / (x1 - x0 || 1), (height - 20) / (y1 - y0 || 1));
+    const at = p => [width / 2 + scale * (p[0] - (x0 + x1) / 2), height / 2 - scale * (p[1] - (y0 + y1) / 2)];
+    line(context, surface.map(at), colour("--focus"), 2);
+    context.fillStyle = colour("--other");
+    for (const p of measured.map(at)) context.fillRect(p[0] - 1, p[1] - 1, 2, 2);
+  }
+}
+
+function readAgain(kind) {
+  const given = name => $(`read-${kind}`).querySelector(`.${name}`).value.trim(), options = {};
+  if (given("mirror")) options.mirror = given("mirror") === "true";
+  if (given("unit")) options.unit = given("unit");
+  if (given("tape_mm")) options.tape_mm = Number(given("tape_mm").replace(",", "."));
+  return readFile(state.readings[kind].name, new Blob([]), options);
+}
+
+// another profile is read anew, without the options of the one before
+function chosen(kind) {
+  const name = $(kind).value;
+  if (own[kind].includes(name)) return readFile(name, new Blob([]));
+  readWith(kind, {});
+  $(`read-${kind}`).hidden = true;
+  return loadGeometry();
 }
 
 async function dropped(list) {
@@ -197,7 +218,7 @@ function stale() {
 
 async function loadPosition() {
   if (!state.rigid) return;
-  if (lasting) return status("busy", "waits for what is being computed below");
+  if (lasting) return status("busy", "waiting until the report or the curves are done");
   const number = ++state.number;
   try {
     const elastic = await ask("position", inputsNow());
@@ -431,7 +452,7 @@ const CURVES = [
   ["Rolling radius difference, mm", table => [table.lateral, table.difference], true],
   ["Contact angle, right, °", table => [table.lateral, table.sides.right.angles], true],
   ["Contact position on the right rail, mm", table => [table.lateral, table.sides.right.points.map(p => p[0])], true],
-  ["Equivalent conicity over the amplitude, mm", table => table.conicity, false],
+  ["Equivalent conicity versus amplitude, mm", table => table.conicity, false],
   ["Maximum pressure, MPa", () => [state.sweep.map(p => p.lateral_mm), state.sweep.map(p => p.max_pressure_MPa)], true],
   ["T-gamma, N", () => [state.sweep.map(p => p.lateral_mm), state.sweep.map(p => p.t_gamma_N)], true],
 ];
@@ -535,7 +556,8 @@ function listen() {
   $("yaw").addEventListener("input", () => turn(Number($("yaw").value)));
   $("shown").addEventListener("change", redraw);
   $("free").addEventListener("change", () => { state.free = $("free").checked; moved(); });
-  for (const id of ["wheel", "rail", "other-wheel", "other-rail"]) $(id).addEventListener("change", loadGeometry);
+  for (const kind of ["wheel", "rail"]) $(kind).addEventListener("change", () => chosen(kind));
+  for (const id of ["other-wheel", "other-rail"]) $(id).addEventListener("change", loadGeometry);
   const view = $("view");
   view.addEventListener("pointerdown", event => { drag = [event.clientX, state.lateral]; view.setPointerCapture(event.pointerId); });
   view.addEventListener("pointermove", event => {
@@ -557,7 +579,6 @@ function listen() {
   drop.addEventListener("drop", event => { event.preventDefault(); drop.classList.remove("over"); dropped(event.dataTransfer.files); });
   drop.addEventListener("click", () => $("files").click());
   $("files").addEventListener("change", () => dropped($("files").files));
-  $("read-again").addEventListener("click", readAgain);
   $("form").addEventListener("submit", event => event.preventDefault());
   $("sweep").addEventListener("click", () => runAlone($("sweep"), $("progress-text"), sweep));
   $("report").addEventListener("click", () => runAlone($("report"), $("report-text"), report));
@@ -590,7 +611,7 @@ function turn(yaw) {
   loadGeometry();
 }
 
-function redraw() { drawRigid(); if (state.elastic) drawPatches(); drawReading(); }
+function redraw() { drawRigid(); if (state.elastic) drawPatches(); drawReadings(); }
 
 async function start() {
   state.form = await ask("form", {});

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from flangeway.checks import values_at
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, as_points, cross_product, point_text
 from flangeway.geometry.placement import Placement
@@ -441,7 +442,7 @@ class PolyMesh:
             If a pair is not a boundary edge, or a function takes none.
         """
         if callable(pairs):
-            taken = np.asarray(pairs(self.points))
+            taken = values_at(pairs, self.points)
             if taken.shape != (self.n_points,) or taken.dtype != bool:
                 raise InputError(
                     f"edge set '{name}': a function with values of shape {taken.shape} and type {taken.dtype}",

@@ -22,7 +22,8 @@ PLANE_STRAINS = np.array([[0, 2], [2, 1]])
 ROUND_OFF = 1e-10
 GRADIENTS, VALUES = "gradients", "values"
 _ALLOWED = {
-    GRADIENTS: "a number or a matrix (2, 2) for one field, (3, 3) for strains xx, yy, 2 xy, or (m, 2, m, 2)",
+    GRADIENTS: "a number or a matrix (2, 2) for one field, (3, 3) for strains xx, yy, 2 xy, or (m, 2, m, 2) "
+    "such as Elastic(...).stiffness",
     VALUES: "a number for one field, or a matrix (m, m) for m components",
 }
 

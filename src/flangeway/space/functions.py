@@ -1,10 +1,11 @@
 """Given functions on a space: interpolation and loads."""
 
 from functools import partial
-from inspect import signature
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from flangeway.checks import as_numbers, values_at
 from flangeway.elements import Function, polygon_quadrature
 from flangeway.errors import InputError
 from flangeway.space.spaces import CellBatch, Space
@@ -16,16 +17,22 @@ def quadrature_degree(space: Space) -> int:
     return 2 * space.order + 2
 
 
-def refuse_other_arguments(function: Function) -> None:
-    """Raise `InputError` for a function that does not take points alone, such as ``lambda x, y: ...``."""
-    try:
-        signature(function).bind(None)
-    except TypeError as error:
+def function_of(
+    name: str, given: Function | ArrayLike, at: Floats | None = None, shape: tuple[int, ...] = ()
+) -> Function:
+    """A function of points (n, 2): the given one, or one that has the given numbers everywhere.
+
+    With points (n, 2) in ``at``, an `InputError` unless it has values of a shape (n, *shape) there.
+    """
+    function = given
+    if not callable(function):
+        constant = as_numbers(name, given)
+        function = lambda points: np.broadcast_to(constant, (len(points), *constant.shape))  # noqa: E731
+    if at is not None and (found := values_at(function, at).shape) != (len(at), *shape):
         raise InputError(
-            f"a function of other arguments than points: {error}", "one argument: points (n, 2)", "write lambda p: ..."
-        ) from error
-    except ValueError:  # no signature, as of some compiled functions
-        return
+            f"{name} with values of shape {found} at {len(at)} points", f"{(len(at), *shape)}", "correct it"
+        )
+    return function
 
 
 def at_points(function: Function, points: Floats) -> Floats:
@@ -44,8 +51,7 @@ def at_points(function: Function, points: Floats) -> Floats:
     """
     given = points.swapaxes(-1, -2)
     rows = given.reshape(-1, 2)
-    refuse_other_arguments(function)
-    values = np.asarray(function(rows))
+    values = values_at(function, rows)
     if np.iscomplexobj(values):
         raise InputError(
             "a complex function", "real values", "give its real and imaginary parts one by one, or a form to `linear`"

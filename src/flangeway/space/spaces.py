@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway._core import Pattern, n_threads
-from flangeway.elements import Element
+from flangeway.checks import values_at
+from flangeway.elements import Element, Reconstruction
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, OutOfMemoryError, short
 from flangeway.mesh import PolyMesh, check
@@ -48,6 +49,11 @@ class CellBatch:
     vertices: Floats
     dofs: Ints
     outline: Floats
+
+    @cached_property
+    def reconstruction(self) -> Reconstruction:
+        """The element's polynomials on these cells."""
+        return self.element.reconstruct(self.outline)
 
     def part(self, columns: NDArray[np.integer]) -> "CellBatch":
         """Some of the cells, by their places in the batch (m,)."""
@@ -208,7 +214,7 @@ class Space:
         nodes = np.unique(self.edge_nodes(pairs)).astype(np.int64)
         if where is None or isinstance(where, str):
             return nodes
-        taken = np.asarray(where(self.nodes[nodes])) if callable(where) else np.empty(0)
+        taken = values_at(where, self.nodes[nodes]) if callable(where) else np.empty(0)
         if taken.shape != nodes.shape or taken.dtype != bool or not taken.any():
             raise InputError(
                 f"boundary_dofs({short(where)}), which takes {int(taken.sum())} of {len(nodes)} boundary points",

@@ -35,6 +35,8 @@ MAX_POSITIONS = 2000
 MAX_PASSES = 4
 """Passes in which lateral positions are added while the claimed error is above the tolerance."""
 REPORT_S = 2.0
+STAGES = {"contact": "positions of contact", "table": "creep forces at positions", "check": "exact at random positions"}
+"""What the progress calls the kinds of tasks; how many stages there are is known at the end only."""
 FREE_KEYS = tuple(key for key in SpatialWheelsetCase.position_keys if key not in CURVE_KEYS)
 """Inputs of a wheelset that the axes of a table replace, and friction and motion, which are free."""
 
@@ -164,6 +166,8 @@ class _Build:
                 break
             if number < MAX_PASSES - 1:
                 self.lateral = sorted({*self.lateral, *wrong})
+                claimed = checks["claimed_error"]
+                self.progress(f"claimed error {claimed:.2%}: {len(wrong)} more lateral positions, then a new sample")
                 self._locate_jumps()
         return replace(found, metadata={**found.metadata, "checks": checks})
 
@@ -239,14 +243,14 @@ class _Build:
             if each not in store
         ]
         begun, last = time.monotonic(), 0.0
-        label = {"contact": "contacts", "table": "positions", "check": "positions between"}[kind]
+        label = STAGES[kind]
         for done, (task, found) in enumerate(self._results(tasks), 1):
             store[task.position] = found
             now = time.monotonic()
             if now - last >= REPORT_S or done == len(tasks):
                 last = now
                 left = (now - begun) / done * (len(tasks) - done)
-                self.progress(f"{done} of {len(tasks)} {label}; {left:.0f} s left")
+                self.progress(f"{label}: {done} of {len(tasks)}; {left:.0f} s left of this stage")
         for position, image in images.items():
             if position not in store:
                 store[position] = _mirrored(store[image])

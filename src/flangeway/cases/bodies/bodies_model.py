@@ -8,6 +8,7 @@ import numpy as np
 
 from flangeway.cases.bodies.bodies_shape import (
     BodyShape,
+    Ints,
     Where,
     body_shape,
     edges_at,
@@ -204,9 +205,7 @@ class _Builder:
                 continue
             key = f"contacts[{number}]"
             for role, name in (("secondary", table.secondary), ("primary", table.primary)):
-                edges, box = getattr(table, f"{role}_edges"), getattr(table, f"{role}_box_mm")
-                chosen = edges_at(self.meshes[name], name, edges, box, (None, None), key, f"{role}_edges")
-                self.meshes[name] = self.meshes[name].with_edge_set(f"{key}.{role}", chosen)
+                self.meshes[name] = self.meshes[name].with_edge_set(f"{key}.{role}", self._touching(table, role, key))
             orders = [self.tables[name].order for name in (table.secondary, table.primary)]
             if orders[0] != orders[1]:
                 raise InputError(
@@ -339,12 +338,17 @@ class _Builder:
             contact = Contact(secondary, primary, pairing, Multiplier())
             return replace(contact, enforcement=_enforcement(table, contact), friction=table.friction)
 
+    def _touching(self, table: ContactTable, role: str, key: str) -> Ints:
+        """Edges of a side of a contact, pairs of points (n, 2)."""
+        name, which = getattr(table, role), f"{role}_edges"
+        box = getattr(table, f"{role}_box_mm")
+        return edges_at(self.meshes[name], name, getattr(table, which), box, (None, None), key, which)
+
     def _surface(self, table: ContactTable, role: str, key: str, bodies: Mapping[str, BodyModel]) -> Surface:
         name = getattr(table, role)
-        edges, box = getattr(table, f"{role}_edges"), getattr(table, f"{role}_box_mm")
-        part = bodies[name].part
+        edges, part = getattr(table, f"{role}_edges"), bodies[name].part
         assert part is not None
-        pairs = edges_at(self.meshes[name], name, edges, box, (None, None), key, f"{role}_edges")
+        pairs = self._touching(table, role, key)
         free = free_edges(part.body, pairs)
         if len(free) == 0:
             raise InputError(

@@ -21,6 +21,7 @@ from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.quantities import Quantity
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
+from flangeway.types import Floats
 
 YOUNG, TRACTION = 70.0, 6.25
 CORNERS = ((0.0, 0.0), (48.0, 44.0), (48.0, 60.0), (0.0, 44.0))
@@ -114,9 +115,13 @@ def method_space(triangles: PolyMesh, method: str, order: int) -> Space:
 def cook_grid(n: int) -> PolyMesh:
     """The membrane in n by n equal quadrilaterals, as a first mesh to refine."""
     grid = rectangle_grid(1.0, 1.0, n, n, cells="quadrilaterals")
-    s, t = grid.points.T
-    points = np.stack((48.0 * s, 44.0 * s + t * (44.0 - 28.0 * s)), axis=1)
-    return replace(grid, points=points)
+    return replace(grid, points=of_unit_square(grid.points))
+
+
+def of_unit_square(points: Floats) -> Floats:
+    """Return the points (n, 2) of the membrane that points of the unit square are mapped to."""
+    s, t = points.T
+    return np.stack((48.0 * s, 44.0 * s + t * (44.0 - 28.0 * s)), axis=1)
 
 
 def solve_cook(space: Space, poisson: float = 1.0 / 3.0) -> ElasticitySolution:

@@ -75,7 +75,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     gauge_mm: Positive = 1435.0
     """track gauge, between the rails' heads"""
     wheel_radius_mm: float = Field(460.0, ge=150.0)
-    """rolling radius at the position wheel_radius_at"""
+    """rolling radius, at the position wheel_radius_at"""
     wheel_radius_at: Literal["flange-tip", "tape-line"] = "tape-line"
     """where wheel_radius_mm is measured"""
     axle_load_kN: float = Field(200.0, gt=0.0, le=1e5)

@@ -96,7 +96,7 @@ class WheelsetInputs(Case):
     gauge_depth_mm: Positive | None = None
     """depth below the tops above which the gauge is measured (default: at the closest points)"""
     rail_inclination: float = Field(Track.rail_inclination, ge=-0.2, le=0.2)
-    """inclination of the rails as a slope; 1:40 is 0.025"""
+    """rail inclination, a slope; 1:40 is 0.025"""
     back_to_back_mm: float | None = Field(
         None,
         gt=0.0,
@@ -104,7 +104,7 @@ class WheelsetInputs(Case):
         + ", ".join(f"{gauge.back_to_back_mm:g} for {gauge.gauge_mm:g}" for gauge in USUAL_GAUGES),
     )
     wheel_radius_mm: float = Field(Wheelset.radius_mm, ge=150.0)
-    """rolling radius at the position wheel_radius_at"""
+    """rolling radius, at the position wheel_radius_at"""
     wheel_radius_at: Literal["flange-tip", "tape-line"] = "flange-tip"
     """where wheel_radius_mm is measured"""
     left_wheel_radius_mm: float | None = Field(None, ge=150.0)

@@ -460,7 +460,7 @@ HEAD: Quantities[WheelResult] = (
     GAUGE,
 )
 NADAL_FRACTION: Quantity[WheelResult] = Quantity(
-    "share_of_nadal_limit", "  L/V over the limit", "nadal_fraction", form=".0%"
+    "share_of_nadal_limit", "  fraction of the limit", "nadal_fraction", form=".0%"
 )
 NADAL: Quantities[WheelResult] = (
     Quantity("nadal_limit", "  Nadal's limit", "nadal_limit", form=".3f"),

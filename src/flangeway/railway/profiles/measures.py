@@ -22,6 +22,7 @@ MAX_CHANGE = 1.5
 
 _N_ALONG = 50
 _SPACING_MM = 0.02
+_CHORD_MM = 0.2  # over which the angle of a flange is taken
 _DEEPEST_MM = 20.0  # flanges hardly reach further down; below it an inclined head would seem worn
 _UPRIGHT = 0.18  # tangent of 10 degrees: a rounding of 20 mm goes on for 0.3 mm
 
@@ -61,7 +62,7 @@ def _wheel(points: FloatArray) -> dict[str, float]:
     if tip in (0, len(points) - 1) or lowest > -FACE_MM - TIP_MM or points[:, 0].max() < 0.0:
         return {}
     measures = {"flange_height_mm": -lowest}
-    front = points[tip:] if points[-1, 0] > points[tip, 0] else points[tip::-1]
+    front = _front(points)
     back = points[: tip + 1] if points[-1, 0] > points[tip, 0] else points[tip:]
     face, top = _first_x(front, -FACE_MM), _first_x(front, lowest + TIP_MM)
     if face is not None and top is not None:
@@ -70,6 +71,22 @@ def _wheel(points: FloatArray) -> dict[str, float]:
     if face is not None and back[:, 1].max() > lowest + FACE_MM:
         measures["flange_thickness_mm"] = face - float(back[:, 0].min())
     return measures
+
+
+def _front(points: FloatArray) -> FloatArray:
+    """Points of a wheel from the flange's tip to the tread and the rim."""
+    tip = int(np.argmin(points[:, 1]))
+    return points[tip:] if points[-1, 0] > points[tip, 0] else points[tip::-1]
+
+
+def flange_angle_rad(surface: Contour) -> float:
+    """Return the steepest angle of a wheel's flange with its axis, between the tip and the tape line (EN 13715).
+
+    The edge of the rim, which is steep too, does not count.
+    """
+    front = _front(surface.sampled(spacing=_CHORD_MM))
+    along = np.diff(front[front[:, 0] <= 0.0], axis=0)
+    return float(np.arctan2(along[:, 1], along[:, 0]).max())
 
 
 def _rail(points: FloatArray) -> dict[str, float]:

@@ -11,6 +11,7 @@ from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE, shakedown_state
 from flangeway.post.patch_stresses import StressField
+from flangeway.railway.profiles.measures import flange_angle_rad
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
 from flangeway.railway.rigid.elastic_start import CLIMBED_MM
 from flangeway.railway.track.discretisation import ROLES, Role
@@ -159,11 +160,10 @@ class SpatialResult:
 
         mu is the static coefficient of friction there. nan without friction.
         """
-        motion, surfaces = self.wheelset.model.rolling, self.wheelset.surfaces[side]
+        motion = self.wheelset.model.rolling
         if motion is None:
             return float("nan")
-        # beyond the tip the surface falls
-        slope = float(np.tan(surfaces.wheel.at(surfaces.wheel_stations[:, 0]).angle).max())
+        slope = float(np.tan(flange_angle_rad(self.problem.wheelset.wheel_of(side).running_surface)))
         given = motion.friction.limits[0].max() if motion.flange_friction is None else motion.flange_friction
         friction = float(given)
         return (slope - friction) / (1.0 + friction * slope)

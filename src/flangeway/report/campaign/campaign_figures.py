@@ -1,6 +1,6 @@
 """Pictures of a campaign of a wheelset against the varied input: contact locus, maximum pressure, L/V, forces."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -26,6 +26,7 @@ from flangeway.report.figures.drawing import (
     named,
     panels,
 )
+from flangeway.report.page.record import Figures
 from flangeway.types import Floats
 from flangeway.units import Units
 
@@ -59,12 +60,12 @@ def numeric_keys(table: CampaignTable) -> list[str]:
     return found
 
 
-def campaign_figures(table: CampaignTable, units: Units = "metric") -> dict[str, Callable[[], Figure]]:
+def campaign_figures(table: CampaignTable, units: Units = "metric") -> Figures:
     """Functions that draw the figures of a campaign of wheelsets, by file name; none if no number varies."""
     keys, there = numeric_keys(table), [f"{side}_max_pressure_MPa" in table.rows for side in SIDES]
     if not any(there) or not keys or "converged" not in table.rows["status"]:
         return {}
-    figures: dict[str, Callable[[], Figure]] = {LOCUS: partial(locus_figure, table, keys[0], units)}
+    figures: Figures = {LOCUS: partial(locus_figure, table, keys[0], units)}
     for name, (_, columns) in OF_SIDES.items():
         if all(f"{side}_{column}" in table.rows for side in SIDES for column, *_ in columns):
             over = "lateral_mm" if name == RATIO and "lateral_mm" in table.rows else keys[0]

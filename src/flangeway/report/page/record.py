@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias
 
 from matplotlib.figure import Figure
 from rich.console import Console
@@ -25,6 +25,10 @@ class Picture:
     draw: Callable[[], Figure]
     caption: str  # what it shows
     chapter: str = ""  # the section of the report that it is in, if not that of all pictures
+
+
+Figures: TypeAlias = dict[str, Callable[[], Figure]]
+"""Functions that draw pictures, by file name."""
 
 
 @dataclass(frozen=True)

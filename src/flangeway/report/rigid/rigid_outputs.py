@@ -25,7 +25,7 @@ BATCH_TABLE, BATCH_SUMMARY = "geometries.csv", "geometries.json"
 LOCUS_SHOWN = (
     "Contact points at each millimetre, rolling radius difference and contact angles over the lateral position"
 )
-CONICITY_SHOWN = "Equivalent conicity over the amplitude"
+CONICITY_SHOWN = "Equivalent conicity versus amplitude"
 AXES = {
     "lateral, vertical": "of the axle in space, to the right and up, from the middle of the track",
     "x": "on the wheel from the tape line, on the rail from its middle, away from the middle of the track",

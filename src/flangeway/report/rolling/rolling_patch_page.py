@@ -1,6 +1,5 @@
 """Files, report and terminal summary of one contact patch that rolls with friction."""
 
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -31,7 +30,7 @@ from flangeway.formats import write_vtu
 from flangeway.quantities import columns, present
 from flangeway.report.figures.drawing import GREY, INK, SERIES, legend_below, name_axes, panels
 from flangeway.report.page.case_text import run_record
-from flangeway.report.page.record import Picture, Record
+from flangeway.report.page.record import Figures, Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across
 from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure, shown_fields
 from flangeway.report.spatial.patch_map import strip_mesh
@@ -122,8 +121,8 @@ def _shown(run: RollingPatchRun) -> ShownRolling:
     return ShownRolling("patch", forces, run.contact, abs(forces.motion.speed), 0.0, -1.0)
 
 
-def _pictures(run: RollingPatchRun) -> dict[str, Callable[[], Figure]]:
-    found: dict[str, Callable[[], Figure]] = {}
+def _pictures(run: RollingPatchRun) -> Figures:
+    found: Figures = {}
     if run.state.cells is not None:
         found[MAPS] = lambda: rolling_figure([_shown(run)], run.case.units)
         found[SECTION] = lambda: section_figure(run)

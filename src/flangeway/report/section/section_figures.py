@@ -171,12 +171,17 @@ def _outline(axes: Axes, mesh: PolyMesh) -> None:
     """Draw the boundary with its curves, and the edges between parts."""
     rim = as_polylines(mesh)
     draw_lines(axes, rim.points[rim.boundary_edges], INK, 0.9)
-    part = np.zeros(mesh.n_cells, dtype=np.int64)
-    for number, cells in enumerate(mesh.cell_sets.values()):
-        part[cells] = number
-    sides = part[mesh.edge_cells]
+    sides = part_numbers(mesh)[mesh.edge_cells]
     between = (mesh.edge_cells.min(axis=1) >= 0) & (sides[:, 0] != sides[:, 1])
     draw_lines(axes, mesh.points[mesh.edges[between]], GREY, 1.2)
+
+
+def part_numbers(mesh: PolyMesh) -> NDArray[np.int32]:
+    """Return the number of each cell's part, shape (n_cells,)."""
+    part = np.zeros(mesh.n_cells, dtype=np.int32)
+    for number, cells in enumerate(mesh.cell_sets.values()):
+        part[cells] = number
+    return part
 
 
 def _spread(mesh: PolyMesh) -> NDArray[np.int64]:

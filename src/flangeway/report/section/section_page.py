@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.cases.section.section_run import STEEL_KG_M3, SectionRun
@@ -18,7 +17,13 @@ from flangeway.report.page.case_text import case_text, inputs_tables
 from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of
 from flangeway.report.scenes import section_arrays, section_scene
-from flangeway.report.section.section_figures import mesh_figure, prandtl_figure, shear_figure, warping_figure
+from flangeway.report.section.section_figures import (
+    mesh_figure,
+    part_numbers,
+    prandtl_figure,
+    shear_figure,
+    warping_figure,
+)
 from flangeway.units import Units
 
 SUMMARY, FIELDS = "section.json", "section.vtu"
@@ -157,10 +162,7 @@ PICTURES: dict[str, tuple[Callable[[SectionRun, Units], Figure], str]] = {
 def _write_fields(run: SectionRun, path: Path) -> None:
     """Write warping about the shear centre, Prandtl's function, and shear stress per torque, unit in the names."""
     mesh = run.space.mesh
-    part = np.zeros(mesh.n_cells, dtype=np.int32)
-    for number, cells in enumerate(mesh.cell_sets.values()):
-        part[cells] = number
     points, (shear,) = section_arrays(run)
     prandtl = run.constants.prandtl
     corners = {shear: corner_shear_stresses(prandtl) / prandtl.torsional_rigidity}
-    write_vtu(path, mesh, points, {"part": part}, corners)
+    write_vtu(path, mesh, points, {"part": part_numbers(mesh)}, corners)

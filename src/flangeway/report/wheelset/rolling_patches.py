@@ -1,16 +1,12 @@
 """The patches of a wheelset that rolls: pictures and numbers of friction."""
 
-from collections.abc import Callable
-
-from matplotlib.figure import Figure
-
 from flangeway.cases.wheelset.wheelset_quantities import patch_name
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.railway.wheelset.spatial_result import SpatialResult
-from flangeway.report.page.record import Picture
+from flangeway.report.page.record import Figures, Picture
 from flangeway.report.rolling.creep_curves import curves_figure
 from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure
 from flangeway.report.rolling.shakedown_figure import shakedown_figure
@@ -53,7 +49,7 @@ def rolling_pictures(run: WheelsetRun) -> list[Picture]:
     result, strength = run.space, run.space.yield_MPa
     shown = shown_patches(result)
     with_fields = [each for each in shown if isinstance(each.forces, Rolling | SimplifiedRolling)]
-    figures: dict[str, Callable[[], Figure]] = {}
+    figures: Figures = {}
     units = run.case.units
     if with_fields:
         figures[MAPS] = lambda: rolling_figure(with_fields, units)

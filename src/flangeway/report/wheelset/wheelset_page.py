@@ -208,7 +208,8 @@ def wheelset_record(run: WheelsetRun) -> Record:
     return run_record(
         run,
         FILES,
-        GIVEN,
+        # a curve gives the lateral force
+        [key for key in GIVEN if key != "lateral_force_kN" or run.case.curve_radius_m is None],
         subtitle=_what(run),
         scene=lambda: pressure_scene(run),
         pictures=[*_pictures(run, described), *rolling_pictures(run)],
