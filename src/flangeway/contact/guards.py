@@ -125,19 +125,17 @@ def guarded(
     taken = np.full(len(surfaces[0].nodes), -1)
     if isinstance(base, NodePairs):
         taken[base.nodes] = base.primary_edges
-    parts: list[Pairs] = [base]
+    guards: list[NodePairs] = []
     for side, other in ((0, 1), (1, 0)):
         nodes, faced = _paired(
             positions[side], places[side], edges[other], guarded_nodes[side], kept[side], settle=settle
         )
         if side == 0:
             new = faced != taken[nodes]
-            nodes, faced = nodes[new], faced[new]
         else:
-            new = ~_repeated(
-                parts, places, nodes, faced, closest_parameters(positions[side][nodes], edges[other][faced])
-            )
-            nodes, faced = nodes[new], faced[new]
+            at = closest_parameters(positions[side][nodes], edges[other][faced])
+            new = ~_repeated(guards[0], places, nodes, faced, at)
+        nodes, faced = nodes[new], faced[new]
         points, slots, secondary_edges, primary_edges = node_terms(places[side], edges, nodes, faced, side)
         found = node_edge_gaps(positions[side][nodes], edges[other][faced])
         nearest = places[0][faced, np.where(found.parameters > 0.5, -1, 0)] if side == 1 else nodes
@@ -145,32 +143,29 @@ def guarded(
         keys = first_keys[side] + nodes * len(edges[other]) + faced
         partners, members = faced + side * len(edges[1]), places[0][secondary_edges]
         each = np.arange(len(nodes))[:, None]
-        parts.append(
+        guards.append(
             NodePairs(
                 keys, partners, nearest, found.gaps, areas, areas, members, primary_edges, each, points, slots,
                 found.parameters,
             )
         )  # fmt: skip
+    parts = (base, *guards)
     joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in JOINED}
     starts, width = np.cumsum([len(part.keys) for part in parts]), base.rows.shape[1]
-    rows = [np.repeat(first + part.rows, width, axis=1) for first, part in zip(starts, parts[1:], strict=False)]
-    return GuardedPairs(**joined, rows=np.concatenate((base.rows, *rows)), parts=tuple(parts))
+    rows = [np.repeat(first + part.rows, width, axis=1) for first, part in zip(starts, guards, strict=False)]
+    return GuardedPairs(**joined, rows=np.concatenate((base.rows, *rows)), parts=parts)
 
 
-def _repeated(parts: Sequence[Pairs], places: tuple[Ints, Ints], nodes: Ints, faced: Ints, parameters: Floats) -> Bools:
-    """Which primary nodes lie on a secondary one that has a constraint where they are: theirs would be the same.
+def _repeated(secondary: NodePairs, places: tuple[Ints, Ints], nodes: Ints, faced: Ints, parameters: Floats) -> Bools:
+    """Which primary nodes lie on a secondary one that is guarded against theirs: both constraints would be one.
 
-    - `parts`: the pairing's constraints, and those of guarded secondary nodes.
+    - `secondary`: guarded secondary nodes.
     - `nodes`, `faced`, `parameters`: primary nodes, secondary edges, and closest points of these, each (m,).
     """
     n = int(places[1].max()) + 1
-    known = [np.zeros(0, dtype=np.int64)]
-    for part in parts:
-        if isinstance(part, NodePairs):
-            met = _end_at(places[1], part.primary_edges, part.parameters)
-            known.append((part.nodes * n + met)[met >= 0])
-    met = _end_at(places[0], faced, parameters)
-    return (met >= 0) & np.isin(met * n + nodes, np.concatenate(known))
+    met = _end_at(places[1], secondary.primary_edges, secondary.parameters)
+    own = _end_at(places[0], faced, parameters)
+    return (own >= 0) & np.isin(own * n + nodes, (secondary.nodes * n + met)[met >= 0])
 
 
 def _end_at(places: Ints, edges: Ints, parameters: Floats) -> Ints:
