@@ -6,6 +6,7 @@ import pytest
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError
 from flangeway.forms import (
+    Plate,
     bilinear,
     buckling,
     convergence,
@@ -17,6 +18,7 @@ from flangeway.forms import (
     newton,
     solve,
     stiffness,
+    stokes,
     theta_steps,
 )
 from flangeway.geometry import square
@@ -179,6 +181,9 @@ WRONG = {
     "two or more": lambda s: convergence(lambda _: {"e": 1.0}, [s.mesh]),
     "other arguments": lambda s: stiffness(s, lambda x, y: x + y),
     "points: missing": lambda s: s.boundary_dofs(lambda x, y: x < y),
+    "stokes: force": lambda s: stokes(s.mesh, 2, 0.0),
+    "stokes: velocity": lambda s: stokes(s.mesh, 2, velocity=lambda p: p[:, 0]),
+    "a pressure": lambda s: Plate(s.mesh).load((1.0, 2.0)),
     "complex": lambda s: load(s, lambda p: 1j * p[:, 0]),
     "gives shape": lambda s: load(s, lambda p: 1.0),
     "not real and symmetric": lambda s: modes(s, stiffness(s) + advection(s), mass(s), 2, s.boundary_dofs("left")),
