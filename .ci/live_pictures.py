@@ -12,8 +12,8 @@ from flangeway.live import LiveServer
 
 IMAGES = Path(__file__).parents[1] / "docs" / "images"
 POSITIONS_MM = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 6.6, 6.0, 4.0, 2.0, 0.0, -2.0, -4.0, -2.0]
-WIDTH, HEIGHT = 1100, 1500
-SHOWN_PX, SHOWN_HEIGHT_PX, FRAME_MS, COLOURS = 760, 790, 500, 128
+WIDTH, HEIGHT = 1100, 1600
+SHOWN_PX, SHOWN_HEIGHT_PX, FRAME_MS, COLOURS = 760, 960, 500, 128
 STANDS = "document.querySelector('#state').className.match(/good|warned/) && !document.querySelector('#tables.stale')"
 
 

@@ -1,7 +1,7 @@
 """Every example runs, and its own checks hold."""
 
-import importlib.util
 import re
+import runpy
 from pathlib import Path
 
 import nbformat
@@ -15,10 +15,7 @@ ARGUMENTS = {"wheelset_tangent": {"size_scale": 2.0}}
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
 def test_example_runs_and_its_checks_hold(path, capsys):
     """The script's `main` ends without an error on a coarse mesh and says what it found."""
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    module.main(**ARGUMENTS.get(path.stem, {}))
+    runpy.run_path(str(path))["main"](**ARGUMENTS.get(path.stem, {}))
     assert capsys.readouterr().out
 
 
@@ -28,10 +25,7 @@ GALLERY = sorted(path for path in (EXAMPLES / "gallery").glob("*.py") if path.st
 @pytest.fixture(scope="module")
 def example_notebook():
     """Return what makes the notebooks of the site."""
-    spec = importlib.util.spec_from_file_location("hooks", EXAMPLES.parent / "docs" / "hooks.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.example_notebook
+    return runpy.run_path(str(EXAMPLES.parent / "docs" / "hooks.py"))["example_notebook"]
 
 
 @pytest.mark.ci

@@ -15,6 +15,7 @@ from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.formats.two_column import write_two_column
 from flangeway.railway.profiles.measures import measures
+from flangeway.report.profile.profile_outputs import folder_record
 
 FLANGE_MM, TREAD_MM, SIDE_MM, TOP_MM = 2.5, 1.5, 4.0, 3.0
 
@@ -92,6 +93,12 @@ def test_the_command_writes_table_picture_and_report(call, done, monkeypatch, fo
     assert f"{TREAD_MM:.3f} mm" in assumed
     report = (tmp_path / "found" / "report.html").read_text()
     assert re.search(rf">[^<]*hollow\.txt[^<]*</th>\s*<td[^>]*>[^<]*{re.escape(assumed)}", report)
+
+
+def test_notices_are_in_us_units(done):
+    """What the report says of a file has the units of its tables."""
+    notices = dict(folder_record(done, "worn", "", "us").chapters["Notices"][0].rows)
+    assert f"{TREAD_MM / 25.4:.4g} in" in notices["hollow.txt"]
 
 
 def test_wear_is_of_the_given_nominal_profile(folder, tmp_path):

@@ -126,8 +126,6 @@ def test_a_motion_without_contact_says_so(press) -> None:
             lambda s, p: Contact(s, p, SegmentToSegment(), AugmentedLagrange(None, "length", 1e-6)),
             "start with AugmentedLagrange\\(",
         ),
-        (lambda s, p: Contact(s, p, NodeToSegment(), Multiplier(), friction=-0.3), "a number >= 0"),
-        (lambda s, _: Contact(s, s, NodeToSegment(), Multiplier()), "with itself"),
         (lambda _s, _p: SegmentToSegment(weighting="lumped"), "'standard' or 'dual'"),
         (lambda _s, _p: AugmentedLagrange(1e5, "length", 0.0), "positive length"),
         (lambda _s, _p: Penalty(-1.0, per="length"), "positive number"),
@@ -145,12 +143,6 @@ def test_a_motion_without_contact_says_so(press) -> None:
             "a Placement by its Part",
         ),
         (lambda s, p: Contact(s, in_plane_stress(p), NodeToSegment(), Multiplier()), "both in plane strain"),
-        (
-            lambda s, p: press_parts(
-                [Contact(*pair, SegmentToSegment(), Multiplier()) for pair in ((s, p), (p, s))], {s.part: DOWN}
-            ),
-            "two contacts of 'disc' and 'block' along the same edges",
-        ),
     ],
 )
 def test_what_makes_no_sense_is_refused_by_name(press, make, message: str) -> None:

@@ -18,6 +18,7 @@ from flangeway.contact import (
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh, rectangle_grid
 from flangeway.post import pressure_patches
+from flangeway.solve import StepSettings
 
 STEEL = Elastic(210e3, 0.3, "axisymmetric")
 LAWS = [Penalty(1e6, per="length"), AugmentedLagrange(1e7, per="length", penetration=1e-9), Multiplier()]
@@ -74,15 +75,20 @@ def test_nodes_of_matching_meshes_pass_a_uniform_pressure(order: int, pairing) -
 
 
 @pytest.mark.parametrize(
-    ("inner", "order", "pairing", "law", "friction"),
-    [(0.3, 2, SegmentToSegment(), LAWS[2], 0.8), (0.0, 1, NodeToSegment(), LAWS[0], 0.2)],
+    ("inner", "order", "pairing", "law", "friction", "tilt", "depth"),
+    [
+        (0.3, 2, SegmentToSegment(), LAWS[2], 0.8, 1e-3, 0.02),
+        # two corners on each other, and a concave joint beside them, are guarded
+        (0.3, 2, SegmentToSegment(), LAWS[2], 0.8, 2e-3, 0.00125),
+        (0.0, 1, NodeToSegment(), LAWS[0], 0.2, 1e-3, 0.02),
+    ],
 )
-def test_axial_forces_are_in_equilibrium(inner, order, pairing, law, friction) -> None:
+def test_axial_forces_are_in_equilibrium(inner, order, pairing, law, friction, tilt, depth) -> None:
     """Forces along the axis on both sides, and the reaction at the held end by the stiffness, agree to round-off."""
-    upper = cylinder("upper", 2, order=order, radius=2.1, inner=inner, tilt=1e-3)
+    upper = cylinder("upper", 2, order=order, radius=2.1, inner=inner, tilt=tilt)
     lower = cylinder("lower", 4, order=order, radius=1.0, inner=inner)
     contact = touching(upper, lower, pairing, law, friction)
-    found = press([contact], {upper: Placement(0.0, (0.0, -0.02))})
+    found = press([contact], {upper: Placement(0.0, (0.0, -depth))}, steps=StepSettings(1.0, 1.0, 1.0))
     assert found.status.converged, found.status.message
     force = found.forces[0, 1]
     assert force > 0.0

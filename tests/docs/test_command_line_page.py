@@ -1,7 +1,7 @@
 """The page of the command line, and every command line that a page prints: the program takes it as it stands."""
 
-import importlib.util
 import re
+import runpy
 import shlex
 from pathlib import Path
 
@@ -56,11 +56,9 @@ def refuse_unknown_keys(name, values):
 
 def test_the_page_of_the_command_line_is_what_the_commands_say():
     """The page is the one that its script writes from the program: every command, argument and option, in full."""
-    spec = importlib.util.spec_from_file_location("command_page", ROOT / ".ci" / "command_page.py")
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    text = script.PAGE.read_text(encoding="utf-8")
-    assert text == script.page(), "run python .ci/command_page.py"
+    script = runpy.run_path(str(ROOT / ".ci" / "command_page.py"))
+    text = script["PAGE"].read_text(encoding="utf-8")
+    assert text == script["page"](), "run python .ci/command_page.py"
     for name, command in PROGRAM.commands.items():
         assert f"| [`{name}`](#flangeway-{name}) | {' '.join(command.help.split())} |" in text
         section = text.partition(f"\n## `flangeway {name}`\n")[2].partition("\n## ")[0]

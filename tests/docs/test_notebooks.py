@@ -1,7 +1,7 @@
 """The notebooks of the gallery: small files with stored outputs, which a new run prints and draws again."""
 
-import importlib.util
 import json
+import runpy
 from pathlib import Path
 
 import pytest
@@ -41,10 +41,8 @@ def test_a_notebook_is_small_and_has_its_outputs(path):
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_new_run_prints_and_draws_the_same(path):
     """Executed again, every cell prints the stored lines, with numbers to 2 %, and draws as many pictures."""
-    spec = importlib.util.spec_from_file_location("notebooks", ROOT / ".ci" / "notebooks.py")
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    stored, again = json.loads(path.read_text(encoding="utf-8")), script.executed(path)
+    script = runpy.run_path(str(ROOT / ".ci" / "notebooks.py"))
+    stored, again = json.loads(path.read_text(encoding="utf-8")), script["executed"](path)
     for old, new in zip(code_cells(stored), code_cells(again), strict=True):
         refuse_other_lines(printed(old), printed(new), 0.02)
         assert kinds(old) == kinds(new)

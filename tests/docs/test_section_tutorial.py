@@ -1,33 +1,28 @@
 """The tutorial on sections, followed to the letter: its files are saved and read, its outputs compared."""
 
-import re
-from pathlib import Path
-
 import pytest
 
 from flangeway.cases.section.section_run import TorsionCase, run_section
 from flangeway.formats import read_section
-from tests.docs.conftest import refuse_other_lines
+from tests.docs.conftest import blocks_of
 
-TEXT = (Path(__file__).parents[2] / "docs" / "tutorials" / "section.md").read_text(encoding="utf-8")
-FILES = dict(re.findall(r"`(\w+\.toml)`:\n\n```toml\n(.*?)```", TEXT, flags=re.DOTALL))
-OUTPUTS = re.findall(r"```text\n(.*?)```", TEXT, flags=re.DOTALL)
+PAGE = "tutorials/section.md"
 
 
 @pytest.fixture
 def saved(tmp_path):
     """Folder with all files of the page."""
-    for name, text in FILES.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
+    for block in blocks_of(PAGE):
+        if block.file:
+            (tmp_path / block.file).write_text(block.text, encoding="utf-8")
     return tmp_path
 
 
-def test_the_girder_prints_what_the_page_says(call, saved):
-    """Each line of the page is printed, with the same constants to 1e-3; the mesh may differ a little."""
-    status, out, _ = call("section", "girder.toml", "--no-pictures")
-    assert status == 0
-    lines = OUTPUTS[0].splitlines()
-    refuse_other_lines("\n".join(line for line in lines if not re.search("gap|Time|Report", line)), out, 1e-3)
+def test_the_page_runs_and_its_wrong_girder_is_refused(follow, call):
+    """The girder has the page's constants to 1e-3; a hole across the boundary has the page's message."""
+    assert follow(PAGE, 1e-3, ["flangeway: wrong.toml"]) == {"toml": 5, "sh": 1, "text": 1}
+    (shown,) = (block.text for block in blocks_of(PAGE) if "flangeway: wrong.toml" in block.text)
+    assert call("section", "wrong.toml")[::2] == (2, shown)
 
 
 @pytest.mark.ci

@@ -1,23 +1,17 @@
 """The page of the keys of `summary.json`."""
 
-import importlib.util
+import runpy
 from pathlib import Path
 
 import pytest
 
 from flangeway.cases import load_case
 
-ROOT = Path(__file__).parents[2]
 OF_EVERY_RUN = {"status", "case", "timings_s", "peak_memory_MB", "versions"}
 
 
-@pytest.fixture(scope="module")
-def script():
-    """The script that writes it."""
-    spec = importlib.util.spec_from_file_location("summary_page", ROOT / ".ci" / "summary_page.py")
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    return script
+SCRIPT = runpy.run_path(str(Path(__file__).parents[2] / ".ci" / "summary_page.py"))
+"""What writes it."""
 
 
 def keys_of(content):
@@ -28,9 +22,9 @@ def keys_of(content):
         yield from (name for row in inner for name in keys_of(row)) if inner else (() if value == [] else (key,))
 
 
-def test_the_page_is_what_the_quantities_say(script):
+def test_the_page_is_what_the_quantities_say():
     """The page is the one that its script writes."""
-    assert script.PAGE.read_text(encoding="utf-8") == script.page(), "run python .ci/summary_page.py"
+    assert SCRIPT["PAGE"].read_text(encoding="utf-8") == SCRIPT["page"](), "run python .ci/summary_page.py"
 
 
 @pytest.mark.parametrize(
@@ -42,9 +36,9 @@ def test_the_page_is_what_the_quantities_say(script):
         ("crane-wheel", {"order": 1}),
     ],
 )
-def test_every_key_of_a_run_is_on_the_page(script, name, inputs):
+def test_every_key_of_a_run_is_on_the_page(name, inputs):
     """Numbers that a run reports are explained; sentences and names have their place in other tables."""
-    run, text = load_case(name, **inputs).run(), script.page()
+    run, text = load_case(name, **inputs).run(), SCRIPT["page"]()
     words = {"assumptions", "warnings", "notices", "notes", "name"}
     numbers = {key: value for key, value in run.summary.items() if key not in OF_EVERY_RUN | words}
     assert not [key for key in dict.fromkeys(keys_of(numbers)) if f"`{key}`" not in text]

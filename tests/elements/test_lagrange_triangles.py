@@ -43,9 +43,3 @@ def test_other_orders_are_refused(order):
     """Orders outside 1 to 3 are refused with the way out."""
     with pytest.raises(InputError, match="orders 1 to 3"):
         Lagrange(order)
-
-
-def test_polygons_are_refused():
-    """A cell that is not a triangle is refused."""
-    with pytest.raises(InputError, match="4 vertices"):
-        Lagrange(1).check_cells(4)

@@ -237,14 +237,9 @@ def test_clockwise_and_duplicate_points_are_mended_with_a_notice(read):
     ("text", "message"),
     [
         (BOX.replace("mm", "furlong"), "unit of length 'furlong'"),
-        (BOX.replace('unit = "mm"', ""), "without a unit"),
         (BOX.replace("points", "pionts"), "did you mean points"),
         (BOX.replace("[outer]", "[out"), "not TOML"),
         (BOX + "names = ['a']\n", "4 names"),
-        (
-            BOX + "[[holes]]\ncircle = { centre = [40, 10], radius = 3 }\n",
-            r"hole 1 of 1 meets the outer boundary at \(",
-        ),
         ("unit = 'mm'\nyoung_MPa = 1.0\n" + BOX.split("\n", 1)[1], "poisson is missing"),
         ("unit = 'mm'\nyoung_MPa = 1.0\npoisson = 0.5\n" + BOX.split("\n", 1)[1], "below 0.5"),
         ("unit = 'mm'\n", "no outer boundary"),
@@ -255,11 +250,6 @@ def test_clockwise_and_duplicate_points_are_mended_with_a_notice(read):
         (
             "unit = 'mm'\nouter.path = [{from = [0, 0]}, {arc_to = [2, 0], through = [1, 0]}, {line_to = [0, 0]}]",
             "three points on one line",
-        ),
-        (
-            "unit = 'mm'\nouter.path = [{from = [0, 0]}, {arc_to = [2, 0], centre = [3, 0], turn = 'left'}, "
-            "{line_to = [0, 0]}]",
-            "radii 3 and 1",
         ),
     ],
 )
@@ -272,12 +262,9 @@ def test_wrong_toml_is_refused_with_the_place(read, text, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("x_mm,y_mm\n0,0\n1,zero\n0,1\n", "line 3: y = 'zero'"),
         ("x_mm,y_cm\n0,0\n", "columns in cm and mm"),
-        ("x,y\n0,0\n1,0\n0,1\n", "without a unit"),
         ("type,x0_mm,y0_mm,x1_mm,y1_mm\nspline,0,0,1,1\n", "type = 'spline'"),
         ("type,x0_mm,y0_mm,x1_mm,y1_mm,xc_mm,yc_mm\narc,-1,0,1,0,0,0\nline,1,0,-1,0,,\n", "half a turn"),
-        ("type,x0_mm,y0_mm,x1_mm,y1_mm\nline,0,0,1,0\nline,1,0,1,1\n", "--mirror"),
         ("# mirror\ntype,x0_mm,y0_mm,x1_mm,y1_mm\nline,0,0,1,0\nline,1,0,1,1\n", r"ends at \(1, 1\)"),
     ],
 )
@@ -296,10 +283,6 @@ def test_wrong_csv_is_refused_with_the_line(read, text, message):
         (lambda space: space.add_ellipse((0, 0), (3, 0), 0.5), "ELLIPSE"),
         (lambda space: space.add_text("nothing else"), "without a closed outline"),
         (lambda space: space.add_circle((0, 0), 1, dxfattribs={"extrusion": (0, 1, 1)}), "not parallel"),
-        (
-            lambda space: space.add_lwpolyline([(0, 0), (3, 3), (3, 0), (0, 3)], close=True),
-            r"meet at \(1.5, 1.5\)",
-        ),
         (
             lambda space: [space.add_line((0, 0), end) for end in ((1, 0), (0, 1), (-1, 0))],
             r"3 ends that meet at \(0, 0\)",
@@ -320,10 +303,8 @@ def test_junk_is_refused_in_every_format(read, ending, content):
         read(content, ending)
 
 
-def test_unknown_endings_and_missing_files_are_refused(tmp_path):
-    """Another ending, a missing file, a folder, and a mirror for TOML are InputErrors."""
-    with pytest.raises(InputError, match=r"ending '\.dwg'"):
-        read_section(tmp_path / "outline.dwg")
+def test_missing_files_are_refused(tmp_path):
+    """A missing file, a folder, and a mirror for TOML are InputErrors."""
     with pytest.raises(InputError, match="No such file"):
         read_section(tmp_path / "missing.toml")
     (tmp_path / "folder.csv").mkdir()

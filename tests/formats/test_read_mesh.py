@@ -256,8 +256,6 @@ def test_small_faults_are_mended_with_a_notice(tmp_path, points, cells, word):
         ("a.vtu", b"<VTKFile type='UnstructuredGrid'><UnstructuredGrid/></VTKFile>", "No Piece"),
         ("a.inp", b"\x00\x01\x02", "binary"),
         ("a.inp", b"*HEADING\nno mesh", r"without \*NODE"),
-        ("a.inp", b"*NODE\n1, 0, 0\n1, 1, 1\n", "second time"),
-        ("a.inp", b"*NODE\n1, 0, 0\n*ELEMENT, TYPE=C3D4\n1, 1, 1, 1, 1\n", "C3D4"),
         ("a.inp", b"*NODE\n1, 0, 0\n*NGEN\n1, 5\n", "NGEN in line 3"),
         ("a.inp", b"*INSTANCE, PART=a\n0., 1.\n", "moved"),
         (

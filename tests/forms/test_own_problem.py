@@ -6,6 +6,8 @@ import pytest
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError
 from flangeway.forms import (
+    Factor,
+    Plate,
     bilinear,
     buckling,
     convergence,
@@ -17,11 +19,12 @@ from flangeway.forms import (
     newton,
     solve,
     stiffness,
+    stokes,
     theta_steps,
 )
-from flangeway.geometry import square
+from flangeway.geometry import circle, square
 from flangeway.materials import Elastic
-from flangeway.mesh import dual, rectangle_grid, triangulate
+from flangeway.mesh import curved, dual, rectangle_grid, triangulate
 from flangeway.problems import Elasticity
 from flangeway.space import Space
 
@@ -179,6 +182,9 @@ WRONG = {
     "two or more": lambda s: convergence(lambda _: {"e": 1.0}, [s.mesh]),
     "other arguments": lambda s: stiffness(s, lambda x, y: x + y),
     "points: missing": lambda s: s.boundary_dofs(lambda x, y: x < y),
+    "stokes: force": lambda s: stokes(s.mesh, 2, 0.0),
+    "stokes: velocity": lambda s: stokes(s.mesh, 2, velocity=lambda p: p[:, 0]),
+    "a pressure": lambda s: Plate(s.mesh).load((1.0, 2.0)),
     "complex": lambda s: load(s, lambda p: 1j * p[:, 0]),
     "gives shape": lambda s: load(s, lambda p: 1.0),
     "not real and symmetric": lambda s: modes(s, stiffness(s) + advection(s), mass(s), 2, s.boundary_dofs("left")),
@@ -195,3 +201,19 @@ def test_wrong_input_is_named(words):
     space = Space(rectangle_grid(1.0, 1.0, 3, 3, cells="quadrilaterals"), Virtual(1))
     with pytest.raises(InputError, match=words):
         WRONG[words](space)
+
+
+@pytest.mark.parametrize(
+    ("element", "cells"),
+    [(Lagrange(3), "triangles"), (Virtual(2), "duals"), (Virtual(3), "duals"), (Virtual(5), "duals")],
+)
+def test_digits_on_curved_edges(element, cells):
+    """Stiffness and mass of a disc with curved edges keep ten digits, and reproduce a constant."""
+    outline = circle(1.0)
+    triangles = curved(triangulate(outline, size=0.4), outline)
+    space = Space(triangles if cells == "triangles" else dual(triangles, outline=outline), element)
+    np.testing.assert_allclose(space.constant, interpolate(space, lambda p: np.ones(len(p))), atol=1e-13)
+    assert Factor(stiffness(space), space.boundary_dofs()).digits > 10.0
+    products = Factor(mass(space))
+    assert products.digits > 10.0
+    np.testing.assert_allclose(products.solve(load(space, 1.0)), space.constant, atol=1e-10)

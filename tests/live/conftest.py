@@ -20,10 +20,10 @@ def profiles(tmp_path_factory):
     return folder
 
 
-@pytest.fixture(scope="session")
-def served():
+@pytest.fixture(scope="session", params=["metric"])
+def served(request):
     """A server without files of its own, in a thread of this process."""
-    server = LiveServer([])
+    server = LiveServer([], units=request.param)
     thread = threading.Thread(target=server.run, daemon=True)
     thread.start()
     while not server.server.started:

@@ -1,5 +1,6 @@
 """The live page in a browser: files are dropped, the wheelset is dragged, and numbers are those of a run."""
 
+import shutil
 import statistics
 import tomllib
 
@@ -21,7 +22,7 @@ def page(browser, served):
     page.on("request", lambda request: page.requested.append(request.url))
     page.on("pageerror", lambda error: page.wrong.append(str(error)))
     page.goto(served.address)
-    page.wait_for_function("state.rigid !== null", timeout=120_000)
+    page.evaluate("started")  # with the files that tests before have dropped
     page.evaluate("state.inputs.size_scale = '3'; loadGeometry()")
     yield page
     assert page.wrong == []
@@ -52,10 +53,30 @@ def test_dropped_profiles_dragged_give_the_numbers_of_a_run(page, served, profil
     assert "lateral_mm" in page.inner_text("#command")
 
 
-def test_options_of_a_file_are_forgotten_with_it(page, profiles):
+@pytest.mark.parametrize("served", ["us"], indirect=True)
+def test_the_page_in_us_units(page):
+    """Inputs, table and rigid numbers are in US units, the same as those of the run with ``--units us``."""
+    page.fill("#input-axle_load_kip", "40")
+    page.keyboard.press("Tab")
+    page.wait_for_function("inputsNow().axle_load_kip === '40' && !loading", timeout=60_000)
+    page.evaluate("shift(3)")
+    page.wait_for_function(f"state.elastic?.lateral_mm === 3 && {STANDS}", timeout=120_000)
+    run = load_case("wheelset", units="us", size_scale=3.0, lateral_mm=3.0, axle_load_kip=40.0).run()
+    cells = page.locator("#tables tr").evaluate_all(
+        "rows => rows.slice(1).map(row => [...row.children].map(c => c.textContent))"
+    )
+    assert [tuple(row) for row in cells] == [tuple(row) for row in results_table(run).rows]
+    assert page.inner_text("#lateral-text") == "0.118 in"
+    difference = page.evaluate("positionAt(state.rigid, 3).difference") / 25.4
+    assert f"{difference:.4f} in" in page.inner_text("#rigid")
+    assert page.evaluate("document.body.innerText.match(/\\d (mm|MPa|kN)\\b/)") is None
+
+
+def test_options_of_a_file_are_forgotten_with_it(page, profiles, tmp_path):
     """A rail that is mirrored on the page is mirrored in the case, until another rail is chosen; the wheel stays."""
-    page.set_input_files("#files", [profiles / "my-wheel.whl", profiles / "my-rail.ban"])
-    page.wait_for_function("$('rail').value === 'my-rail.ban' && !loading", timeout=60_000)
+    files = [shutil.copy(profiles / f"my-{name}", tmp_path / f"other-{name}") for name in ("wheel.whl", "rail.ban")]
+    page.set_input_files("#files", files)
+    page.wait_for_function("$('rail').value === 'other-rail.ban' && !loading", timeout=60_000)
     page.select_option("#read-rail .mirror", "true")
     page.click("#read-rail button")
     page.wait_for_function("inputsNow().rail_mirror === 'true' && !loading", timeout=60_000)
@@ -144,9 +165,10 @@ def test_a_report_asked_for_at_once_leaves_the_position_of_the_slider(page):
     page.wait_for_function(f"state.elastic.lateral_mm === 1 && {STANDS}", timeout=120_000)
 
 
-def test_the_keyboard_alone_is_enough(page, profiles):
+def test_the_keyboard_alone_is_enough(page, profiles, tmp_path):
     """Files, positions, yaw, a comparison, inputs, curves that are stopped, case and report, by keys; focus is seen."""
-    page.on("filechooser", lambda chooser: chooser.set_files([profiles / "my-wheel.whl", profiles / "my-rail.ban"]))
+    files = [shutil.copy(profiles / f"my-{name}", tmp_path / f"keyed-{name}") for name in ("wheel.whl", "rail.ban")]
+    page.on("filechooser", lambda chooser: chooser.set_files(files))
 
     def press(name, *keys):
         """Go on by Tab to an element, and press keys there."""
@@ -160,7 +182,7 @@ def test_the_keyboard_alone_is_enough(page, profiles):
             page.keyboard.press(key)
 
     press("drop", "Enter")
-    page.wait_for_function("$('wheel').value === 'my-wheel.whl' && $('rail').value === 'my-rail.ban'", timeout=60_000)
+    page.wait_for_function("$('rail').value === 'keyed-rail.ban' && !loading", timeout=60_000)
     press("other-wheel", "A")
     page.wait_for_function("state.other !== null", timeout=60_000)
     press("lateral", "ArrowRight", "ArrowRight")
@@ -177,7 +199,7 @@ def test_the_keyboard_alone_is_enough(page, profiles):
     with page.expect_download(timeout=60_000) as download:
         press("save", "Enter")
     saved = tomllib.loads(download.value.path().read_text())
-    expected = {"wheel": "my-wheel.whl", "lateral_mm": 0.12, "yaw_mrad": 0.2, "axle_load_kN": 150.0}
+    expected = {"wheel": "keyed-wheel.whl", "lateral_mm": 0.12, "yaw_mrad": 0.2, "axle_load_kN": 150.0}
     assert {key: saved[key] for key in expected} == expected
     with page.expect_download(timeout=120_000) as download:
         press("report", "Enter")

@@ -108,12 +108,10 @@ def test_three_bodies_match_along_common_edges() -> None:
     ("act", "words"),
     [
         (lambda: insert_nodes(UPPER, UPPER.edges[[int(np.argmax(UPPER.edge_cells[:, 1] >= 0))]], [(1, 1)]), "inside"),
-        (lambda: insert_nodes(UPPER, "botom", [(1.0, 0.0)]), "botom"),
-        (lambda: match_boundaries(UPPER, "left", LOWER, "top"), "nowhere opposite"),
         (lambda: Space(insert_nodes(UPPER, "bottom", [(1.0, 0.0)]), Lagrange(1)), "use Virtual"),
     ],
 )
 def test_what_cannot_be_inserted_is_refused(act, words) -> None:
-    """Edges inside, names, boundaries that do not face each other, and triangles with four nodes."""
+    """Edges inside, and triangles with four nodes."""
     with pytest.raises(InputError, match=words):
         act()

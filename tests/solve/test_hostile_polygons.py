@@ -8,7 +8,7 @@ from scipy.linalg import LinAlgWarning
 
 from flangeway.elements import StabilisationFree, Virtual
 from flangeway.errors import InputError
-from flangeway.forms import Factor, bilinear, interpolate, linear, load, mass, solve, stiffness, stokes
+from flangeway.forms import Factor, bilinear, block_array, interpolate, linear, load, mass, solve, stiffness, stokes
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh
 from flangeway.problems import Elasticity, PrescribedDisplacement, Traction, fixed
@@ -191,6 +191,8 @@ def test_round_off_of_entries_is_that_of_their_forces_by_a_constant():
     combined = 1j * (2.0 * products - matrix / 3.0)
     assert np.array_equal(combined.round_off, np.maximum(matrix.round_off, products.round_off))
     assert np.array_equal(matrix[3:9][:, 5:].round_off, matrix.round_off[3:9])
+    both = block_array([[matrix, -products], [products, None]])
+    assert np.array_equal(both.round_off, [*combined.round_off, *products.round_off])
     lost = type(matrix)(matrix)
     assert Factor(matrix, [0]).digits < Factor(lost, [0]).digits - 1.0
 

@@ -226,9 +226,3 @@ def test_processes_give_what_this_process_gives(monkeypatch, tmp_path):
 def test_wrong_requests_are_refused(values, message):
     with pytest.raises(InputError, match=message):
         TableRequest(**{"case": COARSE, "lateral_mm": [0.0], "yaw_mrad": [0.0], "load_kN": [100.0], **values})
-
-
-def test_a_position_without_contact_is_refused(few_points):
-    """Far beyond the flange: the message names the position and advises a smaller range."""
-    with pytest.raises(InputError, match=r"40"):
-        compute_position(PositionTask(COARSE, (40.0, 0.0, 100.0)))

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import completion, errors_as_exit_status, stdout
+from flangeway.cli.common import Units, completion, errors_as_exit_status, stdout, units_given
 from flangeway.cli.shape_commands import PROFILE_FILES
 from flangeway.errors import InputError
 
@@ -27,6 +27,7 @@ def live(
     port: Annotated[
         int, typer.Option("--port", metavar="NUMBER", help="Port on this machine; a free one if left out.")
     ] = 0,
+    units: Units = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
 ) -> None:
     """Move a wheelset on its rails with the mouse: a page in the browser, from this machine alone (Ctrl-C ends)."""
@@ -38,7 +39,7 @@ def live(
             "an installation with the extra `live`",
             "pip install 'flangeway[live]'",
         ) from reason
-    server = LiveServer(profiles or [], port)
+    server = LiveServer(profiles or [], port, units_given(units) or "metric")
     stdout().print(f"{server.address}\nThe page is served on this machine alone; Ctrl-C ends it.", soft_wrap=True)
     if browser:
         webbrowser.open(server.address)

@@ -33,6 +33,9 @@ EARLY = 0.9
 SIMILAR = 0.02
 """Difference of two depths, over the larger one, below which it is chance which of them is the smaller one."""
 
+AT_END = 1e-3
+"""Distance of a node from one of the other side, over the length of an edge, below which each guards both."""
+
 JOINED = [field for field in fields(Pairs) if field.name != "rows"]
 
 Sides = tuple[Surface, Surface]
@@ -122,14 +125,17 @@ def guarded(
     taken = np.full(len(surfaces[0].nodes), -1)
     if isinstance(base, NodePairs):
         taken[base.nodes] = base.primary_edges
-    parts: list[Pairs] = [base]
+    guards: list[NodePairs] = []
     for side, other in ((0, 1), (1, 0)):
         nodes, faced = _paired(
             positions[side], places[side], edges[other], guarded_nodes[side], kept[side], settle=settle
         )
         if side == 0:
             new = faced != taken[nodes]
-            nodes, faced = nodes[new], faced[new]
+        else:
+            at = closest_parameters(positions[side][nodes], edges[other][faced])
+            new = ~_repeated(guards[0], places, nodes, faced, at)
+        nodes, faced = nodes[new], faced[new]
         points, slots, secondary_edges, primary_edges = node_terms(places[side], edges, nodes, faced, side)
         found = node_edge_gaps(positions[side][nodes], edges[other][faced])
         nearest = places[0][faced, np.where(found.parameters > 0.5, -1, 0)] if side == 1 else nodes
@@ -137,16 +143,35 @@ def guarded(
         keys = first_keys[side] + nodes * len(edges[other]) + faced
         partners, members = faced + side * len(edges[1]), places[0][secondary_edges]
         each = np.arange(len(nodes))[:, None]
-        parts.append(
+        guards.append(
             NodePairs(
                 keys, partners, nearest, found.gaps, areas, areas, members, primary_edges, each, points, slots,
                 found.parameters,
             )
         )  # fmt: skip
+    parts = (base, *guards)
     joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in JOINED}
     starts, width = np.cumsum([len(part.keys) for part in parts]), base.rows.shape[1]
-    rows = [np.repeat(first + part.rows, width, axis=1) for first, part in zip(starts, parts[1:], strict=False)]
-    return GuardedPairs(**joined, rows=np.concatenate((base.rows, *rows)), parts=tuple(parts))
+    rows = [np.repeat(first + part.rows, width, axis=1) for first, part in zip(starts, guards, strict=False)]
+    return GuardedPairs(**joined, rows=np.concatenate((base.rows, *rows)), parts=parts)
+
+
+def _repeated(secondary: NodePairs, places: tuple[Ints, Ints], nodes: Ints, faced: Ints, parameters: Floats) -> Bools:
+    """Which primary nodes lie on a secondary one that is guarded against theirs: both constraints would be one.
+
+    - `secondary`: guarded secondary nodes.
+    - `nodes`, `faced`, `parameters`: primary nodes, secondary edges, and closest points of these, each (m,).
+    """
+    n = int(places[1].max()) + 1
+    met = _end_at(places[1], secondary.primary_edges, secondary.parameters)
+    own = _end_at(places[0], faced, parameters)
+    return (own >= 0) & np.isin(own * n + nodes, (secondary.nodes * n + met)[met >= 0])
+
+
+def _end_at(places: Ints, edges: Ints, parameters: Floats) -> Ints:
+    """Node at that end of edges where points on them are, -1 where they are at none."""
+    first, last = places[edges, 0], places[edges, -1]
+    return np.where(np.abs(parameters) < AT_END, first, np.where(np.abs(parameters - 1.0) < AT_END, last, -1))
 
 
 def corners_under_force(pairs: Pairs, surfaces: Sides, forces: Floats) -> Guards:
@@ -198,7 +223,7 @@ def _paired(
         concave = margins[partners, end] == CONCAVE
         both, beside = nodes[concave], (partners[concave] + step) % len(edges)
         # a node that is off this joint on one edge is in front of the other one
-        near = np.abs(gaps.parameters[concave] - 0.5) > 0.5
+        near = step * (gaps.parameters[concave] - end) > 0.0
         near |= np.abs(closest_parameters(positions[both], edges[beside]) - 0.5) < 0.5 + SLACK
         found.append((both[near], beside[near]))
     nodes, partners = (np.concatenate(each) for each in zip(*found, strict=True))

@@ -11,7 +11,7 @@ from flangeway.forms.time_steps import newmark_steps, theta_steps
 from flangeway.forms.weak import Field, bilinear, linear
 from flangeway.post import error_norms
 from flangeway.solve.factor import Factor
-from flangeway.space import interpolate
+from flangeway.space import block_array, interpolate
 
 __all__ = [
     "BeamSection",
@@ -21,6 +21,7 @@ __all__ = [
     "Plate",
     "StokesSolution",
     "bilinear",
+    "block_array",
     "buckling",
     "convergence",
     "error_norms",

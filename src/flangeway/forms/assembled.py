@@ -10,12 +10,12 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from flangeway.checks import as_numbers
 from flangeway.elements import Function, Reconstruction
 from flangeway.errors import InputError
 from flangeway.forms.weak import FormRegion, PointValues, assembled_form, linear, products_round_off, value_products
 from flangeway.problems.strains import strain_operators
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, FormMatrix, Space, load_vector
+from flangeway.space.functions import function_of
 from flangeway.types import Floats
 
 
@@ -175,15 +175,13 @@ def load(space: Space, function: Function | ArrayLike, *, on: str | None = None,
         Shape (n_dofs,) or (n_dofs, m).
 
     """
-    if not callable(function):
-        constant = as_numbers("a load", function)
-        return load(space, lambda points: np.broadcast_to(constant, (len(points), *constant.shape)), on=on)
+    given = function_of("a load", function)
     if on is None:
-        return load_vector(space, function, degree)
-    m = int(np.prod(np.shape(function(space.nodes[:1]))[1:], dtype=np.int64))
+        return load_vector(space, given, degree)
+    shape = np.shape(given(space.nodes[:1]))[1:]
+    m = int(np.prod(shape, dtype=np.int64))
 
     def traction(v: PointValues, w: SimpleNamespace) -> Floats:
-        return (np.reshape(function(w.points), (-1, m)) * v.value.reshape(-1, m)).sum(axis=1)
+        return (np.reshape(given(w.points), (-1, m)) * v.value.reshape(-1, m)).sum(axis=1)
 
-    result = np.asarray(linear(space, traction, components=m, on=on), dtype=np.float64)
-    return result if m > 1 or np.ndim(function(space.nodes[:1])) == 1 else result[:, None]
+    return np.asarray(linear(space, traction, components=m, on=on), dtype=np.float64).reshape(-1, *shape)

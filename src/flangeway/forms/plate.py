@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
-from flangeway.checks import as_numbers, check_finite, check_positive
+from flangeway.checks import check_finite, check_positive
 from flangeway.elements import Function, Virtual, batched, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.projection import principal_frame
@@ -23,7 +23,7 @@ from flangeway.errors import InputError
 from flangeway.forms.weak import scattered
 from flangeway.mesh import PolyMesh
 from flangeway.space import CellBatch, FormMatrix, Space
-from flangeway.space.functions import at_points, cell_quadrature
+from flangeway.space.functions import at_points, cell_quadrature, function_of
 from flangeway.types import Floats
 
 CORNER = np.sin(np.radians(20.0))
@@ -249,13 +249,10 @@ class Plate:
 
     def load(self, pressure: Function | ArrayLike) -> Floats:
         """Forces of a pressure, a number or a function of points (n, 2) with values (n,); shape (n_dofs,)."""
-        result = np.zeros(self.n_dofs)
-        if not callable(pressure):
-            constant = float(as_numbers("a pressure", pressure))
-            return self.load(lambda p: np.full(len(p), constant))
+        result, given = np.zeros(self.n_dofs), function_of("a pressure", pressure, self.mesh.points[:1])
         for cells in self.cells():
             points, weights = cell_quadrature(cells.batch, 2 * self.order + 2)
-            values = at_points(pressure, points)
+            values = at_points(given, points)
             at = monomials.evaluate(self.order, cells.frame.local(points))
             np.add.at(result, cells.numbers, np.einsum("aqe,qe,ame->me", at, values * weights, cells.value))
         return result

@@ -18,7 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
-from flangeway.checks import as_numbers, check_integer, check_positive
+from flangeway.checks import check_integer, check_positive
 from flangeway.elements import Function, Virtual, batched, monomials
 from flangeway.elements.monomials import Frame, exponents, index, n_monomials
 from flangeway.elements.projection import Polygons, principal_frame
@@ -29,7 +29,7 @@ from flangeway.forms.weak import scattered
 from flangeway.mesh import PolyMesh
 from flangeway.solve.factor import Factor
 from flangeway.space import CellBatch, FormMatrix, Space
-from flangeway.space.functions import at_points, cell_quadrature
+from flangeway.space.functions import at_points, cell_quadrature, function_of
 from flangeway.types import Bools, Floats
 
 HIGHEST_ORDER = 6
@@ -259,7 +259,10 @@ def stokes(
         raise InputError("stokes on curved edges", "straight edges", "take mesh.straight()")
     if not bulk_modulus > 0.0:
         raise InputError(f"stokes: bulk_modulus={bulk_modulus}", "a number > 0, or infinity", "leave it out")
-    space = Space(mesh, Virtual(order))
+    space, one = Space(mesh, Virtual(order)), mesh.points[:1]
+    forces, velocities = (
+        function_of(f"stokes: {name}", given, one, (2,)) for name, given in (("force", force), ("velocity", velocity))
+    )
     n_nodes, n_low = space.n_nodes, n_monomials(order - 1)
     parts = list(_parts(space))
     matrix = _assembled(parts, viscosity, bulk_modulus)
@@ -267,7 +270,7 @@ def stokes(
     rhs, means = np.zeros(n), np.zeros(n)  # means: integrals of the pressure
     for batch, cells, numbers, pressures in parts:
         points, weights = cell_quadrature(batch, 2 * order + 2)
-        given = at_points(_function(force), points)
+        given = at_points(forces, points)
         products = np.einsum("aqe,iqe->aie", monomials.evaluate(order, cells.frame.local(points)), given * weights)
         np.add.at(rhs, numbers, np.einsum("aie,aime->me", products, cells.value))
         means[pressures] = cells.moments[:n_low]
@@ -278,7 +281,7 @@ def stokes(
     nodes[space.boundary_dofs() if held is None else np.asarray(held)] = True
     fixed[: 2 * n_nodes] = nodes.ravel()
     values = np.zeros(n)
-    values[: 2 * n_nodes] = np.asarray(_function(velocity)(space.nodes), dtype=np.float64).ravel()
+    values[: 2 * n_nodes] = np.reshape(velocities(space.nodes), -1)
     if closed:  # a constant pressure does no work
         fixed[first] = True
         flows = matrix[first::n_low] @ values
@@ -335,10 +338,3 @@ def _assembled(parts: list[_Part], viscosity: float, bulk_modulus: float) -> sp.
         matrices.append((both, both, whole))
         constant[numbers] = cells.constant.swapaxes(1, 2)
     return FormMatrix.measured(scattered(matrices, (size, size)), constant)
-
-
-def _function(given: Function | ArrayLike) -> Function:
-    if callable(given):
-        return given
-    constant = as_numbers("a vector", given)
-    return lambda points: np.broadcast_to(constant, (len(points), 2))

@@ -200,12 +200,16 @@ def is_stabilised(reconstruction: Reconstruction) -> bool:
 def products_round_off(reconstruction: Reconstruction, products: Floats, constant: Floats) -> Floats:
     """Round-off of `value_products` over the last bit, from those of unknowns (n_local, n_cells) of a constant.
 
-    They are integrals of the local functions, which are unknowns. Shape (n_local, n_cells).
+    They are integrals of the local functions, of which the first moment inside is one. Shape (n_local, n_cells).
     """
-    if reconstruction.exact or reconstruction.order < 3:  # no projection is solved for
+    n_inner, known = reconstruction.n_interior, reconstruction.value_moments
+    if reconstruction.exact or reconstruction.order < 3 or not n_inner:  # no projection is solved for, or none known
         return np.ones_like(constant)
     errors = np.einsum("mne,ne->me", products, constant)
-    errors[-reconstruction.n_interior :] -= reconstruction.inner_moments[0]
+    if known is None:
+        errors[-n_inner:] -= reconstruction.inner_moments[0]
+    else:
+        errors -= known[0]
     return over_last_bit(errors, np.einsum("mne,ne->me", np.abs(products), np.abs(constant)))
 
 

@@ -35,6 +35,7 @@ from flangeway.report.wheelset.wheelset_page import results_table, wheelset_fact
 from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.system.latest_values import LatestValues
 from flangeway.types import Floats
+from flangeway.units import Units, us_unit
 
 LATERAL_MM, STEP_MM = 12.0, 0.05
 """Lateral positions of the rigid contact: how far to both sides, and their distance; the page interpolates between."""
@@ -71,21 +72,35 @@ class LiveEngine:
         Where dropped files are kept, only as long as the page is served.
     files
         Profiles that the user gave, by the names that the page uses for them; no other file is read.
+    units
+        Units of the form and of what is shown; answers of rigid contact and numbers of pictures are metric.
 
     """
 
     folder: Path
     files: dict[str, Path] = field(default_factory=dict)
+    units: Units = "metric"
     _newest: int = 0
     _computing: threading.Lock = field(default_factory=threading.Lock)
     _bodies: LatestValues[Any] = field(default_factory=lambda: LatestValues(MAX_PREPARED))
     _geometries: LatestValues[dict[str, Any]] = field(default_factory=lambda: LatestValues(MAX_GEOMETRIES))
 
     def form(self) -> dict[str, Any]:
-        """Return the inputs by groups, each with its name, default, what is allowed and meaning; and the profiles."""
-        rows = SpatialWheelsetCase.tables_of_inputs()[0][1]
+        """Return the inputs by groups, each with its name, default, what is allowed and meaning; and the profiles.
+
+        Also the metric name of each input, and the names and metric values of the other units that the page shows.
+        """
+        (_, metric), (_, named) = (SpatialWheelsetCase.tables_of_inputs(units)[0] for units in ("metric", self.units))
+        groups = grouped(metric)
+        shown = {key: (*row, key) for (key, *_), row in zip(metric, named, strict=True)}
+        units = {unit: us_unit(unit) for unit in ("mm", "MPa", "N") if self.units == "us"}
         names = {"wheel": [*WHEELS, *REFERENCE_WHEELS], "rail": [*SECTIONS, REFERENCE_RAIL]}
-        return {"groups": list(grouped(rows).items()), "profiles": names, "files": list(self.files)}
+        return {
+            "groups": [(caption, [shown[key] for key, *_ in rows]) for caption, rows in groups.items()],
+            "profiles": names,
+            "files": list(self.files),
+            "units": {unit: (found.name, float(found.metric)) for unit, found in units.items() if found},
+        }
 
     def add_profile(self, name: str, content: bytes, options: Mapping[str, Any]) -> dict[str, Any]:
         """Keep a dropped file, and return how it is read: kind, orientation, notices, and its points for a picture."""
@@ -116,6 +131,8 @@ class LiveEngine:
     def case(self, inputs: Mapping[str, str]) -> SpatialWheelsetCase:
         """Return the case of the inputs of the form, texts by key; files by the names that the page has for them."""
         values: dict[str, Any] = {key: GivenText(text.strip()) for key, text in inputs.items() if text.strip()}
+        if self.units == "us":
+            values["units"] = "us"
         for key in values.keys() & set(FILE_KEYS):
             if key == "friction_file" or Path(values[key]).suffix.lower() in READABLE:
                 values[key] = str(self._path(values[key]))

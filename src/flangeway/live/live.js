@@ -26,7 +26,7 @@ function inputsNow(changes = {}) {
 
 function makeForm(form) {
   for (const [caption, rows] of form.groups) {
-    const shown = rows.filter(([key]) => !OUTSIDE.includes(key));
+    const shown = rows.filter(row => !OUTSIDE.includes(row[4]));
     if (!shown.length) continue;
     const group = document.createElement("details"), grid = document.createElement("div");
     group.innerHTML = "<summary></summary>";
@@ -196,7 +196,7 @@ function positionAt(table, lateral) {
 function showSliders() {
   $("lateral").value = state.lateral;
   $("yaw").value = state.yaw;
-  $("lateral-text").textContent = `${fixed(state.lateral, 2)} mm`;
+  $("lateral-text").textContent = inUnit(state.lateral, "mm", 2);
   $("yaw-text").textContent = `${fixed(state.yaw, 1)} mrad`;
 }
 
@@ -340,12 +340,12 @@ function drawRigid() {
     context.fillText(`${side} wheel on ${side} rail`, k ? width / 2 + 10 : 10, width < 600 ? 18 : height - 8);
     context.restore();
   });
-  const numbers = [["rolling radius difference", fixed(now.difference, 3), "mm"],
-    ["contact angle, left", now.left.angle.toFixed(2), "°"], ["contact angle, right", now.right.angle.toFixed(2), "°"],
-    ["rolling radius, left", now.left.radius.toFixed(3), "mm"],
-    ["rolling radius, right", now.right.radius.toFixed(3), "mm"],
-    ["roll", fixed(1e3 * now.roll, 3), "mrad"], ["equivalent conicity at 3 mm", conicity(state.rigid), ""]];
-  $("rigid").replaceChildren(...numbers.map(([name, value, unit]) => fact(name, `${value} ${unit}`)));
+  const numbers = [["rolling radius difference", inUnit(now.difference, "mm", 3)],
+    ["contact angle, left", inUnit(now.left.angle, "°", 2)], ["contact angle, right", inUnit(now.right.angle, "°", 2)],
+    ["rolling radius, left", inUnit(now.left.radius, "mm", 3)],
+    ["rolling radius, right", inUnit(now.right.radius, "mm", 3)],
+    ["roll", inUnit(1e3 * now.roll, "mrad", 3)], [`equivalent conicity at ${Number((3 / unitOf("mm")[1]).toPrecision(3))} ${unitOf("mm")[0]}`, conicity(state.rigid)]];
+  $("rigid").replaceChildren(...numbers.map(([name, value]) => fact(name, value)));
   drawCurves();
   state.frames.push(performance.now() - begun);
 }
@@ -353,6 +353,13 @@ function drawRigid() {
 // without the sign of a zero that round-off gives
 function fixed(value, digits) {
   return (Number(value.toFixed(digits)) + 0).toFixed(digits);
+}
+
+// numbers are metric until they are shown; the larger units of the US have one decimal more
+const unitOf = unit => state.form.units[unit] ?? [unit, 1];
+function inUnit(value, unit, digits) {
+  const [name, metric] = unitOf(unit);
+  return `${fixed(value / metric, digits + (metric > 1 ? 1 : 0))} ${name}`;
 }
 
 function conicity(table) {
@@ -390,10 +397,10 @@ function drawPatches() {
       }));
     }
     context.fillStyle = colour("--soft");
-    context.fillText(`${side} rail, ${(b - a).toFixed(1)} × ${(d - c).toFixed(1)} mm`, (side === "left" ? 0 : width / 2) + 8, 14);
+    context.fillText(`${side} rail, ${inUnit(b - a, "mm", 1)} × ${inUnit(d - c, "mm", 1)}`, (side === "left" ? 0 : width / 2) + 8, 14);
   });
   context.fillStyle = colour("--soft");
-  context.fillText(`${field || "pressure"}, maximum ${highest.toFixed(0)} MPa`, 8, height - 22);
+  context.fillText(`${field || "pressure"}, maximum ${inUnit(highest, "MPa", 0)}`, 8, height - 22);
   context.fillText("from above, ahead is up"
     + (!field && names.some(side => sides[side].tractions) ? "; lines: tractions on the wheel" : ""), 8, height - 6);
 }
@@ -449,12 +456,12 @@ function heat(t) {  // from pale yellow over red to dark violet
 }
 
 const CURVES = [
-  ["Rolling radius difference, mm", table => [table.lateral, table.difference], true],
-  ["Contact angle, right, °", table => [table.lateral, table.sides.right.angles], true],
-  ["Contact position on the right rail, mm", table => [table.lateral, table.sides.right.points.map(p => p[0])], true],
-  ["Equivalent conicity versus amplitude, mm", table => table.conicity, false],
-  ["Maximum pressure, MPa", () => [state.sweep.map(p => p.lateral_mm), state.sweep.map(p => p.max_pressure_MPa)], true],
-  ["T-gamma, N", () => [state.sweep.map(p => p.lateral_mm), state.sweep.map(p => p.t_gamma_N)], true],
+  ["Rolling radius difference", "mm", table => [table.lateral, table.difference], true],
+  ["Contact angle, right", "°", table => [table.lateral, table.sides.right.angles], true],
+  ["Contact position on the right rail", "mm", table => [table.lateral, table.sides.right.points.map(p => p[0])], true],
+  ["Equivalent conicity versus amplitude", "", table => table.conicity, false],
+  ["Maximum pressure", "MPa", () => [state.sweep.map(p => p.lateral_mm), state.sweep.map(p => p.max_pressure_MPa)], true],
+  ["T-gamma", "N", () => [state.sweep.map(p => p.lateral_mm), state.sweep.map(p => p.t_gamma_N)], true],
 ];
 
 function drawCurves() {
@@ -465,7 +472,9 @@ function drawCurves() {
     canvas.setAttribute("aria-label", CURVES[holder.children.length][0]);
     holder.append(canvas);
   }
-  CURVES.forEach(([title, data, overLateral], number) => {
+  const [length, mm] = unitOf("mm");
+  CURVES.forEach(([name, unit, data, overLateral], number) => {
+    const [shown, metric] = unitOf(unit), title = `${name}, ${shown || length}`;
     const [xs, ys] = data(state.rigid), given = ys.filter(v => v !== null);
     const canvas = holder.children[number];
     canvas.hidden = !given.length;
@@ -478,8 +487,8 @@ function drawCurves() {
     const at = (x, y) => [48 + (width - 58) * (x - x0) / (x1 - x0), height - 22 - (height - 48) * (y - y0) / (y1 - y0)];
     context.fillStyle = colour("--soft");
     context.fillText(title, 8, 15);
-    for (const [value, text] of [[y0, y0], [y1, y1]]) context.fillText(Number(text.toPrecision(3)), 2, at(x0, value)[1] + 4);
-    for (const value of [x0, x1]) context.fillText(value.toFixed(1), at(value, y0)[0] - (value === x1 ? 24 : 4), height - 6);
+    for (const [value, text] of [[y0, y0], [y1, y1]]) context.fillText(Number((text / metric).toPrecision(3)), 2, at(x0, value)[1] + 4);
+    for (const value of [x0, x1]) context.fillText((value / mm).toFixed(mm > 1 ? 2 : 1), at(value, y0)[0] - (value === x1 ? 24 : 4), height - 6);
     if (overLateral) line(context, [at(state.lateral, y0), at(state.lateral, y1)], colour("--line"), 1);
     if (second) line(context, second[0].map((x, i) => at(x, second[1][i])), colour("--other"), 1.5, null, [5, 4]);
     const points = xs.map((x, i) => ys[i] === null ? null : at(x, ys[i])).filter(Boolean);
@@ -513,7 +522,7 @@ async function sweep(goesOn) {
   const reach = Math.min(-state.rigid.lateral[0], state.rigid.lateral.at(-1), 6);
   for (let k = 0; k < n && begun === asked; k += 1) {
     const lateral = Number((-reach + 2 * reach * k / (n - 1)).toFixed(3));
-    if (!goesOn(`${lateral.toFixed(2)} mm, ${k} of ${n}`)) break;
+    if (!goesOn(`${inUnit(lateral, "mm", 2)}, ${k} of ${n}`)) break;
     $("progress").hidden = false;
     $("progress").value = k / n;
     try {
@@ -623,4 +632,4 @@ async function start() {
   for (const name of state.form.files) await readFile(name, new Blob([]));
   await loadGeometry();
 }
-start().catch(failed);
+const started = start().catch(failed);

@@ -19,6 +19,7 @@ from starlette.routing import Route
 
 from flangeway.errors import FlangewayError, InputError
 from flangeway.live.engine import MAX_FILE_BYTES, LiveEngine, SupersededError
+from flangeway.units import Units
 
 HOST = "127.0.0.1"
 TOKEN_BYTES = 24
@@ -94,15 +95,17 @@ class LiveServer:
         Files that the user named; the page shows the first wheel and the first rail among them.
     port
         Port on this machine; 0 for a free one.
+    units
+        Units of inputs and numbers of the page.
 
     """
 
-    def __init__(self, given: Sequence[Path], port: int = 0) -> None:
+    def __init__(self, given: Sequence[Path], port: int = 0, units: Units = "metric") -> None:
         for path in given:
             if not path.is_file():
                 raise InputError(f"the file {path}", "files of measured profiles", "give files that exist")
         self._folder = tempfile.TemporaryDirectory(prefix="flangeway-live-")
-        self.engine = LiveEngine(Path(self._folder.name), {path.name: path.resolve() for path in given})
+        self.engine = LiveEngine(Path(self._folder.name), {path.name: path.resolve() for path in given}, units)
         self.token = secrets.token_urlsafe(TOKEN_BYTES)
         config = uvicorn.Config(application(self.engine, self.token), HOST, port, log_level="warning", lifespan="off")
         self.server, self._socket = uvicorn.Server(config), config.bind_socket()

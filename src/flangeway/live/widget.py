@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flangeway.live.server import LiveServer
+from flangeway.units import Units
 
 HEIGHT_PX = 900
 
@@ -20,7 +21,7 @@ class LiveWidget:
     server: LiveServer
 
     @classmethod
-    def show(cls, *profiles: str | Path, port: int = 0) -> "LiveWidget":
+    def show(cls, *profiles: str | Path, port: int = 0, units: Units = "metric") -> "LiveWidget":
         """Serve a page for some files of profiles, none for bundled ones, and return it.
 
         Parameters
@@ -29,9 +30,11 @@ class LiveWidget:
             Files of measured wheels and rails; an `InputError` if one does not exist.
         port
             Port on this machine; 0 for a free one.
+        units
+            Units of inputs and numbers of the page.
 
         """
-        server = LiveServer([Path(path) for path in profiles], port)
+        server = LiveServer([Path(path) for path in profiles], port, units)
         threading.Thread(target=server.run, daemon=True).start()
         return cls(server)
 

@@ -1,5 +1,6 @@
 """Matrices of forms, as SciPy arrays that know the round-off of their entries."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ class FormMatrix(sp.csr_array):  # type: ignore[misc]  # SciPy has no types
     ----------
     round_off
         Round-off of each row's entries over that of the last bit, 1 or more: of virtual elements of high order on thin
-        cells it is many times larger. Rows and columns keep it; products and blocks lose it: they have 1.
+        cells it is many times larger. Rows, columns and `block_array` keep it; products lose it: they have 1.
 
     """
 
@@ -66,3 +67,22 @@ class FormMatrix(sp.csr_array):  # type: ignore[misc]  # SciPy has no types
 
     def __neg__(self) -> Any:
         return self._kept(super().__neg__())
+
+
+def block_array(blocks: Sequence[Sequence[Any]]) -> FormMatrix:
+    """SciPy's function of this name, for forms of several fields: blocks keep the round-off of their entries.
+
+    Parameters
+    ----------
+    blocks
+        Rows of matrices, None where there is nothing; unknowns are numbered field by field.
+
+    """
+    result = FormMatrix(sp.block_array(blocks, format="csr"))
+    rows = []
+    for row in blocks:
+        given = [each for each in row if each is not None]
+        own = [np.broadcast_to(getattr(each, "round_off", 1.0), given[0].shape[:1]) for each in given]
+        rows.append(np.max(own, axis=0))
+    result.round_off = np.concatenate(rows)
+    return result

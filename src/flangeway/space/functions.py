@@ -3,8 +3,9 @@
 from functools import partial
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from flangeway.checks import values_at
+from flangeway.checks import as_numbers, values_at
 from flangeway.elements import Function, polygon_quadrature
 from flangeway.errors import InputError
 from flangeway.space.spaces import CellBatch, Space
@@ -14,6 +15,24 @@ from flangeway.types import Floats
 def quadrature_degree(space: Space) -> int:
     """Degree of quadrature of given smooth functions, so that its error is below that of the space."""
     return 2 * space.order + 2
+
+
+def function_of(
+    name: str, given: Function | ArrayLike, at: Floats | None = None, shape: tuple[int, ...] = ()
+) -> Function:
+    """A function of points (n, 2): the given one, or one that has the given numbers everywhere.
+
+    With points (n, 2) in ``at``, an `InputError` unless it has values of a shape (n, *shape) there.
+    """
+    function = given
+    if not callable(function):
+        constant = as_numbers(name, given)
+        function = lambda points: np.broadcast_to(constant, (len(points), *constant.shape))  # noqa: E731
+    if at is not None and (found := values_at(function, at).shape) != (len(at), *shape):
+        raise InputError(
+            f"{name} with values of shape {found} at {len(at)} points", f"{(len(at), *shape)}", "correct it"
+        )
+    return function
 
 
 def at_points(function: Function, points: Floats) -> Floats:

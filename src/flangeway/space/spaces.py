@@ -191,13 +191,23 @@ class Space:
 
     @cached_property
     def constant(self) -> Floats:
-        """Unknowns (n_dofs,) of the function that is one everywhere; those inside all cells of an element are alike."""
+        """Unknowns (n_dofs,) of the function that is one everywhere.
+
+        Those inside cells of an element are alike, but where edges are curved.
+        """
+
+        def one_everywhere(points: Floats) -> Floats:
+            return np.ones(len(points))
+
         result = np.ones(self.n_dofs)
         for element, cells in self._regions:
             if n_inner := element.n_interior():
                 one = self.mesh.points[self.mesh.cell_points[slice(*self.mesh.cell_offsets[cells[0] : cells[0] + 2])]]
-                inside = element.interior_dofs(one[:, :, None], lambda points: np.ones(len(points)), 0)
+                inside = element.interior_dofs(one[:, :, None], one_everywhere, 0)
                 result[self._interior_offsets[cells][:, None] + np.arange(n_inner)] = inside[:, 0]
+        for batch in self.batches() if self._curved.any() else ():
+            if batch.outline.ndim == 4 and (n_inner := batch.element.n_interior()):
+                result[batch.dofs[-n_inner:]] = batch.element.interior_dofs(batch.outline, one_everywhere, 0)
         return result
 
     def boundary_dofs(self, where: str | Callable[[Floats], Bools] | None = None) -> NDArray[np.int64]:

@@ -150,10 +150,9 @@ def test_mirror_unit_and_tape_are_keys_of_cases(case, tmp_path):
     right = head(2.0)
     left = saved(tmp_path, right * [-1.0, 1.0], "left.ban")
     inches = tmp_path / "inches.txt"
-    inches.write_text("\n".join(f"{x:.6f} {y:.6f}" for x, y in right / 25.4), encoding="utf-8")
-    inches_of_tread = wheel("S1002").running_surface.sampled(spacing=0.5) / 25.4
+    np.savetxt(inches, right / 25.4, "%.6f")
     wheels = tmp_path / "wheel.txt"
-    wheels.write_text("\n".join(f"{x:.6f} {y:.6f}" for x, y in inches_of_tread), encoding="utf-8")
+    np.savetxt(wheels, wheel("S1002").running_surface.sampled(spacing=0.5) / 25.4, "%.6f")
     values = {
         "rail": str(inches), "rail_unit": "in", "left_rail": str(left), "left_rail_mirror": True, "rail_body": "60E1",
         "wheel": str(wheels), "wheel_unit": "in", "wheel_tape_mm": 71.0, "wheel_body": "S1002", "gauge_mm": 1435.0,

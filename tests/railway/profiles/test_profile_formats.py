@@ -18,12 +18,8 @@ NANOMETRE = 1e-6  # in mm
 
 def points_of(kind, spacing=0.4):
     """Points of a bundled running surface: a wheel from back to rim, a rail's head about its top."""
-    if kind == "wheel":
-        profile = wheel("S1002")
-        return profile.outline.part(profile.running_names).sampled(spacing=spacing)
-    profile = rail("60E1")
-    points = profile.outline.part(profile.head_names).sampled(spacing=spacing)
-    return points - [0.0, points[:, 1].max()]
+    points = (wheel("S1002") if kind == "wheel" else rail("60E1")).running_surface.sampled(spacing=spacing)
+    return points if kind == "wheel" else points - [0.0, points[:, 1].max()]
 
 
 def lines_of(points, form="{:.6f} {:.6f}"):
@@ -221,8 +217,6 @@ def test_simpack_points_are_processed_as_the_file_asks(tmp_path):
         ("a.txt", "# kind: tram\n1 2\n", "kind = 'tram'"),
         ("a.txt", "1 nan\n", "line 1: '1 nan'"),
         ("a.txt", "1 1e9\n", "line 1: the point"),
-        ("a.csv", "type,x0,y0,x1,y1\nspline,0,0,1,1\n", "type = 'spline'"),
-        ("a.csv", "type,x0_mm,y0_mm,x1_mm,y1_mm\nline,0,0,1,1\nline,5,5,9,9\n", "gap"),
         ("a.dxf", "hello", "DXF"),
         ("a.step", "1 2", "ending '.step'"),
     ],

@@ -20,24 +20,20 @@ from flangeway.railway.profiles.whole_outline import lengths_along, whole_profil
 
 
 def file_of(folder, points, kind, head="", name="m.txt"):
-    path = folder / name
-    text = f"# unit: mm\n# kind: {kind}\n{head}" + "\n".join(f"{x:.6f} {y:.6f}" for x, y in points)
-    path.write_text(text, encoding="utf-8")
-    return path
+    np.savetxt(folder / name, points, "%.6f", header=f"unit: mm\nkind: {kind}\n{head}")
+    return folder / name
 
 
 def head_points(name="60E1", wear=0.0, spacing=0.3):
     """A head from its top, worn by `wear` at the gauge side of its top, from the gauge side outwards."""
     profile = nominal_profile(name)
-    points = profile.outline.part(profile.head_names).sampled(spacing=spacing)[::-1]
-    points = points - [0.0, profile.outline.bounds()[1, 1]]
+    points = profile.running_surface.sampled(spacing=spacing)[::-1] - [0.0, profile.outline.bounds()[1, 1]]
     worn = np.clip((-points[:, 0] - 0.0) / 20.0, 0.0, 1.0) * np.clip((points[:, 1] + 14.0) / 14.0, 0.0, 1.0)
     return points - np.column_stack([np.zeros(len(points)), wear * worn])
 
 
 def wheel_points(name="S1002", spacing=0.3):
-    profile = wheel(name)
-    return profile.outline.part(profile.running_names).sampled(spacing=spacing)
+    return wheel(name).running_surface.sampled(spacing=spacing)
 
 
 @pytest.mark.parametrize("name", ["60E1", "136RE-8"])
@@ -92,7 +88,7 @@ def place_of(outline, lengths, point):
 
 def test_heads_that_count_from_the_base_are_placed_by_it(tmp_path):
     """A head in the rail's own frame gives the rail."""
-    path = file_of(tmp_path, head_points() + np.array([0.0, 172.0]), "rail", "# origin: base\n")
+    path = file_of(tmp_path, head_points() + np.array([0.0, 172.0]), "rail", "origin: base")
     found = joined(read_profile(path, ReadOptions(smooth_mm=0.0)), "60E1")
     assert found.profile.outline.bounds()[1, 1] == pytest.approx(172.0, abs=1e-5)
 
@@ -102,7 +98,7 @@ def test_heads_are_placed_by_their_gauge_face(tmp_path):
     points = head_points()
     left = points[points[:, 0] < 0.0]
     face = np.interp(-14.0, left[:, 1], left[:, 0])
-    path = file_of(tmp_path, points - [face, 0.0], "rail", "# origin: gauge\n")
+    path = file_of(tmp_path, points - [face, 0.0], "rail", "origin: gauge")
     found = joined(read_profile(path, ReadOptions(smooth_mm=0.0)), "60E1")
     assert np.ptp(found.measured.bounds()[:, 0]) == pytest.approx(np.ptp(points[:, 0]), abs=1e-3)
     assert rail("60E1").outline.closest(found.measured.sampled(spacing=0.5))[2].max() < 5e-3

@@ -12,22 +12,19 @@ RAW = ReadOptions(smooth_mm=0.0)
 
 def wheel_points(spacing=0.5):
     """S1002 from the flange's back to the rim, in this package's frame."""
-    profile = wheel("S1002")
-    return profile.outline.part(profile.running_names).sampled(spacing=spacing)
+    return wheel("S1002").running_surface.sampled(spacing=spacing)
 
 
 def rail_points(spacing=0.5):
     """A head with a worn gauge side, from the field side to the gauge side, from its top."""
-    profile = rail("60E1")
-    points = profile.outline.part(profile.head_names).sampled(spacing=spacing) - [0.0, 172.0]
+    points = rail("60E1").running_surface.sampled(spacing=spacing) - [0.0, 172.0]
     worn = points[:, 0] < -20.0
     return np.column_stack([points[:, 0] + np.where(worn, 0.1 * (-20.0 - points[:, 0]), 0.0), points[:, 1]])
 
 
 def saved(folder, points, name="p.txt", head="# unit: mm"):
-    path = folder / name
-    path.write_text(head + "\n" + "\n".join(f"{x:.7f} {y:.7f}" for x, y in points), encoding="utf-8")
-    return path
+    np.savetxt(folder / name, points, "%.7f", header=head, comments="")
+    return folder / name
 
 
 @pytest.mark.parametrize("reverse", [False, True])

@@ -26,8 +26,7 @@ def noisy(points, noise_mm, seed=1):
 
 
 def head(spacing=0.3):
-    profile = rail("60E1")
-    return profile.outline.part(profile.head_names).sampled(spacing=spacing)
+    return rail("60E1").running_surface.sampled(spacing=spacing)
 
 
 @pytest.mark.parametrize(("noise", "n"), [(1e-3, 600), (2e-2, 150)])

@@ -64,13 +64,11 @@ def test_a_back_that_is_not_measured_is_assumed_and_said(tmp_path):
     """A file that counts from the tape line and does not show the flange's back gets 70 mm, with a notice."""
     points = wheel("AAR-1B").running_surface.sampled(spacing=0.5)
     path = tmp_path / "half.txt"
-    seen = points[points[:, 0] > -66.0]
-    for head, expected in (("", 70.0), ("# tape_mm: 77\n", 77.0)):
-        rows = "\n".join(f"{x:.5f} {y:.5f}" for x, y in seen)
-        path.write_text(f"# unit: mm\n# kind: wheel\n# origin: tape\n{head}{rows}\n", encoding="utf-8")
+    for head, expected in (("", 70.0), ("tape_mm: 77", 77.0)):
+        header = f"unit: mm\nkind: wheel\norigin: tape\n{head}"
+        np.savetxt(path, points[points[:, 0] > -66.0], "%.5f", header=header)
         measured = read_profile(path)
         assert on_plain_body(measured).flange_back_mm == expected
         assert any("flange's back is not measured" in each for each in measured.notices) == (not head)
-    whole = tmp_path / "whole.txt"
-    whole.write_text("\n".join(f"{x:.5f} {y:.5f}" for x, y in points), encoding="utf-8")
-    assert read_profile(whole, ReadOptions(unit="mm")).flange_back_mm == pytest.approx(77.7875, abs=0.01)
+    np.savetxt(path, points, "%.5f")
+    assert read_profile(path, ReadOptions(unit="mm")).flange_back_mm == pytest.approx(77.7875, abs=0.01)

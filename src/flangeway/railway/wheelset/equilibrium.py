@@ -52,6 +52,16 @@ class Reach:
             self.limit = min(2.0 * self.limit, self.longest, self.most)
         return self.limit
 
+    def again(self, first: float) -> "Reach":
+        """Limits of an unknown that sets out again with a first one, on other cells.
+
+        Where it was under way it knows from where it came, and how far was too far: else it may go to and fro for ever.
+        """
+        if abs(self.last) < ALL_OF_IT * self.limit:
+            return Reach(first, self.most)
+        limit = min(self.limit, first)
+        return Reach(limit, self.most, self.longest, math.copysign(BACK * limit, self.last))
+
 
 @dataclass(frozen=True, eq=False)
 class AxleLoads:

@@ -145,6 +145,7 @@ class WheelsetNewton:
         self._slopes: dict[Side, CreepSlopes] = {}
         self.errors = [1.0]
         """Equilibrium residuals of the positions on these cells, and the last one on those before."""
+        self.across = Reach(float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0]))
         self.place(grids, near)
         held = [*(value is None for value in self.problem.prescribed.components), True, True]
         if creep is not None:
@@ -163,7 +164,7 @@ class WheelsetNewton:
             for side, slopes in self._slopes.items()
             if self.sides[side].grid.grid.strip <= MAX_COARSER * grids[side].grid.strip
         }
-        self.across = Reach(float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0]))
+        self.across = self.across.again(float(MAX_STEP[0]))
         self.steers: bool | None = None  # not known yet on these cells, see `_steers`
         for number, (side, grid) in enumerate(grids.items()):
             pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])

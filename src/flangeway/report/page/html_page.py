@@ -21,6 +21,7 @@ from flangeway.results import ResultTable
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 from flangeway.system.templates import templates
 from flangeway.system.workbook import csv_tables, write_workbook
+from flangeway.units import Units, us_key
 
 SHOWN_SIZE = 0.55  # pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures
 NUMBER_CELL = re.compile(r"–|yes|no||[-+(\d.,) e/–%]+")
@@ -92,11 +93,17 @@ def write_record(
     writers = {each.file: bytes_writer(data) for each, data in drawn} | dict(record.files())
     if xlsx:
         summary = ResultTable.of_numbers(record.summary)
-        rows = [[*summary.columns], *summary.rows()]
+        rows = [[*summary.columns], *(_in_units(row, record.units) for row in summary.rows())]
         writers["tables.xlsx"] = lambda path: write_workbook(path, {"summary": rows, **csv_tables(path.parent)})
     writers[REPORT] = text_writer(report_page(record, drawn, timings_s))
     writers[record.summary_file] = text_writer(summary_text(record.summary))
     return write_together(folder, writers)
+
+
+def _in_units(row: Sequence[Any], units: Units) -> Sequence[Any]:
+    """Return a name and its number in a system of units."""
+    unit = us_key(row[0]) if units == "us" else None
+    return (unit.name, unit.of(row[1])) if unit else row
 
 
 @cache

@@ -14,7 +14,9 @@ from flangeway.system.versions import versions
 from flangeway.units import Units, in_us_units
 
 REPORT, SUMMARY = "report.html", "summary.json"
-METRIC_FILES = "The page, its pictures and CSV files are in US units; JSON, Parquet and ParaView files are metric."
+METRIC_FILES = (
+    "The page, its pictures, CSV files and the workbook are in US units; JSON, Parquet and ParaView files are metric."
+)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, table_across, table_of
 from flangeway.report.profile.profile_figures import curvature_figure, join_figure, overlay_figure, shape_figure
 from flangeway.system.output_folder import refuse_unwritable
-from flangeway.units import Units
+from flangeway.units import Units, in_us_units
 
 SUMMARY = "profile.json"
 TABLE, OVERLAY, BATCH_SUMMARY = "profiles.csv", "profiles.png", "profiles.json"
@@ -131,7 +131,11 @@ def folder_record(folder: ProfileFolder, name: str, command: str, units: Units =
     files: dict[tuple[str, ...], list[str]] = {}
     for row in rows:
         files.setdefault(row.notices, []).append(row.file)
-    notices = [("\n".join(names), " ".join(of_files)) for of_files, names in files.items() if of_files]
+    notices = [
+        ("\n".join(names), in_us_units(" ".join(of_files)) if units == "us" else " ".join(of_files))
+        for of_files, names in files.items()
+        if of_files
+    ]
     n_noticed = sum(bool(row.notices) for row in rows)
     compared = f"{folder.nominal} or the nearest" if folder.nominal else "the nearest"
     return Record(
