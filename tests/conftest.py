@@ -51,8 +51,8 @@ LONG = {"follow", "followed", "background", "browser"}
 
 
 LONGEST = (
-    "test_tutorials.py", "test_reproduce_wheel_rail.py", "test_sectionproperties.py", "test_reproduce_hertz.py",
-    "test_notebooks.py", "test_reproduce_vem_contact.py", "test_rolling_wheelset.py", "test_cli.py",
+    "test_studies.py", "test_tutorials.py", "test_sectionproperties.py", "test_notebooks.py",
+    "test_rolling_wheelset.py", "test_examples.py", "test_live_page.py", "test_cli.py",
     "test_spatial_wheelset_report.py", "test_virtual_variants.py", "test_campaign_resume.py", "test_spatial_patch.py",
 )  # fmt: skip
 """Files of more than 10 s. They begin first, so that no worker has one of them alone at the end."""
