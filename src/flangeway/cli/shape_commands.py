@@ -30,6 +30,11 @@ PROFILE_FILES = (".ban", ".whl", ".prr", ".prw", ".csv", ".txt", ".dat", ".dxf",
 PROFILES_ALONE = (".ban", ".whl", ".prr", ".prw", ".dxf", ".slcs", ".slcw")  # the other endings have tables too
 
 
+def _bundled(flag: str, meaning: str) -> Any:
+    """Option that names a bundled profile."""
+    return typer.Option(flag, metavar="NAME", help=meaning, autocompletion=completion(profile_names))
+
+
 @app.command()
 @shows_results
 def geometry(
@@ -222,12 +227,7 @@ def profile(
     ] = None,
     join: Annotated[
         str | None,
-        typer.Option(
-            "--join",
-            metavar="NAME",
-            help="Bundled rail or wheel that gives the body.",
-            autocompletion=completion(profile_names),
-        ),
+        _bundled("--join", "Bundled rail or wheel that gives the body."),
     ] = None,
     to: Annotated[
         Path | None,
@@ -279,21 +279,16 @@ def profiles(
     ],
     partner: Annotated[
         str | None,
-        typer.Option(
+        _bundled(
             "--partner",
-            metavar="NAME",
-            help="Bundled rail for the wheels, or wheel for the rails; 60E1 or S1002, of American bodies 136RE or "
-            "AAR-1B",
-            autocompletion=completion(profile_names),
+            "Bundled rail for the wheels, or wheel for the rails; 60E1 or S1002, of American bodies 136RE or AAR-1B",
         ),
     ] = None,
     nominal: Annotated[
         str | None,
-        typer.Option(
+        _bundled(
             "--nominal",
-            metavar="NAME",
-            help="Bundled rail or wheel that the rails or wheels were when new; the nearest one of each if left out.",
-            autocompletion=completion(profile_names),
+            "Bundled rail or wheel that the rails or wheels were when new; the nearest one of each if left out.",
         ),
     ] = None,
     out: Out = None,

@@ -130,23 +130,18 @@ def guarded(
         nodes, faced = _paired(
             positions[side], places[side], edges[other], guarded_nodes[side], kept[side], settle=settle
         )
-        if side == 0:
-            new = faced != taken[nodes]
-        else:
-            at = closest_parameters(positions[side][nodes], edges[other][faced])
-            new = ~_repeated(guards[0], places, nodes, faced, at)
-        nodes, faced = nodes[new], faced[new]
-        points, slots, secondary_edges, primary_edges = node_terms(places[side], edges, nodes, faced, side)
         found = node_edge_gaps(positions[side][nodes], edges[other][faced])
-        nearest = places[0][faced, np.where(found.parameters > 0.5, -1, 0)] if side == 1 else nodes
+        new = faced != taken[nodes] if side == 0 else ~_repeated(guards[0], places, nodes, faced, found.parameters)
+        nodes, faced, gaps, parameters = nodes[new], faced[new], found.gaps[new], found.parameters[new]
+        points, slots, secondary_edges, primary_edges = node_terms(places[side], edges, nodes, faced, side)
+        nearest = places[0][faced, np.where(parameters > 0.5, -1, 0)] if side == 1 else nodes
         areas = surfaces[side].tributary_areas[nodes]
         keys = first_keys[side] + nodes * len(edges[other]) + faced
         partners, members = faced + side * len(edges[1]), places[0][secondary_edges]
         each = np.arange(len(nodes))[:, None]
         guards.append(
             NodePairs(
-                keys, partners, nearest, found.gaps, areas, areas, members, primary_edges, each, points, slots,
-                found.parameters,
+                keys, partners, nearest, gaps, areas, areas, members, primary_edges, each, points, slots, parameters
             )
         )  # fmt: skip
     parts = (base, *guards)

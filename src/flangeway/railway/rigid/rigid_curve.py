@@ -142,6 +142,11 @@ class RigidCurve:
         """X of the start of each piece, and of the end, shape (n_pieces + 1,)."""
         return np.append(self.starts[:, 0], self.at(np.array([self.length])).x)
 
+    @cached_property
+    def _directions(self) -> Floats:
+        """Sine and cosine of `angles`, (2, n_pieces)."""
+        return np.stack((np.sin(self.angles), np.cos(self.angles)))
+
     def at(self, arc_length: ArrayLike) -> CurvePoints:
         """Points at lengths along the curve from its start."""
         s = np.asarray(arc_length, dtype=np.float64)
@@ -171,7 +176,7 @@ class RigidCurve:
         """Heights, slopes and curvatures at given x, as `over`."""
         inside = np.clip(at, self.joints[0], self.joints[-1])
         piece = np.clip(np.searchsorted(self.joints, inside, side="right") - 1, 0, len(self.lengths) - 1)
-        curvature, sine, cosine = self.curvatures[piece], np.sin(self.angles)[piece], np.cos(self.angles)[piece]
+        curvature, sine, cosine = self.curvatures[piece], *self._directions[:, piece]
         step = inside - self.starts[piece, 0]
         # sin(b) = sin(a) + k dx along an arc, and its chord has the slope tan((a + b) / 2)
         sine_there = np.clip(sine + curvature * step, -1.0, 1.0)
