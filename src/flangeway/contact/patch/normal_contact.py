@@ -13,8 +13,8 @@ from flangeway.types import Bools, Complex, Floats
 MOST_ITERATIONS = 500
 NOTHING = 1e-20
 """Square of the residual over another one that is round-off."""
-EVEN = 1e-12
-"""Imaginary over real parts of a spectrum that are round-off."""
+EVEN = 1e-9
+"""Asymmetry of coefficients over the largest one that is round-off: integrals of half-spaces cancel."""
 
 
 class Convolution:
@@ -36,25 +36,34 @@ class Convolution:
         self, coefficients: Floats, behind: Floats | None = None, odd: tuple[Bools, Bools] | None = None
     ) -> None:
         n_strips = len(coefficients)
-        kernel = np.zeros((2 * n_strips, *coefficients.shape[1:]))
-        kernel[:n_strips] = coefficients
         back = coefficients.swapaxes(1, 2) if behind is None else behind
-        kernel[n_strips + 1 :] = back[:0:-1]
-        kernel[n_strips] = (coefficients[-1] + back[-1]) / 2.0  # not used, but a gap would make the inverse rough
-        spectrum = scipy.fft.rfft(kernel, axis=0)
         # F_tw = exp(-2 pi i t w / 2n) to the wavenumbers w = 0 ... n, and back: on so few strips as patches have,
         # products with matrices take half of the time of fast transforms
-        ones = np.eye(n_strips)
-        self._forward = scipy.fft.rfft(ones, 2 * n_strips).view(np.float64)
+        self._forward = scipy.fft.rfft(np.eye(n_strips), 2 * n_strips).view(np.float64)
         waves = np.eye(2 * n_strips + 2).view(np.complex128)
         self._back = scipy.fft.irfft(waves, 2 * n_strips)[:, :n_strips]
         # even functions have a real spectrum, odd ones an imaginary one: with i times what is along z all is real
         masks = odd or (np.zeros(coefficients.shape[1], dtype=bool), np.zeros(coefficients.shape[2], dtype=bool))
         self._turns = [np.where(mask, 1.0j, 1.0)[:, None] for mask in masks]
-        if odd is not None:
-            spectrum = self._turns[0] * spectrum * self._turns[1].conj().T
-        real = np.abs(spectrum.imag).max() <= EVEN * np.abs(spectrum.real).max()
-        self._spectrum = np.ascontiguousarray(spectrum.real) if real else spectrum
+        signs = np.where(masks[0][:, None] == masks[1], 1.0, -1.0)
+        kernel = (coefficients + signs * back) / 2.0
+        if np.abs(coefficients - kernel).max() <= EVEN * np.abs(coefficients).max():
+            # S_w = c_0 + 2 sum over t of c_t cos(pi t w / n) + c_n cos(pi w), with sines for odd functions; the one at
+            # the distance n is not used, but a gap there would make the inverse rough
+            angles = np.pi / n_strips * np.outer(np.arange(n_strips + 1), np.arange(n_strips))
+            cosines = 2.0 * np.cos(angles)
+            cosines[:, 0] /= 2.0
+            cosines[:, -1] += np.cos(np.pi * np.arange(n_strips + 1))
+            self._spectrum = np.tensordot(cosines, kernel, axes=1)
+            for along, across, sign in ((masks[0], ~masks[1], 1.0), (~masks[0], masks[1], -1.0)):
+                place = np.ix_(np.arange(n_strips + 1), along, across)
+                self._spectrum[place] = np.tensordot(2.0 * sign * np.sin(angles), kernel[:, along][..., across], axes=1)
+            return
+        kernel = np.zeros((2 * n_strips, *coefficients.shape[1:]))
+        kernel[:n_strips] = coefficients
+        kernel[n_strips + 1 :] = back[:0:-1]
+        kernel[n_strips] = (coefficients[-1] + back[-1]) / 2.0
+        self._spectrum = self._turns[0] * scipy.fft.rfft(kernel, axis=0) * self._turns[1].conj().T
 
     def inverted(self) -> "Convolution":
         """The inverse on twice the strips without ends: near the inverse of this one."""

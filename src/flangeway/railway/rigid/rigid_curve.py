@@ -16,8 +16,8 @@ back lies inside the wheel.
 """
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -79,19 +79,19 @@ class RigidCurve:
         - `placement`: where it is; untransformed by default.
         - `steepest_rad`: with more than 90 degrees x does not grow everywhere, and `over` has no meaning.
         """
-        placed = contour if placement is None else contour.transformed(placement)
-        tables = graphs_of(placed, steepest_rad)
+        placement = placement or Placement()
+        tables = _turned_graphs(contour, replace(placement, translation=(0.0, 0.0)), steepest_rad)
         if not tables:
             raise InputError("a profile without a running surface", "tangents that are not vertical", "check its axes")
         if len(tables) > 1 and extent(tables[1]) > MAX_CLIPPED * extent(tables[0]):
-            x, y = tables[1][0, :2]
+            x, y = tables[1][0, :2] + placement.translation
             raise InputError(
                 f"a surface that overhangs at x = {x:.2f}, y = {y:.2f} mm",
                 "one surface that runs from the gauge side to the field side",
                 "check the profile's axes, and remove hooks of the measurement",
             )
         table = tables[0]
-        return cls(table[:, :2], table[:, 2], table[:, 3], table[:, 4])
+        return cls(table[:, :2] + placement.translation, table[:, 2], table[:, 3], table[:, 4])
 
     @classmethod
     def from_graph(cls, x: ArrayLike, y: ArrayLike, slope: ArrayLike) -> Self:
@@ -266,3 +266,9 @@ def _lowest(x: Floats, y: Floats) -> NDArray[np.bool_]:
         lowest = np.minimum(lowest, np.interp(x, x[run], y[run], left=np.inf, right=np.inf))
     kept: NDArray[np.bool_] = y <= lowest + _SAME_MM
     return kept
+
+
+@lru_cache(maxsize=16)
+def _turned_graphs(contour: Contour, turned: Placement, steepest_rad: float) -> list[Floats]:
+    """Parts of a contour that is turned or mirrored only: tracks of other gauges have the same ones."""
+    return graphs_of(contour.transformed(turned), steepest_rad)

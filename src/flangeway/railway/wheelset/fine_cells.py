@@ -1,7 +1,7 @@
 """Cells of a side that are fine enough for its patches."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -198,6 +198,21 @@ def finer(
         parts.append(_divided(cells, wanted))
     planes = np.arange(int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip)) + 1)
     return GriddedSide(old.surfaces, SideGrid(np.concatenate(parts), strip, planes), state.pose)
+
+
+def divided(state: SideState, n_across: int) -> GriddedSide:
+    """Grid with cells divided at narrow peaks of the pressure, as `finer` has them; the same grid if there are none.
+
+    Coarser cells do not show such peaks: they are looked for on the cells that were chosen by them.
+    """
+    old, grid = state.grid, state.grid.grid
+    sizes = grid.widths
+    for window in _windows(state, None):
+        rows, whole = window.rows, float(grid.widths[window.rows].max())
+        if window.share > MAIN:
+            sizes[rows] = window.sizes(grid.cells[rows], whole, n_across)
+    cells = _divided(grid.cells, sizes)
+    return old if len(cells) == len(sizes) else GriddedSide(old.surfaces, replace(grid, cells=cells), old.pose)
 
 
 def _rounded(size: float) -> float:

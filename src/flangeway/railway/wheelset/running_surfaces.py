@@ -67,7 +67,7 @@ class SpatialModel:
 
 
 ElasticBodies: TypeAlias = dict[tuple[object, ...], tuple[ElasticSurface, Floats]]
-"""Compliance of bodies, and corners of their meshes, by the profile's `id` and what else they depend on."""
+"""Compliance of bodies, and corners of their meshes, by the profile and what else they depend on."""
 
 
 def running_surfaces(
@@ -89,8 +89,8 @@ def running_surfaces(
         curves = RigidSide.of(problem.track, problem.wheelset, side)
         wheel, rail = problem.wheelset.wheel_of(side), problem.track.rail_of(side)
         radius = problem.wheelset.tape_radius_of(side)
-        of_wheel = id(wheel), radius, problem.material_of("wheel"), *given
-        of_rail = id(rail), 0.0, problem.material_of("rail"), *given
+        of_wheel = wheel, radius, problem.material_of("wheel"), *given
+        of_rail = rail, 0.0, problem.material_of("rail"), *given
         if of_wheel not in done:
             done[of_wheel] = _wheel(problem, model, wheel, radius, cache, progress)
         if of_rail not in done:
@@ -208,8 +208,8 @@ def _stations(curve: RigidCurve, corners: Floats) -> Floats:
     numbers = cKDTree(np.column_stack((at.x, at.y))).query(corners)[1]
     dx, dy = corners[:, 0] - at.x[numbers], corners[:, 1] - at.y[numbers]
     nearest = arcs[numbers] + dx * np.cos(at.angle[numbers]) + dy * np.sin(at.angle[numbers])
+    nearest = np.clip(nearest, 0.0, curve.length)  # a corner at an end may lie beyond it by round-off
     there = curve.at(nearest)
     on_curve = np.hypot(corners[:, 0] - there.x, corners[:, 1] - there.y) < ON_CURVE_MM
-    on_curve &= (nearest >= 0.0) & (nearest <= curve.length)
     pairs = np.stack((nearest, stations_of(corners)), axis=1)[on_curve]
     return pairs if pairs[-1, 0] > pairs[0, 0] else pairs[::-1]

@@ -64,11 +64,15 @@ class SideNewton:
         self.raised: Floats = np.zeros((len(grid.grid.cells), len(grid.grid.planes))) + raised
         """What they open the gaps besides, (n, n_z)."""
         start = forces if forces is not None and forces.any() else None
-        _, _, self.gap, values = grid.deformed(pose, start, None, None if creep is None else creep[:, 0])
+        self.points, self.normals, self.gap, self.values = grid.deformed(
+            pose, start, None, None if creep is None else creep[:, 0]
+        )
+        self.values = self.values + self.raised
         # cells that touch on these bodies: the steps would find them one after the other
-        forces = solve_normal(grid.influence, values + self.raised, approach=0.0, start=start, tolerance=FIRST).forces
-        self.forces = self.raw = forces
-        self.touching: Bools = forces > 0.0
+        found = solve_normal(grid.influence, self.values, approach=0.0, start=start, tolerance=FIRST)
+        self.forces = self.raw = found.forces
+        self.total = found.gaps
+        self.touching: Bools = self.forces > 0.0
         self._factor: tuple[Floats, bool] | None = None
         self.changed = True
         self.slopes: CreepSlopes | None = None

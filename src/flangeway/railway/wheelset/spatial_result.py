@@ -310,7 +310,7 @@ def _of_rolling(result: SpatialResult) -> list[str]:
     for each in result.rolling:
         found += [f"{each.patch.side} side, {each.patch.region}: {notice}" for notice in each.forces.notices]
     for side in SIDES if result.rolling else ():
-        ratio, limit = result.lateral_over_vertical(side), result.nadal_limit(side)
-        if result.flange_touches(side) and ratio > limit:
+        ratio = result.lateral_over_vertical(side)
+        if result.flange_touches(side) and ratio > (limit := result.nadal_limit(side)):
             found.append(f"{side} wheel: L/V of {ratio:.2f} above Nadal's limit of {limit:.2f}: its flange may climb")
     return found

@@ -13,7 +13,7 @@ from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetP
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
-from flangeway.railway.wheelset.fine_cells import finer
+from flangeway.railway.wheelset.fine_cells import divided, finer
 from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
 from flangeway.railway.wheelset.running_surfaces import SpatialModel
@@ -194,7 +194,7 @@ class SpatialWheelset:
         """
         begun = newton.position
         for iteration in range(MAX_ITERATIONS):
-            newton.linearise()
+            newton.linearise(cells.tolerance)
             error = newton.relative.equilibrium_residual
             progress(f"equilibrium residual {error:.1e} after {iteration} steps")
             settled = newton.step(cells.tolerance)
@@ -205,6 +205,9 @@ class SpatialWheelset:
                 return replace(found, status=cells.status)
             if grids != found.state.grids:
                 newton.place(grids, state)
+                at_peaks = cells.at_peaks(newton.placed)
+                if at_peaks != grids:
+                    newton.place(at_peaks, state)
             if self._is_off(newton.position, begun):
                 break
         return replace(found, status=self._none(found, None if newton.creep is None else newton.creep.motion))
@@ -216,7 +219,8 @@ class SpatialWheelset:
     @cached_property
     def _middle_mm(self) -> float:
         """Height of the rigid axle in the middle of the track."""
-        return float(self.geometry.locus([0.0]).vertical_mm[0])
+        geometry = self.geometry
+        return float(geometry.located(geometry.touching(np.zeros(1), at_axle=True)).vertical_mm[0])
 
     def _is_off(self, position: WheelsetPosition, begun: WheelsetPosition) -> bool:
         """Whether the wheelset has left the track, or a flange has climbed on the way to a lateral position."""
@@ -366,6 +370,11 @@ class _Cells:
     status: Status | None = None
 
     @property
+    def is_last(self) -> bool:
+        """Whether these are cells of the last stage."""
+        return bool(self.touching) and self.stage == len(self.stages) - 1
+
+    @property
     def tolerance(self) -> float:
         """Equilibrium residual that is wanted on these cells."""
         if not self.touching:
@@ -406,7 +415,7 @@ class _Cells:
         state, grids = found.state, found.state.grids
         if not self.stages:
             self.status = found.status
-        elif self.stage < len(self.stages) - 1 or not self.touching:
+        elif not self.is_last:
             self.stage += bool(self.touching)
             self.touching = self.touching or state.sides
             return self.fine(state)
@@ -423,6 +432,12 @@ class _Cells:
                 self.status = Status(False, AT_END, found.status.iterations) if lost else found.status
             self.last = True
         return grids, state
+
+    def at_peaks(self, state: SpatialState) -> dict[Side, GriddedSide]:
+        """Cells of the last stage divided at narrow peaks of the pressure, which coarser ones do not show."""
+        if not self.is_last:
+            return state.grids
+        return {side: divided(each, self.stages[-1][0]) for side, each in state.sides.items()}
 
     def fine(self, state: SpatialState, within: float = 0.0) -> Placed:
         """Fine cells of both sides for a contact, see `finer`."""

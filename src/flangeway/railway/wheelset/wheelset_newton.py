@@ -103,7 +103,7 @@ SADDLE = 1e-6
 """Push across the track over the stiffness of the rest, in mm, that is round-off."""
 LEAST_STIFFNESS = 1e-6
 """Of a wheel that does not touch, weight per mm, so that it goes where it is pushed; also for rate and yaw."""
-ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.1, 1e-2, 1e-3
+ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.03, 1e-2, 1e-3
 """Error of the law of friction over the residual of the position before, its largest one, and the residual that other
 cells give an equilibrium."""
 MAX_COARSER = 2.5
@@ -183,6 +183,12 @@ class WheelsetNewton:
             self.creep.restart({} if near is None or near.rolled is None else near.rolled.creep)
 
     @property
+    def placed(self) -> SpatialState:
+        """Contact without friction, of bodies that bend no further, on cells from which no step was taken yet."""
+        status, none = Status(False, "no step yet", 0), np.zeros((3, 4))
+        return SpatialState({side: each.state(status, none) for side, each in self.sides.items()})
+
+    @property
     def yaw_stiffness(self) -> float:
         """Stiffness of the guidance of a yaw that is found, N mm per rad."""
         return 0.0 if self.creep is None else 1e3 * (self.creep.motion.yaw_stiffness_Nm_per_rad or 0.0)
@@ -208,11 +214,21 @@ class WheelsetNewton:
         """Whether the last step has lowered the residual much: its derivatives still serve, and its direction does."""
         return len(self.errors) > 2 and self.errors[-1] < HALVED * self.errors[-2]
 
-    def linearise(self) -> None:
-        """Take residuals and their derivatives at the position."""
+    def _serve(self, tolerance: float) -> bool:
+        """Whether three more steps with these derivatives of creep forces would be enough: new ones cost as much."""
+        if len(self.errors) < 3:
+            return True
+        before, error = self.errors[-2:]
+        return self._is_halved and error * (error / before) ** 3 <= tolerance
+
+    def linearise(self, tolerance: float) -> None:
+        """Take residuals and their derivatives at the position.
+
+        - `tolerance`: equilibrium residual that is wanted.
+        """
         n = len(self.free)
         if self.creep is not None:  # the law of friction need not hold better than the equilibrium
-            if len(self.errors) > 2 and not self._is_halved:
+            if not self._serve(tolerance):
                 self._slopes.clear()
             self.creep.tolerance = float(np.clip(ERROR_OF_LAW * self.errors[-1], TOLERANCE, MAX_ERROR_OF_LAW))
         total, self.jacobian = np.zeros(3), np.zeros((n, n))
