@@ -1,10 +1,11 @@
 """Fine cells of a side: what they cover, and that none is empty."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 
-from flangeway.railway.wheelset.fine_cells import finer
+from flangeway.railway.wheelset.fine_cells import divided, finer
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, WheelPose
 from flangeway.solve import Status
 
@@ -46,3 +47,24 @@ def test_a_gap_within_reach_has_cells_before_it_closes():
     near, far = (finer(state, 26, None, state, within).grid.cells for within in (0.3, 0.1))
     assert np.isclose(covered(near, 14.0, 17.0), 3.0)
     assert covered(far, 14.0, 17.0) == 0.0
+
+
+def test_cells_at_a_narrow_peak_are_divided_once():
+    """Pressure of a patch of 30 mm with a parabola of 4 mm on it: cells of 1.25 mm are divided by four there, once."""
+    ends = np.linspace(-20.0, 20.0, 33)
+    even = np.stack((ends[:-1], ends[1:]), axis=1)
+
+    def pressed(cells, peak):
+        state = state_of(cells, np.flatnonzero(np.abs(cells.mean(axis=1)) < 15.0))
+        s = state.grid.grid.stations
+        pressure = 1.0 - (s / 16.0) ** 2 + peak * np.maximum(1.0 - (s / 2.0) ** 2, 0.0)
+        return replace(state, forces=state.forces * pressure[:, None])
+
+    smooth, first = pressed(even, 0.0), pressed(even, 4.0)
+    assert divided(smooth, 20) is smooth.grid
+    found = divided(first, 20).grid
+    near = np.abs(found.stations) < 1.2
+    assert np.allclose(found.widths[near], 1.25 / 4.0)
+    assert np.allclose(found.widths[np.abs(found.stations) > 4.0], 1.25)
+    again = pressed(found.cells, 4.0)
+    assert divided(again, 20) is again.grid
