@@ -30,6 +30,8 @@ UNLOADED, SHORTER = 2.0, 0.25
 """Least size of cells without force over that of strips; part of a small gap up to which they reach along z."""
 MOST_ON_A_SIDE, MORE_ON_A_SIDE = 5000, 2.0
 """Cells in the windows of a side, at most, and the factor on them where more cells across a patch are wanted."""
+SAME = 1e-6
+"""Distance of cells over the width of strips that is round-off."""
 MAIN = 0.05
 """Share of a side's force above which a patch has its cells counted."""
 
@@ -146,7 +148,8 @@ def finer(
     windows += [] if coarse is None else _further(coarse, within, windows)
     windows.sort(key=lambda window: window.ends)
     middles = np.array([np.mean(window.ends) for window in windows])
-    all_within = ((grid.cells[:, :1] <= middles) & (grid.cells[:, 1:] >= middles)).any(axis=0).all()
+    fine = grid.widths[:, None] <= COARSER * LENGTHENED * grid.strip  # not what only fills the way between patches
+    all_within = ((grid.cells[:, :1] <= middles) & (grid.cells[:, 1:] >= middles) & fine).any(axis=0).all()
     main = [window for window in windows if window.share > MAIN]
     longest = max(window.along for window in main)
     strip = max(min(window.along for window in main) / n_across, longest / (n_across * LONGEST))
@@ -197,7 +200,14 @@ def finer(
         wanted = np.min([window.sizes(cells, many * size, n_across) for window in windows], axis=0)
         parts.append(_divided(cells, wanted))
     planes = np.arange(int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip)) + 1)
-    return GriddedSide(old.surfaces, SideGrid(np.concatenate(parts), strip, planes), state.pose)
+    return GriddedSide(old.surfaces, SideGrid(_filled(np.concatenate(parts), SAME * strip), strip, planes), state.pose)
+
+
+def _filled(cells: Floats, same: float) -> Floats:
+    """Rising cells (n, 2) with one more in each gap that is wider than round-off: patches roll on one grid."""
+    between = np.stack((cells[:-1, 1], cells[1:, 0]), axis=1)
+    cells = np.concatenate((cells, between[np.diff(between, axis=1)[:, 0] > same]))
+    return np.asarray(cells[cells[:, 0].argsort()])
 
 
 def divided(state: SideState, n_across: int) -> GriddedSide:

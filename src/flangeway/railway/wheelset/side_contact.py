@@ -206,7 +206,7 @@ class WheelPose:
 class SideGrid:
     """Cells on the rail's running surface, from the field side to the gauge side, and strips along z.
 
-    - `cells`: their ends as lengths along the surface, rising, shape (n, 2); there may be gaps between patches.
+    - `cells`: their ends as lengths along the surface, rising without gaps, shape (n, 2).
     - `strip`: width of the strips; `planes`: their places over it, rising without gaps, shape (n_z,).
     """
 
@@ -247,12 +247,10 @@ class SideGrid:
 
     @property
     def at_edge(self) -> Bools:
-        """Cells beside a gap or an end, and strips at an end, shape (n, n_z)."""
-        apart = np.diff(self.cells.ravel())[1::2] > 1e-6 * self.strip
-        rows = np.concatenate(([True], apart)) | np.concatenate((apart, [True]))
-        ends = np.zeros(len(self.planes), dtype=np.bool_)
-        ends[[0, -1]] = True
-        return rows[:, None] | ends
+        """Cells at an end, across or along, shape (n, n_z)."""
+        found = np.ones((len(self.cells), len(self.planes)), dtype=np.bool_)
+        found[1:-1, 1:-1] = False
+        return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact, box_of
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
 from flangeway.railway.track.placements import SIDE_SIGN
-from flangeway.railway.wheelset.side_contact import FAR_MM, SideGrid, SideState, tangents_of
+from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, tangents_of
 from flangeway.railway.wheelset.side_newton import SideNewton
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.types import Bools, Floats
@@ -85,16 +85,16 @@ def contact_in(
     - `state`: of the side.
     - `normal`: normal forces of all cells, (n, n_z).
     - `inside`: which cells, (n, n_z).
-    - `whole`: cells about the patch too, which friction moves along the normals: as many rows of its window on each
-      side as it has itself at most, and all strips.
+    - `whole`: cells about the patch too, which friction moves along the normals: as many rows on each side as it
+      has itself at most, and all strips.
     - `bodies`: whether the bodies' influence coefficients are needed: fast theories do not.
     """
     side, grid = state.grid, state.grid.grid
     materials = side.surfaces.rail_elastic.material, side.surfaces.wheel_elastic.material
     rows, strips = box_of(inside)
     if whole or not bodies:  # the ellipse of a patch that is none may be wider
-        window, size = window_of(grid, rows), rows.stop - rows.start
-        rows = slice(max(window.start, rows.start - size), min(window.stop, rows.stop + size)) if whole else window
+        size, last = rows.stop - rows.start, len(grid.cells)
+        rows = slice(max(0, rows.start - size), min(last, rows.stop + size)) if whole else slice(0, last)
     if whole:
         strips = slice(0, inside.shape[1])
     z = grid.z[strips]
@@ -106,13 +106,6 @@ def contact_in(
         return RollingContact(cells, forces / areas, own, materials, np.zeros((0, 0, 0)), None, origin)
     coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
     return RollingContact(cells, forces / areas, own, materials, coefficients, None, origin)
-
-
-def window_of(grid: SideGrid, rows: slice) -> slice:
-    """Rows of cells without gaps between them about some."""
-    apart = np.flatnonzero(np.diff(grid.cells.ravel())[1::2] > SAME * grid.strip) + 1
-    first, last = max(apart[apart <= rows.start], default=0), min(apart[apart >= rows.stop], default=len(grid.cells))
-    return slice(int(first), int(last))
 
 
 def rows_of(state: SideNewton | SideState, contact: RollingContact) -> slice:

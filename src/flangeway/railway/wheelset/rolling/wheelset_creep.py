@@ -26,7 +26,6 @@ from flangeway.railway.wheelset.rolling.patch_rolling import (
     forces_on_cells,
     rows_of,
     strips_of,
-    window_of,
 )
 from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.side_contact import SideGrid, SideState, WheelPose, tangents_of
@@ -145,11 +144,8 @@ class WheelsetCreep:
     def of_side(self, side: Side, state: SideNewton | SideState, normal: Floats) -> SideCreep:
         """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
         patches: list[PatchCreep] = []
-        windows: list[int] = []
-        for inside in self._divided(side, state, normal):
-            window = window_of(state.grid.grid, box_of(inside)[0]).start
-            key = (state.grid, window, sum(each == window for each in windows))
-            windows.append(window)
+        for number, inside in enumerate(self._divided(side, state, normal)):
+            key = (state.grid, number)
             contact = self._contact(state, normal, inside, key)
             rows = rows_of(state, contact)
             # bodies of one material stretch alike under pressure: the wheel rolls on its undeformed radius
@@ -160,9 +156,12 @@ class WheelsetCreep:
         return self._side(state, state.pose, tuple(patches))
 
     def _divided(self, side: Side, state: SideNewton | SideState, normal: Floats) -> list[Bools]:
-        """Cells that roll as one: a patch, or by the exact theory a window, so that nothing jumps as patches meet."""
+        """Cells that roll as one: a patch, or by the exact theory all of a side.
+
+        Each patch moves the surfaces of the others along the track, and nothing jumps as they meet.
+        """
         if self.theory == "exact":
-            return windows_of(state.grid.grid, normal)
+            return [normal > 0.0] if normal.any() else []
         if state.grid not in self._parts and side in self.before:
             self._parts[state.grid] = [_moved(each, state.grid.grid) for each in self.before[side].patches]
         self._parts[state.grid] = patches_of(normal, self._parts.get(state.grid, ()))
@@ -192,11 +191,11 @@ class WheelsetCreep:
         friction = self.motion.friction_on(state.normals)
         if self.theory != "exact":
             return contact_in(state, normal, inside, friction, bodies=False)
-        whole = self._contacts.get(key[:2])
+        whole = self._contacts.get(key[:1])
         box = box_of(inside)[0]
         rows = box if whole is None else rows_of(state, whole)
         if whole is None or box.start < rows.start or box.stop > rows.stop:
-            whole = self._contacts[key[:2]] = contact_in(state, normal, inside, friction, whole=True)
+            whole = self._contacts[key[:1]] = contact_in(state, normal, inside, friction, whole=True)
             self._contacts.pop(key, None)
             self._last.pop(key, None)
             rows = rows_of(state, whole)
@@ -376,18 +375,6 @@ def _moved(patch: PatchCreep, grid: SideGrid) -> Bools:
     rows, bounds = box_of(patch.contact.pressures > 0.0)[0], patch.contact.grid.bounds
     inside = (grid.stations > bounds[rows.start]) & (grid.stations < bounds[rows.stop])
     return np.repeat(inside[:, None], len(grid.z), axis=1)
-
-
-def windows_of(grid: SideGrid, normal: Floats) -> list[Bools]:
-    """Cells under normal forces of each window, (n, n_z), windows from the field side to the gauge side."""
-    found, row = [], 0
-    while row < len(normal):
-        window = window_of(grid, slice(row, row + 1))
-        inside = np.zeros(normal.shape, dtype=np.bool_)
-        inside[window] = normal[window] > 0.0
-        found += [inside] if inside.any() else []
-        row = window.stop
-    return found
 
 
 def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
