@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
-from flangeway.post import contact_lines
 from flangeway.report.figures.drawing import (
     GREY,
     INK,
@@ -54,18 +53,14 @@ def pressure_figure(run: BodiesRun) -> Figure:
 
 def traction_figure(run: BodiesRun) -> Figure:
     """Draw the tangential tractions of the contacts with friction between their limits, one contact below another."""
-    assert run.contact is not None
-    lines = contact_lines(run.contact.system, run.contact.state)
-    lines = [line for line in lines if line.contact.friction_coefficient and line.pressures.any()]
-    figure, rows = panels(8.0, 2.2 * len(lines) + 0.6, len(lines), 1, run.case.units)
-    for axes, line in zip(rows[:, 0], lines, strict=True):
-        loaded = np.flatnonzero(line.pressures)
-        near = np.arange(max(loaded[0] - 1, 0), min(loaded[-1] + 2, len(line.nodes)))
-        way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(line.positions[near], axis=0), axis=1))))
-        limits = line.contact.friction_coefficient * line.pressures[near]
+    figure, rows = panels(8.0, 2.2 * len(run.rubbing) + 0.6, len(run.rubbing), 1, run.case.units)
+    for axes, pair in zip(rows[:, 0], run.rubbing, strict=True):
+        nodes = pair.nodes
+        steps = [np.diff(nodes[axis], prepend=nodes[axis][:1]) for axis in "xy"]
+        way = np.cumsum(np.hypot(*steps))
         for sign in (1.0, -1.0):
-            axes.plot(way, sign * limits, color=GREY, lw=1.2, ls="--")
-        axes.plot(way, line.tractions[near], color=INK, **NODES)
-        axes.set_title(f"{line.contact.secondary.part.name} on {line.contact.primary.part.name}", fontsize=9)
-        name_axes(axes, ("length along the surface" if axes is rows[-1, 0] else "", "mm"), ("traction", "MPa"))
+            axes.plot(way, sign * pair.contact.friction_coefficient * nodes["pressure"], color=GREY, lw=1.2, ls="--")
+        axes.plot(way, nodes["traction"], color=INK, **NODES)
+        axes.set_title(pair.name, fontsize=9)
+        name_axes(axes, ("length along the surface", "mm"), ("traction", "MPa"))
     return figure

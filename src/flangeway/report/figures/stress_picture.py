@@ -83,13 +83,10 @@ class DrawnBody:
         found[self.shown.cells[inside]] = True
         return found
 
-    def draw(
-        self, axes: Axes, values: Floats, shade: ScalarMappable, cells: Bools | None = None, *, edges: bool = True
-    ) -> None:
+    def draw(self, axes: Axes, values: Floats, shade: ScalarMappable, cells: Bools | None = None) -> None:
         """Draw values at the points of the triangles, edges of cells, and the outline.
 
         - `cells`: cells that have colours, (n_cells,); all if left out.
-        - `edges`: whether edges inside are drawn.
         """
         triangles = self.shown.triangles
         if cells is not None:
@@ -97,8 +94,7 @@ class DrawnBody:
         if len(triangles):
             fill_triangles(axes, self.points, triangles, values, shade)
         lines, mesh = self.edges, self.space.mesh
-        if edges:
-            draw_lines(axes, lines, GREY, line_width(mesh), 0.7)
+        draw_lines(axes, lines, GREY, line_width(mesh), 0.7)
         draw_lines(axes, lines[mesh.edge_cells[:, 1] < 0], INK, 0.9)
 
 

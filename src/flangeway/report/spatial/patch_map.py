@@ -38,9 +38,9 @@ CURVES = (
     ("von Mises", PURPLE, "--"), ("Tresca", "#2e7d32", "-."),
 )  # fmt: skip
 N_PROFILE = 241
-MIN_WIDTH_MM = 12.0
-"""Of what is shown of a surface from above."""
-MAX_WIDTH_IN, MAX_HEIGHT_IN, MIN_WIDTH_IN, MIN_HEIGHT_IN = 9.0, 8.0, 5.0, 3.0
+MIN_RATIO = 0.6
+"""Width of what is shown of a surface from above over its height, at least."""
+MAX_WIDTH_IN, MAX_HEIGHT_IN, MIN_WIDTH_IN, MIN_HEIGHT_IN = 9.0, 6.0, 5.0, 3.0
 """Size of the picture of surfaces from above: without labels at most, with them at least."""
 MARGIN = 0.08
 """About what is under pressure, over its longer side."""
@@ -125,9 +125,10 @@ def maps_figure(
     - `across`, `along`: words for both axes.
     """
     boxes = [shown.box for shown in maps]
-    for box in boxes:
-        box[:, 0] += np.array([-0.5, 0.5]) * max(MIN_WIDTH_MM - float(np.ptp(box[:, 0])), 0.0)
     ahead = np.array([box[:, 1] for box in boxes])
+    least = MIN_RATIO * float(np.ptp(ahead))
+    for box in boxes:
+        box[:, 0] += np.array([-0.5, 0.5]) * max(least - float(np.ptp(box[:, 0])), 0.0)
     ends, widths = (ahead[:, 0].min(), ahead[:, 1].max()), [float(np.ptp(box[:, 0])) for box in boxes]
     scale = min(MAX_WIDTH_IN / sum(widths), MAX_HEIGHT_IN / (ends[1] - ends[0]))
     size = max(scale * sum(widths) + 1.0, MIN_WIDTH_IN), max(scale * (ends[1] - ends[0]) + 1.9, MIN_HEIGHT_IN)
