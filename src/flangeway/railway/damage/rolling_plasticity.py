@@ -43,8 +43,8 @@ FAR = 8.0
 SKIN = 0.2
 """Thickness of the uppermost layer over that of the others: where it flows, tractions are beyond yield in shear.
 
-With 8 to 20 cells it flows within 3 % of ``p0 / k = 1 / mu``; thinner layers of perfectly plastic steel have increments that
-Newton's method does not find."""
+With 8 to 20 cells it flows within 3 % of ``p0 / k = 1 / mu``; thinner layers of perfectly plastic steel have increments
+that Newton's method does not find."""
 NEWTON_TOLERANCE, MAX_NEWTON = 1e-10, 60
 """Residual over the radius of yield at which a passage is solved."""
 VANISHED = 1e-5
