@@ -143,7 +143,7 @@ def test_doubled_points_are_left_out_with_a_notice(tmp_path):
 
 
 def test_points_denser_than_their_noise_are_merged(tmp_path):
-    """20,000 points of a scanner, 7 micrometres apart with noise of 10, are means within 10 micrometres of the wheel."""
+    """20,000 points of a scanner, 7 micrometres apart with noise of 10, give the wheel within 10 micrometres."""
     points = wheel_points()
     along = np.linspace(0.0, len(points) - 1.0, 20_000)
     dense = np.stack([np.interp(along, np.arange(len(points)), column) for column in points.T], axis=1)

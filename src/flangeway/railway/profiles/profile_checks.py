@@ -100,8 +100,8 @@ def _merged(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[s
     means = np.add.reduceat(points, starts) / np.diff(np.append(starts, len(points)))[:, None]
     first = lines[np.setdiff1d(np.arange(len(points)), starts)[0]]
     why = " of each other" if reach == SAME_MM else ", denser than their noise,"
-    notice = f"{n_merged} of {len(points)} points within {reach:.2g} mm{why} are merged into means, the first in line {first}."
-    return means, lines[starts], [notice]
+    notice = f"{n_merged} of {len(points)} points within {reach:.2g} mm{why} are merged into means"
+    return means, lines[starts], [f"{notice}, the first in line {first}."]
 
 
 def _starts(points: FloatArray, reach_mm: float) -> NDArray[np.int64]:
