@@ -92,3 +92,9 @@ def test_per_patch_differs_from_local_only_where_the_constant_varies() -> None:
     assert abs(volumes(UsfdLaw(), full_slip(creepage=0.03)[0]) - 1.0) > 0.05
     high = full_slip()[0]
     assert volumes(ArchardLaw(2000.0), high) < 0.5  # only the middle of the patch has pressures above 0.8 of H
+
+
+def test_a_patch_without_pressure_wears_nothing() -> None:
+    """Per patch as well, whose means are over no area."""
+    none = CellLoads(np.zeros((2, 3)), np.zeros((2, 3, 2)), np.zeros((2, 3, 2)), np.ones((2, 3)), 20.0)
+    assert not PerPatch(ArchardLaw(HARDNESS_MPa)).rates(none).any()

@@ -106,7 +106,7 @@ class CellLoads:
     def mean(self) -> "CellLoads":
         """One cell with the means over the contact area; traction times slip is the mean T-gamma over area."""
         area = self.contact_area_mm2
-        weights = np.broadcast_to(self.areas, self.pressures.shape) / area
+        weights = np.broadcast_to(self.areas, self.pressures.shape) / (area or 1.0)
         energy = float((self.energy * weights).sum())
         slip = float((self.slip_sizes * weights)[self.pressures > 0.0].sum())
         traction = energy / slip if slip > 0.0 else 0.0
