@@ -1,6 +1,6 @@
-"""Creep-force curves of patches about their working points, by the exact theory and by fast ones."""
+"""Creep-force curves: forces over a creepage by several theories, about the working point of a patch."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,21 +12,21 @@ from scipy.interpolate import PchipInterpolator
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import roll
-from flangeway.contact.rolling.fast_theories import polach
-from flangeway.contact.rolling.fastsim import fastsim
-from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.report.figures.drawing import GREY, INK, PURPLE, legend_below, name_axes, panels
+from flangeway.contact.rolling.rolling_result import Rolling
+from flangeway.contact.rolling.theories import FAST, TITLES, Theory
+from flangeway.report.figures.drawing import GREY, INK, PURPLE, SERIES, legend_below, name_axes, panels
 from flangeway.report.rolling.rolling_maps import ShownRolling
 from flangeway.types import Floats
 from flangeway.units import Units
 
-Theory = Callable[[RollingContact, Creepages], CreepForces]
-
-THEORIES: dict[str, tuple[Theory, str, Any]] = {
-    "FASTSIM": (fastsim, "#2166ac", (0, (5, 2))),
-    "Polach": (polach, "#b35806", "dashdot"),
-}
+STYLES: dict[Theory, tuple[str, Any]] = {
+    "exact": (INK, "-"), "fastsim": (SERIES[0], (0, (5, 2))), "fastrip": (SERIES[2], "--"),
+    "polach": (SERIES[1], "dashdot"), "linear": (GREY, (0, (1, 1.5))),
+}  # fmt: skip
+FAR = 1.3
+"""Highest force that is drawn over the limit of friction: linear theory goes on."""
+COMPARED: tuple[Theory, ...] = ("fastsim", "polach")
+"""Fast theories in the curves of a wheelset."""
 EXACT = (0.0, 0.2, 0.5, 1.0)
 """Creepages of the exact theory over the greatest one, beside that of the working point."""
 N_FAST, TOLERANCE = 41, 3e-3
@@ -39,6 +39,23 @@ UNLOADED = 1e-3
 """Greatest creepage where there is no friction and no creepage."""
 
 
+def draw_curves(axes: Axes, curves: Mapping[Theory, Floats], here: tuple[float, float], limit: float | None) -> None:
+    """Draw forces over creepages (n, 2) by theories, the working point, and the limit of friction if there is one."""
+    for theory, line in curves.items():
+        colour, style = STYLES[theory]
+        axes.plot(*line.T, color=colour, ls=style, lw=1.3, label=TITLES[theory])
+    axes.plot(*here, "D", color=PURPLE, ms=6.0, label="working point", zorder=5)
+    axes.axhline(0.0, color=GREY, lw=0.6)
+    low, high = axes.get_ylim()
+    # linear theory goes on beyond the limit of friction, and its moment beyond the others'
+    others = [np.abs(line[:, 1]).max() for theory, line in curves.items() if theory != "linear"]
+    top = FAR * (max(others, default=0.0) if limit is None else limit) or max(-low, high)
+    axes.set_ylim(max(low, -top), min(high, top))
+    for level in () if limit is None else (-limit, limit):
+        if low < level < high:
+            axes.axhline(level, color=GREY, lw=0.8, ls=(0, (10, 4)), label="limit of friction")
+
+
 def curves_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> Figure:
     """Draw for each patch the force ahead over its creepage and that across over its own, the others fixed."""
     count = max(len(patches), 1)
@@ -48,8 +65,7 @@ def curves_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> F
         for axes, (name, sign, way, words) in zip(row, ways, strict=True):
             _draw_curve(axes, shown, name, sign)
             axes.set_title(f"{shown.name}: {way}", fontsize=9.5)
-            name_axes(axes, (f"{words} creepage" if row is rows[-1] else "", "%"))
-            name_axes(axes, y=("creep force" if axes is row[0] else "", "kN"))
+            name_axes(axes, (f"{words} creepage", "%"), ("creep force", "kN"))
     legend_below(figure, 5, fontsize=9)
     return figure
 
@@ -65,34 +81,21 @@ def _draw_curve(axes: Axes, shown: ShownRolling, name: str, sign: float) -> None
     working = float(np.broadcast_to(getattr(found.motion, name), share.shape) @ share)
     end = (max(BEYOND * abs(working), SATURATED * limit / stiffness) or UNLOADED) * (1.0 if working >= 0.0 else -1.0)
 
-    def motion(value: float) -> Creepages:
-        return replace(found.motion, **{name: getattr(found.motion, name) + (value - working)})
+    def motion(creepage: float) -> Creepages:
+        return replace(found.motion, **{name: getattr(found.motion, name) + (creepage - working)})
 
+    drawn = sign * np.array([100.0, 1e-3])  # creepages in %, forces in kN
     fast: Floats = np.linspace(0.0, end, N_FAST)
-    for label, (theory, colour, style) in THEORIES.items():
-        forces = [getattr(theory(contact, motion(each)), name) for each in fast]
-        axes.plot(100.0 * sign * fast, 1e-3 * sign * np.array(forces), color=colour, ls=style, lw=1.2, label=label)
+    curves: dict[Theory, Floats] = {}
+    for theory in COMPARED:
+        forces = [getattr(FAST[theory](contact, motion(each)), name) for each in fast.tolist()]
+        curves[theory] = drawn * np.column_stack((fast, forces))
     if isinstance(found, Rolling):
-        points = np.array(_exact(found, name, working, end, motion))
-        fine: Floats = np.linspace(points[0, 0], points[-1, 0], N_FAST)
-        axes.plot(100.0 * sign * fine, 1e-3 * sign * PchipInterpolator(*points.T)(fine), color=INK, lw=1.0)
-        axes.plot(*(sign * points * (100.0, 1e-3)).T, "o", color=INK, ms=3.5, mfc="white", label="exact theory")
-    here = 100.0 * sign * working, 1e-3 * sign * getattr(found, name)
-    axes.plot(*here, "D", color=PURPLE, ms=6.5, label="working point", zorder=5)
-    at_limit = -np.sign(sign * end) * 1e-3 * limit
-    axes.axhline(at_limit, color=GREY, lw=0.8, ls="dotted", label="limit of friction")
-    axes.axhline(0.0, color=GREY, lw=0.6)
-
-
-def _exact(
-    found: Rolling, name: str, working: float, end: float, motion: Callable[[float], Creepages]
-) -> list[tuple[float, float]]:
-    """Creepages and forces by the exact theory, each started from its neighbour, from the working point both ways."""
-    points = {working: float(getattr(found, name))}
-    for outwards in (1.0, -1.0):
-        state = found
-        values = [share * end for share in EXACT if outwards * (abs(share * end) - abs(working)) > 0.0]
-        for value in sorted(values, key=lambda each: outwards * abs(each)):
-            state = roll(found.contact, motion(value), start=state, tolerance=TOLERANCE)
-            points[value] = float(getattr(state, name))
-    return sorted(points.items())
+        exact = {working: found} | {
+            part * end: roll(contact, motion(part * end), start=found, tolerance=TOLERANCE) for part in EXACT
+        }
+        points = np.array(sorted((creepage, getattr(state, name)) for creepage, state in exact.items()))
+        axes.plot(*(drawn * points).T, "o", color=INK, ms=3.5, mfc="white")
+        curves["exact"] = drawn * np.column_stack((fast, PchipInterpolator(*points.T)(fast)))
+    here = drawn * [working, getattr(found, name)]
+    draw_curves(axes, curves, (float(here[0]), float(here[1])), 1e-3 * limit)

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
 from flangeway.contact.patch.contact_ellipse import CellForces, ContactEllipse
@@ -15,14 +16,32 @@ from flangeway.exact import PointContact
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import DepthProfile
 from flangeway.quantities import measured
-from flangeway.report.figures.drawing import COLOURS, GREY, HERTZ, INK, LIGHT, NODES, PURPLE, Style, name_axes, units_of
+from flangeway.report.figures.drawing import (
+    COLOURS,
+    GREY,
+    HERTZ,
+    INK,
+    LIGHT,
+    NODES,
+    PURPLE,
+    Style,
+    colour_bar,
+    name_axes,
+    new_figure,
+    units_of,
+)
 from flangeway.types import Floats, Ints
+from flangeway.units import Units
 
 CURVES = (
     ("across, x", "#0b5394", "-"), ("normal, y", INK, "-"), ("along, z", "#9a6a00", "-"),
     ("von Mises", PURPLE, "--"), ("Tresca", "#2e7d32", "-."),
 )  # fmt: skip
 N_PROFILE = 241
+MIN_RATIO = 0.6
+"""Width of what is shown of a surface from above over its height, at least."""
+MAX_WIDTH_IN, MAX_HEIGHT_IN, MIN_WIDTH_IN, MIN_HEIGHT_IN = 9.0, 6.0, 5.0, 3.0
+"""Size of the picture of surfaces from above: without labels at most, with them at least."""
 MARGIN = 0.08
 """About what is under pressure, over its longer side."""
 
@@ -96,6 +115,36 @@ def draw_pressures(axes: Axes, shown: PatchMap, highest: float) -> ScalarMappabl
             axes.add_patch(Ellipse(middle, width, height, angle=angle, **style))
     axes.set_aspect("equal", adjustable="box")
     return ScalarMappable(scale, COLOURS)
+
+
+def maps_figure(
+    maps: Sequence[PatchMap], across: str, along: str, units: Units = "metric"
+) -> tuple[Figure, Sequence[Axes]]:
+    """Draw the pressures of surfaces from above, beside each other in one scale, with outlines and Hertz's ellipses.
+
+    - `across`, `along`: words for both axes.
+    """
+    boxes = [shown.box for shown in maps]
+    ahead = np.array([box[:, 1] for box in boxes])
+    least = MIN_RATIO * float(np.ptp(ahead))
+    for box in boxes:
+        box[:, 0] += np.array([-0.5, 0.5]) * max(least - float(np.ptp(box[:, 0])), 0.0)
+    ends, widths = (ahead[:, 0].min(), ahead[:, 1].max()), [float(np.ptp(box[:, 0])) for box in boxes]
+    scale = min(MAX_WIDTH_IN / sum(widths), MAX_HEIGHT_IN / (ends[1] - ends[0]))
+    size = max(scale * sum(widths) + 1.0, MIN_WIDTH_IN), max(scale * (ends[1] - ends[0]) + 1.9, MIN_HEIGHT_IN)
+    figure = new_figure(*size, units)
+    both = figure.subplots(1, len(maps), sharey=True, squeeze=False, width_ratios=widths)[0]
+    highest = max(float(shown.cells.pressures.max()) for shown in maps)
+    for axes, shown, box in zip(both, maps, boxes, strict=True):
+        drawn = draw_pressures(axes, shown, max(highest, 1.0))
+        axes.set(xlim=box[:, 0], ylim=ends)
+        axes.locator_params(axis="x", nbins=5)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="lower right", fontsize=8)
+        name_axes(axes, (across, "mm"))
+    name_axes(both[0], y=(along, "mm"))
+    colour_bar(drawn, list(both), "contact pressure", "MPa", location="top", aspect=45)
+    return figure, both
 
 
 def draw_sections(across: Axes, along: Axes, shown: PatchMap, number: int) -> None:

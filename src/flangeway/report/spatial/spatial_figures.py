@@ -4,27 +4,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.cases.spatial.spatial_case import SpatialRun
-from flangeway.report.figures.drawing import colour_bar, name_axes, new_figure, panels
-from flangeway.report.spatial.patch_map import PatchMap, draw_depths, draw_pressures, draw_sections
-
-MAX_RATIO, MIN_RATIO, WIDE = 1.6, 0.45, 0.8
-"""Height over width of the picture from above, at most and at least, and where the scale is below it."""
+from flangeway.report.figures.drawing import name_axes, panels
+from flangeway.report.spatial.patch_map import PatchMap, draw_depths, draw_sections, maps_figure
 
 
 def patch_figure(run: SpatialRun) -> Figure:
     """Draw the pressures from above, y towards the reader, with the outline of the patches and Hertz's ellipses."""
-    shown = _map(run)
-    width, height = np.ptp(shown.box, axis=0)
-    ratio = float(np.clip(height / width, MIN_RATIO, MAX_RATIO))
-    figure = new_figure(7.0, 1.2 + 5.0 * ratio, run.case.units)
-    axes = figure.subplots()
-    drawn = draw_pressures(axes, shown, float(shown.cells.pressures.max()))
-    axes.set(xlim=shown.box[:, 0], ylim=shown.box[:, 1])
-    name_axes(axes, ("length along the surface, across z", "mm"), ("z", "mm"))
-    colour_bar(drawn, axes, "contact pressure", "MPa", location="bottom" if ratio < WIDE else "right")
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="upper right", fontsize=8)
-    return figure
+    return maps_figure([_map(run)], "length along the surface, across z", "z", run.case.units)[0]
 
 
 def pressure_figure(run: SpatialRun) -> Figure:
