@@ -12,7 +12,7 @@ from flangeway.railway.damage.collective import COLLECTIVES, Collective, Running
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings, EvolutionStep, limit_positions
 from flangeway.railway.damage.profile_limits import reached, worn_measures
 from flangeway.railway.damage.surface_wear import patch_damage, patch_loads, row_wear
-from flangeway.railway.damage.wear_laws import EnergyLaw, UsfdLaw
+from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, OwnLaw, PerPatch, UsfdLaw, WearLaw
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.wheelset.spatial_result import solve_spatial
@@ -111,6 +111,27 @@ def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
     again = Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3, filter_mm=1.0))
     with pytest.raises(InputError, match=r"parts\.sqlite"):
         again.run(tmp_path / "parts.sqlite")
+
+
+def test_other_constants_of_a_law_are_other_inputs() -> None:
+    """A file of steps does not go on with another hardness, place in Jendel's ranges, or unit; the end may differ."""
+    states = Collective([state()])
+
+    def identity(law: WearLaw, end: float = 10.0) -> str:
+        return Evolution(states, {"wheel": law}, EvolutionSettings(end)).identity
+
+    first = ArchardLaw(2700.0)
+    assert identity(first) == identity(ArchardLaw(2700.0), 20.0)
+    others = ArchardLaw(2400.0), ArchardLaw(2700.0, level=0.1), PerPatch(first), ENERGY, EnergyLaw(0.02, "mg/kJ")
+    assert len({identity(law) for law in (first, *others)}) == 6
+    assert identity(OwnLaw(lambda p, s, t: p, "mm/m")) == identity(OwnLaw(lambda p, s, t: p, "mm/m"))
+
+
+@pytest.mark.parametrize("spacing", [1e-6, 500.0])
+def test_pieces_are_of_usual_lengths(spacing: float) -> None:
+    """Neither millions of them nor less than one."""
+    with pytest.raises(InputError, match="spacing_mm"):
+        WornSurface(wheel("S1002"), spacing_mm=spacing)
 
 
 def test_error_of_the_steps_is_controlled_and_of_second_order() -> None:

@@ -149,7 +149,7 @@ def limit_positions(steps: Sequence[EvolutionStep], limits: Mapping[str, float])
         for name in reached(surface, limits):
             whole, position = f"{key[0]}: {name}", last.position
             if len(steps) > 1:
-                before, after = (worn_measures(step.surfaces[key])[LIMITS[name][0]] for step in steps[-2:])
+                before, after = (worn_measures(step.surfaces[key])[LIMITS[name].measure] for step in steps[-2:])
                 position -= (last.position - steps[-2].position) * (after - limits[name]) / (after - before)
             found[whole] = min(position, found.get(whole, position))
     return found
@@ -171,8 +171,8 @@ class Evolution:
     Raises
     ------
     InputError
-        If no body wears, states have different profiles of what wears, or both wear without
-        `EvolutionSettings.axles_per_km`.
+        If no body wears, states have different profiles of what wears, both wear without
+        `EvolutionSettings.axles_per_km`, or a limit is one of what does not wear.
 
     """
 
@@ -190,6 +190,10 @@ class Evolution:
                 "axles that pass a point of the rails while a wheel runs 1 km",
                 "give axles_per_km, or let one of them wear",
             )
+        for name in self.settings.limits:
+            role = LIMITS[name].role
+            if role not in self.laws:
+                raise InputError(f"limit {name} of {role}s, which do not wear", "limits of what wears", "leave it out")
 
     @property
     def unit(self) -> str:
@@ -350,7 +354,7 @@ class Evolution:
             versions()["flangeway"],
             repr((OVER_PIECES, RollingPlace._fields)),
             repr(sorted(settings.items())),
-            repr([(role, law.name) for role, law in self.laws.items()]),
+            repr(sorted(self.laws.items())),
             repr(self.collective.separate),
             *(f"{state.share!r} {state.problem!r} {state.model!r}" for state in self.collective.states),
         ]
