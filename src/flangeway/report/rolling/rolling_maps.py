@@ -31,6 +31,7 @@ FIELDS = {
     "slip_mm": ("slip", "mm"),
     "flash_temperature_K": ("flash temperature", "K"),
     "frictional_power_W_mm2": ("frictional power over the area", "W/mm²"),
+    "frictional_work_N_mm": ("frictional work over the area", "N/mm"),
 }
 """Words and units of fields of cells by the names of their arrays, for the viewer."""
 LENGTH = 1.7
@@ -81,19 +82,23 @@ class ShownRolling:
         """Tractions on the second body to the right and up, shape (n_cells, n_strips, 2)."""
         return self.fields.tractions * (-self.sign, 1.0)
 
-    @property
-    def slip_m_s(self) -> Floats:
-        """Slip velocity, of a shift the slip in mm, shape (n_cells, n_strips)."""
-        return np.linalg.norm(self.fields.slip_velocities, axis=2) * self._scale
 
-    @property
-    def power_W_mm2(self) -> Floats:  # noqa: N802
-        """Frictional power over area, MPa m/s = W/mm^2, of a shift its work in N/mm, shape (n_cells, n_strips)."""
-        return self.fields.power_density * self._scale
+def cell_fields(forces: Rolling | SimplifiedRolling, speed_m_s: float) -> dict[str, Floats]:
+    """Arrays on the cells (n_cells, n_strips[, 2]) by their names in files; vectors t, z are those of the second body.
 
-    @property
-    def _scale(self) -> float:
-        return self.speed_m_s / abs(self.forces.motion.speed) if self.forces.motion.rolls else 1.0
+    Of a shift they are slip and work in the place of velocity and power.
+    """
+    rolls = forces.motion.rolls
+    scale = speed_m_s / abs(forces.motion.speed) if rolls else 1.0
+    slip, power = ("slip_velocity_m_s", "frictional_power_W_mm2") if rolls else ("slip_mm", "frictional_work_N_mm")
+    found = {
+        "traction_MPa": forces.tractions,
+        slip: scale * forces.slip_velocities,
+        power: scale * forces.power_density,
+    }
+    if forces.flash_temperatures is not None:
+        found["flash_temperature_K"] = forces.flash_temperatures
+    return found | {"stick_slip_state": forces.states.astype(np.float64)}
 
 
 def shown_fields(fields: Mapping[str, Floats]) -> tuple[list[ShownField], dict[str, Floats]]:
@@ -113,18 +118,15 @@ def rolling_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> 
     rows = figure.subplots(count, 3, squeeze=False, height_ratios=heights.tolist())
     for row, shown, box in zip(rows, patches, boxes, strict=False):
         _draw_states(row[0], shown)
-        rolls = shown.forces.motion.rolls
-        slip, power = (("slip velocity", "m/s"), ("frictional power", "W/mm²"))
-        if not rolls:
-            slip, power = (("slip", "mm"), ("frictional work", "N/mm"))
-        _draw_values(row[1], shown, shown.slip_m_s, *slip)
-        _draw_values(row[2], shown, shown.power_W_mm2, *power)
+        arrays = cell_fields(shown.fields, shown.speed_m_s)
+        drawn, found = shown_fields({name: arrays[name] for name in arrays if name.startswith(("slip", "frictional"))})
+        for axes, field in zip(row[1:], drawn, strict=True):
+            _draw_values(axes, shown, found[field.array], field.name, field.unit)
         ends = box[:, 0].mean() + np.array([-0.5, 0.5]) * float(width.max())
         for axes in row:
             axes.set(xlim=ends, ylim=box[:, 1])
             axes.set_aspect("equal", adjustable="box")
-            name_axes(axes, ("to the right" if row is rows[-1] else "", "mm"))
-            name_axes(axes, y=("z ahead" if axes is row[0] else "", "mm"))
+            name_axes(axes, ("to the right", "mm"), ("z ahead", "mm"))
             axes.locator_params(axis="x", nbins=4)
             axes.locator_params(axis="y", nbins=6)
     fills = {"sticks": STICK, "slips": SLIP}

@@ -33,7 +33,7 @@ from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Figures, Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across
 from flangeway.report.rolling.creep_curves import draw_curves
-from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure, shown_fields
+from flangeway.report.rolling.rolling_maps import ShownRolling, cell_fields, rolling_figure, shown_fields
 from flangeway.report.spatial.patch_map import strip_mesh
 from flangeway.report.viewer import Scene, ShownPart
 from flangeway.results import ResultTable
@@ -186,14 +186,9 @@ def _fields(run: RollingPatchRun) -> dict[str, Floats]:
     cells = run.state.cells
     if cells is None:
         return found
-    flat = ((0, 0), (0, 0), (0, 1))
-    found["traction_MPa"] = np.pad(cells.tractions, flat)
-    found["slip_velocity_m_s" if run.case.rolls else "slip_mm"] = np.pad(cells.slip_velocities, flat)
-    if run.case.rolls:
-        found["frictional_power_W_mm2"] = cells.power_density
-    if cells.flash_temperatures is not None:
-        found["flash_temperature_K"] = cells.flash_temperatures
-    return found | {"stick_slip_state": cells.states.astype(np.float64)}
+    for name, values in cell_fields(cells, abs(cells.motion.speed)).items():
+        found[name] = np.pad(values, ((0, 0), (0, 0), (0, 1))) if values.ndim > 2 else values
+    return found
 
 
 def _scene(run: RollingPatchRun) -> Scene:
