@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
-from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces, Rolling
+from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
 from flangeway.quantities import measured
 from flangeway.report.figures.drawing import COLOURS, INK, Style, colour_bar, name_axes, new_figure, units_of
+from flangeway.report.spatial.patch_map import strip_ends
 from flangeway.report.viewer import ShownField
 from flangeway.types import Floats
 from flangeway.units import Units
@@ -30,8 +30,8 @@ FIELDS = {
     "slip_velocity_m_s": ("slip velocity", "m/s"),
     "slip_mm": ("slip", "mm"),
     "flash_temperature_K": ("flash temperature", "K"),
-    "frictional_power_W_mm2": ("frictional power over the area", "W/mm²"),
-    "frictional_work_N_mm": ("frictional work over the area", "N/mm"),
+    "frictional_power_W_mm2": ("frictional power density", "W/mm²"),
+    "frictional_work_N_mm": ("frictional work density", "N/mm"),
 }
 """Words and units of fields of cells by the names of their arrays, for the viewer."""
 LENGTH = 1.7
@@ -43,44 +43,35 @@ class ShownRolling:
     """One patch that rolls, drawn with a direction across to the right and z up.
 
     - `name`: of the patch.
-    - `forces`: creep forces.
-    - `contact`: its cells.
+    - `forces`: creep forces with tractions, slip and states of its cells.
     - `speed_m_s`: speed of rolling.
     - `origin`: length along the first body's surface that is drawn at zero.
     - `sign`: 1 where rising lengths run to the left, else -1, as `flangeway.report.spatial.patch_map.PatchMap`.
     """
 
     name: str
-    forces: CreepForces
-    contact: RollingContact
+    forces: Rolling | SimplifiedRolling
     speed_m_s: float
     origin: float
     sign: float = 1.0
 
     @property
-    def fields(self) -> Rolling | SimplifiedRolling:
-        """Tractions, slip and states, which only some theories have."""
-        assert isinstance(self.forces, Rolling | SimplifiedRolling)
-        return self.forces
-
-    @property
     def edges(self) -> tuple[Floats, Floats]:
         """Ends of the cells, to the right and up."""
-        grid = self.contact.grid
-        z: Floats = grid.middle + grid.strip * (np.arange(grid.n_strips + 1, dtype=np.float64) - grid.n_strips / 2.0)
-        return self.sign * (self.origin - grid.bounds), z
+        grid = self.forces.contact.grid
+        return self.sign * (self.origin - grid.bounds), strip_ends(grid.along, grid.strip)
 
     @property
     def box(self) -> Floats:
         """Corners (2, 2) of the cells under pressure, with a margin."""
-        both = zip(self.edges, self.contact.box, strict=True)
+        both = zip(self.edges, self.forces.contact.box, strict=True)
         found = np.stack([np.sort(edges[[cells.start, cells.stop]]) for edges, cells in both], axis=1)
         return found + np.array([[-1.0], [1.0]]) * MARGIN * np.ptp(found, axis=0).max()
 
     @property
     def tractions(self) -> Floats:
         """Tractions on the second body to the right and up, shape (n_cells, n_strips, 2)."""
-        return self.fields.tractions * (-self.sign, 1.0)
+        return self.forces.tractions * (-self.sign, 1.0)
 
 
 def cell_fields(forces: Rolling | SimplifiedRolling, speed_m_s: float) -> dict[str, Floats]:
@@ -118,7 +109,7 @@ def rolling_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> 
     rows = figure.subplots(count, 3, squeeze=False, height_ratios=heights.tolist())
     for row, shown, box in zip(rows, patches, boxes, strict=False):
         _draw_states(row[0], shown)
-        arrays = cell_fields(shown.fields, shown.speed_m_s)
+        arrays = cell_fields(shown.forces, shown.speed_m_s)
         drawn, found = shown_fields({name: arrays[name] for name in arrays if name.startswith(("slip", "frictional"))})
         for axes, field in zip(row[1:], drawn, strict=True):
             _draw_values(axes, shown, found[field.array], field.name, field.unit)
@@ -126,9 +117,10 @@ def rolling_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> 
         for axes in row:
             axes.set(xlim=ends, ylim=box[:, 1])
             axes.set_aspect("equal", adjustable="box")
-            name_axes(axes, ("to the right", "mm"), ("z ahead", "mm"))
+            name_axes(axes, ("to the right", "mm"))
             axes.locator_params(axis="x", nbins=4)
             axes.locator_params(axis="y", nbins=6)
+        name_axes(row[0], y=("z ahead", "mm"))
     fills = {"sticks": STICK, "slips": SLIP}
     handles = [Patch(fc=fill, ec=INK, lw=0.5, label=name) for name, fill in fills.items()]
     figure.legend(handles=handles, loc="outside lower left", ncols=2, frameon=False, fontsize=9)
@@ -137,13 +129,13 @@ def rolling_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> 
 
 def _draw_states(axes: Axes, shown: ShownRolling) -> None:
     """Areas of stick and slip, with arrows of the tractions on the second body."""
-    states, edges = shown.fields.states, shown.edges
+    states, edges = shown.forces.states, shown.edges
     drawn = np.ma.masked_equal(states, NO_CONTACT).T
     colours = ListedColormap([STICK, SLIP])
     axes.pcolormesh(*edges, drawn, cmap=colours, norm=Normalize(STICKS - 0.5, SLIPS + 0.5), rasterized=True)
     spacing = max(np.ptp(shown.box, axis=0)) / ARROWS
     chosen = []
-    for ends, cells in zip(edges, shown.contact.box, strict=True):
+    for ends, cells in zip(edges, shown.forces.contact.box, strict=True):
         step = max(round(spacing / abs(float(np.diff(ends).mean()))), 1)
         chosen.append(np.arange(cells.start, cells.stop)[(cells.stop - cells.start - 1) % step // 2 :: step])
     rows, strips = (each.ravel() for each in np.meshgrid(*chosen, indexing="ij"))
@@ -159,7 +151,7 @@ def _draw_states(axes: Axes, shown: ShownRolling) -> None:
 
 
 def _draw_values(axes: Axes, shown: ShownRolling, values: Floats, name: str, unit: str) -> None:
-    drawn = np.where(shown.fields.states != NO_CONTACT, values, np.nan)
+    drawn = np.where(shown.forces.states != NO_CONTACT, values, np.nan)
     scale = Normalize(0.0, max(float(np.nanmax(drawn)), np.finfo(float).tiny))
     mesh = axes.pcolormesh(*shown.edges, drawn.T, cmap=COLOURS, norm=scale, rasterized=True)
     colour_bar(mesh, axes, name, unit, aspect=18, pad=0.02)
