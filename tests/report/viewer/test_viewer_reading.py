@@ -5,6 +5,7 @@ import pytest
 from matplotlib.path import Path as Outline
 
 from flangeway.mesh import PolyMesh
+from flangeway.post import Stresses
 from flangeway.report.viewer.scene_model import DISPLACEMENT, ShownPart
 
 
@@ -54,8 +55,8 @@ def test_a_notch_belongs_to_no_cell(open_page, page_of):
         [[2.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0], [0.0, 0.0], [1.0, 0.0], [1.0, 9.0], [2.0, 9.0]]
     )
     mesh = PolyMesh(points, np.array([0, 8]), np.arange(8))
-    stresses = np.array([[1.0, 2.0, 3.0, 0.5]])
-    part = ShownPart("plate", mesh, {DISPLACEMENT: np.zeros((8, 2))}, {"stresses": stresses})
+    stresses = Stresses(np.array([[1.0, 2.0, 3.0, 0.5]]))
+    part = ShownPart("plate", mesh, {DISPLACEMENT: np.zeros((8, 2))}, {"stresses": stresses.components})
     opened = open_page(page_of([part]))
     box = opened.canvas.bounding_box()
     centre, pixel = np.array([5.0, 5.0]), opened.mm_per_pixel()
