@@ -242,7 +242,7 @@ class Evolution:
                     break
         except (ValueError, KeyError, TypeError, sqlite3.Error) as reason:
             raise InputError(
-                f"{store.file}: step {len(steps)} cannot be read, {type(reason).__name__}",
+                f"{store.file}: steps that cannot be read, {type(reason).__name__}",
                 "steps as a run stored them",
                 "take --fresh or another folder",
             ) from reason
