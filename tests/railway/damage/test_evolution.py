@@ -1,5 +1,7 @@
 """Collectives and the evolution of profiles on coarse meshes: resuming, symmetry, energy, limits, wrong inputs."""
 
+import sqlite3
+from contextlib import closing
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -82,7 +84,7 @@ class Fading(Evolution):
 
     def _evaluated(self, position, surfaces, damage, progress, near=()):  # noqa: ARG002
         progress(f"at {position}")
-        rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 90.0)
+        rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 110.0)
                  for key, surface in surfaces.items()}  # fmt: skip
         return EvolutionStep(position, surfaces, rates, damage, damage, (), 0.0)
 
@@ -111,6 +113,22 @@ def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
     again = Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3, filter_mm=1.0))
     with pytest.raises(InputError, match=r"parts\.sqlite"):
         again.run(tmp_path / "parts.sqlite")
+
+
+def test_stored_steps_end_where_a_new_end_or_limit_is_reached(tmp_path) -> None:
+    """Later steps do not count, so that a limit is reached in its step; steps that cannot be read are an error."""
+    collective, file = Collective([state()]), tmp_path / "steps.sqlite"
+    whole = Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3)).run(file)
+    shorter = settings(whole[1].position, 0.1, max_error_mm=4e-3)
+    assert len(Fading(collective, {"wheel": ENERGY}, shorter).run(file)) == 2
+    limits = {"max_tread_wear_mm": 0.5 * whole[1].surfaces["wheel", "right"].radius_loss_mm}
+    steps = Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3, limits=limits)).run(file)
+    assert [step.position for step in steps] == [step.position for step in whole[:2]]
+    assert limit_positions(steps, limits) == {steps[1].reached[0]: pytest.approx(0.5 * whole[1].position)}
+    with closing(sqlite3.connect(file)) as database, database:
+        database.execute("UPDATE steps SET content = '{' WHERE number = 2")
+    with pytest.raises(InputError, match=r"steps\.sqlite: steps that cannot be read"):
+        Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3)).run(file)
 
 
 def test_other_constants_of_a_law_are_other_inputs() -> None:

@@ -216,7 +216,7 @@ class Evolution:
         - `progress`: called with a sentence at each state.
         """
         store = None if file is None else StepStore(file, self.identity)
-        steps = [self._restored(row) for row in store.rows()] if store else []
+        steps = self._stored(store) if store else []
         if not steps:
             profiles = self.collective.profiles(tuple(self.laws))
             surfaces = {
@@ -226,11 +226,30 @@ class Evolution:
             steps.append(self._evaluated(0.0, surfaces, none, progress))
             if store:
                 store.add(self._row_of(steps[-1]))
-        while steps[-1].position < self.settings.end and not steps[-1].reached:
+        while not self._ends(steps[-1]):
             steps.append(self._next(steps, progress))
             if store:
                 store.add(self._row_of(steps[-1]))
         return tuple(steps)
+
+    def _stored(self, store: "StepStore") -> list[EvolutionStep]:
+        """Steps of a file up to the first one that ends the evolution: it may have run to another end or limit."""
+        steps: list[EvolutionStep] = []
+        try:
+            for row in store.rows():
+                steps.append(self._restored(row))
+                if self._ends(steps[-1]):
+                    break
+        except (ValueError, KeyError, TypeError, sqlite3.Error) as reason:
+            raise InputError(
+                f"{store.file}: steps that cannot be read, {type(reason).__name__}",
+                "steps as a run stored them",
+                "take --fresh or another folder",
+            ) from reason
+        return steps
+
+    def _ends(self, step: EvolutionStep) -> bool:
+        return step.position >= self.settings.end or bool(step.reached)
 
     def _next(self, steps: list[EvolutionStep], progress: Callable[[str], None]) -> EvolutionStep:
         """Take a step by Heun's method, whose error is estimated by the difference from Euler's.
@@ -419,7 +438,7 @@ class StepStore:
     """Steps of one evolution in an SQLite file; each is on the disk before the next one begins."""
 
     def __init__(self, file: Path, identity: str) -> None:
-        self._file = file
+        self.file = file
         file.parent.mkdir(parents=True, exist_ok=True)
         try:
             with closing(sqlite3.connect(file)) as database, database:
@@ -441,10 +460,10 @@ class StepStore:
 
     def rows(self) -> list[dict[str, Any]]:
         """Stored steps in order."""
-        with closing(sqlite3.connect(self._file)) as database:
+        with closing(sqlite3.connect(self.file)) as database:
             return [json.loads(text) for (text,) in database.execute("SELECT content FROM steps ORDER BY number")]
 
     def add(self, row: Mapping[str, Any]) -> None:
         """Store a step."""
-        with closing(sqlite3.connect(self._file)) as database, database:
+        with closing(sqlite3.connect(self.file)) as database, database:
             database.execute("INSERT INTO steps (content) VALUES (?)", (json.dumps(row, default=float),))
