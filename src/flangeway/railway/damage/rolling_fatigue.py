@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.checks import check_finite, check_positive
+from flangeway.checks import as_numbers, check_finite, check_positive
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import shakedown_limits
 from flangeway.types import Floats
@@ -124,11 +124,25 @@ class DangVan:
         residual
             Residual stresses of the points, shape (n, 6) or (6,).
 
+        Raises
+        ------
+        InputError
+            If shapes differ from these, or a stress is not finite.
+
         """
-        given = np.asarray(histories, dtype=np.float64)
+        given, left = (
+            as_numbers("histories", histories),
+            as_numbers("residual", np.zeros(6) if residual is None else residual),
+        )
+        fits = given.ndim == 3 and given.shape[2] == 6 and left.shape in ((6,), (len(given), 6))
+        if not (fits and np.isfinite(given).all() and np.isfinite(left).all()):
+            raise InputError(
+                f"DangVan.of: histories of shape {given.shape}, residual stresses of {left.shape}, or some not finite",
+                "finite stresses xx, yy, zz, xy, yz, xz of points over times, (n, m, 6), and (n, 6) or (6,)",
+                "give one point as histories[None]",
+            )
         stresses = np.concatenate((given, np.zeros_like(given[:, :1])), axis=1)
-        if residual is not None:
-            stresses = stresses + np.broadcast_to(residual, (len(given), 6))[:, None]
+        stresses = stresses + np.broadcast_to(left, (len(given), 6))[:, None]
         tensors = stresses[..., ((0, 3, 5), (3, 1, 4), (5, 4, 2))]
         pressure = np.trace(tensors, axis1=-2, axis2=-1) / 3.0
         deviators = tensors - pressure[..., None, None] * np.eye(3)

@@ -19,7 +19,7 @@ depends on the load: say which.
 """
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Literal, Protocol
 
 import numpy as np
@@ -106,7 +106,7 @@ class CellLoads:
     def mean(self) -> "CellLoads":
         """One cell with the means over the contact area; traction times slip is the mean T-gamma over area."""
         area = self.contact_area_mm2
-        weights = np.broadcast_to(self.areas, self.pressures.shape) / area
+        weights = np.broadcast_to(self.areas, self.pressures.shape) / (area or 1.0)
         energy = float((self.energy * weights).sum())
         slip = float((self.slip_sizes * weights)[self.pressures > 0.0].sum())
         traction = energy / slip if slip > 0.0 else 0.0
@@ -142,14 +142,14 @@ class ArchardLaw:
     hardness_MPa
         Of the softer body, > 0.
     k
-        Wear coefficient without unit, > 0; None: Jendel's map.
+        Wear coefficient without unit, above 0 and up to 1; None: Jendel's map.
     level
         Where in the ranges of the map k lies, 0 at their lower and 1 at their upper ends.
 
     Raises
     ------
     InputError
-        If the hardness or k is not positive, or the level outside of 0 to 1.
+        If the hardness or k is not positive, k above 1, or the level outside of 0 to 1.
 
     """
 
@@ -162,7 +162,11 @@ class ArchardLaw:
             "ArchardLaw", "hardness_MPa", self.hardness_MPa, "a hardness > 0", "give it in MPa: HB 275 is 2700"
         )
         if self.k is not None:
-            check_positive("ArchardLaw", "k", self.k, "a wear coefficient > 0", "leave it out for Jendel's map")
+            allowed = "a wear coefficient without unit, above 0 and up to 1"
+            if check_positive("ArchardLaw", "k", self.k, allowed, "leave it out for Jendel's map") > 1.0:
+                raise InputError(
+                    f"ArchardLaw(k={self.k:g})", allowed, "steel has 1e-4 to 4e-2; a dimensional one is k/H"
+                )
         if not 0.0 <= self.level <= 1.0:
             raise InputError(f"ArchardLaw(level={self.level})", "0 to 1", "give 0.5 for the middle of the ranges of k")
 
@@ -254,7 +258,7 @@ class OwnLaw:
     - `title`: what reports call it.
     """
 
-    function: Callable[[Floats, Floats, Floats], Floats]
+    function: Callable[[Floats, Floats, Floats], Floats] = field(repr=False)  # has another address in each session
     unit: str
     title: str = "own law"
 

@@ -45,7 +45,6 @@ from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across, table_of, with_whole
 from flangeway.report.scenes import wheelset_scene
-from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
 from flangeway.report.wheelset.pressure_scene import pressure_scene
 from flangeway.report.wheelset.rails_along_track import rails_csv, rails_figure, rails_table
 from flangeway.report.wheelset.rolling_patches import AXES as ROLLING_AXES
@@ -58,10 +57,10 @@ from flangeway.report.wheelset.running_surface_files import (
     write_stresses,
     write_surface,
 )
-from flangeway.report.wheelset.wheelset_figure import wheelset_figure
 from flangeway.report.wheelset.wheelset_patches import (
+    contact_figure,
+    nodes_figure,
     patches_figure,
-    pressures_figure,
     section_figure,
     stresses_figure,
 )
@@ -83,11 +82,6 @@ PICTURES: tuple[Described, ...] = (
         "allow one, Hertz's ellipse for the same force (dashed).",
     ),
     (
-        "pressure.png",
-        pressures_figure,
-        "Pressure across and along the track through the maximum of each patch; dashed: Hertz's for the same force.",
-    ),
-    (
         "stresses.png",
         stresses_figure,
         "The von Mises stress below each patch, across and along the track through its maximum (+), and stresses on "
@@ -105,22 +99,18 @@ RAILS_PICTURE: Described = (
 PLANE_PICTURES: tuple[Described, ...] = (
     (
         "wheelset.png",
-        wheelset_figure,
-        "The wheelset on its rails: von Mises stress on the deformed parts. Web and foot of the rails are hatched: "
-        "their stresses are those of a slice that carries the load alone and are not valid for a rail.",
+        section_figure,
+        "The wheelset in section. Violet: the contact pressure, drawn into the rail. Arrows: forces on the wheels.",
     ),
-    *(
-        (
-            f"stresses-{side}.png",
-            partial(contact_figure, side=side),
-            f"Contact zones of the {side} side, deformed: von Mises stress, minimum principal stress with the forces "
-            "on the wheel as arrows, and maximum in-plane shear stress. Both sides have the same colours.",
-        )
-        for side in SIDES
+    (
+        "stresses.png",
+        contact_figure,
+        "Von Mises stress about each contact, deformed, in one scale; stresses in web and foot of the rails are those "
+        "of a slice that carries the load alone and are not valid for a rail.",
     ),
     (
         "pressure.png",
-        pressure_figure,
+        nodes_figure,
         "Contact pressure along the surface: nodal forces over their areas, and Hertz's theory for the same force "
         "and the profiles' radii at the contact, where the profiles are not conforming.",
     ),
@@ -197,7 +187,7 @@ def wheelset_record(run: WheelsetRun) -> Record:
             GIVEN[:4],
             subtitle=f"{_what(run)}; plane strain, {length} of length; {_method(run)}",
             scene=lambda: wheelset_scene(list(part_fields(run.plane)), run.plane.patches),
-            pictures=_pictures(run, PLANE_PICTURES),
+            pictures=_pictures(run, PLANE_PICTURES[: None if run.patches else 1]),
             axes=TRACK_AXES,
             files=lambda: _plane_files(run),
             **shared,
@@ -222,11 +212,6 @@ def wheelset_record(run: WheelsetRun) -> Record:
 
 def _pictures(run: WheelsetRun, described: Sequence[Described]) -> list[Picture]:
     return [Picture(name, partial(draw, run), caption) for name, draw, caption in described]
-
-
-def main_figure(run: WheelsetRun) -> Figure:
-    """Draw the wheelset on its rails."""
-    return section_figure(run) if run.in_space is not None else wheelset_figure(run)
 
 
 def _what(run: WheelsetRun) -> str:
