@@ -10,11 +10,9 @@ from matplotlib.quiver import Quiver
 from flangeway.cases.wheelset.wheelset_quantities import WheelResult
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
-from flangeway.contact.rolling.fastsim import fastsim
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS
 from flangeway.exact.shakedown import shakedown_limits
 from flangeway.railway.wheelset.spatial_result import SpatialResult
-from flangeway.report.rolling.creep_curves import curves_figure
 from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure
 from flangeway.report.rolling.shakedown_figure import shakedown_figure
 from studies.rolling.rolling_cases import elliptic
@@ -27,7 +25,7 @@ def found():
 
 
 def shown(found, sign=1.0):
-    return ShownRolling("left", found, found.contact, 20.0, 1.0, sign)
+    return ShownRolling("left", found, 20.0, 1.0, sign)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -49,36 +47,6 @@ def test_maps_show_states_slip_and_power_where_they_are(found, sign):
     assert np.sign(arrows.U.sum()) == -sign * np.sign(found.across)
     assert np.sign(arrows.V.sum()) == np.sign(found.along)
     assert len(arrows.U) > 50
-
-
-def test_creep_curves_go_through_the_working_point_and_zero(found):
-    """Exact points hold the working point, with friction's limit beyond; forces oppose creepages."""
-    figure = curves_figure([shown(found)])
-    for axes, name, sign in zip(figure.axes, ("along", "across"), (1.0, -1.0), strict=True):
-        lines = {line.get_label(): np.asarray(line.get_xydata()) for line in axes.lines}
-        working = lines["working point"][0]
-        assert working == pytest.approx(
-            sign * np.array([100.0 * getattr(found.motion, name), 1e-3 * getattr(found, name)])
-        )
-        exact = next(np.asarray(line.get_xydata()) for line in axes.lines if line.get_marker() == "o")
-        assert np.abs(exact - working).max(axis=1).min() < 1e-12
-        assert len(exact) == 5
-        rising = exact[np.argsort(exact[:, 0])]
-        assert (np.diff(rising[:, 1]) < 0.0).all()
-        limit = 1e-3 * 0.3 * found.contact.force
-        assert np.abs(exact[:, 1]).max() <= limit * (1.0 + 1e-9)
-        assert abs(lines["FASTSIM"][:, 1] - np.interp(lines["FASTSIM"][:, 0], *rising.T)).max() < 0.1 * limit
-
-
-def test_creep_curves_of_a_fast_theory_have_no_exact_ones(found):
-    """Where the wheelset rolls by FASTSIM, the working point lies on its curve."""
-    simple = fastsim(found.contact, found.motion)
-    axes = curves_figure([shown(simple)]).axes[0]
-    lines = {line.get_label(): np.asarray(line.get_xydata()) for line in axes.lines}
-    assert "exact theory" not in lines
-    curve, working = lines["FASTSIM"], lines["working point"][0]
-    order = np.argsort(curve[:, 0])
-    assert np.interp(working[0], *curve[order].T) == pytest.approx(working[1], rel=2e-3)
 
 
 def test_patches_lie_in_the_shakedown_diagram():

@@ -8,7 +8,7 @@ import pytest
 
 from flangeway.cases import WheelsetTangentCase
 from flangeway.cases.rigid.rigid_case import GeometryCase
-from flangeway.cases.wheelset.wheelset_profiles import rail_named, side_warnings, wheel_named
+from flangeway.cases.wheelset.wheelset_profiles import profile_named, side_warnings
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
@@ -51,7 +51,7 @@ def saved(folder, points, name):
 def test_points_at_a_joint_far_from_contact_are_projected(tmp_path):
     """Points up to 2 mm beside the chords of a joined section are at the nearest point of its boundary."""
     points = head(1.0) * [0.97, 1.0]
-    profile = rail_named(saved(tmp_path, points, "worn.ban"), None, "60E1")
+    profile = profile_named(saved(tmp_path, points, "worn.ban"), "rail", body="60E1")
     found = supported_rail(profile, Elastic(210e3, 0.3), RailSupport(), 25.0)
     mesh = found.problem.elasticity.space.mesh
     corners = np.vstack([segment.start for segment in profile.outline.part(profile.head_names).segments])
@@ -73,7 +73,7 @@ def test_points_at_a_joint_far_from_contact_are_projected(tmp_path):
 def test_an_overhang_beyond_the_tread_is_left_out_and_said(tmp_path):
     """An upright rim, beyond which the body juts out, is left out of contact; a note has the file's own coordinates."""
     path = saved(tmp_path, tread(), "rim.whl")
-    profile = wheel_named(path, "heavy-haul")
+    profile = profile_named(path, "wheel", body="heavy-haul")
     (note,) = [each for each in profile.notices if each.startswith("Beyond")]
     x, y = 70.0 + tread()[-80, 0], -tread()[-80, 1]
     assert f"x = {x:.4g}" in note
@@ -107,8 +107,8 @@ def test_a_web_below_the_head_is_left_out_and_said(tmp_path):
     """A head whose file goes on down an upright line for 25 mm stands as the head alone; a note has the coordinates."""
     points = head()
     down = points[-1] - np.column_stack((np.zeros(100), np.linspace(0.25, 25.0, 100)))
-    with_web = rail_named(saved(tmp_path, np.vstack((points, down)), "web.ban"), None, "60E1")
-    plain = rail_named(saved(tmp_path, points, "plain.ban"), None, "60E1")
+    with_web = profile_named(saved(tmp_path, np.vstack((points, down)), "web.ban"), "rail", body="60E1")
+    plain = profile_named(saved(tmp_path, points, "plain.ban"), "rail", body="60E1")
     (note,) = [each for each in with_web.notices if "below the head" in each]
     assert "web.ban (gauge side)" in note
     assert with_web.outline.area == pytest.approx(plain.outline.area, rel=2e-3)
@@ -141,14 +141,16 @@ def test_a_left_rail_is_mirrored_with_a_warning(tmp_path):
     right = read_profile(saved(tmp_path, head(3.0), "right.ban"))
     left = saved(tmp_path, head(3.0) * [-1.0, 1.0], "left.ban")
     np.testing.assert_allclose(read_profile(left).points, right.points, atol=1e-8)
-    (warning,) = side_warnings(Track(rail_named(left, None, "60E1"), **GAUGE))
+    (warning,) = side_warnings(Track(profile_named(left, "rail", body="60E1"), **GAUGE))
     assert "left-hand" in warning
     assert "rail_mirror" in warning
     kept = read_profile(left, ReadOptions(mirror=False))
     np.testing.assert_allclose(kept.points[::-1], right.points * [-1.0, 1.0], atol=1e-8)
     small = saved(tmp_path, head(1.0) * [-1.0, 1.0], "small.ban")
     assert not read_profile(small).orientation.mirrored
-    assert any("field side" in each for each in side_warnings(Track(rail_named(small, None, "60E1"), **GAUGE)))
+    assert any(
+        "field side" in each for each in side_warnings(Track(profile_named(small, "rail", body="60E1"), **GAUGE))
+    )
 
 
 def test_a_wheel_worn_in_memory_stands_on_its_worn_surface():

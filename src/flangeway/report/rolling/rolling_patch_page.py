@@ -2,6 +2,7 @@
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -25,16 +26,16 @@ from flangeway.cases.rolling_quantities import (
     T_GAMMA,
     TRACTION,
 )
+from flangeway.contact.rolling.theories import TITLES, Theory
 from flangeway.errors import InputError
 from flangeway.formats import write_vtu
 from flangeway.quantities import columns, numbers, present
-from flangeway.report.figures.drawing import GREY, INK, SERIES, legend_below, name_axes, panels
+from flangeway.report.figures.drawing import GREY, INK, PURPLE, SERIES, legend_below, name_axes, panels
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Figures, Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across
-from flangeway.report.rolling.creep_curves import draw_curves
-from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure, shown_fields
-from flangeway.report.spatial.patch_map import strip_mesh
+from flangeway.report.rolling.rolling_maps import ShownRolling, cell_fields, rolling_figure, shown_fields
+from flangeway.report.spatial.patch_map import strip_ends, strip_mesh
 from flangeway.report.viewer import Scene, ShownPart
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
@@ -58,7 +59,13 @@ AXES = {
     "CONTACT": "for rolling ahead xi, eta and phi are the longitudinal, the lateral and minus the spin creepage; F_x, "
     "F_y and M_z the longitudinal force, the lateral one, and minus the spin moment",
 }
+STYLES: dict[Theory, tuple[str, Any]] = {
+    "exact": (INK, "-"), "fastsim": (SERIES[0], (0, (5, 2))), "fastrip": (SERIES[2], "--"),
+    "polach": (SERIES[1], "dashdot"), "linear": (GREY, (0, (1, 1.5))),
+}  # fmt: skip
 CREEPAGE_OF = dict(zip(COMPONENTS, CREEPAGES, strict=True))
+FAR = 1.3
+"""Highest force that is drawn over the limit of friction: linear theory goes on."""
 WIDE_IN = 7.5
 """Width of a picture with room for all names beside each other."""
 ROUND_OFF = 1e-6
@@ -112,8 +119,9 @@ def _tables(run: RollingPatchRun) -> list[SummaryTable]:
 
 def _shown(run: RollingPatchRun) -> ShownRolling:
     # t of the patch is drawn to the right
-    forces = run.state.forces
-    return ShownRolling("patch", forces, run.contact, abs(forces.motion.speed), 0.0, -1.0)
+    forces = run.state.cells
+    assert forces is not None
+    return ShownRolling("patch", forces, abs(forces.motion.speed), 0.0, -1.0)
 
 
 def _pictures(run: RollingPatchRun) -> Figures:
@@ -174,7 +182,19 @@ def creep_curve_figure(run: RollingPatchRun) -> Figure:
         both = (creepage, force)
         curves = {theory: scale * [numbers(both, point) for point in points] for theory, points in run.curve.items()}
         here = scale * numbers(both, run.state)
-        draw_curves(axes, curves, tuple(here.tolist()), None if force is SPIN_MOMENT else limit)
+        for theory, line in curves.items():
+            colour, style = STYLES[theory]
+            axes.plot(*line.T, color=colour, ls=style, lw=1.3, label=TITLES[theory])
+        axes.plot(*here, "D", color=PURPLE, ms=6.0, label="working point", zorder=5)
+        axes.axhline(0.0, color=GREY, lw=0.6)
+        low, high = axes.get_ylim()
+        # linear theory goes on beyond the limit of friction, and its moment beyond the others'
+        others = [np.abs(line[:, 1]).max() for theory, line in curves.items() if theory != "linear"]
+        top = FAR * (max(others, default=0.0) if force is SPIN_MOMENT else limit) or max(-low, high)
+        axes.set_ylim(max(low, -top), min(high, top))
+        for level in () if force is SPIN_MOMENT else (-limit, limit):
+            if low < level < high:
+                axes.axhline(level, color=GREY, lw=0.8, ls=(0, (10, 4)), label="limit of friction")
         name_axes(axes, (creepage.label, creepage.unit if spin else "%"), (force.label, force.unit))
     legend_below(figure, 7 if width > WIDE_IN else 4, fontsize=9)
     return figure
@@ -186,18 +206,14 @@ def _fields(run: RollingPatchRun) -> dict[str, Floats]:
     cells = run.state.cells
     if cells is None:
         return found
-    flat = ((0, 0), (0, 0), (0, 1))
-    found["traction_MPa"] = np.pad(cells.tractions, flat)
-    found["slip_velocity_m_s" if run.case.rolls else "slip_mm"] = np.pad(cells.slip_velocities, flat)
-    if run.case.rolls:
-        found["frictional_power_W_mm2"] = cells.power_density
-    if cells.flash_temperatures is not None:
-        found["flash_temperature_K"] = cells.flash_temperatures
-    return found | {"stick_slip_state": cells.states.astype(np.float64)}
+    for name, values in cell_fields(cells, abs(cells.motion.speed)).items():
+        found[name] = np.pad(values, ((0, 0), (0, 0), (0, 1))) if values.ndim > 2 else values
+    return found
 
 
 def _scene(run: RollingPatchRun) -> Scene:
-    mesh = strip_mesh(run.contact.grid.bounds, _shown(run).edges[1])
+    grid = run.contact.grid
+    mesh = strip_mesh(grid.bounds, strip_ends(grid.along, grid.strip))
     fields, arrays = shown_fields(_fields(run))
     part = ShownPart("patch", mesh, cell_arrays={name: each.reshape(-1, 1) for name, each in arrays.items()})
     note = (

@@ -61,7 +61,6 @@ from flangeway.report.wheelset.wheelset_patches import (
     contact_figure,
     nodes_figure,
     patches_figure,
-    pressures_figure,
     section_figure,
     stresses_figure,
 )
@@ -81,11 +80,6 @@ PICTURES: tuple[Described, ...] = (
         patches_figure,
         "The patches from above, the running surface rolled out flat: pressure, outline, and, where the curvatures "
         "allow one, Hertz's ellipse for the same force (dashed).",
-    ),
-    (
-        "pressure.png",
-        pressures_figure,
-        "Pressure across and along the track through the maximum of each patch; dashed: Hertz's for the same force.",
     ),
     (
         "stresses.png",

@@ -34,7 +34,7 @@ from flangeway.report.figures.drawing import (
 )
 from flangeway.report.figures.fields import drawn_parts
 from flangeway.report.figures.stress_picture import pressure_curves, stress_panels
-from flangeway.report.spatial.patch_map import PatchMap, draw_depths, draw_sections, maps_figure
+from flangeway.report.spatial.patch_map import PatchMap, draw_depths, maps_figure
 from flangeway.types import Floats
 
 N_LEVELS = 13
@@ -174,26 +174,6 @@ def patches_figure(run: WheelsetRun) -> Figure:
             axes.text(place, 0.99, word, transform=axes.transAxes, fontsize=7.5, va="top", color=GREY, ha=end)
         if not shown.patches:
             axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", fontsize=9)
-    return figure
-
-
-def pressures_figure(run: WheelsetRun) -> Figure:
-    """Draw the pressure across and along the track through the maximum of each patch, beside Hertz's."""
-    result = run.space
-    patches = result.patches
-    figure, rows = panels(10.0, 0.7 + 2.8 * max(len(patches), 1), max(len(patches), 1), 2, run.case.units, sharey="row")
-    maps = {side: patch_map(result, side) for side in SIDES}
-    for row, patch in zip(rows, patches, strict=False):
-        shown = maps[patch.side]
-        number = next(i for i, (ellipse, _) in enumerate(shown.patches) if ellipse is patch.ellipse)
-        draw_sections(row[0], row[1], shown, number)
-        for axes, words, way in zip(
-            row, ("length along the rail's surface", "z ahead of the axle"), ("across", "along the track"), strict=True
-        ):
-            name_axes(axes, (words, "mm"))
-            axes.set_title(f"{patch_name(patch)}: {way}".capitalize(), fontsize=10)
-        name_axes(row[0], y=("pressure", "MPa"))
-        row[0].legend(loc="lower center", fontsize=8)
     return figure
 
 
