@@ -118,6 +118,24 @@ def test_a_web_below_the_head_is_left_out_and_said(tmp_path):
     np.testing.assert_allclose(heights[0], heights[1], atol=2e-3)
 
 
+@pytest.mark.parametrize("worn_mm", [2.0, 8.0, 15.0])
+@pytest.mark.parametrize("angle_deg", [60.0, 75.0])
+def test_a_worn_gauge_face_shows_the_side(tmp_path, worn_mm, angle_deg):
+    """The face of a flange on a head that is not worn on top: right-hand as it is, left-hand mirrored.
+
+    The middle between the faces lies off the head's, so that the field side drops more 25 mm from it.
+    """
+    points = rail("136RE").running_surface.sampled(spacing=0.25)
+    points = points - [0.0, points[:, 1].max()]
+    points = points[points[:, 1] > -28.0]
+    face = points[:, 0].min() + worn_mm + (points[:, 1] + 14.0) / np.tan(np.radians(angle_deg))
+    worn = np.stack((np.maximum(points[:, 0], face), points[:, 1]), axis=1)
+    for side in (1.0, -1.0):
+        path = tmp_path / "head.txt"
+        np.savetxt(path, worn * [side, 1.0], header="x_mm y_mm")
+        assert read_profile(path, ReadOptions(kind="rail")).orientation.mirrored == (side < 0.0)
+
+
 def test_a_left_rail_is_mirrored_with_a_warning(tmp_path):
     """Wear of 3 mm at the field side mirrors a head, with a warning that names the key; 1 mm does not, nor the key."""
     right = read_profile(saved(tmp_path, head(3.0), "right.ban"))

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import Case, NotNegative, PoissonRatio, Positive
+from flangeway.cases.case import Case, NotNegative, PoissonRatio, Positive, SolidModulus
 from flangeway.cases.rolling.friction_inputs import FRICTION_KEYS
 from flangeway.cases.wheelset.wheelset_profiles import position_key, profile_named
 from flangeway.cases.wheelset.wheelset_quantities import MOTION, PLANE_PATCH_ROW, PLANE_ROW, WheelResult, row_columns
@@ -133,7 +133,7 @@ class WheelsetInputs(Case):
     the gauge)"""
     thickness_mm: Positive = WheelsetProblem.thickness_mm
     """length of the bodies along the track"""
-    young_MPa: Positive = 210e3
+    young_MPa: SolidModulus = 210e3
     """Young's modulus of wheels and rails"""
     poisson: PoissonRatio = 0.3
     """Poisson's ratio of wheels and rails"""

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flangeway.checks import are_finite
+from flangeway.checks import are_finite, check_integer
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.friction import Friction
@@ -296,9 +296,7 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
 
 def _strips_of(contact: RollingContact, ellipse: EllipticContact, n_steps: int | None) -> _Strips:
     """Strips of one ellipse, with a number of steps or the usual one."""
-    number = max(STEPS, contact.grid.n_strips) if n_steps is None else n_steps
-    if number < 2:
-        raise InputError(f"n_steps={n_steps}", "2 steps or more along each strip", "leave it out, or give more")
+    number = max(STEPS, contact.grid.n_strips) if n_steps is None else check_integer("FASTSIM", "n_steps", n_steps, 2)
     y = ellipse.direction * (contact.places[0] - ellipse.centre[0])
     return _Strips.of(contact, (ellipse.along, ellipse.across), y, number)
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from flangeway.checks import is_finite
 from flangeway.errors import InputError
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import WheelProfile
@@ -76,7 +77,7 @@ def _at(points: Floats, axis: int, value: float) -> float:
 def check_limits(limits: Mapping[str, float]) -> None:
     """Refuse limits that do not exist, as an `InputError`."""
     for name, value in limits.items():
-        if name not in LIMITS or not value > 0.0:
+        if name not in LIMITS or not (is_finite(value) and value > 0.0):
             raise InputError(f"limit {name} = {value}", f"{', '.join(LIMITS)}, in mm, > 0", "correct the name or value")
 
 

@@ -143,7 +143,8 @@ class RollingLine:
 
     def __post_init__(self) -> None:
         check_positive("RollingLine", "load_factor", self.load_factor)
-        check_positive("RollingLine", "depth", self.depth)
+        if check_positive("RollingLine", "depth", self.depth) > FAR / 2.0:
+            raise InputError(f"RollingLine(depth={self.depth:g})", f"up to {FAR / 2.0:g} half widths", "1.25 is usual")
         check_integer("RollingLine", "cells", self.cells, 4, 20)
         if not abs(check_finite("RollingLine", "friction", self.friction)) <= 1.0:
             raise InputError(f"RollingLine(friction={self.friction})", "-1 to 1", "give tangential over normal force")

@@ -24,7 +24,7 @@ from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 
-from flangeway.checks import check_positive
+from flangeway.checks import as_numbers, check_finite, check_positive
 from flangeway.errors import InputError
 from flangeway.types import Floats
 
@@ -80,6 +80,31 @@ class CellLoads:
     areas: Floats
     speed_m_s: float
     dissipation: Floats | None = None
+
+    def __post_init__(self) -> None:
+        """Raise an `InputError` if shapes differ from these or a number is not finite, >= 0 for pressures and speed."""
+        names = [
+            name
+            for name in ("pressures", "tractions", "slips", "areas", "dissipation")
+            if getattr(self, name) is not None
+        ]
+        for name in names:
+            object.__setattr__(self, name, as_numbers(f"CellLoads({name})", getattr(self, name)))
+        shape = self.pressures.shape
+        of_cells = shape if self.dissipation is None else self.dissipation.shape
+        fits = self.tractions.shape == self.slips.shape == (*shape, 2) and of_cells == shape
+        speed = check_finite("CellLoads", "speed_m_s", self.speed_m_s)
+        if not (
+            fits
+            and all(np.isfinite(getattr(self, name)).all() for name in names)
+            and min(self.pressures.min(initial=0.0), speed) >= 0.0
+        ):
+            raise InputError(
+                f"CellLoads with pressures {shape}, tractions {self.tractions.shape}, slips {self.slips.shape}, "
+                f"dissipation {of_cells}, at {speed:g} m/s",
+                "finite numbers of shapes (...), (..., 2), (..., 2) and (...), pressures and speed >= 0",
+                "give the loads of the same cells",
+            )
 
     @property
     def energy(self) -> Floats:
@@ -272,7 +297,7 @@ class OwnLaw:
 
     def rates(self, cells: CellLoads) -> Floats:
         """See `WearLaw`; an `InputError` if the function returns another shape, or what is negative or not finite."""
-        rates = np.asarray(self.function(cells.pressures, cells.slips, cells.tractions), dtype=np.float64)
+        rates = as_numbers(self.title, self.function(cells.pressures, cells.slips, cells.tractions))
         if rates.shape != cells.pressures.shape or not (np.isfinite(rates) & (rates >= 0.0)).all():
             raise InputError(
                 f"{self.title}: rates of shape {rates.shape} for {cells.pressures.shape}, or some not >= 0",

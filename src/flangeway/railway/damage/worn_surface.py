@@ -15,7 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
-from flangeway.checks import check_positive
+from flangeway.checks import as_numbers, check_positive
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline, Placement, Segment
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
@@ -73,7 +73,7 @@ class WornSurface:
         low, high = SPACINGS_MM
         if not low <= check_positive("WornSurface", "spacing_mm", self.spacing_mm, advice="leave it out") <= high:
             raise InputError(f"WornSurface(spacing_mm={self.spacing_mm})", f"{low:g} to {high:g} mm", "leave it out")
-        depth = np.array(self.depth, dtype=np.float64)
+        depth = as_numbers("WornSurface(depth)", self.depth).copy()
         if not depth.size:
             depth = np.zeros(len(self.bounds) - 1)
         if depth.shape != (len(self.bounds) - 1,) or not (np.isfinite(depth) & (depth >= 0.0)).all():

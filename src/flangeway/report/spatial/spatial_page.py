@@ -16,7 +16,7 @@ from flangeway.formats import write_vtu
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
 from flangeway.report.figures.drawing import named, panels
-from flangeway.report.figures.series import write_collection
+from flangeway.report.figures.series import collection
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across, with_whole
@@ -125,12 +125,12 @@ def spatial_record(run: SpatialRun) -> Record:
 
 
 def _files(run: SpatialRun, corners: list[SpatialStresses]) -> dict[str, Writer]:
-    writers: dict[str, Writer] = {SURFACE: lambda path: _write_surface(run, path)}
-    for number, (name, section, stresses) in enumerate(zip(SECTIONS, run.sections, corners, strict=True)):
-        writers[name] = partial(_write_section, section, stresses, number)
-    files = [(0.0, Path(file).stem, file) for file in (*SECTIONS, SURFACE)]
-    writers["bodies.pvd"] = lambda path: write_collection(path, files)
-    return writers
+    writers: dict[str, Writer] = {
+        name: partial(_write_section, section, stresses, number)
+        for number, (name, section, stresses) in enumerate(zip(SECTIONS, run.sections, corners, strict=True))
+    }
+    writers[SURFACE] = lambda path: _write_surface(run, path)
+    return writers | {"bodies.pvd": collection(writers)}
 
 
 def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -40,7 +39,7 @@ from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.whole_sections import whole_sections
 from flangeway.report.figures.fields import part_fields, write_part
-from flangeway.report.figures.series import write_collection, write_contacts
+from flangeway.report.figures.series import collection, write_contacts
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across, table_of, with_whole
@@ -124,9 +123,6 @@ GIVEN = (
 SHOWN = ("yaw", "t_gamma", "power")
 """Numbers of the rolling at the top of the page."""
 COLLECTION, PATCHES, BELOW, RAILS, CONTACT = "wheelset.pvd", "patches.csv", "subsurface.csv", "rails.csv", "contact.vtu"
-SURFACES = {f"{role}-{side}": (side, role) for side, role in PARTS}
-STRESSES = {f"stresses-{name}": part for name, part in SURFACES.items()}
-SECTIONS = {f"section-{name}": part for name, part in SURFACES.items()}
 PLANE_PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
 FILES = (
     "The same numbers, for programs, are in `summary.json`; a row for each patch, for a spreadsheet, in `patches.csv`; "
@@ -325,17 +321,15 @@ def _files(run: WheelsetRun) -> dict[str, Writer]:
     writers: dict[str, Writer] = {PATCHES: text_writer(columns(PATCH, run.spatial_patches, run.case.units).csv(DIGITS))}
     if run.space.rails:
         writers[RAILS] = text_writer(rails_csv(run))
-    for name, (side, role) in SURFACES.items():
-        writers[f"{name}.vtu"] = partial(write_surface, run.space, side, role)
-    sections = {role: whole_sections(run.space, role) for role in ROLES}
-    found = {name: (side, role) for name, (side, role) in SECTIONS.items() if side in sections[role]}
-    for name, (side, role) in found.items():
-        writers[f"{name}.vtu"] = partial(write_section, sections[role][side], side, role)
-    below = {name: part for name, part in STRESSES.items() if any(p.side == part[0] for p in run.space.patches)}
-    for name, (side, role) in below.items():
-        writers[f"{name}.vtu"] = partial(write_stresses, run.space, side, role)
-    files = [(0.0, name, f"{name}.vtu") for name in (*SURFACES, *found, *below)]
-    writers[COLLECTION] = lambda path: write_collection(path, files)
+    sections, loaded = {role: whole_sections(run.space, role) for role in ROLES}, {p.side for p in run.space.patches}
+    for side, role in PARTS:
+        name = f"{role}-{side}.vtu"
+        writers[name] = partial(write_surface, run.space, side, role)
+        if side in sections[role]:
+            writers[f"section-{name}"] = partial(write_section, sections[role][side], side, role)
+        if side in loaded:
+            writers[f"stresses-{name}"] = partial(write_stresses, run.space, side, role)
+    writers[COLLECTION] = collection([*writers])
     writers[BELOW] = text_writer(below_table(run))
     return writers
 
@@ -347,6 +341,4 @@ def _plane_files(run: WheelsetRun) -> dict[str, Writer]:
     writers[CONTACT] = lambda path: write_contacts(
         path, result.model.system, result.equilibrium.state, {name: result.placements[name] for name in PLANE_PARTS}
     )
-    vtu_files = [(0.0, Path(file).stem, file) for file in writers]
-    writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
-    return writers
+    return writers | {COLLECTION: collection(writers)}
