@@ -10,6 +10,10 @@ where ``B = dg/du`` and C is the compliance of the contact law (0: no penetratio
 the sign of the errata). Once the active set has settled this is Newton's method with the consistent tangent (Moherdaui
 2021, 3.118).
 
+Near the solution K + G and B hardly change from one iteration to the next, and the last iteration takes those of the
+one before (the chord method; C. T. Kelley, 1995, Iterative Methods for Linear and Nonlinear Equations, 5.4.1): only
+gaps and forces are new.
+
 With a barrier of the product w and the reach r, forces act at a gap: ``0 <= g + ... - w / (p' + w / r)``.
 
 A step is halved until the residual is below the maximum of the last steps (L. Grippo, F. Lampariello and S. Lucidi,
@@ -62,9 +66,9 @@ fraction of the step. Active sets change in the first iterations, so that the re
 any limit nodes on edges far shorter than their share of the surface, which are not stable under pressure, run away.
 After as many, pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
 
-SPRINGS = (1e-6, 1e-4, 1e-2, 1.0)
-"""Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint: the first one
-where all goes well."""
+SPRING, STIFF_SPRING = 1e-6, 1.0
+"""Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint; and the same
+where the equations with the geometric stiffness had no solution."""
 
 NEAR = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
@@ -165,7 +169,6 @@ def solve_contact(
     *,
     handles: Sequence[Handle | None] | None = None,
     start: ContactState | None = None,
-    keep_guards: bool = True,
     settings: NewtonSettings | None = None,
     origin: Floats | None = None,
 ) -> ContactState:
@@ -186,9 +189,6 @@ def solve_contact(
         A solution of the same constraints for a neighbouring position, whose forces are the first guess. Where the
         bodies have moved by little since, the first iteration also takes its linearisation. With friction it is the
         converged step before: slip is counted from its positions.
-    keep_guards
-        Whether constraints of nodes that penetrated at the start stay: where positions are searched, forces have to be
-        continuous in them. Bodies that slide along a path leave the places of earlier steps.
     settings
         Limits of the iteration.
     origin
@@ -203,7 +203,7 @@ def solve_contact(
     """
     settings = settings or NewtonSettings()
     parts = Handles(response, placements, handles)
-    return _Run(response, constraints, parts, settings, start, origin, keep_guards).solve()
+    return _Run(response, constraints, parts, settings, start, origin).solve()
 
 
 _Step = tuple[Floats, Floats, Floats, Floats]
@@ -253,7 +253,6 @@ class _Run:
         settings: NewtonSettings,
         start: ContactState | None,
         origin: Floats | None,
-        keep_guards: bool,
     ) -> None:
         self.response, self.constraints, self.parts, self.settings = response, constraints, parts, settings
         self.neutral, self.unheld = np.zeros((2, parts.n, 0)), np.zeros(parts.n)
@@ -270,11 +269,10 @@ class _Run:
         else:
             self.before, self.current, self.forces = start.positions, start.linearisation, start.forces
             self.tangential = np.zeros_like(start.forces) if start.friction is None else start.friction.forces
-            after = self.current
-            if not keep_guards:
-                # without the corner that holds it, a part on a handle would go where its load takes it
-                holding = self.forces if parts.n else np.zeros_like(self.forces)
-                after = constraints.unguarded(start.positions, after, holding)
+            # bodies that slide along a path leave the places where nodes penetrated in earlier steps, but without the
+            # corner that holds it a part on a handle would go where its load takes it
+            holding = self.forces if parts.n else np.zeros_like(self.forces)
+            after = constraints.unguarded(start.positions, self.current, holding)
             if _is_near(start, self.reference):  # the first iteration uses the gaps of the start
                 self.displacements = start.positions - self.reference
             else:
@@ -543,13 +541,10 @@ class _Run:
         else:
             problem = self._problem_again(before, constrained, guess)
         matrix, offset, rigid = problem.matrix, problem.offset, problem.rigid
-        for spring in SPRINGS[:1] if bend or not n else SPRINGS:
-            sprung = rigid.sprung(matrix.diagonal(), spring) if n else rigid
-            own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
-            laws = active_set.Laws(coefficients, barriers, own)
-            found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
-            if found is not None:
-                break
+        sprung = rigid.sprung(matrix.diagonal(), SPRING if bend else STIFF_SPRING) if n else rigid
+        own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
+        laws = active_set.Laws(coefficients, barriers, own)
+        found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
         if found is not None and n:
             # with springs there always is a solution; without them Newton's method for the motions goes on from there
             equations = active_set.DenseEquations(matrix, offset, laws, rigid)
