@@ -15,9 +15,11 @@ from flangeway.materials import Elastic
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidSide
 from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.wheelset.supported_rail import RailSupport, supported_rail
 
 GAUGE = {"gauge_mm": 1435.0, "rail_inclination": 0.025, "gauge_depth_mm": 14.0}
@@ -134,6 +136,19 @@ def test_a_worn_gauge_face_shows_the_side(tmp_path, worn_mm, angle_deg):
         path = tmp_path / "head.txt"
         np.savetxt(path, worn * [side, 1.0], header="x_mm y_mm")
         assert read_profile(path, ReadOptions(kind="rail")).orientation.mirrored == (side < 0.0)
+
+
+@pytest.mark.parametrize("worn_mm", [5.0, 8.0])
+def test_heads_worn_flat_have_all_their_equilibria(tmp_path, worn_mm):
+    """Sharp corners of a flat top: where a flange rides on them the touch jumps by micrometres, which is no gap."""
+    points = rail("60E1").running_surface.sampled(spacing=0.25, max_deviation=1e-3)
+    points = points - [0.0, points[:, 1].max()]
+    flat = np.stack((points[:, 0], np.minimum(points[:, 1], -worn_mm)), axis=1)
+    track = Track(profile_named(saved(tmp_path, flat, "flat.ban"), "rail", body="60E1"), **GAUGE)
+    found = rigid_equilibrium(RigidGeometry.of(track, Wheelset(wheel("S1002"), 1360.0, 460.0)), WheelsetLoad(2e5))
+    assert found.position.motion_in_space.lateral_mm == pytest.approx(0.0, abs=1e-6)
+    assert found.position.stable
+    assert len(found.positions) > 1
 
 
 def test_a_left_rail_is_mirrored_with_a_warning(tmp_path):
