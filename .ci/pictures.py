@@ -31,7 +31,7 @@ PICTURES = {
     },
     "run wheelset-curve --size-scale 3": {
         "wheelset.png": ("gallery-curve", 900),
-        "stresses-right.png": ("gallery-contact-stresses", 760),
+        "stresses.png": ("gallery-contact-stresses", 900),
     },
     "geometry s1002-60e1": {"contact_locus.png": ("gallery-contact-locus", 800)},
     "run hertz --method vem --order 2": {"stresses.png": ("gallery-hertz", 900)},

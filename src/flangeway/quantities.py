@@ -38,8 +38,8 @@ class Quantity(Generic[T_contra]):
         Name for people, without the unit: ``maximum pressure``; two spaces before it put it below the one above it.
         Without a label it is for programs alone, and no table has it.
     of
-        Attribute of the object, or function of the object, that returns the number, a text, or None where there is
-        none; with `parts` a sequence.
+        Path of attributes of the object, such as ``"patch.centre_mm"``, see `getter`, or function of the object, that
+        gives the number, a text, or None where there is none; with `parts` a sequence.
     unit
         Metric unit, such as ``MPa``, ``mm²``, ``kN/mm``, ``1/m``; empty for numbers without unit and for texts.
     form
@@ -72,7 +72,7 @@ class Quantity(Generic[T_contra]):
 
     def value(self, source: T_contra) -> Any:
         """Return the number of an object, metric; a list of them if it has parts; None where there is none."""
-        value = getattr(source, self.of) if isinstance(self.of, str) else self.of(source)
+        value = getter(self.of)(source)
         value = value.tolist() if hasattr(value, "tolist") else value
         if value is None or isinstance(value, str | bool):
             return value
@@ -119,14 +119,29 @@ Quantities: TypeAlias = tuple[Quantity[T_contra], ...]
 """All numbers of a kind of object that a table or a part of the summary has."""
 
 
-def of_part(part: Callable[[Any], Any], quantity: Quantity[Any]) -> Quantity[Any]:
+def getter(of: str | Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Return a function as it is, or one that follows a path of attributes and numbers of entries, ``"head.3"``.
+
+    What it returns is None where something on the way is None.
+    """
+    return partial(_at, of.split(".")) if isinstance(of, str) else of
+
+
+def _at(path: Sequence[str], source: Any) -> Any:
+    for name in path:
+        if source is not None:
+            source = source[int(name)] if name.isdigit() else getattr(source, name)
+    return source
+
+
+def of_part(part: str | Callable[[Any], Any], quantity: Quantity[Any]) -> Quantity[Any]:
     """Return the quantity of a part as one of the whole; None where the whole does not have the part.
 
-    - `part`: function of the whole that returns the part, or None.
+    - `part`: path to it, or function of the whole that returns it, see `getter`.
     """
 
     def of(function: Callable[[Any], Any], whole: Any) -> Any:
-        found = part(whole)
+        found = getter(part)(whole)
         return None if found is None else function(found)
 
     return replace(quantity, of=partial(of, quantity.value), factor=1.0, remark=partial(of, quantity.remark))

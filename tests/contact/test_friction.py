@@ -92,7 +92,7 @@ def test_derivatives_of_the_slip_of_a_node(order: int) -> None:
         parameters = closest_parameters(points[:1], points[None, 1:])
         first, second = (Taylor.of_points(points[None], second=each) for each in (False, True))
         slips, directions = node_edge_slips(first, parameters, before[None])
-        return slips.value, slips.first, directions, node_edge_turns(second, parameters)
+        return slips.value, slips.first.T, directions, node_edge_turns(second, parameters)
 
     _, rates, _, turns = slides(now.ravel())
     for number, change in enumerate(STEP * np.eye(now.size)):

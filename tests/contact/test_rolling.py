@@ -12,7 +12,8 @@ from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import creep_curve, derivatives, roll
 from flangeway.contact.rolling.fast_theories import polach
 from flangeway.contact.rolling.fastsim import fastsim
-from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.flash_temperature import Heating
+from flangeway.contact.rolling.friction import Friction, SlopeReduction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, Rolling
 from flangeway.errors import InputError
@@ -186,6 +187,14 @@ def test_bad_inputs(circle) -> None:
         (lambda: PatchGrid(np.array([0.0, 1.0, 0.5]), 0.1, 4), "rising ends"),
         (lambda: fastsim(circle, Creepages(0.1), flexibilities=(1e-4, 0.0, 1e-4)), "L1, L2 and L3"),
         (lambda: polach(circle, Creepages(0.1), adhesion=0.2, slip=0.3), "slip <= adhesion"),
+        (lambda: polach(circle, Creepages(0.1), slip="half"), "slip <= adhesion"),  # type: ignore[arg-type]
+        (lambda: fastsim(circle, Creepages(0.1), n_steps=2.5), "n_steps"),  # type: ignore[arg-type]
+        (lambda: SlopeReduction("half"), "correct the factors"),  # type: ignore[arg-type]
+        (lambda: Heating(falls=(100.0, 200.0, 300.0)), "two temperatures"),  # type: ignore[arg-type]
+        (
+            lambda: RollingContact.under_hertz((1.0,), 1.0, (4, 4), Friction(0.3), circle.materials),  # type: ignore[arg-type]
+            "give both",
+        ),
     ):
         with pytest.raises(InputError, match=said):
             given()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flangeway import InputError
-from flangeway.cases.wheelset.wheelset_profiles import wheel_named
+from flangeway.cases.wheelset.wheelset_profiles import profile_named
 from flangeway.geometry import Arc
 from flangeway.railway.profiles.bundled import wheel
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel, with_flange_root
@@ -45,7 +45,7 @@ def test_roots_that_do_not_fit_are_refused():
             with_flange_root(wheel(), radius)
     with pytest.raises(InputError, match="flange root"):
         with_flange_root(wheel("S1002"), 40.0)
-    assert wheel_named(IDENTIFIED).outline == identified_wheel().outline
+    assert profile_named(IDENTIFIED, "wheel").outline == identified_wheel().outline
 
 
 def test_a_nodal_penalty_is_of_node_to_segment_alone():

@@ -1,12 +1,15 @@
 """What classes and functions of the railway refuse: arguments without sense, by their names."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.railway.damage.rolling_fatigue import DangVan, surface_fatigue_index
+from flangeway.exact.shakedown import shakedown_limits
+from flangeway.railway.damage.evolution import EvolutionSettings
+from flangeway.railway.damage.rolling_fatigue import DangVan, surface_fatigue_index, t_gamma_damage
 from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
 from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, EnergyLaw, OwnLaw, UsfdLaw
 from flangeway.railway.profiles.bundled import rail, wheel
@@ -67,6 +70,18 @@ WRONG = {
     "shear_yield_MPa": lambda: RollingSteel(0.0),
     "load_factor": lambda: RollingLine(0.0, 0.1, RollingSteel(300.0)),
     "cells": lambda: RollingLine(4.0, 0.1, RollingSteel(300.0), cells=2),
+    "depth=50": lambda: RollingLine(4.0, 0.1, RollingSteel(300.0), depth=50.0),
+    "utilised_friction": lambda: surface_fatigue_index(math.nan, (6.0, 4.0), 1e5, 300.0),
+    "semi_axes": lambda: surface_fatigue_index(0.3, (6.0,), 1e5, 300.0),
+    "some T-gamma not finite": lambda: t_gamma_damage(np.array([10.0, math.nan])),
+    "contact='area'": lambda: shakedown_limits("area", 0.3),
+    "filter_mm": lambda: EvolutionSettings(1.0, filter_mm="2"),
+    "max_hollow_mm = two": lambda: EvolutionSettings(1.0, limits={"max_hollow_mm": "two"}),
+    "pressures (1, 2)": lambda: replace(CELL, pressures=np.ones((1, 2))),
+    "finite numbers of shapes": lambda: replace(CELL, pressures=np.full((1, 1), math.nan)),
+    "at -20 m/s": lambda: replace(CELL, speed_m_s=-20.0),
+    "CellLoads(slips)": lambda: replace(CELL, slips="fast"),
+    "wheel 'None'": lambda: wheel(None),
     "k=0": lambda: ArchardLaw(2700.0, 0.0),
     "level": lambda: ArchardLaw(2700.0, level=2.0),
     "unit": lambda: EnergyLaw(0.02, "mm3"),

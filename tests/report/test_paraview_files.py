@@ -11,6 +11,7 @@ from flangeway.railway.track.placements import SIDES
 from flangeway.report import part_fields
 from flangeway.report.figures.fields import write_part
 from flangeway.report.figures.series import write_contacts
+from flangeway.report.viewer.scene_model import DISPLACEMENT
 
 
 def test_cells_and_values_come_back(runs, tmp_path):
@@ -34,8 +35,8 @@ def test_cells_and_values_come_back(runs, tmp_path):
         assert sorted(numbers) == sorted(np.repeat(np.arange(mesh.n_cells), mesh.cell_sizes))
         points = KDTree(mesh.points).query(read.points[corners, :2])[1]
         assert np.allclose(read.points[corners, :2], mesh.points[points])
-        assert np.allclose(read.point_data["displacement_mm"][corners, :2], part.displacement[points])
-        stresses = Stresses(part.stresses.components[numbers])
+        assert np.allclose(read.point_data["displacement_mm"][corners, :2], part.point_arrays[DISPLACEMENT][points])
+        stresses = Stresses(part.cell_arrays["stresses"][numbers])
         assert np.allclose(read.point_data["stress_MPa"][corners], stresses.tensors, atol=1e-9)
         assert np.allclose(read.point_data["von_mises_MPa"][corners], stresses.von_mises)
 

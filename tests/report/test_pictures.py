@@ -8,13 +8,12 @@ from matplotlib.text import Text
 
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.fields import drawn_parts
-from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
-from flangeway.report.wheelset.wheelset_figure import wheelset_figure
+from flangeway.report.wheelset.wheelset_patches import ORDINATE_MM, contact_figure, nodes_figure, section_figure
 
 
 def figures(run):
     """All pictures of a run, in the order of the page."""
-    return wheelset_figure(run), *(contact_figure(run, side) for side in SIDES), pressure_figure(run)
+    return section_figure(run), contact_figure(run), nodes_figure(run)
 
 
 @pytest.fixture(scope="module")
@@ -44,44 +43,51 @@ def test_nothing_is_clipped(drawn):
 
 def test_the_left_side_is_at_the_left(drawn):
     """Pictures of both sides show negative x first, then positive x, with x to the right in both."""
-    whole, left, right, _ = drawn
-    panels = [axes for axes in whole.axes if axes.get_xlabel() == "x, mm"]
-    first, last = panels[0].get_xlim(), panels[-1].get_xlim()
-    assert first[0] < first[1] < 0.0 < last[0] < last[1]
-    assert panels[0].get_position().x1 < panels[-1].get_position().x0
-    for figure, sign in ((left, -1.0), (right, 1.0)):
-        limits = [axes.get_xlim() for axes in figure.axes if axes.get_xlabel() == "x, mm"]
-        assert len(limits) == 3
-        assert all(sign * low > 0.0 < sign * high for low, high in limits)
+    for figure in drawn[:2]:
+        panels = [axes for axes in figure.axes if axes.get_xlabel() == "x, mm"]
+        first, last = panels[0].get_xlim(), panels[-1].get_xlim()
+        assert first[0] < first[1] < 0.0 < last[0] < last[1]
+        assert panels[0].get_position().x1 < panels[-1].get_position().x0
 
 
-def test_both_sides_have_the_same_colours(drawn):
-    """Bars of the left and the right zones of contact have the same levels, so that pictures can be compared."""
-    bars = [[axes.get_xticks().tolist() for axes in figure.axes if "MPa" in axes.get_xlabel()] for figure in drawn[1:3]]
-    assert len(bars[0]) == 3
-    assert bars[0] == bars[1]
+def test_all_contacts_have_the_same_colours(drawn, runs):
+    """Each contact has a panel of its own, in true shape, and one bar of colours is of all."""
+    panels, bars = ([axes for axes in drawn[1].axes if bool(axes.get_xlabel()) == named] for named in (True, False))
+    assert len(panels) == len(runs["vem"].patches)
+    assert len(bars) == 1
+    assert all(axes.get_aspect() == 1.0 for axes in panels)
 
 
 def test_a_side_without_contact_is_drawn(runs):
-    """A side that does not touch is shown whole and said to be without contact."""
+    """A side that does not touch is in the section, without a force."""
     run = runs["fem"]
     right = tuple(patch for patch in run.result.patches if patch.side == "right")
-    lifted = replace(run, result=replace(run.result, patches=right))
-    said = [text.get_text() for text in texts(contact_figure(lifted, "left"))]
-    assert "the left wheel does not touch its rail" in said
+    left, other = section_figure(replace(run, result=replace(run.result, patches=right))).axes
+    assert left.patches
+    assert not left.texts
+    assert other.texts
+
+
+def test_the_area_of_the_pressures_is_the_force(runs):
+    """In the section, the pressures of a patch cover its force over the length, in their scale."""
+    run = runs["fem"]
+    highest = max(patch.max_pressure for patch in run.patches)
+    for axes, side in zip(section_figure(run).axes, SIDES, strict=True):
+        (patch,) = (patch for patch in run.patches if patch.patch.side == side)
+        x, y = axes.patches[-1].get_xy()[:-1].T
+        area = abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2.0
+        force = area * highest / ORDINATE_MM * run.problem.thickness_mm
+        # without half of an element at both ends
+        assert force == pytest.approx(patch.normal_force, rel=0.2)
 
 
 def test_deformed_surfaces_meet(runs):
-    """In true scale the drawn points are those of the contact solution; with factor 0 they are at first touch."""
+    """The drawn points are those of the contact solution."""
     result = runs["fem"].result
     state, system = result.equilibrium.state, result.model.system
     for contact in system.contacts:
         for surface in (contact.secondary, contact.primary):
-            side = surface.part.name.rpartition("-")[2]
-            body, at_touch = (drawn_parts(result, side, factor)[surface.part.name] for factor in (1.0, 0.0))
+            body = drawn_parts(result)[surface.part.name]
             nodes = body.space.nodes
             drawn = body.place(nodes, body.field.displacements[: len(nodes)])
             assert np.allclose(drawn[surface.nodes], state.positions[system.nodes_of(surface)], atol=1e-9)
-            if surface.part.name == "wheel-right":
-                sunk = result.placements["wheel-right"].points(nodes) - at_touch.place(nodes, 0.0 * nodes)
-                assert np.allclose(sunk, (0.0, -result.approach_mm), atol=1e-8)

@@ -77,7 +77,7 @@ def test_both_paths_answer_alike_where_a_surface_is_held_sideways() -> None:
         rotations = response.rotations([Placement(0.3)])
         loads = sp.csr_array(right)
         tangent = sp.csr_array(100.0 * root @ root.T)
-        answers.append(response.respond(rotations, np.arange(len(surface.nodes)), tangent, loads))
+        answers.append(response.tangent(rotations, np.arange(len(surface.nodes)), tangent)(loads))
     np.testing.assert_allclose(answers[0], answers[1], atol=1e-10 * np.abs(answers[1]).max())
 
 

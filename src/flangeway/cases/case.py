@@ -58,6 +58,7 @@ Box = Annotated[tuple[float, float, float, float], Strict(False)]
 Positive = Annotated[float, at.Gt(0.0)]
 NotNegative = Annotated[float, at.Ge(0.0)]
 Fraction = Annotated[float, at.Gt(0.0), at.Le(1.0)]
+SolidModulus = Annotated[float, at.Ge(1000.0)]  # of wheels and rails, MPa; plastics have 2000, steel 210 in GPa
 PoissonRatio = Annotated[float, at.Gt(-1.0), at.Lt(0.5)]
 ElementSize = Annotated[float, at.Ge(1e-6)]
 ElementOrder = Annotated[int, at.Ge(1), at.Le(2)]

@@ -28,12 +28,12 @@ class EllipticPatch(Protocol):
 
 
 MAX_PRESSURE: Quantity[EllipticPatch] = Quantity(
-    "max_pressure", "maximum pressure", lambda p: p.ellipse.max_pressure, "MPa", ".1f", remark=lambda p: p.remark
+    "max_pressure", "maximum pressure", "ellipse.max_pressure", "MPa", ".1f", remark=lambda p: p.remark
 )
 HERTZ_PRESSURE: Quantity[EllipticPatch] = Quantity(
     "hertz_pressure",
     "  Hertz",
-    lambda p: p.hertz and p.hertz.max_pressure,
+    "hertz.max_pressure",
     "MPa",
     ".1f",
     meaning="maximum pressure of half-spaces with the same force and curvatures; none where these vary too much",
@@ -41,14 +41,14 @@ HERTZ_PRESSURE: Quantity[EllipticPatch] = Quantity(
 AXES: Quantity[EllipticPatch] = Quantity(
     "semi_axes",
     "semi-axis",
-    lambda p: p.ellipse.semi_axes,
+    "ellipse.semi_axes",
     "mm",
     ".3f",
     SEMI_AXES,
     "a is the longer one, of the ellipse with the same second moments of pressure as Hertz's",
 )
 HERTZ_AXES: Quantity[EllipticPatch] = Quantity(
-    "hertz_semi_axes", "  Hertz", lambda p: p.hertz and p.hertz.semi_axes, "mm", ".3f", SEMI_AXES, "as Hertz's pressure"
+    "hertz_semi_axes", "  Hertz", "hertz.semi_axes", "mm", ".3f", SEMI_AXES, "as Hertz's pressure"
 )
 ANGLE: Quantity[EllipticPatch] = Quantity(
     "angle",
@@ -58,5 +58,5 @@ ANGLE: Quantity[EllipticPatch] = Quantity(
     "z.1f",
     meaning="from z to the major axis",
 )
-AREA: Quantity[EllipticPatch] = Quantity("area", "area", lambda p: p.ellipse.area, "mm²", ".2f")
-CELLS: Quantity[Any] = Quantity("cells", "cells", lambda p: p.ellipse.cells, "", "d", ON_SURFACE)
+AREA: Quantity[EllipticPatch] = Quantity("area", "area", "ellipse.area", "mm²", ".2f")
+CELLS: Quantity[Any] = Quantity("cells", "cells", "ellipse.cells", "", "d", ON_SURFACE)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, CreepForces, Rolling
 from flangeway.contact.rolling.theories import TITLES
-from flangeway.quantities import Quantity
+from flangeway.quantities import Quantity, getter
 from flangeway.types import Floats
 
 
@@ -71,15 +72,15 @@ class CreepResult:
         cells = self.cells
         return None if cells is None else float((cells.states[cells.states != NO_CONTACT] == SLIPS).mean())
 
-    def maximum(self, values: Callable[[Rolling | SimplifiedRolling], Floats]) -> float | None:
+    def maximum(self, values: str | Callable[[Rolling | SimplifiedRolling], Floats]) -> float | None:
         """Maximum magnitude over the cells; None of theories without tractions."""
         cells = self.cells
-        return None if cells is None else float(np.linalg.norm(np.atleast_3d(values(cells)), axis=2).max())
+        return None if cells is None else float(np.linalg.norm(np.atleast_3d(getter(values)(cells)), axis=2).max())
 
     @property
     def max_slip(self) -> float | None:
         """Maximum slip velocity, m/s, of a shift the slip, mm."""
-        slip = self.maximum(lambda cells: cells.slip_velocities)
+        slip = self.maximum("slip_velocities")
         return None if slip is None else self.scale * slip
 
     @property
@@ -100,14 +101,12 @@ class CreepResult:
 Creep = Quantity[CreepResult]
 
 
-def _rolling(value: Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
-    """A number that only rolling has."""
-    return lambda creep: value(creep) if creep.rolls else None
+def _if_rolling(rolls: bool, value: str | Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
+    """A number that only rolling has, or only a shift."""
+    return lambda creep: getter(value)(creep) if creep.rolls == rolls else None
 
 
-def _shifting(value: Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
-    """A number that only a shift has."""
-    return lambda creep: None if creep.rolls else value(creep)
+_rolling, _shifting = partial(_if_rolling, True), partial(_if_rolling, False)
 
 
 def _t_gamma(number: int) -> Callable[[CreepResult], float | None]:
@@ -116,7 +115,7 @@ def _t_gamma(number: int) -> Callable[[CreepResult], float | None]:
 
 THEORY: Creep = Quantity("theory", "theory", "theory")
 LONGITUDINAL_CREEPAGE: Creep = Quantity(
-    "longitudinal_creepage", "longitudinal creepage", _rolling(lambda f: f.creepages.along), form="z.4%"
+    "longitudinal_creepage", "longitudinal creepage", _rolling("creepages.along"), form="z.4%"
 )
 LATERAL_CREEPAGE: Creep = Quantity(
     "lateral_creepage", "lateral creepage", _rolling(lambda f: f.sign * f.creepages.across), form="z.4%"
@@ -126,7 +125,7 @@ SPIN_CREEPAGE: Creep = Quantity(
 )
 CREEPAGES = (LONGITUDINAL_CREEPAGE, LATERAL_CREEPAGE, SPIN_CREEPAGE)
 LONGITUDINAL_FORCE: Creep = Quantity(
-    "longitudinal_force", "longitudinal force", lambda f: f.forces.along, "kN", "z.4f", factor=1e-3
+    "longitudinal_force", "longitudinal force", "forces.along", "kN", "z.4f", factor=1e-3
 )
 LATERAL_FORCE: Creep = Quantity(
     "lateral_force", "lateral force", lambda f: f.sign * f.forces.across, "kN", "z.4f", factor=1e-3
@@ -147,13 +146,11 @@ T_GAMMAS: tuple[Creep, ...] = (
     Quantity("t_gamma_with_spin", "  and spin moment times spin", _t_gamma(2), "N", "z.3f"),
 )
 SLIP_AREA: Creep = Quantity("slipping_share", "slip area", "slip_fraction", form=".1%")
-MAX_TRACTION: Creep = Quantity(
-    "max_traction", "maximum traction", lambda f: f.maximum(lambda cells: cells.tractions), "MPa", ".1f"
-)
+MAX_TRACTION: Creep = Quantity("max_traction", "maximum traction", lambda f: f.maximum("tractions"), "MPa", ".1f")
 FIELDS: tuple[Creep, ...] = (
     SLIP_AREA,
     MAX_TRACTION,
-    Quantity("max_slip_velocity", "maximum slip velocity", _rolling(lambda f: f.max_slip), "m/s", ".4f"),
+    Quantity("max_slip_velocity", "maximum slip velocity", _rolling("max_slip"), "m/s", ".4f"),
     Quantity(
         "flash_temperature",
         "maximum flash temperature",
@@ -167,11 +164,11 @@ FIELDS: tuple[Creep, ...] = (
 """What theories with tractions have."""
 BY_THEORY: tuple[Creep, ...] = (THEORY, *CREEPAGES, *FORCES, *T_GAMMAS)
 SHIFT: tuple[Creep, ...] = (
-    Quantity("shift_ahead", "shift ahead", _shifting(lambda f: f.creepages.along), "mm", "z.6f"),
+    Quantity("shift_ahead", "shift ahead", _shifting("creepages.along"), "mm", "z.6f"),
     Quantity("shift_right", "shift to the right", _shifting(lambda f: f.sign * f.creepages.across), "mm", "z.6f"),
     Quantity("shift_rotation", "rotation", _shifting(lambda f: 1e3 * f.sign * f.creepages.spin), "mrad", "z.4f"),
-    Quantity("max_slip", "maximum slip", _shifting(lambda f: f.max_slip), "mm", ".6f"),
-    Quantity("dissipated", "work of friction", _shifting(lambda f: f.forces.frictional_power), "N mm", ".4g"),
+    Quantity("max_slip", "maximum slip", _shifting("max_slip"), "mm", ".6f"),
+    Quantity("dissipated", "work of friction", _shifting("forces.frictional_power"), "N mm", ".4g"),
 )
 POWER: Creep = Quantity(
     "frictional_power", "frictional power", _rolling(lambda f: f.scale * f.forces.frictional_power), "W", "z.1f"

@@ -1,8 +1,7 @@
 """``flangeway campaign``."""
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,13 +12,13 @@ from flangeway.cli.common import (
     INTERRUPTED,
     Fresh,
     Out,
+    Progress,
     Show,
     choices,
     command_typed,
     complain,
     completion,
     results_folder,
-    show_progress,
     shows_results,
 )
 from flangeway.cli.damage_command import run_strategies
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
     from flangeway.campaign import CampaignProgress
 
 LINE_EVERY_S = 5.0
+"""Time between two lines on how many rows are done."""
 
 
 @app.command()
@@ -84,10 +84,10 @@ def campaign(
     database = folder / DATABASE
     had_all = not fresh and database.is_file() and results(database).is_done
     begun = time.perf_counter()
-    show.marks_s.append(begun)
     try:
-        with _rows_shown(quiet=show.quiet) as progress:
-            end = run_campaign(wanted, database, workers=workers, scheduler=scheduler, fresh=fresh, progress=progress)
+        with show.progress() as progress:
+            shown = _rows_shown(progress)
+            end = run_campaign(wanted, database, workers=workers, scheduler=scheduler, fresh=fresh, progress=shown)
     except KeyboardInterrupt:
         complain(f"interrupted; what is done is kept in {database}, and the same command goes on from there")
         raise typer.Exit(INTERRUPTED) from None
@@ -102,42 +102,17 @@ def campaign(
     return end.all_converged
 
 
-@contextmanager
-def _rows_shown(*, quiet: bool) -> Iterator[Callable[["CampaignProgress"], None]]:
-    """Show on stderr how many rows are done and the time left: a bar on a terminal, some lines elsewhere."""
-    from rich.console import Console  # noqa: PLC0415
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415
-
-    if quiet:
-        yield lambda _: None
-        return
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield _lines()
-        return
-    columns = (
-        *(TimeElapsedColumn(), BarColumn(), MofNCompleteColumn()),
-        TextColumn("{task.description}", markup=False),
-    )
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("starting the workers", total=None)
-
-        def show(now: "CampaignProgress") -> None:
-            bar.update(task, total=now.n_rows, completed=now.n_done, description=_left(now))
-
-        yield show
-
-
-def _lines() -> Callable[["CampaignProgress"], None]:
+def _rows_shown(show: Progress) -> Callable[["CampaignProgress"], None]:
+    """Show how many rows are done and the time left, not more often than a reader wants."""
     last = -LINE_EVERY_S
 
-    def show(now: "CampaignProgress") -> None:
+    def rows(now: "CampaignProgress") -> None:
         nonlocal last
         if time.monotonic() - last >= LINE_EVERY_S or now.n_done == now.n_rows:
             last = time.monotonic()
-            show_progress(f"{now.n_done} of {now.n_rows} rows; {_left(now)}")
+            show(f"{now.n_done} of {now.n_rows} rows; {_left(now)}")
 
-    return show
+    return rows
 
 
 def _left(now: "CampaignProgress") -> str:

@@ -170,7 +170,10 @@ class PieceIntegrals:
 
     def _points(self, *, second: bool) -> _Points:
         """Points of quadrature with first derivatives, or with second ones too."""
-        nodes = Taylor.of_points(np.concatenate((self.secondary, self.primary), axis=1), second=second)
+        points = np.concatenate((self.secondary, self.primary), axis=1)
+        # translations change nothing: the first node is the origin, see `_by_all`
+        nodes = Taylor.of_points(points - points[:, :1], second=second)
+        nodes = Taylor(nodes.value, nodes.first[2:], nodes.second)
         n_nodes, n_own, pieces = nodes.value.shape[1], self.secondary.shape[1], self.pieces
         own, other = taylor_series(nodes, 0, n_own), taylor_series(nodes, n_own, n_nodes)
         units = np.eye(n_nodes)
@@ -199,8 +202,9 @@ class PieceIntegrals:
 
     def _integral(self, values: Taylor) -> tuple[Floats, Floats]:
         """Integrals with the hats (p, 2) of values at the points, and their derivatives (p, 2, d)."""
-        found = [(hat * values).sum(axis=1) for hat in self._at.hats]
-        return np.stack([each.value for each in found], axis=1), np.stack([each.first for each in found], axis=1)
+        found = [(hat * values).sum() for hat in self._at.hats]
+        firsts = np.stack([each.first for each in found])
+        return np.stack([each.value for each in found], axis=1), _by_all(np.moveaxis(firsts, -1, 0))
 
     @cached_property
     def gaps(self) -> tuple[Floats, Floats]:
@@ -220,9 +224,9 @@ class PieceIntegrals:
     def hessians(self, factors: Floats) -> Floats:
         """Second derivatives of the sums of factors (p, 2) times the two integrals of the gap, shape (p, d, d)."""
         at = self._points(second=True)
-        total = (_weighted(at, factors) * at.gap).sum(axis=1).second
+        total = (_weighted(at, factors) * at.gap).sum().second
         assert total is not None
-        return total
+        return _by_all(_by_all(np.moveaxis(total, -1, 0)).swapaxes(1, 2))
 
     def slips(self, secondary: Floats, primary: Floats) -> tuple[Floats, Floats, Floats]:
         """Integrals of the slip since earlier positions of the edges' nodes, each (p, order + 1, 2), see `Slides`.
@@ -253,14 +257,20 @@ class PieceIntegrals:
     def turns(self, factors: Floats) -> Floats:
         """Derivatives of the sums of factors (p, 2) times the two unit tangential forces, shape (p, d, d)."""
         weights = _weighted(self._at, factors)[:, :, None]
-        sums = [(weights * each).sum(axis=1).first for each in self._directions]
-        return _components(np.concatenate(sums, axis=1).swapaxes(1, 2)).swapaxes(1, 2)
+        sums = [(weights * each).sum(axis=-2).first for each in self._directions]
+        return _by_all(np.moveaxis(_components(np.concatenate(sums, axis=-1)), 0, -1))
 
 
 def _weighted(at: _Points, factors: Floats) -> Taylor:
     """Weights of the points in the sums of factors (p, 2) times integrals with the hats."""
     first, second = factors[:, :1], factors[:, 1:]
     return at.measure * ((second - first) * at.xi + first)
+
+
+def _by_all(derivatives: Floats) -> Floats:
+    """Derivatives by the components of all points (..., 2 n) from those without the first point's (..., 2 n - 2)."""
+    by_first = np.stack([-derivatives[..., axis::2].sum(axis=-1) for axis in (0, 1)], axis=-1)
+    return np.concatenate((by_first, derivatives), axis=-1)
 
 
 def _components(vectors: Array) -> Floats:

@@ -262,12 +262,16 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
         at, places, none = positions[side], surfaces[side].edge_places, np.full(counts[side], -1)
         given = at, places, edges[other], np.flatnonzero(near[side]), node_normals(at, places, bisecting=True), none
         none_smooth = np.zeros(len(edges[other]), dtype=np.bool_)
-        nodes, partners, gaps = facing_pairs(*given, SLACK, guarded_margins(edges[other]), SLACK, none_smooth)
         own = np.full(counts[side], np.inf)
         for column in places.T:
             np.minimum.at(own, column, sagittas[side])
-        allowed = EARLY * (own[nodes] + sagittas[other][partners]) + explained
-        found[side][nodes[(gaps.gaps < -allowed) & (gaps.gaps > -depth)]] = True
+
+        def allowed(nodes: Ints, partners: Ints, own: Floats = own, other: int = other) -> Floats:
+            return EARLY * (own[nodes] + sagittas[other][partners]) + explained
+
+        margins = guarded_margins(edges[other])
+        nodes, _, gaps = facing_pairs(*given, SLACK, margins, SLACK, none_smooth, allowed)
+        found[side][nodes[gaps.gaps > -depth]] = True
     found = [each & ~before for each, before in zip(found, guarded_nodes, strict=True)]
     sharp = found[0] & _sharp(surfaces[0]), found[1] & _sharp(surfaces[1])
     return sharp if sharp[0].any() or sharp[1].any() else (found[0], found[1])

@@ -225,13 +225,13 @@ class NodeEdgeGaps:
     @property
     def gradients(self) -> Floats:
         """First derivatives by the positions of the node and then the edge's nodes, shape (n, 2 + order, 2)."""
-        return self._gaps.first.reshape(len(self.nodes), -1, 2)
+        return self._gaps.first.T.reshape(len(self.nodes), -1, 2)
 
     @property
     def hessians(self) -> Floats:
         """Second derivatives, shape (n, 2 (2 + order), 2 (2 + order))."""
         assert self._gaps.second is not None
-        return self._gaps.second
+        return np.moveaxis(self._gaps.second, -1, 0)
 
     def take(self, chosen: NDArray[np.int64] | NDArray[np.bool_]) -> "NodeEdgeGaps":
         """Some of the pairs."""

@@ -10,6 +10,10 @@ where ``B = dg/du`` and C is the compliance of the contact law (0: no penetratio
 the sign of the errata). Once the active set has settled this is Newton's method with the consistent tangent (Moherdaui
 2021, 3.118).
 
+Near the solution K + G and B hardly change from one iteration to the next, and the last iteration takes those of the
+one before (the chord method; C. T. Kelley, 1995, Iterative Methods for Linear and Nonlinear Equations, 5.4.1): only
+gaps and forces are new.
+
 With a barrier of the product w and the reach r, forces act at a gap: ``0 <= g + ... - w / (p' + w / r)``.
 
 A step is halved until the residual is below the maximum of the last steps (L. Grippo, F. Lampariello and S. Lucidi,
@@ -31,8 +35,8 @@ of the tangential forces, ``-sum q dT``, and is not symmetric. C is the same as 
 that it had let back before.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -54,7 +58,7 @@ from flangeway.solve.body_response import BodyResponse, Constrained
 from flangeway.solve.handles import Handle, Handles
 from flangeway.solve.status import Iteration, NewtonSettings, Status, is_at_round_off
 from flangeway.space.symmetric import EPS
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Ints
 
 MEMORY, MAX_GROWTH, MIN_FRACTION = 12, 2.0, 1.0 / 32.0
 """A step is halved while its residual is above the maximum of so many iterations before it, times the growth, until the
@@ -62,9 +66,9 @@ fraction of the step. Active sets change in the first iterations, so that the re
 any limit nodes on edges far shorter than their share of the surface, which are not stable under pressure, run away.
 After as many, pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
 
-SPRINGS = (1e-6, 1e-4, 1e-2, 1.0)
-"""Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint: the first one
-where all goes well."""
+SPRING, STIFF_SPRING = 1e-6, 1.0
+"""Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint; and the same
+where the equations with the geometric stiffness had no solution."""
 
 NEAR = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
@@ -75,6 +79,9 @@ WITHIN = 0.01
 
 CLOSES = 2.0 * np.sqrt(2.0)
 """Closing of a gap over the maximum component of the nodes' displacements, at most."""
+
+CLOSE = 1e-6
+"""Residual up to which the equations of an iteration may serve the next one."""
 
 UNHELD = 1e-9
 """Force left on a floating part over the maximum load, or the total force, above which a message names it."""
@@ -162,7 +169,6 @@ def solve_contact(
     *,
     handles: Sequence[Handle | None] | None = None,
     start: ContactState | None = None,
-    keep_guards: bool = True,
     settings: NewtonSettings | None = None,
     origin: Floats | None = None,
 ) -> ContactState:
@@ -183,9 +189,6 @@ def solve_contact(
         A solution of the same constraints for a neighbouring position, whose forces are the first guess. Where the
         bodies have moved by little since, the first iteration also takes its linearisation. With friction it is the
         converged step before: slip is counted from its positions.
-    keep_guards
-        Whether constraints of nodes that penetrated at the start stay: where positions are searched, forces have to be
-        continuous in them. Bodies that slide along a path leave the places of earlier steps.
     settings
         Limits of the iteration.
     origin
@@ -200,7 +203,7 @@ def solve_contact(
     """
     settings = settings or NewtonSettings()
     parts = Handles(response, placements, handles)
-    return _Run(response, constraints, parts, settings, start, origin, keep_guards).solve()
+    return _Run(response, constraints, parts, settings, start, origin).solve()
 
 
 _Step = tuple[Floats, Floats, Floats, Floats]
@@ -218,6 +221,27 @@ class _Here(NamedTuple):
     applied: Floats
 
 
+class _Equations(NamedTuple):
+    """Linear complementarity problem of an iteration.
+
+    - `keys`, `nodes`: constraints that may close, and surface nodes on which any gap depends.
+    - `geometric`, `solved`: geometric stiffness, and `BodyResponse.tangent` with it.
+    - `by_loads`: displacements by the forces, now and by rigid motions, shape (2 n_touched, k + 1 + n).
+    - `matrix`, `offset`: flexibility and offset of gaps and slips, shapes (k, k) and (k,).
+    - `rigid`, `by_forces`: equations of the rigid motions, see `flangeway.solve.handles`, and W' of these.
+    """
+
+    keys: Ints
+    nodes: Ints
+    geometric: sp.csr_array
+    solved: Callable[[sp.csr_array], Floats]
+    by_loads: Floats
+    matrix: Floats
+    offset: Floats
+    rigid: active_set.Motions
+    by_forces: Floats
+
+
 class _Run:
     """One call of `solve_contact`: the current state and what was done."""
 
@@ -229,7 +253,6 @@ class _Run:
         settings: NewtonSettings,
         start: ContactState | None,
         origin: Floats | None,
-        keep_guards: bool,
     ) -> None:
         self.response, self.constraints, self.parts, self.settings = response, constraints, parts, settings
         self.neutral, self.unheld = np.zeros((2, parts.n, 0)), np.zeros(parts.n)
@@ -246,11 +269,10 @@ class _Run:
         else:
             self.before, self.current, self.forces = start.positions, start.linearisation, start.forces
             self.tangential = np.zeros_like(start.forces) if start.friction is None else start.friction.forces
-            after = self.current
-            if not keep_guards:
-                # without the corner that holds it, a part on a handle would go where its load takes it
-                holding = self.forces if parts.n else np.zeros_like(self.forces)
-                after = constraints.unguarded(start.positions, after, holding)
+            # bodies that slide along a path leave the places where nodes penetrated in earlier steps, but without the
+            # corner that holds it a part on a handle would go where its load takes it
+            holding = self.forces if parts.n else np.zeros_like(self.forces)
+            after = constraints.unguarded(start.positions, self.current, holding)
             if _is_near(start, self.reference):  # the first iteration uses the gaps of the start
                 self.displacements = start.positions - self.reference
             else:
@@ -318,6 +340,7 @@ class _Run:
     def correct(self) -> None:
         """Take the forces found as those about which a tolerated penetration gives."""
         self.anchor = (self.current, self.forces, self.tangential)
+        self.equations: _Equations | None = None
 
     def excess(self) -> float:
         """Maximum penetration, or gap under force, over the tolerated one."""
@@ -388,6 +411,11 @@ class _Run:
         after = self.constraints.linearise(self.reference + moved, here.current, settle=settle)
         self.current, self.displacements, self.forces, self.tangential = here.current, moved, new_forces, new_tangential
         self.take_over(after)
+        yielded = max(float(np.abs(each).max(initial=0.0)) for each in (moved, self._compliances(after) * self.forces))
+        if yielded <= EPS * float(np.abs(self.reference).max()) and not self.parts.forces(self.motions).any():
+            # nothing presses, and neither bodies nor laws yield: what is left of forces is round-off
+            self.forces, self.tangential = np.zeros((2, len(after.keys)))
+            applied = np.zeros_like(applied)
         carried, tangential, scale = self.forces, self.tangential, self._scale()
         self.applied = applied
         nodal, left = self._nodal(), self._left()
@@ -447,14 +475,15 @@ class _Run:
         current, applied = self.current, np.zeros_like(self.displacements)
         if len(current.nodes) == 0:
             return self.forces, self.tangential, applied, np.zeros(self.parts.n)
-        geometric, constrained = self._laws(bend=bend)
         products, reaches = current.barriers.T
-        reaches = np.where(products > 0.0, reaches, 0.0)  # of barriers, which push before surfaces meet
-        gaps = constrained.violations[: len(reaches)] - reaches
+        # barriers push before surfaces meet
+        gaps = self._gaps(current) - np.where(products > 0.0, reaches, 0.0)
         near = (self.forces > 0.0) | (gaps <= WITHIN * self._scale())
+        before, self.equations = self.equations if bend and self._serves(near) else None, None
+        geometric, constrained = self._laws(before, bend=bend)
         while True:
             near = near if near.any() else ~near
-            found = self._step_of(geometric, constrained, near, bend=bend)
+            found = self._step_of(geometric, constrained, near, before, bend=bend)
             if found is None:
                 return None
             forces, moved, motion = found
@@ -465,15 +494,29 @@ class _Run:
             missed = ~near & (apart < 0.0) & (gaps < CLOSES * float(np.abs(step).max()))
             if not missed.any():
                 break
-            near |= missed
+            near, before = near | missed, None
         nodal = constrained.directions.T @ forces - geometric @ step
         applied[current.nodes] = nodal.reshape(-1, 2)
         tangential = forces[len(near) :] if self.slides is not None else self.tangential
         return forces[: len(near)], tangential, applied, motion
 
+    def _serves(self, near: Bools) -> bool:
+        """Whether the equations of the iteration before, of the same constraints, are enough for one more.
+
+        The residual that it leaves is about the product of the last one and of the last step, by which the derivatives
+        have changed.
+        """
+        if self.equations is None or self.history[-1].changed:
+            return False
+        last = self.history[-1]
+        reached = last.residual <= CLOSE and last.residual * last.change <= self.settings.tolerance
+        same = (self.equations.keys, self.current.keys[near]), (self.equations.nodes, self.current.nodes)
+        return reached and all(map(np.array_equal, *zip(*same, strict=True)))
+
     def _step_of(
-        self, geometric: sp.csr_array, all_constraints: Constrained, near: Bools, *, bend: bool
-    ) -> tuple[Floats, Floats, Floats] | None:
+        self, geometric: sp.csr_array, all_constraints: Constrained, near: Bools, before: _Equations | None, *,
+        bend: bool,
+    ) -> tuple[Floats, Floats, Floats] | None:  # fmt: skip
         """Forces of all constraints, displacements of the touched nodes, and motions, where only some may close."""
         current, n = self.current, self.parts.n
         rows = np.flatnonzero(np.tile(near, 1 if self.slides is None else 2))
@@ -491,16 +534,17 @@ class _Run:
                 return None
             forces[rows] = found.forces
             loads = constrained.directions.T @ found.forces + geometric @ constrained.displacements
-            given = self.rotations, current.nodes, geometric, sp.csr_array(loads[:, None])
-            return forces, self.response.respond(*given, symmetric=False)[:, 0], np.zeros(0)
-        by_loads, matrix, offset, rigid = self._problem(geometric, constrained)
-        for spring in SPRINGS[:1] if bend or not n else SPRINGS:
-            sprung = rigid.sprung(matrix.diagonal(), spring) if n else rigid
-            own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
-            laws = active_set.Laws(coefficients, barriers, own)
-            found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
-            if found is not None:
-                break
+            bent = self.response.tangent(self.rotations, current.nodes, geometric, symmetric=False)
+            return forces, bent(sp.csr_array(loads[:, None]))[:, 0], np.zeros(0)
+        if before is None:
+            problem = self._problem(geometric, constrained, current.keys[near])
+        else:
+            problem = self._problem_again(before, constrained, guess)
+        matrix, offset, rigid = problem.matrix, problem.offset, problem.rigid
+        sprung = rigid.sprung(matrix.diagonal(), SPRING if bend else STIFF_SPRING) if n else rigid
+        own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
+        laws = active_set.Laws(coefficients, barriers, own)
+        found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
         if found is not None and n:
             # with springs there always is a solution; without them Newton's method for the motions goes on from there
             equations = active_set.DenseEquations(matrix, offset, laws, rigid)
@@ -517,19 +561,22 @@ class _Run:
         if found is None:
             return None
         self.tangent = matrix, rigid, found.forces[: laws.m] > 0.0
+        # if one more iteration was not enough, the next one has its own
+        self.equations = problem if bend and before is None else None
         motion = self.parts.shortened(found.motions, self.parts.velocities(self.motions, self.reference))
         forces[rows] = found.forces
-        return forces, by_loads @ np.concatenate((found.forces, (1.0,), motion)), motion
+        return forces, problem.by_loads @ np.concatenate((found.forces, (1.0,), motion)), motion
 
-    def _laws(self, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
+    def _laws(self, before: _Equations | None, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
         """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""
         current = self.current
-        geometric = current.curvature(-self.forces)
+        geometric = current.curvature(-self.forces) if before is None else before.geometric
         at_nodes = self.displacements[current.nodes].ravel()
         jacobian, directions, compliances = current.jacobian, current.jacobian, self._compliances(current)
         violations = self._gaps(current)
         if (slides := self.slides) is not None:
-            geometric = geometric + slides.curvature(-self.tangential)
+            if before is None:
+                geometric = geometric + slides.curvature(-self.tangential)
             directions, jacobian = (
                 sp.csr_array(sp.vstack((jacobian, own))) for own in (slides.directions, slides.jacobian)
             )
@@ -539,14 +586,8 @@ class _Run:
         geometric = geometric if bend else sp.csr_array(geometric.shape)
         return geometric, Constrained(at_nodes, jacobian, directions, compliances, violations)
 
-    def _problem(
-        self, geometric: sp.csr_array, constrained: Constrained
-    ) -> tuple[Floats, Floats, Floats, active_set.Motions]:
-        """Linear complementarity problem of an iteration.
-
-        Displacements by the forces, now and by rigid motions; flexibility and offset of gaps and slips; and the
-        equations of the rigid motions, see `flangeway.solve.handles`.
-        """
+    def _problem(self, geometric: sp.csr_array, constrained: Constrained, keys: Ints) -> _Equations:
+        """Linear complementarity problem of an iteration with the constraints of some keys."""
         parts, nodes, slides = self.parts, self.current.nodes, self.slides
         at_nodes, jacobian, directions = constrained.displacements, constrained.jacobian, constrained.directions
         n = 2 * len(nodes)
@@ -556,7 +597,8 @@ class _Run:
         turned = parts.turned(self.applied)[nodes].reshape(n, parts.n)
         by_rigid, by_forces = turned - geometric @ rigid, turned - geometric.T @ rigid
         loads = sp.hstack((directions.T, np.column_stack((geometric @ at_nodes, by_rigid))), format="csr")
-        answer = self.response.respond(self.rotations, nodes, geometric, loads, symmetric=slides is None)
+        solved = self.response.tangent(self.rotations, nodes, geometric, symmetric=slides is None)
+        answer = solved(loads)
         stiffness = by_forces.T @ answer[:, m + 1 :] - rigid.T @ (geometric @ rigid)
         # of the rotation's own second derivative; that of a rotation and a slide vanishes in equilibrium
         stiffness[np.diag_indices(parts.n)] += np.einsum("dq,dq->q", turned, rigid)
@@ -572,7 +614,21 @@ class _Run:
         if slides is None:  # symmetric but for rounding
             stiffness, resultants = (stiffness + stiffness.T) / 2.0, by_motion.T
         motions = active_set.Motions(by_motion, resultants, stiffness, residual, parts.numbers, parts.sizes)
-        return answer, matrix, offset, motions
+        return _Equations(keys, nodes, geometric, solved, answer, matrix, offset, motions, by_forces)
+
+    def _problem_again(self, before: _Equations, constrained: Constrained, forces: Floats) -> _Equations:
+        """The same about the present state and forces y, with derivatives of the iteration before.
+
+        With the forces e that are not balanced, displacements are ``u + Y e + Y D^T (y' - y)``.
+        """
+        unbalanced = (self._nodal() - self.applied)[self.current.nodes]
+        moved = before.solved(sp.csr_array(unbalanced.reshape(-1, 1)))[:, 0]
+        by_loads, m = before.by_loads.copy(), len(forces)
+        by_loads[:, m] = constrained.displacements + moved - by_loads[:, :m] @ forces
+        offset = constrained.violations + constrained.jacobian @ moved + constrained.compliances * forces
+        residual = self._left() + before.by_forces.T @ moved - before.rigid.resultants @ forces
+        rigid = replace(before.rigid, residual=residual)
+        return before._replace(by_loads=by_loads, offset=offset - before.matrix @ forces, rigid=rigid)
 
     def _nodal(self) -> Floats:
         """Forces of the constraints on all surface nodes, shape (n_nodes, 2)."""

@@ -1,5 +1,6 @@
 """Node-to-segment contact: each secondary node against one primary edge (Moherdaui 2021, 3.5)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -47,14 +48,14 @@ class NodePairs(Pairs):
         """See `Pairs.gradients`."""
         every = np.arange(len(self.points))
         gaps = gaps_over(self._variables(every, second=False), self.parameters)[1]
-        return gaps.first.reshape(self.points.shape)[:, None]
+        return gaps.first.T.reshape(self.points.shape)[:, None]
 
     def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
         """See `Pairs.curvatures`."""
         loaded = np.flatnonzero(forces)
         second = gaps_over(self._variables(loaded, second=True), self.parameters[loaded])[1].second
         assert second is not None
-        return loaded, forces[loaded, None, None] * second
+        return loaded, np.moveaxis(forces[loaded] * second, -1, 0)
 
     def slides(self, points: Floats, before: Floats) -> Slides:  # noqa: ARG002 (the pairs know where they are)
         """See `Pairs.slides`."""
@@ -62,7 +63,7 @@ class NodePairs(Pairs):
         was = np.take_along_axis(before, self.slots[..., None], axis=1)
         slips, directions = node_edge_slips(now, self.parameters, was)
         at_points = (len(directions), 1, *self.points.shape[1:])
-        return Slides(slips.value, slips.first.reshape(at_points), directions.reshape(at_points), self._turns)
+        return Slides(slips.value, slips.first.T.reshape(at_points), directions.reshape(at_points), self._turns)
 
     def _turns(self, forces: Floats) -> tuple[Ints, Floats]:
         loaded = np.flatnonzero(forces)
@@ -182,14 +183,14 @@ class NodeToSegment(Pairing):
 
 def facing_pairs(
     positions: Floats, edge_places: Ints, edges: Floats, wanted: Ints, directions: Floats, kept: Ints, stay: float,
-    margins: Floats, overhang: float, smooth: Bools,
+    margins: Floats, overhang: float, smooth: Bools, explained: Callable[[Ints, Ints], Floats] | None = None,
 ) -> tuple[Ints, Ints, NodeEdgeGaps]:  # fmt: skip
     """Nodes, of those wanted, that face an edge of another surface, those edges, and the gaps.
 
     The outward directions, and the edges that were ``kept`` (-1 for none), are those of all nodes. A node stays with
     the latter up to parts ``stay`` of the edge beyond it. An open one may be beyond any edge by ``overhang``; one
     behind an edge by the ``margins`` of its ends (n_edges, 2), if the way to it crosses no other edge than the next one
-    at a ``smooth`` joint, shape (n_edges,).
+    at a ``smooth`` joint, shape (n_edges,). With depths ``explained`` of nodes and edges only nodes that are deeper.
     """
     points = positions[wanted]
     partners = nearest_edges(points, directions[wanted], edges)
@@ -202,6 +203,8 @@ def facing_pairs(
     beyond = margins[partners]
     beyond[gaps.gaps >= 0.0] = np.maximum(beyond[gaps.gaps >= 0.0], overhang)
     near = stays[found] | ((gaps.parameters >= -beyond[:, 0]) & (gaps.parameters <= 1.0 + beyond[:, 1]))
+    if explained is not None:
+        near &= gaps.gaps < -explained(nodes, partners)
     behind = np.flatnonzero(near & (gaps.gaps < 0.0))
     vectors = -gaps.gaps[behind, None] * gaps.normals[behind]
     own, on = positions[edge_places], (edge_places == nodes[behind, None, None]).any(axis=2)

@@ -336,9 +336,8 @@ def press(
             own = handles_at(placements, growth)
             loaded = bodies.loaded(displaced, placements, growth) if any(displaced) else bodies
             state = solve_contact(
-                loaded, system, placements, handles=own, start=start, keep_guards=False, settings=settings,
-                origin=origin,
-            )  # fmt: skip
+                loaded, system, placements, handles=own, start=start, settings=settings, origin=origin
+            )
             # where contacts decide the place of a part, a solution in which it overlaps is on a branch of its own
             if state.status.converged and any(own) and (errors := _errors_of_step(system, loaded, start, state)):
                 status = replace(state.status, converged=False, message=f"not converged: {'; '.join(errors)}")

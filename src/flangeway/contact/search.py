@@ -37,18 +37,20 @@ def candidate_pairs(secondary_edges: Floats, primary_edges: Floats, reach: float
         Numbers of secondary and of primary edges, one entry a pair, in rising order of the first, then the second.
 
     """
-    i, j = shapely.STRtree(_boxes(primary_edges, 0.0)).query(_boxes(secondary_edges, reach))
+    secondary, primary = _boxes(secondary_edges, reach), _boxes(primary_edges, 0.0)
+    # most edges of a long surface are far from all of the other one
+    low, high = secondary[:2].min(axis=1, initial=np.inf), secondary[2:].max(axis=1, initial=-np.inf)
+    near = np.flatnonzero(((primary[2:] >= low[:, None]) & (primary[:2] <= high[:, None])).all(axis=0))
+    i, j = shapely.STRtree(shapely.box(*primary[:, near])).query(shapely.box(*secondary))
     order = np.lexsort((j, i))
-    return i[order], j[order]
+    return i[order], near[j[order]]
 
 
-def _boxes(edges: Floats, reach: float | Floats) -> NDArray[np.object_]:
-    """Bounding boxes of edges (n, k + 1, 2), enlarged by a reach, shape (n,)."""
-    (x_min, y_min), (x_max, y_max) = (
-        (edges.min(axis=1) - np.transpose([reach])).T,
-        (edges.max(axis=1) + np.transpose([reach])).T,
+def _boxes(edges: Floats, reach: float | Floats) -> Floats:
+    """Bounding boxes of edges (n, k + 1, 2), enlarged by a reach: least x, y and largest x, y, shape (4, n)."""
+    return np.concatenate(
+        ((edges.min(axis=1) - np.transpose([reach])).T, (edges.max(axis=1) + np.transpose([reach])).T)
     )
-    return shapely.box(x_min, y_min, x_max, y_max)
 
 
 def behind(points: Floats, edges: Floats) -> NDArray[np.bool_]:
@@ -88,7 +90,7 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
     starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
     normals = turned_right(chords)
     open_points = np.flatnonzero(_may_face(directions, normals))
-    tree = shapely.STRtree(_boxes(edges[:, [0, -1]], 0.0))
+    tree = shapely.STRtree(shapely.box(*_boxes(edges[:, [0, -1]], 0.0)))
     everything = np.concatenate((points, *edges.swapaxes(0, 1)))
     extent, radius = float(np.ptp(everything, axis=0).max()), float(np.linalg.norm(chords, axis=1).mean())
     while len(open_points):

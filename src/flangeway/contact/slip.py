@@ -11,6 +11,8 @@ Contact and Impact Mechanics", 4.2): it is in equilibrium on both bodies.
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from flangeway.contact.kinematics import derivative, edge_series, gaps_over, horner
 from flangeway.contact.taylor import Taylor, as_complex, dot
 from flangeway.types import Floats, Ints
@@ -62,12 +64,12 @@ def node_edge_slips(points: Taylor, parameters: Floats, before: Floats) -> tuple
     series = edge_series(before[:, 1:])
     slope = horner(derivative(series), xi)
     slips = dot(slope, horner(series, xi) - as_complex(before[:, 0])) / slope.abs
-    return slips, length.value[:, None] * xi.first
+    return slips, (length.value * xi.first).T
 
 
 def node_edge_turns(points: Taylor, parameters: Floats) -> Floats:
     """Derivatives (p, d, d) of unit tangential forces ``|x'| dxi/du``; points with second ones."""
     xi, _, length = gaps_over(points, parameters)
     assert xi.second is not None
-    turns: Floats = xi.first[:, :, None] * length.first[:, None, :] + length.value[:, None, None] * xi.second
-    return turns
+    turns: Floats = xi.first[:, None] * length.first + length.value * xi.second
+    return np.moveaxis(turns, -1, 0)

@@ -28,9 +28,9 @@ class Taylor:
     value
         Values, shape (...).
     first
-        First derivatives, shape (..., d), or one that is broadcast to it.
+        First derivatives, shape (d, ...), or one that is broadcast to it: NumPy's loops are then over many values.
     second
-        Second derivatives, shape (..., d, d), or one that is broadcast to it; None where they are not wanted.
+        Second derivatives, shape (d, d, ...), or one that is broadcast to it; None where they are not wanted.
 
     """
 
@@ -47,20 +47,20 @@ class Taylor:
         With ``slots`` only those points, in each row others, shape (p, k).
         """
         n = points.shape[1]
-        value, first = as_complex(points), np.kron(np.eye(n), [1.0, 1.0j])
+        value, first = as_complex(points), np.kron(np.eye(n), [[1.0], [1.0j]])
         if slots is not None:
             value = np.take_along_axis(value, slots, axis=1)
-        first = first[None] if slots is None else first[slots]
+        first = first[:, None] if slots is None else first[:, slots]
         return cls(value, first, np.zeros((1, 1, 1, 1)) if second else None)
 
     def constant(self, value: Array) -> "Taylor":
         """Constants as functions of the same variables, derivatives of the same order."""
         ones = (1,) * value.ndim
-        return Taylor(value, np.zeros((*ones, 1)), None if self.second is None else np.zeros((*ones, 1, 1)))
+        return Taylor(value, np.zeros((1, *ones)), None if self.second is None else np.zeros((1, 1, *ones)))
 
     def weighted(self, weights: Floats) -> "Taylor":
         """Sums (p,) of points (p, n) times weights (n,)."""
-        return (self * weights).sum(axis=1)
+        return (self * weights).sum()
 
     def _each(self, function: Callable[[Array], Array]) -> "Taylor":
         """A function that is linear over the reals, of values and derivatives."""
@@ -69,8 +69,8 @@ class Taylor:
         )
 
     def __getitem__(self, place: Any) -> "Taylor":
-        """Some of the functions, by the first axes, along which derivatives are not broadcast."""
-        return self._each(lambda array: np.asarray(array[place]))
+        """Some of the functions, by all axes, along which derivatives are not broadcast."""
+        return self._each(lambda array: np.asarray(array[..., *place]))
 
     @property
     def real(self) -> "Taylor":
@@ -104,15 +104,14 @@ class Taylor:
     def __mul__(self, other: Factor) -> "Taylor":
         """Return the product."""
         if not isinstance(other, Taylor):
-            by = np.asarray(other)
-            second = None if self.second is None else by[..., None, None] * self.second
-            return Taylor(by * self.value, by[..., None] * self.first, second)
-        one, two = self.value[..., None], other.value[..., None]
+            second = None if self.second is None else other * self.second
+            return Taylor(other * self.value, other * self.first, second)
+        one, two = self.value, other.value
         first, second = one * other.first + two * self.first, None
         if self.second is not None and other.second is not None:
             both = _outer(self.first, other.first)
-            second = one[..., None] * other.second + two[..., None] * self.second + both + both.swapaxes(-1, -2)
-        return Taylor(self.value * other.value, first, second)
+            second = one * other.second + two * self.second + both + both.swapaxes(0, 1)
+        return Taylor(one * two, first, second)
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -133,11 +132,11 @@ class Taylor:
         """A function of these, by its value and its derivatives by them; the second one where it is wanted."""
         seconds = None
         if self.second is not None and second is not None:
-            seconds = first[..., None, None] * self.second + second[..., None, None] * _outer(self.first, self.first)
-        return Taylor(value, first[..., None] * self.first, seconds)
+            seconds = first * self.second + second * _outer(self.first, self.first)
+        return Taylor(value, first * self.first, seconds)
 
-    def sum(self, axis: int) -> "Taylor":
-        """Sums along an axis of the values, counted from the first; it is not broadcast in the derivatives."""
+    def sum(self, axis: int = -1) -> "Taylor":
+        """Sums along an axis of the values, counted from the last; it is not broadcast in the derivatives."""
         return self._each(lambda array: array.sum(axis=axis))
 
 
@@ -172,7 +171,7 @@ def implicit(function: Callable[[Taylor], Taylor], root: Taylor, slope: Floats) 
 
 
 def _outer(one: Array, other: Array) -> Array:
-    return one[..., :, None] * other[..., None, :]
+    return one[:, None] * other
 
 
 def as_complex(vectors: Floats) -> Complex:

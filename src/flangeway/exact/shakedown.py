@@ -55,12 +55,14 @@ def shakedown_limits(contact: Literal["line", "point"], traction: ArrayLike) -> 
     Raises
     ------
     InputError
-        If a traction coefficient is outside.
+        If a traction coefficient is outside, or the contact another one.
 
     """
     values = np.asarray(traction, dtype=np.float64)
     if not ((values >= 0.0) & (values <= 1.0)).all():
         raise InputError(f"traction coefficients {values}", "values from 0 to 1", "give tangential over normal force")
+    if contact not in ("line", "point"):
+        raise InputError(f"shakedown_limits(contact={contact!r})", "line, point", "choose one of them")
     table = _table()
     columns = table[:, 1:4] if contact == "line" else table[:, 4:]
     return ShakedownLimits(*(1.0 / np.interp(values, table[:, 0], 1.0 / column) for column in columns.T))

@@ -2,7 +2,7 @@
 
 from flangeway.report.case_outputs import RECORDS, run_html, write_case
 from flangeway.report.figures.drawing import name_axes, panels
-from flangeway.report.figures.fields import PartFields, part_fields
+from flangeway.report.figures.fields import part_fields
 from flangeway.report.figures.plots import (
     plot_deformed,
     plot_displacement,
@@ -18,7 +18,6 @@ from flangeway.report.page.tables import SummaryTable, fact, rows_of
 
 __all__ = [
     "RECORDS",
-    "PartFields",
     "Picture",
     "SeriesFrame",
     "SummaryTable",

@@ -32,8 +32,8 @@ from flangeway.report.rolling import rolling_patch_page
 from flangeway.report.section import section_page
 from flangeway.report.section.section_figures import warping_figure
 from flangeway.report.spatial import spatial_page
-from flangeway.report.spatial.spatial_figures import patch_figure
 from flangeway.report.wheelset import wheelset_page
+from flangeway.report.wheelset.wheelset_patches import section_figure
 from flangeway.results import Result
 
 RECORDS: dict[type[Case], Callable[[Any], Record]] = {
@@ -57,9 +57,9 @@ def _first_of_campaign(table: CampaignTable) -> Figure:
 
 
 PLOTS: dict[type[Result], Callable[[Any], Figure]] = {
-    WheelsetRun: wheelset_page.main_figure,
+    WheelsetRun: section_figure,
     BodiesRun: stress_figure,
-    SpatialRun: patch_figure,
+    SpatialRun: spatial_page.patch_figure,
     RollingPatchRun: rolling_patch_page.main_figure,
     SectionRun: warping_figure,
     GeometryRun: locus_figure,

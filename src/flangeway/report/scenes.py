@@ -10,7 +10,6 @@ from flangeway.post import shear_stresses
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.report.bodies.body_fields import BodyFields, BodySteps, body_fields, body_steps
 from flangeway.report.figures.display import shown_cells
-from flangeway.report.figures.fields import PartFields
 from flangeway.report.section.section_figures import warping_about_shear_centre
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.report.viewer.scene_model import DISPLACEMENT, Formula
@@ -32,7 +31,7 @@ _STRESSES: tuple[tuple[str, str, Formula], ...] = (
 )
 
 
-def wheelset_scene(parts: Sequence[PartFields], patches: Sequence[WheelRailPatch]) -> Scene:
+def wheelset_scene(parts: Sequence[ShownPart], patches: Sequence[WheelRailPatch]) -> Scene:
     """Parts of a wheelset with element averages, and a view of each contact."""
     views = []
     for patch in patches:
@@ -40,17 +39,6 @@ def wheelset_scene(parts: Sequence[PartFields], patches: Sequence[WheelRailPatch
         alone = sum(other.side == patch.side for other in patches) == 1
         name = f"{patch.side} {'contact' if alone else patch.region}"
         views.append(View(name, (x, y), VIEW_WIDTHS * patch.pressure.half_width))
-    shown = [
-        ShownPart(
-            part.name,
-            part.mesh,
-            {DISPLACEMENT: part.displacement},
-            {"stresses": part.stresses.components},
-            side=part.side,
-            approach=part.mesh.points - part.touch_points,
-        )
-        for part in parts
-    ]
     notes = (
         "Stresses are element averages in the axes of the picture, tension positive; the VTU files have them at the "
         "elements' corners. Displacements are elastic nodal displacements. The deformation factor scales "
@@ -59,7 +47,7 @@ def wheelset_scene(parts: Sequence[PartFields], patches: Sequence[WheelRailPatch
         "of the rails are those of a slice that carries the load alone: they are not valid for a rail in track.",
     )
     fields = _fields("Stresses, element averages", "Elastic nodal displacements")
-    return Scene(shown, fields, views, notes=notes)
+    return Scene(parts, fields, views, notes=notes)
 
 
 def bodies_scene(run: BodiesRun, steps: BodySteps) -> Scene:

@@ -169,9 +169,9 @@ class BodyResponse(ABC):
         """
 
     @abstractmethod
-    def respond(
-        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array, *, symmetric: bool = True
-    ) -> Floats:
+    def tangent(
+        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, *, symmetric: bool = True
+    ) -> Callable[[sp.csr_array], Floats]:
         """Solve ``(K + G) u = loads`` with both sides on the touched nodes.
 
         Parameters
@@ -180,15 +180,14 @@ class BodyResponse(ABC):
             As in `displacements`.
         geometric
             Stiffness G to be added on the touched nodes, shape (2 n_touched, 2 n_touched).
-        loads
-            Right-hand sides, shape (2 n_touched, m).
         symmetric
             Whether G is symmetric; with friction it is not.
 
         Returns
         -------
-        Floats
-            Displacements of the touched nodes, shape (2 n_touched, m).
+        Callable
+            Called with loads, right-hand sides of shape (2 n_touched, m): displacements of the touched nodes, shape
+            (2 n_touched, m).
 
         """
 

@@ -1,6 +1,6 @@
 """Linear bodies condensed once to the flexibility of their surfaces."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from itertools import pairwise
 
@@ -155,46 +155,52 @@ class CondensedBodies(BodyResponse):
         moved = [body.flexibility @ part for body, part in zip(self._condensed, parts, strict=True)]
         return np.matmul(rotations, np.concatenate(moved).reshape(-1, 2, 1))[..., 0]
 
-    def respond(
+    def tangent(
         self,
         rotations: Floats,
         touched: Ints,
         geometric: sp.csr_array,
-        loads: sp.csr_array,
         *,
         symmetric: bool = True,  # noqa: ARG002 (either)
-    ) -> Floats:
-        """See `BodyResponse.respond`.
+    ) -> Callable[[sp.csr_array], Floats]:
+        """See `BodyResponse.tangent`.
 
         With the flexibility F the solution is ``(I + F G)^-1 F loads``. G lives on the few unknowns b of loaded pairs,
         so by Woodbury's formula it is ``F loads - F[:, b] (I + G F)[b, b]^-1 (G F loads)[b]``, for each group of bodies
         that G links: both sides of a track yield apart. F is symmetric.
         """
         turn = turning(rotations[touched])  # the bodies' axes are those of the flexibilities
-        loads, geometric = sp.csr_array(turn.T @ loads), sp.csr_array(turn.T @ geometric @ turn)
-        result = np.zeros(loads.shape)
+        geometric = sp.csr_array(turn.T @ geometric @ turn)
         blocks = self._blocks(touched)
-        for here, flexibility in blocks:
-            result[here] = (sp.csc_array(loads[here].T) @ flexibility).T
         bent = np.flatnonzero(np.diff(geometric.indptr))
         owner = np.searchsorted([here.stop for here, _ in blocks], bent, side="right")
         inner = sp.coo_array(geometric[bent][:, bent])
         links = sp.coo_array((np.ones(inner.nnz), (owner[inner.row], owner[inner.col])), shape=(len(blocks),) * 2)
         groups = sp.csgraph.connected_components(links, directed=False)[1]
         inner = sp.csr_array(inner)
+        bends = []
         for group in np.unique(groups[owner]):
             own = np.flatnonzero(groups[owner] == group)
-            columns = np.flatnonzero(result[bent[own]].any(axis=0))
             stiffness, matrix, bodies = inner[own][:, own], np.eye(len(own)), []
             for here, flexibility in (blocks[number] for number in np.flatnonzero(groups == group)):
                 mine = slice(*np.searchsorted(bent[own], (here.start, here.stop)).tolist())
                 among = bent[own][mine] - here.start
                 matrix[:, mine] += stiffness[:, mine] @ flexibility[np.ix_(among, among)]
                 bodies.append((here, mine, flexibility[among]))
-            bend = np.linalg.solve(matrix, stiffness @ result[np.ix_(bent[own], columns)])
-            for here, mine, rows in bodies:  # each body yields to its own forces alone
-                result[here, columns] -= rows.T @ bend[mine]
-        return turn @ result
+            bends.append((bent[own], stiffness, matrix, bodies))
+
+        def solved(loads: sp.csr_array) -> Floats:
+            loads, result = sp.csr_array(turn.T @ loads), np.zeros(loads.shape)
+            for here, flexibility in blocks:
+                result[here] = (sp.csc_array(loads[here].T) @ flexibility).T
+            for at, stiffness, matrix, bodies in bends:
+                columns = np.flatnonzero(result[at].any(axis=0))
+                bend = np.linalg.solve(matrix, stiffness @ result[np.ix_(at, columns)])
+                for here, mine, rows in bodies:  # each body yields to its own forces alone
+                    result[here, columns] -= rows.T @ bend[mine]
+            return turn @ result
+
+        return solved
 
     def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:
         local = np.matmul(forces[:, None], rotations)[:, 0]

@@ -78,15 +78,20 @@ class SparseBodies(BodyResponse):
         every = self._spread(rotations, np.arange(self.n_nodes))
         return np.asarray(every @ self._undeformed.solve(loads)).reshape(-1, 2)
 
-    def respond(
-        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array, *, symmetric: bool = True
-    ) -> Floats:
-        """See `BodyResponse.respond`."""
+    def tangent(
+        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, *, symmetric: bool = True
+    ) -> Callable[[sp.csr_array], Floats]:
+        """See `BodyResponse.tangent`."""
         spread, at_once = self._spread(rotations, touched), max(1, ENTRIES_AT_ONCE // self.n_unknowns)
-        tangent, right = self._stiffness + spread.T @ geometric @ spread, sp.csc_array(spread.T @ loads)
+        tangent = self._stiffness + spread.T @ geometric @ spread
         factor = self._factor(tangent) if symmetric else splu(sp.csc_array(tangent))
-        columns = (slice(first, first + at_once) for first in range(0, right.shape[1], at_once))
-        return np.concatenate([spread @ factor.solve(right[:, each].toarray()) for each in columns], axis=1)
+
+        def solved(loads: sp.csr_array) -> Floats:
+            right = sp.csc_array(spread.T @ loads)
+            columns = (slice(first, first + at_once) for first in range(0, right.shape[1], at_once))
+            return np.concatenate([spread @ factor.solve(right[:, each].toarray()) for each in columns], axis=1)
+
+        return solved
 
     def constrained(
         self, rotations: Floats, touched: Ints, geometric: sp.csr_array, laws: Constrained

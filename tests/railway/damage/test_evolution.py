@@ -1,5 +1,7 @@
 """Collectives and the evolution of profiles on coarse meshes: resuming, symmetry, energy, limits, wrong inputs."""
 
+import sqlite3
+from contextlib import closing
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -12,7 +14,7 @@ from flangeway.railway.damage.collective import COLLECTIVES, Collective, Running
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings, EvolutionStep, limit_positions
 from flangeway.railway.damage.profile_limits import reached, worn_measures
 from flangeway.railway.damage.surface_wear import patch_damage, patch_loads, row_wear
-from flangeway.railway.damage.wear_laws import EnergyLaw, UsfdLaw
+from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, OwnLaw, PerPatch, UsfdLaw, WearLaw
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.wheelset.spatial_result import solve_spatial
@@ -82,7 +84,7 @@ class Fading(Evolution):
 
     def _evaluated(self, position, surfaces, damage, progress, near=()):  # noqa: ARG002
         progress(f"at {position}")
-        rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 90.0)
+        rates = {key: 2e-5 * np.exp(-surface.depth / 0.1) * (surface.middles > 60.0) * (surface.middles < 110.0)
                  for key, surface in surfaces.items()}  # fmt: skip
         return EvolutionStep(position, surfaces, rates, damage, damage, (), 0.0)
 
@@ -111,6 +113,43 @@ def test_an_interrupted_run_ends_with_the_same_numbers(tmp_path) -> None:
     again = Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3, filter_mm=1.0))
     with pytest.raises(InputError, match=r"parts\.sqlite"):
         again.run(tmp_path / "parts.sqlite")
+
+
+def test_stored_steps_end_where_a_new_end_or_limit_is_reached(tmp_path) -> None:
+    """Later steps do not count, so that a limit is reached in its step; steps that cannot be read are an error."""
+    collective, file = Collective([state()]), tmp_path / "steps.sqlite"
+    whole = Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3)).run(file)
+    shorter = settings(whole[1].position, 0.1, max_error_mm=4e-3)
+    assert len(Fading(collective, {"wheel": ENERGY}, shorter).run(file)) == 2
+    limits = {"max_tread_wear_mm": 0.5 * whole[1].surfaces["wheel", "right"].radius_loss_mm}
+    steps = Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3, limits=limits)).run(file)
+    assert [step.position for step in steps] == [step.position for step in whole[:2]]
+    assert limit_positions(steps, limits) == {steps[1].reached[0]: pytest.approx(0.5 * whole[1].position)}
+    with closing(sqlite3.connect(file)) as database, database:
+        database.execute("UPDATE steps SET content = '{' WHERE number = 2")
+    with pytest.raises(InputError, match=r"steps\.sqlite: steps that cannot be read"):
+        Fading(collective, {"wheel": ENERGY}, settings(1.1e4, 0.1, max_error_mm=4e-3)).run(file)
+
+
+def test_other_constants_of_a_law_are_other_inputs() -> None:
+    """A file of steps does not go on with another hardness, place in Jendel's ranges, or unit; the end may differ."""
+    states = Collective([state()])
+
+    def identity(law: WearLaw, end: float = 10.0) -> str:
+        return Evolution(states, {"wheel": law}, EvolutionSettings(end)).identity
+
+    first = ArchardLaw(2700.0)
+    assert identity(first) == identity(ArchardLaw(2700.0), 20.0)
+    others = ArchardLaw(2400.0), ArchardLaw(2700.0, level=0.1), PerPatch(first), ENERGY, EnergyLaw(0.02, "mg/kJ")
+    assert len({identity(law) for law in (first, *others)}) == 6
+    assert identity(OwnLaw(lambda p, s, t: p, "mm/m")) == identity(OwnLaw(lambda p, s, t: p, "mm/m"))
+
+
+@pytest.mark.parametrize("spacing", [1e-6, 500.0])
+def test_pieces_are_of_usual_lengths(spacing: float) -> None:
+    """Neither millions of them nor less than one."""
+    with pytest.raises(InputError, match="spacing_mm"):
+        WornSurface(wheel("S1002"), spacing_mm=spacing)
 
 
 def test_error_of_the_steps_is_controlled_and_of_second_order() -> None:

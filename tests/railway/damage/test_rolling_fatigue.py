@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from flangeway.errors import InputError
 from flangeway.railway.damage.rolling_fatigue import DangVan, ball_centres, shakedown_index, t_gamma_damage
 
 TIMES = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
@@ -51,6 +52,16 @@ def test_residual_stress_changes_the_hydrostatic_part_alone() -> None:
     law, stresses = DangVan(200.0, 0.3), history(xy=100.0 * np.cos(TIMES))
     free, held = law.of(stresses), law.of(stresses, residual=np.array([-90.0, 0.0, -60.0, 0.0, 0.0, 0.0]))
     assert held.equivalent_MPa - free.equivalent_MPa == pytest.approx([-0.3 * 50.0], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("histories", "residual"),
+    [(np.zeros((4, 6)), None), (np.full((1, 3, 6), np.nan), None), (np.zeros((2, 3, 6)), np.zeros((3, 6)))],
+)
+def test_stresses_of_other_shapes_are_refused(histories: np.ndarray, residual: np.ndarray | None) -> None:
+    """One history without an axis for points, values that are not finite, residual stresses of other points."""
+    with pytest.raises(InputError, match="of shape"):
+        DangVan(200.0, 0.3).of(histories, residual)
 
 
 def test_balls_hold_all_points_and_are_the_smallest() -> None:

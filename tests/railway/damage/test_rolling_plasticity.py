@@ -32,13 +32,17 @@ def repeated(load_factor: float, friction: float, steel: RollingSteel = STEEL) -
         (4.05, 0.0, "ratchetting"),
         (3.70, 0.1, "ratchetting"),
         (2.80, 0.3, "shakedown"),
+        (2.42, 0.4, "shakedown"),
+        (2.58, 0.4, "ratchetting"),
+        (1.94, -0.5, "shakedown"),
+        (2.06, -0.5, "ratchetting"),
     ],
 )
 def test_passages_show_the_limits_of_melan(load_factor: float, friction: float, state: str) -> None:
-    """Perfectly plastic steel shakes down below Melan's limit and ratchets above: 4.0, 3.564 and 2.9."""
+    """Perfectly plastic steel shakes down below Melan's limit and ratchets above: 4.0, 3.564, 2.9, and 1 / mu."""
     found = repeated(load_factor, friction)
     assert found.state == state
-    limits = shakedown_limits("line", friction)
+    limits = shakedown_limits("line", abs(friction))
     assert (load_factor < float(limits.first_yield)) == (state == "elastic")
     assert (load_factor > float(limits.shakedown)) == (state == "ratchetting")
 
@@ -55,6 +59,12 @@ def test_ratchetting_is_at_the_depth_of_the_alternating_shear() -> None:
     """Without friction the shear stress alternates most at half of the half width: there strain grows."""
     found = repeated(4.05, 0.0)
     assert found.ratchetting_depth == pytest.approx(0.5, abs=0.13)
+
+
+def test_tractions_beyond_yield_in_shear_let_the_surface_flow() -> None:
+    """At friction 0.4 and p0/k = 2.58 steel ratchets in the uppermost layer."""
+    found = repeated(2.58, 0.4)
+    assert found.ratchetting_depth == pytest.approx(0.0, abs=0.02)
 
 
 def test_residual_stress_is_in_equilibrium_and_within_yield() -> None:

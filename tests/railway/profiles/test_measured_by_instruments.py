@@ -8,16 +8,18 @@ import pytest
 
 from flangeway.cases import WheelsetTangentCase
 from flangeway.cases.rigid.rigid_case import GeometryCase
-from flangeway.cases.wheelset.wheelset_profiles import rail_named, side_warnings, wheel_named
+from flangeway.cases.wheelset.wheelset_profiles import profile_named, side_warnings
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidSide
 from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.wheelset.supported_rail import RailSupport, supported_rail
 
 GAUGE = {"gauge_mm": 1435.0, "rail_inclination": 0.025, "gauge_depth_mm": 14.0}
@@ -51,7 +53,7 @@ def saved(folder, points, name):
 def test_points_at_a_joint_far_from_contact_are_projected(tmp_path):
     """Points up to 2 mm beside the chords of a joined section are at the nearest point of its boundary."""
     points = head(1.0) * [0.97, 1.0]
-    profile = rail_named(saved(tmp_path, points, "worn.ban"), None, "60E1")
+    profile = profile_named(saved(tmp_path, points, "worn.ban"), "rail", body="60E1")
     found = supported_rail(profile, Elastic(210e3, 0.3), RailSupport(), 25.0)
     mesh = found.problem.elasticity.space.mesh
     corners = np.vstack([segment.start for segment in profile.outline.part(profile.head_names).segments])
@@ -73,7 +75,7 @@ def test_points_at_a_joint_far_from_contact_are_projected(tmp_path):
 def test_an_overhang_beyond_the_tread_is_left_out_and_said(tmp_path):
     """An upright rim, beyond which the body juts out, is left out of contact; a note has the file's own coordinates."""
     path = saved(tmp_path, tread(), "rim.whl")
-    profile = wheel_named(path, "heavy-haul")
+    profile = profile_named(path, "wheel", body="heavy-haul")
     (note,) = [each for each in profile.notices if each.startswith("Beyond")]
     x, y = 70.0 + tread()[-80, 0], -tread()[-80, 1]
     assert f"x = {x:.4g}" in note
@@ -107,8 +109,8 @@ def test_a_web_below_the_head_is_left_out_and_said(tmp_path):
     """A head whose file goes on down an upright line for 25 mm stands as the head alone; a note has the coordinates."""
     points = head()
     down = points[-1] - np.column_stack((np.zeros(100), np.linspace(0.25, 25.0, 100)))
-    with_web = rail_named(saved(tmp_path, np.vstack((points, down)), "web.ban"), None, "60E1")
-    plain = rail_named(saved(tmp_path, points, "plain.ban"), None, "60E1")
+    with_web = profile_named(saved(tmp_path, np.vstack((points, down)), "web.ban"), "rail", body="60E1")
+    plain = profile_named(saved(tmp_path, points, "plain.ban"), "rail", body="60E1")
     (note,) = [each for each in with_web.notices if "below the head" in each]
     assert "web.ban (gauge side)" in note
     assert with_web.outline.area == pytest.approx(plain.outline.area, rel=2e-3)
@@ -118,19 +120,52 @@ def test_a_web_below_the_head_is_left_out_and_said(tmp_path):
     np.testing.assert_allclose(heights[0], heights[1], atol=2e-3)
 
 
+@pytest.mark.parametrize("worn_mm", [2.0, 8.0, 15.0])
+@pytest.mark.parametrize("angle_deg", [60.0, 75.0])
+def test_a_worn_gauge_face_shows_the_side(tmp_path, worn_mm, angle_deg):
+    """The face of a flange on a head that is not worn on top: right-hand as it is, left-hand mirrored.
+
+    The middle between the faces lies off the head's, so that the field side drops more 25 mm from it.
+    """
+    points = rail("136RE").running_surface.sampled(spacing=0.25)
+    points = points - [0.0, points[:, 1].max()]
+    points = points[points[:, 1] > -28.0]
+    face = points[:, 0].min() + worn_mm + (points[:, 1] + 14.0) / np.tan(np.radians(angle_deg))
+    worn = np.stack((np.maximum(points[:, 0], face), points[:, 1]), axis=1)
+    for side in (1.0, -1.0):
+        path = tmp_path / "head.txt"
+        np.savetxt(path, worn * [side, 1.0], header="x_mm y_mm")
+        assert read_profile(path, ReadOptions(kind="rail")).orientation.mirrored == (side < 0.0)
+
+
+@pytest.mark.parametrize("worn_mm", [5.0, 8.0])
+def test_heads_worn_flat_have_all_their_equilibria(tmp_path, worn_mm):
+    """Sharp corners of a flat top: where a flange rides on them the touch jumps by micrometres, which is no gap."""
+    points = rail("60E1").running_surface.sampled(spacing=0.25, max_deviation=1e-3)
+    points = points - [0.0, points[:, 1].max()]
+    flat = np.stack((points[:, 0], np.minimum(points[:, 1], -worn_mm)), axis=1)
+    track = Track(profile_named(saved(tmp_path, flat, "flat.ban"), "rail", body="60E1"), **GAUGE)
+    found = rigid_equilibrium(RigidGeometry.of(track, Wheelset(wheel("S1002"), 1360.0, 460.0)), WheelsetLoad(2e5))
+    assert found.position.motion_in_space.lateral_mm == pytest.approx(0.0, abs=1e-6)
+    assert found.position.stable
+    assert len(found.positions) > 1
+
+
 def test_a_left_rail_is_mirrored_with_a_warning(tmp_path):
     """Wear of 3 mm at the field side mirrors a head, with a warning that names the key; 1 mm does not, nor the key."""
     right = read_profile(saved(tmp_path, head(3.0), "right.ban"))
     left = saved(tmp_path, head(3.0) * [-1.0, 1.0], "left.ban")
     np.testing.assert_allclose(read_profile(left).points, right.points, atol=1e-8)
-    (warning,) = side_warnings(Track(rail_named(left, None, "60E1"), **GAUGE))
+    (warning,) = side_warnings(Track(profile_named(left, "rail", body="60E1"), **GAUGE))
     assert "left-hand" in warning
     assert "rail_mirror" in warning
     kept = read_profile(left, ReadOptions(mirror=False))
     np.testing.assert_allclose(kept.points[::-1], right.points * [-1.0, 1.0], atol=1e-8)
     small = saved(tmp_path, head(1.0) * [-1.0, 1.0], "small.ban")
     assert not read_profile(small).orientation.mirrored
-    assert any("field side" in each for each in side_warnings(Track(rail_named(small, None, "60E1"), **GAUGE)))
+    assert any(
+        "field side" in each for each in side_warnings(Track(profile_named(small, "rail", body="60E1"), **GAUGE))
+    )
 
 
 def test_a_wheel_worn_in_memory_stands_on_its_worn_surface():

@@ -97,9 +97,10 @@ def test_columns_may_be_apart_in_any_usual_way(form, head, tmp_path):
     np.testing.assert_allclose(found.points, points, atol=6e-7 if "e" not in form else 1e-4)
 
 
-def test_text_of_spreadsheets_in_two_bytes_a_letter_is_read(tmp_path):
-    """A file in UTF-16 with its mark is the same profile."""
-    (tmp_path / "p.csv").write_text(lines_of(points_of("rail"), "{:.6f},{:.6f}"), encoding="utf-16")
+@pytest.mark.parametrize("code", ["utf-16", "utf-16-le", "utf-16-be"])
+def test_text_of_spreadsheets_in_two_bytes_a_letter_is_read(tmp_path, code):
+    """A file in UTF-16, with its mark or without, is the same profile."""
+    (tmp_path / "p.csv").write_text(lines_of(points_of("rail"), "{:.6f},{:.6f}"), encoding=code)
     found = read_profile(tmp_path / "p.csv", ReadOptions(unit="mm", kind="rail", smooth_mm=0.0))
     np.testing.assert_allclose(found.points, points_of("rail"), atol=6e-7)
 

@@ -142,6 +142,18 @@ def test_doubled_points_are_left_out_with_a_notice(tmp_path):
     assert any(notice.startswith("2 of") and "line 23" in notice for notice in found.notices)
 
 
+def test_points_denser_than_their_noise_are_merged(tmp_path):
+    """20,000 points of a scanner, 7 micrometres apart with noise of 10, give the wheel within 10 micrometres."""
+    points = wheel_points()
+    along = np.linspace(0.0, len(points) - 1.0, 20_000)
+    dense = np.stack([np.interp(along, np.arange(len(points)), column) for column in points.T], axis=1)
+    dense += 0.01 * np.random.default_rng(4).normal(size=dense.shape)
+    found = read_profile(saved(tmp_path, dense))
+    assert any("denser than their noise" in notice for notice in found.notices)
+    inside = found.surface.sampled(spacing=0.5)[10:-10]
+    assert np.abs(wheel("S1002").running_surface.closest(inside)[2]).max() < 0.01
+
+
 def test_outliers_are_left_out(tmp_path):
     """A point off the curve is left out with a notice of its line, and nothing else; many are refused."""
     points = wheel_points()

@@ -14,6 +14,7 @@ from flangeway.report import part_fields
 from flangeway.report.scenes import wheelset_scene
 from flangeway.report.viewer import Scene, View, field_viewer, packed_parts
 from flangeway.report.viewer.packing import json_in_script
+from flangeway.report.viewer.scene_model import DISPLACEMENT
 
 EPS = np.finfo(np.float32).eps
 
@@ -45,8 +46,8 @@ def test_all_arrays_come_back_in_32_bits(runs):
         size = np.ptp(part.mesh.points, axis=0).max()
         assert np.abs(points - part.mesh.points).max() <= EPS * size
         displacement = arrays["displacement"].reshape(2, -1).T
-        assert np.allclose(displacement, part.displacement, rtol=EPS, atol=0.0)
-        assert np.allclose(arrays["stresses"].reshape(4, -1).T, part.stresses.components, rtol=EPS, atol=0.0)
+        assert np.allclose(displacement, part.point_arrays[DISPLACEMENT], rtol=EPS, atol=0.0)
+        assert np.allclose(arrays["stresses"].reshape(4, -1).T, part.cell_arrays["stresses"], rtol=EPS, atol=0.0)
 
 
 def test_json_cannot_end_its_script():

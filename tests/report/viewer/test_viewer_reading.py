@@ -6,7 +6,7 @@ from matplotlib.path import Path as Outline
 
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses
-from flangeway.report.figures.fields import PartFields
+from flangeway.report.viewer.scene_model import DISPLACEMENT, ShownPart
 
 
 def test_coordinates_are_those_of_the_pointer(opened, runs):
@@ -56,7 +56,8 @@ def test_a_notch_belongs_to_no_cell(open_page, page_of):
     )
     mesh = PolyMesh(points, np.array([0, 8]), np.arange(8))
     stresses = Stresses(np.array([[1.0, 2.0, 3.0, 0.5]]))
-    opened = open_page(page_of([PartFields("plate", "left", mesh, points, np.zeros((8, 2)), stresses)]))
+    part = ShownPart("plate", mesh, {DISPLACEMENT: np.zeros((8, 2))}, {"stresses": stresses.components})
+    opened = open_page(page_of([part]))
     box = opened.canvas.bounding_box()
     centre, pixel = np.array([5.0, 5.0]), opened.mm_per_pixel()
     picture, page = opened.shot(), opened.shot("body")[2, 2]

@@ -139,8 +139,8 @@ MAX_VON_MISES: Quantity[BodyResult] = Quantity(
     "max_von_mises", "maximum von Mises stress", lambda body: body.stresses.von_mises.max(), "MPa", ".6g"
 )
 BODY: Quantities[BodyResult] = (
-    Quantity("name", "body", lambda body: body.field.problem.name),
-    Quantity("elements", "elements", lambda body: body.field.problem.space.mesh.n_cells, form=","),
+    Quantity("name", "body", "field.problem.name"),
+    Quantity("elements", "elements", "field.problem.space.mesh.n_cells", form=","),
     Quantity("unknowns", "unknowns", lambda body: 2 * body.field.problem.space.n_nodes, form=","),
     MAX_DISPLACEMENT,
     MAX_VON_MISES,
@@ -153,7 +153,7 @@ BODY: Quantities[BodyResult] = (
     ),
 )
 FORCES: Quantities[BodyResult] = (
-    Quantity("body", "body", lambda body: body.field.problem.name),
+    Quantity("body", "body", "field.problem.name"),
     Quantity("contact", "contact", "contact_force", "N", "z.6g", XY),
     Quantity("loads", "loads", "load", "N", "z.6g", XY),
     Quantity("supports", "supports", "supports_force", "N", "z.6g", XY),
@@ -168,8 +168,8 @@ PATCH: Quantities[PressurePatch] = (
     Quantity("reaches_an_end", "reaches an end of the surface", "at_edge"),
 )
 SIDES: Quantities[PairResult] = (
-    Quantity("secondary", "secondary", lambda pair: pair.sides[0]),
-    Quantity("primary", "primary", lambda pair: pair.sides[1]),
+    Quantity("secondary", "secondary", "sides.0"),
+    Quantity("primary", "primary", "sides.1"),
 )
 MAX_PRESSURE: Quantity[PairResult] = Quantity(
     "max_pressure",
@@ -194,7 +194,7 @@ DISSIPATED: Quantity[PairResult] = Quantity(
 )
 FRICTION: Quantities[PairResult] = (
     *SIDES,
-    Quantity("coefficient", "coefficient", lambda pair: pair.contact.friction_coefficient, form="g"),
+    Quantity("coefficient", "coefficient", "contact.friction_coefficient", form="g"),
     Quantity("tangential_force", "tangential force", lambda p: p.nodes["tangential_force"].sum(), "N", "z.6g"),
     Quantity(
         *("max_traction", "maximum traction"), lambda p: np.abs(p.nodes["traction"]).max(initial=0.0), "MPa", ".6g"

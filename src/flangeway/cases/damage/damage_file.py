@@ -39,7 +39,7 @@ class StateTable(Table):
     """fraction of the distance; all shares sum to 1"""
     name: str | None = None
     """name of the state (default: its number)"""
-    parts: int = Field(1, ge=1)
+    parts: int = Field(1, ge=1, le=1000)
     """equal parts of its ranges, each computed in its middle"""
 
 
@@ -187,6 +187,8 @@ class DamageFile(TomlFile):
         place = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
         with located(f"{place}{name}: "):
             case = SpatialWheelsetCase.from_values(values | mapped(self.changed_inputs, self._resolved))
+            if case.model == "plane":
+                raise InputError("model = 'plane'", "spatial: wear needs cells along the rail", "leave model out")
             return RunningState(name, share, case.problem(), case.spatial_model())
 
     def _law(self, role: Role, given: Mapping[str, Any]) -> WearLaw:
@@ -195,6 +197,8 @@ class DamageFile(TomlFile):
         name, per_patch = constants.pop("law", None), constants.pop("per_patch", False)
         with located(self.place(key)):
             require_known("law", str(name), LAWS)
+            if not isinstance(per_patch, bool):
+                raise InputError(f"per_patch = {per_patch!r}", "true or false", "leave it out for the law of each cell")
         values = self._values(key, constants, inputs_of(LAWS[name]))
         with located(self.place(key)):
             law: WearLaw = LAWS[name](**values)

@@ -101,7 +101,7 @@ gauges are measured (EN 13848-1).
 """
 FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("file", "file", "file"),
-    Quantity("kind", "kind", lambda row: row.run.profile.kind),
+    Quantity("kind", "kind", "run.profile.kind"),
     Quantity("nominal", "nominal", "nominal"),
     *map(_of_run, MEASURES[:4]),
     *(Quantity(key, label, _wear(key), "mm", "z.2f") for words in WEAR.values() for key, label in words.items()),

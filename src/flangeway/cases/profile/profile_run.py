@@ -12,7 +12,7 @@ import numpy as np
 from flangeway.cases.wheelset.wheelset_profiles import with_body
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline
-from flangeway.quantities import Quantities, Quantity, values
+from flangeway.quantities import Quantities, Quantity, getter, values
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.joining import BUNDLED_NAMES, Joined, joined, nominal_profile
@@ -27,7 +27,6 @@ from flangeway.railway.profiles.profile_file import (
     read_profile,
     sections_of,
 )
-from flangeway.railway.profiles.smoothing import Smoothing
 from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.results import Result, ResultTable
@@ -112,13 +111,9 @@ class ProfileRun(Result):
         return ResultTable.of_numbers(values(QUANTITIES, self))
 
 
-def _how(key: str, read: Callable[[Orientation], str]) -> Callable[[ProfileRun], str]:
+def _how(key: str, read: str | Callable[[Orientation], str]) -> Callable[[ProfileRun], str]:
     """Return how a property of the file was interpreted, and where that comes from."""
-    return lambda run: f"{read(run.profile.orientation)} ({run.profile.orientation.how[key]})"
-
-
-def _of_smoothing(read: Callable[[Smoothing], Any]) -> Callable[[ProfileRun], Any]:
-    return lambda run: run.profile.smoothing and read(run.profile.smoothing)
+    return lambda run: f"{getter(read)(run.profile.orientation)} ({run.profile.orientation.how[key]})"
 
 
 def _measure(name: str) -> Callable[[ProfileRun], float | None]:
@@ -155,29 +150,29 @@ MEASURES: Quantities[ProfileRun] = tuple(
 )
 """Gauge measures of wheels (EN 15313), and of heads: widths 14 mm below the top, drops 25 mm beside the middle."""
 QUANTITIES: Quantities[ProfileRun] = (
-    Quantity("kind", "kind", _how("kind", lambda taken: taken.kind)),
-    Quantity("format", "format", lambda run: run.profile.format),
-    Quantity("unit", "unit of the file", _how("unit", lambda taken: taken.unit)),
+    Quantity("kind", "kind", _how("kind", "kind")),
+    Quantity("format", "format", "profile.format"),
+    Quantity("unit", "unit of the file", _how("unit", "unit")),
     Quantity("vertical_axis", "vertical axis in the file", _how("up", lambda t: f"positive {VERTICAL[t.upwards]}")),
     Quantity("mirrored", "mirrored", _how("side", lambda taken: "yes" if taken.mirrored else "no")),
-    Quantity("origin", "origin of the file", _how("origin", lambda taken: taken.origin)),
-    Quantity("tape", "tape line from the flange's back", lambda run: run.profile.orientation.tape_mm, "mm", "g"),
+    Quantity("origin", "origin of the file", _how("origin", "origin")),
+    Quantity("tape", "tape line from the flange's back", "profile.orientation.tape_mm", "mm", "g"),
     Quantity("points", "points", lambda run: len(run.profile.points), form="d"),
-    Quantity("arcs", "lines and arcs", lambda run: run.profile.surface.n_segments, form="d"),
-    Quantity("length", "arc length", lambda run: run.running.length, "mm", ".3f"),
+    Quantity("arcs", "lines and arcs", "profile.surface.n_segments", form="d"),
+    Quantity("length", "arc length", "running.length", "mm", ".3f"),
     Quantity("minimum", "minimum", lambda run: run.running.bounds()[0], "mm", "z.3f", ("x", "y")),
     Quantity("maximum", "maximum", lambda run: run.running.bounds()[1], "mm", "z.3f", ("x", "y")),
     Quantity("minimum_convex_radius", "minimum convex radius", lambda run: _radius(run, 1.0), "mm"),
     Quantity("minimum_concave_radius", "minimum concave radius", lambda run: _radius(run, -1.0), "mm"),
     *MEASURES,
     Quantity("worn_more_at", "worn more at", _worn_more_at),
-    Quantity("noise", "noise of the points", _of_smoothing(lambda of: of.noise_um), "μm", ".3g"),
-    Quantity("wavelength", "smoothed by a wavelength of", _of_smoothing(lambda of: of.wavelength_mm), "mm", "g"),
-    Quantity("rms_deviation", "deviation, root mean square", _of_smoothing(lambda of: of.rms_um), "μm", ".2f"),
-    Quantity("maximum_deviation", "deviation, maximum", _of_smoothing(lambda of: of.maximum_um), "μm", ".2f"),
-    Quantity("limit", "limit of the deviation", _of_smoothing(lambda of: of.limit_um), "μm", ".3g"),
-    Quantity("points_at_limit", "points at the limit", _of_smoothing(lambda of: of.n_held), form="d"),
-    Quantity("joined_to", "joined to", lambda run: run.join and run.join.nominal.title),
+    Quantity("noise", "noise of the points", "profile.smoothing.noise_um", "μm", ".3g"),
+    Quantity("wavelength", "smoothed by a wavelength of", "profile.smoothing.wavelength_mm", "mm", "g"),
+    Quantity("rms_deviation", "deviation, root mean square", "profile.smoothing.rms_um", "μm", ".2f"),
+    Quantity("maximum_deviation", "deviation, maximum", "profile.smoothing.maximum_um", "μm", ".2f"),
+    Quantity("limit", "limit of the deviation", "profile.smoothing.limit_um", "μm", ".3g"),
+    Quantity("points_at_limit", "points at the limit", "profile.smoothing.n_held", form="d"),
+    Quantity("joined_to", "joined to", "join.nominal.title"),
     Quantity(
         "gap",
         "gap to nominal",
@@ -193,7 +188,7 @@ QUANTITIES: Quantities[ProfileRun] = (
         "mm²",
         ".1f",
     ),
-    Quantity("area", "area of the whole section", lambda run: run.body and run.body.outline.area, "mm²", ".1f"),
+    Quantity("area", "area of the whole section", "body.outline.area", "mm²", ".1f"),
 )
 """What is reported of a profile; what there is not is None."""
 

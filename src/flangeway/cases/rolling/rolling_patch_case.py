@@ -84,7 +84,7 @@ class RollingPatchRun(RunResult):
     contact: RollingContact
     state: CreepResult
     theories: Sequence[CreepResult]
-    curve: Mapping[str, Sequence[CreepResult]]
+    curve: Mapping[Theory, Sequence[CreepResult]]
     notices: Sequence[str]
 
     @property
@@ -129,9 +129,9 @@ MAX_PRESSURE: Quantity[RollingPatchRun] = Quantity(
     "max_pressure", "maximum pressure", lambda run: run.contact.pressures.max(), "MPa", ".1f"
 )
 PATCH: Quantities[RollingPatchRun] = (
-    Quantity("force", "normal force", lambda run: run.contact.force, "kN", ".3f", factor=1e-3),
-    Quantity("semi_axis_along", "semi-axis along", lambda run: run.semi_axes[0], "mm", ".3f"),
-    Quantity("semi_axis_across", "semi-axis across", lambda run: run.semi_axes[1], "mm", ".3f"),
+    Quantity("force", "normal force", "contact.force", "kN", ".3f", factor=1e-3),
+    Quantity("semi_axis_along", "semi-axis along", "semi_axes.0", "mm", ".3f"),
+    Quantity("semi_axis_across", "semi-axis across", "semi_axes.1", "mm", ".3f"),
     MAX_PRESSURE,
     Quantity("cells", "", lambda run: [part.stop - part.start for part in run.contact.box], parts=ON_SURFACE),
 )
@@ -314,7 +314,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
 
     def _curve(
         self, contact: RollingContact, motion: Creepages, progress: Progress
-    ) -> tuple[dict[str, list[CreepResult]], Iterable[str]]:
+    ) -> tuple[dict[Theory, list[CreepResult]], Iterable[str]]:
         """Points of the creep curve by theories, and what is to be said about it."""
         if not self.has_curve:
             return {}, ()
@@ -326,7 +326,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         points: Floats = np.linspace(0.0, end, self.curve_points)
         motions = [replace(motion, **{name: point}) for point in points.tolist()]
         exact = creep_curve(contact, motions)
-        states: dict[str, Sequence[CreepForces]] = {"exact": exact}
+        states: dict[Theory, Sequence[CreepForces]] = {"exact": exact}
         states |= {theory: [compute(contact, step) for step in motions] for theory, compute in self._theories.items()}
         failed = sum(not point.status.converged for point in exact)
         notices = [f"{failed} of {len(exact)} points of the creep curve by the exact theory did not converge"]

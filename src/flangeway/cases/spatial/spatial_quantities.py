@@ -73,7 +73,7 @@ class SpatialBodyResult:
         return self.maximum(self.profile.stresses.tresca)
 
 
-LOAD: Quantity[PatchContact] = Quantity("load", "force", lambda c: float(c.force[1]), "kN", ".5g", factor=1e-3)
+LOAD: Quantity[PatchContact] = Quantity("load", "force", "force.1", "kN", ".5g", factor=1e-3)
 """The force as it is given; the summary has its components."""
 APPROACH: Quantity[PatchContact] = Quantity("approach", "approach from first touch", "approach", "mm", ".5g")
 CONTACT: Quantities[PatchContact] = (
@@ -83,13 +83,13 @@ CONTACT: Quantities[PatchContact] = (
         *("cell", "size of the cells", lambda c: (float(c.pair.grid.widths.mean()), c.pair.grid.strip), "mm"),
         parts=ON_SURFACE,
     ),
-    Quantity("cells", "cells of the grid", lambda c: c.loaded.shape, "", "d", ON_SURFACE),
+    Quantity("cells", "cells of the grid", "loaded.shape", "", "d", ON_SURFACE),
     Quantity("gap_error", "", "closed_error", meaning="gap under pressure over the approach"),
     Quantity("overlap_error", "", "overlap", meaning="overlap outside of the patch over the approach"),
 )
 PATCH: Quantities[SpatialPatchResult] = (
-    Quantity("force", "force", lambda p: p.ellipse.force, "N", "z.1f", ("x", "y")),
-    Quantity("centre", "centre of pressure", lambda p: p.ellipse.centre, "mm", "z.3f", ("x", "y", "z")),
+    Quantity("force", "force", "ellipse.force", "N", "z.1f", ("x", "y")),
+    Quantity("centre", "centre of pressure", "ellipse.centre", "mm", "z.3f", ("x", "y", "z")),
     MAX_PRESSURE,
     HERTZ_PRESSURE,
     AXES,
@@ -101,21 +101,21 @@ PATCH: Quantities[SpatialPatchResult] = (
 MAX_VON_MISES: Quantity[SpatialBodyResult] = Quantity(
     "max_von_mises",
     "maximum von Mises stress",
-    lambda body: body.von_mises[0],
+    "von_mises.0",
     "MPa",
     ".1f",
     meaning="on the normal below the centre of the first patch",
 )
 BODY: Quantities[SpatialBodyResult] = (
     Quantity("name", "", "name"),
-    Quantity("elements", "elements", lambda body: body.sizes[0], form=","),
-    Quantity("unknowns", "unknowns", lambda body: body.sizes[1], form=","),
+    Quantity("elements", "elements", "sizes.0", form=","),
+    Quantity("unknowns", "unknowns", "sizes.1", form=","),
     Quantity(
         "wavenumbers", "wavenumbers", lambda body: len(body.contact.pair.tables[body.number].wavenumbers), form="d"
     ),
     Quantity("interpolation_error", "", lambda body: body.contact.pair.tables[body.number].error),
     MAX_VON_MISES,
-    Quantity("max_von_mises_depth", "  at the depth", lambda body: body.von_mises[1], "mm", ".3f"),
-    Quantity("max_tresca", "maximum Tresca stress", lambda body: body.tresca[0], "MPa", ".1f"),
-    Quantity("max_tresca_depth", "  at the depth", lambda body: body.tresca[1], "mm", ".3f"),
+    Quantity("max_von_mises_depth", "  at the depth", "von_mises.1", "mm", ".3f"),
+    Quantity("max_tresca", "maximum Tresca stress", "tresca.0", "MPa", ".1f"),
+    Quantity("max_tresca_depth", "  at the depth", "tresca.1", "mm", ".3f"),
 )

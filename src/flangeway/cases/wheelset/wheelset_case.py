@@ -6,7 +6,15 @@ from typing import Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import ElementOrder, Fraction, PoissonRatio, Positive, Progress, RunnableCase
+from flangeway.cases.case import (
+    ElementOrder,
+    Fraction,
+    PoissonRatio,
+    Positive,
+    Progress,
+    RunnableCase,
+    SolidModulus,
+)
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
@@ -46,11 +54,11 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     """prescribed vertical position (default: computed)"""
     roll_rad: float | None = None
     """prescribed roll, counter-clockwise (default: computed)"""
-    wheel_young_MPa: Positive | None = None
+    wheel_young_MPa: SolidModulus | None = None
     """Young's modulus of the wheels (default: young_MPa)"""
     wheel_poisson: PoissonRatio | None = None
     """Poisson's ratio of the wheels (default: poisson)"""
-    rail_young_MPa: Positive | None = None
+    rail_young_MPa: SolidModulus | None = None
     """Young's modulus of the rails (default: young_MPa)"""
     rail_poisson: PoissonRatio | None = None
     """Poisson's ratio of the rails (default: poisson)"""

@@ -6,13 +6,13 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import Case, NotNegative, PoissonRatio, Positive
+from flangeway.cases.case import Case, NotNegative, PoissonRatio, Positive, SolidModulus
 from flangeway.cases.rolling.friction_inputs import FRICTION_KEYS
-from flangeway.cases.wheelset.wheelset_profiles import position_key, rail_named, wheel_named
+from flangeway.cases.wheelset.wheelset_profiles import position_key, profile_named
 from flangeway.cases.wheelset.wheelset_quantities import MOTION, PLANE_PATCH_ROW, PLANE_ROW, WheelResult, row_columns
 from flangeway.errors import InputError
 from flangeway.quantities import Quantity, column_names, numbers
-from flangeway.railway.profiles.bundled import WheelProfile
+from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.profile_file import ReadOptions
 from flangeway.railway.track.placements import USUAL_GAUGES, Track, Wheelset, usual_gauge
 from flangeway.railway.track.wheelset_load import (
@@ -133,7 +133,7 @@ class WheelsetInputs(Case):
     the gauge)"""
     thickness_mm: Positive = WheelsetProblem.thickness_mm
     """length of the bodies along the track"""
-    young_MPa: Positive = 210e3
+    young_MPa: SolidModulus = 210e3
     """Young's modulus of wheels and rails"""
     poisson: PoissonRatio = 0.3
     """Poisson's ratio of wheels and rails"""
@@ -289,20 +289,26 @@ class WheelsetInputs(Case):
 
     def track(self) -> Track:
         """Return the rails in their positions."""
-        left, read = None, self._reading("rail")
-        left_read = self._reading("left_rail")
-        if self.left_rail is not None and (self.left_rail, left_read) != (self.rail, read):
-            crown = self._crown(self.left_rail)
-            left = rail_named(self.left_rail, crown, self.rail_body, self.rail, left_read, "left_rail")
-        right = rail_named(self.rail, self._crown(self.rail), self.rail_body, self.left_rail, read)
+        right, left = self._profiles("rail")
         return Track(right, self.gauge_mm, self.rail_inclination, left, self.gauge_depth_mm)
 
-    def _crown(self, name: str) -> float | None:
-        """Radius of the crown for a rail, left out only where the other side's rail is the one that takes it."""
-        other = {self.rail, self.left_rail or self.rail} - {name}
-        return None if name != "136RE" and "136RE" in other else self.crown_radius_in
+    def _profiles(self, kind: Kind) -> tuple[Any, Any]:
+        """Rails or wheels of the right and the left side, None for a left one that is the same."""
+        names = {key: getattr(self, key) for key in (kind, f"left_{kind}")}
+        read = {key: self._reading(key) for key in names}
+        found: list[Any] = []
+        for key, other in zip(names, reversed(names.values()), strict=True):
+            name = names[key]
+            if name is None or (found and (name, read[key]) == (names[kind], read[kind])):
+                found.append(None)
+                continue
+            # of two rails a radius of the crown is that of the one that takes it
+            crown = None if name != "136RE" and other == "136RE" else self.crown_radius_in
+            body = getattr(self, f"{kind}_body")
+            found.append(profile_named(name, kind, read[key], key, body=body, other=other, crown_radius_in=crown))
+        return found[0], found[1]
 
-    def _reading(self, key: Literal["rail", "left_rail", "wheel", "left_wheel"]) -> ReadOptions:
+    def _reading(self, key: str) -> ReadOptions:
         """Return the options for the file of a profile.
 
         It is an `InputError` if there are options for a left profile without the profile.
@@ -327,17 +333,9 @@ class WheelsetInputs(Case):
             position=options[position_key(key).removeprefix(f"{key}_")],
         )
 
-    def _wheel(self, key: Literal["wheel", "left_wheel"]) -> WheelProfile:
-        name, read = str(getattr(self, key)), self._reading(key)
-        other = self.left_wheel if key == "wheel" else self.wheel
-        return wheel_named(name, self.wheel_body, other, read, key)
-
     def wheelset(self) -> Wheelset:
         """Return the wheels on their axle."""
-        right = self._wheel("wheel")
-        left, left_read = None, self._reading("left_wheel")
-        if self.left_wheel is not None and (self.left_wheel, left_read) != (self.wheel, self._reading("wheel")):
-            left = self._wheel("left_wheel")
+        right, left = self._profiles("wheel")
         radius, left_radius = self.wheel_radius_mm, self.left_wheel_radius_mm
         if self.wheel_radius_at == "tape-line":
             radius += right.flange_height_mm

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from flangeway.errors import InputError
 from flangeway.geometry import Outline
@@ -40,54 +41,43 @@ USUAL_BODIES: dict[Kind, tuple[str, ...]] = {"rail": ("136RE", "60E1"), "wheel":
 PLAIN = "plain"  # body of a rail or wheel that fits no bundled one: a block beside its running surface
 
 
-def rail_named(
+def profile_named(
     name: str,
-    crown_radius_in: float | None,
+    kind: Kind,
+    options: ReadOptions = READ_AS_IT_IS,
+    key: str = "",
+    *,
     body: str | None = None,
     other: str | None = None,
-    options: ReadOptions = READ_AS_IT_IS,
-    key: str = "rail",
-) -> RailProfile:
-    """Return a bundled rail, a file's running surface on the body of a bundled one, or a file's whole outline.
+    crown_radius_in: float | None = None,
+) -> Any:
+    """Return a bundled rail or wheel, a file's running surface on the body of a bundled one, or a file's whole outline.
 
-    It is an `InputError` if there is none of that name, or the file is that of a wheel, cannot be read or does not fit
-    the body.
-    - `name`: of a bundled rail, or of a file.
-    - `crown_radius_in`: radius of a 136RE's crown; None: the usual one.
-    - `body`: the bundled rail for a file's head; None: the other side's if it fits, else that of
-      `USUAL_BODIES` nearest to most of the surface.
-    - `other`: the rail of the other side.
+    It is an `InputError` if there is none of that name, or the file is that of the other kind, cannot be read or does
+    not fit the body.
+    - `name`: of a bundled profile, or of a file.
     - `options`: what the file does not contain: unit, mirror, distance of the tape line.
-    - `key`: name of the input, for messages: the options are called after it, such as ``rail_unit``.
+    - `key`: name of the input, for messages: the options are called after it, such as ``rail_unit``; the kind if empty.
+    - `body`: the bundled profile for a file's running surface; None: the other side's if it fits, else that of
+      `USUAL_BODIES` nearest to most of the surface.
+    - `other`: the profile of the other side.
+    - `crown_radius_in`: radius of a 136RE's crown; None: the usual one.
     """
+    key = key or kind
     if not _means_file(name):
-        _refuse_other_kind(name, "rail")
+        _refuse_other_kind(name, kind)
         _refuse_options(name, options, key)
-        return rail(name, crown_radius_in=crown_radius_in)
-    profile = _from_file(name, "rail", body, other, options, key)
-    if not isinstance(profile, RailProfile):
-        raise TypeError("a rail's file gives a rail")
-    return profile
-
-
-def wheel_named(
-    name: str,
-    body: str | None = None,
-    other: str | None = None,
-    options: ReadOptions = READ_AS_IT_IS,
-    key: str = "wheel",
-) -> WheelProfile:
-    """Return a bundled wheel, or one from a file; body, other side, options and errors as `rail_named`."""
-    if not _means_file(name):
-        _refuse_other_kind(name, "wheel")
-        _refuse_options(name, options, key)
-        if name == IDENTIFIED:
-            return identified_wheel()
-        return wheel(name)
-    profile = _from_file(name, "wheel", body, other, options, key)
-    if not isinstance(profile, WheelProfile):
-        raise TypeError("a wheel's file gives a wheel")
-    return profile
+        if kind == "rail":
+            return rail(name, crown_radius_in=crown_radius_in)
+        return identified_wheel() if name == IDENTIFIED else wheel(name)
+    measured = _read(name, kind, options, key)
+    if measured.kind != kind:
+        raise InputError(
+            f"{key} = {name}, which is the profile of a {measured.kind}",
+            f"a {kind}",
+            "exchange the keys rail and wheel",
+        )
+    return with_body(measured, name, key, body, other)
 
 
 def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
@@ -105,25 +95,12 @@ def position_key(key: str) -> str:
 _joined = lru_cache(maxsize=8)(joined)  # the nearest body is joined to see whether it fits, so it is joined already
 
 
-def _from_file(
-    name: str, kind: Kind, body: str | None, other: str | None, options: ReadOptions, key: str
-) -> RailProfile | WheelProfile:
-    measured = _read(name, kind, options, key)
-    if measured.kind != kind:
-        raise InputError(
-            f"{key} = {name}, which is the profile of a {measured.kind}",
-            f"a {kind}",
-            "exchange the keys rail and wheel",
-        )
-    return with_body(measured, name, key, body, other)
-
-
 def with_body(
     measured: MeasuredProfile, name: str, key: str, body: str | None = None, other: str | None = None
 ) -> RailProfile | WheelProfile:
     """Return a rail or wheel from what was read of a file, with its own body or that of a bundled one.
 
-    Parameters and errors as of `rail_named`.
+    Parameters and errors as of `profile_named`.
     """
     kind = measured.kind
     if isinstance(measured.surface, Outline):

@@ -23,7 +23,7 @@ from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.exact import PointContact
 from flangeway.post.patch_stresses import DepthProfile
 from flangeway.problems import LinearBody
-from flangeway.quantities import Quantities, Quantity, column_names, of_part
+from flangeway.quantities import Quantities, Quantity, column_names, getter, of_part
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.track.wheelset_load import WheelsetLoad
@@ -72,6 +72,11 @@ class PlanePatchResult:
         return float(self.patch.pressure.pressures.max())
 
     @property
+    def centre(self) -> Floats:
+        """Centre of pressure in the track, mm, shape (2,)."""
+        return self.patch.pressure.centre
+
+    @property
     def remark(self) -> str | None:
         """What limits the maximum pressure."""
         return self.patch.pressure.remark
@@ -109,6 +114,11 @@ class PatchResult:
     def remark(self) -> str:
         """What limits the maximum pressure."""
         return self.patch.remark
+
+    @property
+    def centre(self) -> Floats:
+        """Centre of pressure across the track, mm, shape (2,)."""
+        return self.patch.centre_mm[:2]
 
     @property
     def max_pressure(self) -> float:
@@ -226,38 +236,36 @@ class WheelResult:
         ratio = self.result.lateral_over_vertical(self.side)
         return ratio if math.isfinite(ratio) else None
 
-    def total(self, value: Callable[[Any], float | None]) -> float:
+    def total(self, value: str | Callable[[Any], float | None]) -> float:
         """Sum of a number over the patches."""
-        return math.fsum(value(patch) or 0.0 for patch in self.patches)
+        return math.fsum(getter(value)(patch) or 0.0 for patch in self.patches)
 
 
 # Position, load and residuals
 
 LATERAL: Quantity[AnyResult] = Quantity(
-    "lateral", "lateral position of the axle", lambda r: r.equilibrium.position.lateral_mm, "mm", "z.3f"
+    "lateral", "lateral position of the axle", "equilibrium.position.lateral_mm", "mm", "z.3f"
 )
 APPROACH: Quantity[AnyResult] = Quantity("approach", "approach after first touch", "approach_mm", "mm", "z.4f")
 MOTION: Quantities[AnyResult] = (
     LATERAL,
-    Quantity("vertical", "vertical position", lambda r: r.equilibrium.position.vertical_mm, "mm", "z.4f"),
-    Quantity("roll", "roll", lambda r: r.equilibrium.position.roll_rad, "mrad", "z.3f", factor=1e3),
+    Quantity("vertical", "vertical position", "equilibrium.position.vertical_mm", "mm", "z.4f"),
+    Quantity("roll", "roll", "equilibrium.position.roll_rad", "mrad", "z.3f", factor=1e3),
 )
 POSITION: Quantities[AnyResult] = (
     *MOTION,
     APPROACH,
-    Quantity("horizontal_in_space", "", lambda r: r.position_in_space.lateral_mm, "mm"),
-    Quantity("vertical_in_space", "", lambda r: r.position_in_space.vertical_mm, "mm"),
-    Quantity("stable", "", lambda r: r.equilibrium.stable, meaning="whether it comes back after a small push"),
+    Quantity("horizontal_in_space", "", "position_in_space.lateral_mm", "mm"),
+    Quantity("vertical_in_space", "", "position_in_space.vertical_mm", "mm"),
+    Quantity("stable", "", "equilibrium.stable", meaning="whether it comes back after a small push"),
     Quantity("reference", "", lambda _: REFERENCE),
 )
 LOAD: Quantities[WheelsetLoad] = (
     Quantity("vertical", "", "vertical_N", "kN", factor=1e-3, meaning="weight in space"),
     Quantity("lateral", "", "lateral_N", "kN", factor=1e-3, meaning="horizontal force in space"),
     Quantity("tilt", "", "tilt_rad", "rad", meaning="tilt of the track"),
-    Quantity("onto_track", "load normal to the track plane", lambda f: f.in_track[1], "kN", ".3f", factor=1e-3),
-    Quantity(
-        "lateral_in_track", "load parallel to the track plane", lambda f: f.in_track[0], "kN", "z.3f", factor=1e-3
-    ),
+    Quantity("onto_track", "load normal to the track plane", "in_track.1", "kN", ".3f", factor=1e-3),
+    Quantity("lateral_in_track", "load parallel to the track plane", "in_track.0", "kN", "z.3f", factor=1e-3),
 )
 RESIDUAL: Quantities[RelativeResiduals] = (
     Quantity("equilibrium", "equilibrium residual", "equilibrium_residual", form=".1e"),
@@ -268,28 +276,24 @@ RESIDUAL: Quantities[RelativeResiduals] = (
 
 # Patches
 
-SIDE: Quantity[AnyPatch] = Quantity("side", "", lambda p: p.patch.side)
-REGION: Quantity[AnyPatch] = Quantity("region", "", lambda p: p.patch.region)
+SIDE: Quantity[AnyPatch] = Quantity("side", "", "patch.side")
+REGION: Quantity[AnyPatch] = Quantity("region", "", "patch.region")
 NORMAL: Quantity[AnyPatch] = Quantity("normal_force", "normal force", "normal_force", "kN", ".2f", factor=1e-3)
 FORCES: Quantities[AnyPatch] = (
     NORMAL,
-    Quantity("lateral_force", "lateral force on the wheel", lambda p: p.force[0], "kN", "z.3f", factor=1e-3),
-    Quantity("vertical_force", "vertical force on the wheel", lambda p: p.force[1], "kN", "z.3f", factor=1e-3),
+    Quantity("lateral_force", "lateral force on the wheel", "force.0", "kN", "z.3f", factor=1e-3),
+    Quantity("vertical_force", "vertical force on the wheel", "force.1", "kN", "z.3f", factor=1e-3),
 )
 CONTACT_ANGLE: Quantity[AnyPatch] = Quantity("contact_angle", "contact angle", "contact_angle", "deg", ".2f")
-ON_RAIL: Quantity[AnyPatch] = Quantity(
-    "rail_position", "position on the rail", lambda p: p.patch.rail_point_mm, "mm", "z.2f", XY
-)
+ON_RAIL: Quantity[AnyPatch] = Quantity("rail_position", "position on the rail", "patch.rail_point_mm", "mm", "z.2f", XY)
 ON_WHEEL: Quantity[AnyPatch] = Quantity(
-    "wheel_position", "position on the wheel", lambda p: p.patch.wheel_point_mm, "mm", "z.2f", XY
+    "wheel_position", "position on the wheel", "patch.wheel_point_mm", "mm", "z.2f", XY
 )
 REMARK: Quantity[AnyPatch] = Quantity("max_pressure_remark", "", "remark", meaning="why it is approximate")
 PRESSURE: Quantity[AnyPatch] = Quantity(
     "max_pressure", "maximum pressure", "max_pressure", "MPa", ".1f", remark=lambda p: p.remark
 )
-HALF_WIDTH: Quantity[PlanePatchResult] = Quantity(
-    "half_width", "half width", lambda p: p.patch.pressure.half_width, "mm", ".3f"
-)
+HALF_WIDTH: Quantity[PlanePatchResult] = Quantity("half_width", "half width", "patch.pressure.half_width", "mm", ".3f")
 
 
 def _line(role: Role, name: str, label: str, number: int) -> Quantities[PlanePatchResult]:
@@ -304,16 +308,16 @@ def _line(role: Role, name: str, label: str, number: int) -> Quantities[PlanePat
 PLANE_MAIN: Quantities[PlanePatchResult] = (
     *FORCES,
     PRESSURE,
-    Quantity("hertz_pressure", "  Hertz", lambda p: p.patch.hertz and p.patch.hertz.max_pressure, "MPa", ".1f"),
+    Quantity("hertz_pressure", "  Hertz", "patch.hertz.max_pressure", "MPa", ".1f"),
     HALF_WIDTH,
-    Quantity("hertz_half_width", "  Hertz", lambda p: p.patch.hertz and p.patch.hertz.half_width, "mm", ".3f"),
+    Quantity("hertz_half_width", "  Hertz", "patch.hertz.half_width", "mm", ".3f"),
     CONTACT_ANGLE,
     ON_RAIL,
     ON_WHEEL,
 )
 PLANE_FURTHER: Quantities[PlanePatchResult] = (
-    Quantity("track_position", "position in the track", lambda p: p.patch.pressure.centre, "mm", "z.2f", XY),
-    Quantity("pressure_oscillation", "pressure oscillation", lambda p: p.patch.pressure.oscillation, form=".2%"),
+    Quantity("track_position", "position in the track", "patch.pressure.centre", "mm", "z.2f", XY),
+    Quantity("pressure_oscillation", "pressure oscillation", "patch.pressure.oscillation", form=".2%"),
     Quantity("nodes", "nodes in contact", lambda p: len(p.patch.pressure.normal_forces), form="d"),
     *(
         quantity
@@ -350,14 +354,14 @@ def _greater(key: str, label: str, of: Callable[[PatchResult, Role], tuple[Any, 
 
 
 def _creep(quantity: Quantity[CreepResult]) -> Quantity[PatchResult]:
-    return of_part(lambda patch: patch.creep, quantity)
+    return of_part("creep", quantity)
 
 
 POSITION_ALONG: Quantity[PatchResult] = Quantity(
-    "track_position", "position in the track", lambda p: p.patch.centre_mm, "mm", "z.2f", XYZ
+    "track_position", "position in the track", "patch.centre_mm", "mm", "z.2f", XYZ
 )
 LONGITUDINAL: Quantity[PatchResult] = Quantity(
-    "longitudinal_position", "longitudinal position", lambda p: p.patch.centre_mm[2], "mm", "z.2f"
+    "longitudinal_position", "longitudinal position", "patch.centre_mm.2", "mm", "z.2f"
 )
 LOAD_FACTOR: Quantity[PatchResult] = Quantity(
     "pressure_over_shear_strength", "p0/k (load factor)", lambda p: p.result.load_factor(p.patch), form=".2f"
@@ -366,7 +370,7 @@ SHAKEDOWN: Quantity[PatchResult] = Quantity(
     "shakedown_state", "  shakedown state", lambda p: p.result.shakedown_state(p.patch)
 )
 ROLLING_RADIUS: Quantity[PatchResult] = Quantity(
-    "rolling_radius", "rolling radius", lambda p: p.patch.rolling_radius_mm, "mm", ".3f"
+    "rolling_radius", "rolling radius", "patch.rolling_radius_mm", "mm", ".3f"
 )
 CREEP_MAIN: Quantities[PatchResult] = tuple(
     map(
@@ -412,7 +416,7 @@ SPATIAL_FURTHER: Quantities[PatchResult] = (
     HERTZ_AXES,
     ANGLE,
     AREA,
-    Quantity("conformity", "change of contact normal across the patch", lambda p: p.patch.conformity_deg, "deg", ".1f"),
+    Quantity("conformity", "change of contact normal across the patch", "patch.conformity_deg", "deg", ".1f"),
     ROLLING_RADIUS,
     CELLS,
     *(
@@ -433,7 +437,7 @@ PLANE_PATCH: Quantities[PlanePatchResult] = (SIDE, REGION, *PLANE_MAIN, REMARK, 
 RATIO: Quantity[WheelResult] = Quantity("lateral_over_vertical", "L/V", "lateral_over_vertical", form="z.4f")
 WHEEL: Quantities[WheelResult] = (
     Quantity("n_patches", "patches", lambda w: len(w.patches), form="d"),
-    Quantity("normal_force", "normal force", lambda w: w.total(lambda p: p.normal_force), "kN", ".3f", factor=1e-3),
+    Quantity("normal_force", "normal force", lambda w: w.total("normal_force"), "kN", ".3f", factor=1e-3),
     Quantity(
         "lateral_force",
         "lateral force on the wheel",
@@ -452,11 +456,11 @@ WHEEL: Quantities[WheelResult] = (
     ),
     RATIO,
 )
-GAUGE: Quantity[WheelResult] = Quantity("gauge_outward", "gauge-face deflection", lambda w: w.head[3], "mm", "z.3f")
+GAUGE: Quantity[WheelResult] = Quantity("gauge_outward", "gauge-face deflection", "head.3", "mm", "z.3f")
 HEAD: Quantities[WheelResult] = (
-    Quantity("head_lateral", "railhead lateral displacement", lambda w: w.head[0], "mm", "z.3f"),
-    Quantity("head_vertical", "  up", lambda w: w.head[1], "mm", "z.3f"),
-    Quantity("head_roll", "  roll", lambda w: w.head[2], "mrad", "z.3f", factor=1e3),
+    Quantity("head_lateral", "railhead lateral displacement", "head.0", "mm", "z.3f"),
+    Quantity("head_vertical", "  up", "head.1", "mm", "z.3f"),
+    Quantity("head_roll", "  roll", "head.2", "mrad", "z.3f", factor=1e3),
     GAUGE,
 )
 NADAL_FRACTION: Quantity[WheelResult] = Quantity(
@@ -470,7 +474,7 @@ NADAL_WORDS: Quantity[WheelResult] = Quantity("nadal", "Nadal's criterion", "nad
 
 
 def _most_loaded(quantity: Quantity[Any]) -> Quantity[WheelResult]:
-    return of_part(lambda wheel: wheel.most_loaded, quantity)
+    return of_part("most_loaded", quantity)
 
 
 def _sum(quantity: Quantity[Any]) -> Quantity[WheelResult]:
@@ -479,7 +483,7 @@ def _sum(quantity: Quantity[Any]) -> Quantity[WheelResult]:
 
 _ELLIPSE: Quantities[Any] = (AXES, ANGLE, LONGITUDINAL, ROLLING_RADIUS)
 _POINTS: Quantities[Any] = (CONTACT_ANGLE, ON_RAIL, ON_WHEEL)
-_HIGHEST = tuple(of_part(lambda wheel: wheel.highest, quantity) for quantity in (PRESSURE, REMARK))
+_HIGHEST = tuple(of_part("highest", quantity) for quantity in (PRESSURE, REMARK))
 PLANE_ROW: Quantities[WheelResult] = (
     *WHEEL,
     *_HIGHEST,
@@ -512,33 +516,24 @@ def row_columns(quantities: Sequence[Quantity[WheelResult]]) -> tuple[str, ...]:
     return (*column_names(MOTION), *(f"{side}_{name}" for side in SIDES for name in names))
 
 
-def _rolled(value: Callable[[Any], float]) -> Callable[[SpatialResult], float | None]:
-    """A number of the rolling that is part of the equilibrium."""
-
-    def of(result: SpatialResult) -> float | None:
-        rolled = result.equilibrium.state.rolled
-        return None if rolled is None else value(rolled)
-
-    return of
-
-
 def _frequency(result: SpatialResult) -> float | None:
     length, motion = result.kinematic_wavelength_mm, result.wheelset.model.rolling
     return None if length is None or motion is None else 1e3 * motion.speed_m_s / length
 
 
 ROLLING: Quantities[SpatialResult] = (
-    Quantity("rate", "rotation", _rolled(lambda at: at.rate_rad_s), "rad/s", ".4f"),
-    Quantity("yaw", "yaw", _rolled(lambda at: 1e3 * at.yaw_rad), "mrad", "z.3f"),
+    Quantity("rate", "rotation", "equilibrium.state.rolled.rate_rad_s", "rad/s", ".4f"),
+    Quantity("yaw", "yaw", "equilibrium.state.rolled.yaw_rad", "mrad", "z.3f", factor=1e3),
     Quantity(
         "yaw_moment",
         "yaw moment from contact forces",
-        _rolled(lambda at: 1e-6 * at.yaw_moment_Nmm),
+        "equilibrium.state.rolled.yaw_moment_Nmm",
         "kNm",
         "z.3f",
+        factor=1e-6,
         meaning="on the wheelset, counter-clockwise from above",
     ),
-    Quantity("torque", "torque on the axle", _rolled(lambda at: -1e-6 * at.torque_Nmm), "kNm", "z.3f"),
+    Quantity("torque", "torque on the axle", "equilibrium.state.rolled.torque_Nmm", "kNm", "z.3f", factor=-1e-6),
     Quantity(
         "traction",
         "traction",
@@ -551,7 +546,7 @@ ROLLING: Quantities[SpatialResult] = (
     Quantity(
         "kinematic_wavelength",
         "kinematic wave (Klingel): length",
-        lambda r: r.kinematic_wavelength_mm,
+        "kinematic_wavelength_mm",
         "m",
         ".2f",
         meaning="of the equivalent conicity of rigid wheels at 3 mm; none where it is not positive",
@@ -563,7 +558,7 @@ ROLLING: Quantities[SpatialResult] = (
 
 MESH: Quantities[LinearBody] = (
     Quantity("name", "", "name"),
-    Quantity("unknowns", "unknowns", lambda body: body.stiffness.n, form=","),
-    Quantity("elements", "elements", lambda body: body.space.mesh.n_cells, form=","),
-    Quantity("nodes", "nodes", lambda body: body.space.n_nodes, form=","),
+    Quantity("unknowns", "unknowns", "stiffness.n", form=","),
+    Quantity("elements", "elements", "space.mesh.n_cells", form=","),
+    Quantity("nodes", "nodes", "space.n_nodes", form=","),
 )

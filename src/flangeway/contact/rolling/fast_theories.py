@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flangeway.checks import are_finite
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.rolling_contact import RollingContact
@@ -77,7 +78,7 @@ def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0,
             "a theory with tractions: exact, FASTSIM or FaStrip",
             "take one of these, or let friction fall with the slip velocity",
         )
-    if not 0.0 < slip <= adhesion <= 1.0:
+    if not (are_finite((slip, adhesion), 2) and 0.0 < slip <= adhesion <= 1.0):
         raise InputError(f"adhesion={adhesion}, slip={slip}", "0 < slip <= adhesion <= 1", "exchange or correct them")
     ellipse = EllipticContact.of(contact, motion)
     c, a, b = ellipse.coefficients, ellipse.along, ellipse.across

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flangeway.checks import are_finite
+from flangeway.checks import are_finite, check_integer
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.friction import Friction
@@ -133,11 +133,12 @@ class SimplifiedRolling(CreepForces):
     @cached_property
     def power_density(self) -> Floats:
         """Frictional power over area: tractions times slip, means over the cells, whose sum is the power."""
-        z, half = self.contact.places[1], self.contact.grid.strip / 2.0
-        place, _ = self._places_of(np.append(z - half, z[-1] + half))
+        z, strip = self.contact.places[1], self.contact.grid.strip
+        # the ellipse of the moments reaches beyond the grid where the pressures end at its edge: to the cells there
+        place, _ = self._places_of(np.concatenate(([-np.inf], z[1:] - strip / 2.0, [np.inf])))
         nodes = np.arange(len(self.strips.x))
         work = np.stack([np.interp(at, nodes, of) for at, of in zip(place, self._work.T, strict=True)])
-        return abs(self.motion.speed) * -self.ellipse.direction * np.diff(work, axis=1) / (2.0 * half)
+        return abs(self.motion.speed) * -self.ellipse.direction * np.diff(work, axis=1) / strip
 
     @cached_property
     def flash_temperatures(self) -> Floats | None:
@@ -248,8 +249,9 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
     """FaStrip (Sichani, Enblom and Berg, 2016, Vehicle System Dynamics 54): strip theory where it sticks.
 
     Where strips stick, tractions are those of plane contact in each strip (Kalker, 1967), scaled to linear theory;
-    where they slip, they have Hertz's limit and the direction of FASTSIM. Range: as FASTSIM, with tractions nearer to
-    the exact theory; spin below that at which `psi` is 1, beyond it strips slip as in FASTSIM.
+    where they slip, they have Hertz's limit and the direction of FASTSIM. Their slip is FASTSIM's, times the factor
+    with which they dissipate forces times creepages, as half-spaces of one material do. Range: as FASTSIM, with
+    tractions nearer to the exact theory; spin below that at which `psi` is 1, beyond it strips slip as in FASTSIM.
     """
     ellipse = EllipticContact.of(contact, motion)
     strips = _strips_of(contact, ellipse, n_steps)
@@ -283,15 +285,18 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
     limit = coefficients * (pressure / a) * whole
     length = np.linalg.norm(directions, axis=1)
     sliding = directions * np.where(length > 0.0, limit / np.where(length > 0.0, length, 1.0), 0.0)[:, None]
-    nodes = np.where(sticks, sticking, sliding), np.where(sticks, 0.0, slips), ~sticks[:, 0]
-    return _record("FaStrip", contact, motion, (ellipse, strips), nodes)
+    tractions, slips = np.where(sticks, sticking, sliding), np.where(sticks, 0.0, slips)
+    found = _record("FaStrip", contact, motion, (ellipse, strips), (tractions, slips, ~sticks[:, 0]))
+    # FASTSIM's slip has the energy of its own tractions, which end as a parabola; half-spaces dissipate forces times
+    # creepages
+    dissipated = max(sum(found.products(motion.mean(contact.places[0], contact.row_shares))), 0.0)
+    scale = dissipated / found.t_gamma if found.t_gamma > 0.0 else 1.0
+    return replace(found, nodes=(tractions, scale * slips, ~sticks[:, 0]))
 
 
 def _strips_of(contact: RollingContact, ellipse: EllipticContact, n_steps: int | None) -> _Strips:
     """Strips of one ellipse, with a number of steps or the usual one."""
-    number = max(STEPS, contact.grid.n_strips) if n_steps is None else n_steps
-    if number < 2:
-        raise InputError(f"n_steps={n_steps}", "2 steps or more along each strip", "leave it out, or give more")
+    number = max(STEPS, contact.grid.n_strips) if n_steps is None else check_integer("FASTSIM", "n_steps", n_steps, 2)
     y = ellipse.direction * (contact.places[0] - ellipse.centre[0])
     return _Strips.of(contact, (ellipse.along, ellipse.across), y, number)
 

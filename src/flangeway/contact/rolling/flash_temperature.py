@@ -15,7 +15,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from flangeway.checks import check_finite, check_positive
+from flangeway.checks import are_finite, check_finite, check_positive
 from flangeway.errors import InputError
 from flangeway.types import Floats
 
@@ -80,11 +80,11 @@ class Heating:
     falls: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        if self.falls is not None and not self.falls[0] < self.falls[1]:
+        if self.falls is not None and not (are_finite(self.falls, 2) and self.falls[0] < self.falls[1]):
             raise InputError(
-                f"friction that falls from {self.falls[0]:g} to {self.falls[1]:g} degrees",
-                "a second temperature above the first one",
-                "exchange them",
+                f"friction that falls between {self.falls} degrees",
+                "two temperatures, a second temperature above the first one",
+                "correct or exchange them",
             )
 
     @property

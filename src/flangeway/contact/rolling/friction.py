@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import lambertw
 
-from flangeway.checks import as_numbers, check_finite
+from flangeway.checks import are_finite, as_numbers, check_finite
 from flangeway.contact.rolling.flash_temperature import Heating
 from flangeway.errors import InputError
 from flangeway.space.symmetric import EPS
@@ -41,7 +41,8 @@ class SlopeReduction:
     rate: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (0.0 < self.initial <= 1.0 and 0.0 <= self.remaining <= 1.0 and 0.0 <= self.rate < np.inf):
+        factors = self.initial, self.remaining, self.rate
+        if not (are_finite(factors, 3) and 0.0 < factors[0] <= 1.0 and 0.0 <= factors[1] <= 1.0 and factors[2] >= 0.0):
             raise InputError(
                 f"{self}", "0 < initial <= 1, 0 <= remaining <= 1 and rate >= 0", "correct the factors of the slope"
             )

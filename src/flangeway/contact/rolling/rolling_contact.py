@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.checks import as_numbers, check_integer, check_positive
+from flangeway.checks import are_finite, as_numbers, check_integer, check_positive, refused
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
 from flangeway.contact.patch.patch_contact import CHANGE, PatchContact
 from flangeway.contact.patch.patch_grid import PatchGrid
@@ -101,6 +101,9 @@ class RollingContact:
         materials: tuple[Elastic, Elastic],
     ) -> "RollingContact":
         """Half-spaces under Hertz's pressure on an ellipse: semi-axes and numbers of cells along t and along z."""
+        for name, pair in (("semi_axes", semi_axes), ("cells", cells)):
+            if not are_finite(pair, 2):
+                raise refused("RollingContact.under_hertz", name, pair, "two numbers, along t and along z", "give both")
         for name, value in zip(("semi_axes", "semi_axes", "force"), (*semi_axes, force), strict=True):
             check_positive("RollingContact.under_hertz", name, value)
         for number in cells:

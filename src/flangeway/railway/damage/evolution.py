@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.checks import check_positive
+from flangeway.checks import check_finite, check_positive
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import Collective, SurfaceKey
 from flangeway.railway.damage.profile_limits import LIMITS, check_limits, reached, worn_measures
@@ -79,7 +79,7 @@ class EvolutionSettings:
             check_positive("EvolutionSettings", name, getattr(self, name))
         if self.axles_per_km is not None:
             check_positive("EvolutionSettings", "axles_per_km", self.axles_per_km)
-        if not self.filter_mm >= 0.0:
+        if not check_finite("EvolutionSettings", "filter_mm", self.filter_mm) >= 0.0:
             raise InputError(f"EvolutionSettings(filter_mm={self.filter_mm})", "a length >= 0", "0 filters nothing")
         check_limits(self.limits)
 
@@ -149,7 +149,7 @@ def limit_positions(steps: Sequence[EvolutionStep], limits: Mapping[str, float])
         for name in reached(surface, limits):
             whole, position = f"{key[0]}: {name}", last.position
             if len(steps) > 1:
-                before, after = (worn_measures(step.surfaces[key])[LIMITS[name][0]] for step in steps[-2:])
+                before, after = (worn_measures(step.surfaces[key])[LIMITS[name].measure] for step in steps[-2:])
                 position -= (last.position - steps[-2].position) * (after - limits[name]) / (after - before)
             found[whole] = min(position, found.get(whole, position))
     return found
@@ -171,8 +171,8 @@ class Evolution:
     Raises
     ------
     InputError
-        If no body wears, states have different profiles of what wears, or both wear without
-        `EvolutionSettings.axles_per_km`.
+        If no body wears, states have different profiles of what wears, both wear without
+        `EvolutionSettings.axles_per_km`, or a limit is one of what does not wear.
 
     """
 
@@ -190,6 +190,10 @@ class Evolution:
                 "axles that pass a point of the rails while a wheel runs 1 km",
                 "give axles_per_km, or let one of them wear",
             )
+        for name in self.settings.limits:
+            role = LIMITS[name].role
+            if role not in self.laws:
+                raise InputError(f"limit {name} of {role}s, which do not wear", "limits of what wears", "leave it out")
 
     @property
     def unit(self) -> str:
@@ -212,7 +216,7 @@ class Evolution:
         - `progress`: called with a sentence at each state.
         """
         store = None if file is None else StepStore(file, self.identity)
-        steps = [self._restored(row) for row in store.rows()] if store else []
+        steps = self._stored(store) if store else []
         if not steps:
             profiles = self.collective.profiles(tuple(self.laws))
             surfaces = {
@@ -222,11 +226,30 @@ class Evolution:
             steps.append(self._evaluated(0.0, surfaces, none, progress))
             if store:
                 store.add(self._row_of(steps[-1]))
-        while steps[-1].position < self.settings.end and not steps[-1].reached:
+        while not self._ends(steps[-1]):
             steps.append(self._next(steps, progress))
             if store:
                 store.add(self._row_of(steps[-1]))
         return tuple(steps)
+
+    def _stored(self, store: "StepStore") -> list[EvolutionStep]:
+        """Steps of a file up to the first one that ends the evolution: it may have run to another end or limit."""
+        steps: list[EvolutionStep] = []
+        try:
+            for row in store.rows():
+                steps.append(self._restored(row))
+                if self._ends(steps[-1]):
+                    break
+        except (ValueError, KeyError, TypeError, sqlite3.Error) as reason:
+            raise InputError(
+                f"{store.file}: steps that cannot be read, {type(reason).__name__}",
+                "steps as a run stored them",
+                "take --fresh or another folder",
+            ) from reason
+        return steps
+
+    def _ends(self, step: EvolutionStep) -> bool:
+        return step.position >= self.settings.end or bool(step.reached)
 
     def _next(self, steps: list[EvolutionStep], progress: Callable[[str], None]) -> EvolutionStep:
         """Take a step by Heun's method, whose error is estimated by the difference from Euler's.
@@ -350,7 +373,7 @@ class Evolution:
             versions()["flangeway"],
             repr((OVER_PIECES, RollingPlace._fields)),
             repr(sorted(settings.items())),
-            repr([(role, law.name) for role, law in self.laws.items()]),
+            repr(sorted(self.laws.items())),
             repr(self.collective.separate),
             *(f"{state.share!r} {state.problem!r} {state.model!r}" for state in self.collective.states),
         ]
@@ -415,7 +438,7 @@ class StepStore:
     """Steps of one evolution in an SQLite file; each is on the disk before the next one begins."""
 
     def __init__(self, file: Path, identity: str) -> None:
-        self._file = file
+        self.file = file
         file.parent.mkdir(parents=True, exist_ok=True)
         try:
             with closing(sqlite3.connect(file)) as database, database:
@@ -437,10 +460,10 @@ class StepStore:
 
     def rows(self) -> list[dict[str, Any]]:
         """Stored steps in order."""
-        with closing(sqlite3.connect(self._file)) as database:
+        with closing(sqlite3.connect(self.file)) as database:
             return [json.loads(text) for (text,) in database.execute("SELECT content FROM steps ORDER BY number")]
 
     def add(self, row: Mapping[str, Any]) -> None:
         """Store a step."""
-        with closing(sqlite3.connect(self._file)) as database, database:
+        with closing(sqlite3.connect(self.file)) as database, database:
             database.execute("INSERT INTO steps (content) VALUES (?)", (json.dumps(row, default=float),))

@@ -1,25 +1,37 @@
 """Measures of worn profiles and the limits at which they are done."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
+from flangeway.checks import is_finite
 from flangeway.errors import InputError
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import WheelProfile
 from flangeway.railway.profiles.measures import HEAD_MM, measures
+from flangeway.railway.track.discretisation import Role
 from flangeway.types import Floats
 
-LIMITS: dict[str, tuple[str, bool]] = {
-    "min_flange_thickness_mm": ("flange_thickness_mm", False),
-    "max_flange_height_mm": ("flange_height_mm", True),
-    "min_flange_slope_mm": ("flange_slope_mm", False),
-    "max_hollow_mm": ("hollow_mm", True),
-    "max_tread_wear_mm": ("tread_wear_mm", True),
-    "max_top_wear_mm": ("top_wear_mm", True),
-    "max_side_wear_mm": ("side_wear_mm", True),
+
+class LimitKind(NamedTuple):
+    """Whose measure a limit is of, and whether it is reached above it (1) or below it (-1)."""
+
+    role: Role
+    measure: str
+    sense: int = 1
+
+
+LIMITS: dict[str, LimitKind] = {
+    "min_flange_thickness_mm": LimitKind("wheel", "flange_thickness_mm", -1),
+    "max_flange_height_mm": LimitKind("wheel", "flange_height_mm"),
+    "min_flange_slope_mm": LimitKind("wheel", "flange_slope_mm", -1),
+    "max_hollow_mm": LimitKind("wheel", "hollow_mm"),
+    "max_tread_wear_mm": LimitKind("wheel", "tread_wear_mm"),
+    "max_top_wear_mm": LimitKind("rail", "top_wear_mm"),
+    "max_side_wear_mm": LimitKind("rail", "side_wear_mm"),
 }
-"""Measure of each limit, and whether it is an upper one. EN 15313: flange thickness, height and slope qR of wheels."""
+"""Limits of measures. EN 15313: flange thickness, height and slope qR of wheels."""
 MAX_CUT_DEG = 75.0
 """Steepest slope of a running surface that a cut restores: flanges have 70 degrees, faces of rails stay as they are."""
 HOLLOW_FROM_MM = -20.0
@@ -65,15 +77,15 @@ def _at(points: Floats, axis: int, value: float) -> float:
 def check_limits(limits: Mapping[str, float]) -> None:
     """Refuse limits that do not exist, as an `InputError`."""
     for name, value in limits.items():
-        if name not in LIMITS or not value > 0.0:
+        if name not in LIMITS or not (is_finite(value) and value > 0.0):
             raise InputError(f"limit {name} = {value}", f"{', '.join(LIMITS)}, in mm, > 0", "correct the name or value")
 
 
 def reached(surface: WornSurface, limits: Mapping[str, float]) -> tuple[str, ...]:
     """Names of the limits that a profile has reached; those of the other kind of profile do not count."""
-    found = worn_measures(surface)
+    found, kinds = worn_measures(surface), [(name, LIMITS[name], limit) for name, limit in limits.items()]
     return tuple(
         name
-        for name, limit in limits.items()
-        if LIMITS[name][0] in found and (found[LIMITS[name][0]] - limit) * (1.0 if LIMITS[name][1] else -1.0) >= 0.0
+        for name, kind, limit in kinds
+        if kind.measure in found and (found[kind.measure] - limit) * kind.sense >= 0.0
     )

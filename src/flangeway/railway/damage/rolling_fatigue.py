@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.checks import check_finite, check_positive
+from flangeway.checks import are_finite, as_numbers, check_finite, check_positive
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import shakedown_limits
 from flangeway.types import Floats
@@ -49,6 +49,9 @@ def surface_fatigue_index(
         If a length, the force or k is not positive.
 
     """
+    check_finite("surface_fatigue_index", "utilised_friction", utilised_friction)
+    if not are_finite(semi_axes, 2):
+        raise InputError(f"surface_fatigue_index(semi_axes={semi_axes})", "two lengths in mm", "give both")
     for name, value in (("semi_axes", semi_axes[0]), ("semi_axes", semi_axes[1]), ("force", force), ("k_MPa", k_MPa)):
         check_positive("surface_fatigue_index", name, value)
     return float(utilised_friction - 2.0 * np.pi * semi_axes[0] * semi_axes[1] * k_MPa / (3.0 * force))
@@ -74,7 +77,9 @@ class TGammaDamage:
 def t_gamma_damage(t_gamma_N: Floats) -> TGammaDamage:
     """Damage of one axle by T-gamma of a patch, see `TGammaDamage`; the last branch is prolonged."""
     begins, most, balanced = WLRM_T_GAMMA_N
-    t_gamma = np.asarray(t_gamma_N, dtype=np.float64)
+    t_gamma = as_numbers("t_gamma_damage(t_gamma_N)", t_gamma_N)
+    if not np.isfinite(t_gamma).all():
+        raise InputError("t_gamma_damage: some T-gamma not finite", "numbers in N", "leave out what did not converge")
     cracks = np.interp(t_gamma, (begins, most), (0.0, WLRM_MAX_DAMAGE))
     wear = WLRM_MAX_DAMAGE * np.maximum(t_gamma - most, 0.0) / (balanced - most)
     return TGammaDamage(np.asarray(cracks), np.asarray(wear))
@@ -124,11 +129,25 @@ class DangVan:
         residual
             Residual stresses of the points, shape (n, 6) or (6,).
 
+        Raises
+        ------
+        InputError
+            If shapes differ from these, or a stress is not finite.
+
         """
-        given = np.asarray(histories, dtype=np.float64)
+        given, left = (
+            as_numbers("histories", histories),
+            as_numbers("residual", np.zeros(6) if residual is None else residual),
+        )
+        fits = given.ndim == 3 and given.shape[1] > 0 and given.shape[2] == 6 and left.shape in ((6,), (len(given), 6))
+        if not (fits and np.isfinite(given).all() and np.isfinite(left).all()):
+            raise InputError(
+                f"DangVan.of: histories of shape {given.shape}, residual stresses of {left.shape}, or some not finite",
+                "finite stresses xx, yy, zz, xy, yz, xz of points over times, (n, m, 6), and (n, 6) or (6,)",
+                "give one point as histories[None]",
+            )
         stresses = np.concatenate((given, np.zeros_like(given[:, :1])), axis=1)
-        if residual is not None:
-            stresses = stresses + np.broadcast_to(residual, (len(given), 6))[:, None]
+        stresses = stresses + np.broadcast_to(left, (len(given), 6))[:, None]
         tensors = stresses[..., ((0, 3, 5), (3, 1, 4), (5, 4, 2))]
         pressure = np.trace(tensors, axis1=-2, axis2=-1) / 3.0
         deviators = tensors - pressure[..., None, None] * np.eye(3)

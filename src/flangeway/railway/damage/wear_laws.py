@@ -19,12 +19,12 @@ depends on the load: say which.
 """
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 
-from flangeway.checks import check_positive
+from flangeway.checks import as_numbers, check_finite, check_positive
 from flangeway.errors import InputError
 from flangeway.types import Floats
 
@@ -81,6 +81,31 @@ class CellLoads:
     speed_m_s: float
     dissipation: Floats | None = None
 
+    def __post_init__(self) -> None:
+        """Raise an `InputError` if shapes differ from these or a number is not finite, >= 0 for pressures and speed."""
+        names = [
+            name
+            for name in ("pressures", "tractions", "slips", "areas", "dissipation")
+            if getattr(self, name) is not None
+        ]
+        for name in names:
+            object.__setattr__(self, name, as_numbers(f"CellLoads({name})", getattr(self, name)))
+        shape = self.pressures.shape
+        of_cells = shape if self.dissipation is None else self.dissipation.shape
+        fits = self.tractions.shape == self.slips.shape == (*shape, 2) and of_cells == shape
+        speed = check_finite("CellLoads", "speed_m_s", self.speed_m_s)
+        if not (
+            fits
+            and all(np.isfinite(getattr(self, name)).all() for name in names)
+            and min(self.pressures.min(initial=0.0), speed) >= 0.0
+        ):
+            raise InputError(
+                f"CellLoads with pressures {shape}, tractions {self.tractions.shape}, slips {self.slips.shape}, "
+                f"dissipation {of_cells}, at {speed:g} m/s",
+                "finite numbers of shapes (...), (..., 2), (..., 2) and (...), pressures and speed >= 0",
+                "give the loads of the same cells",
+            )
+
     @property
     def energy(self) -> Floats:
         """T-gamma over area, N/mm2, not below 0, shape (...)."""
@@ -106,7 +131,7 @@ class CellLoads:
     def mean(self) -> "CellLoads":
         """One cell with the means over the contact area; traction times slip is the mean T-gamma over area."""
         area = self.contact_area_mm2
-        weights = np.broadcast_to(self.areas, self.pressures.shape) / area
+        weights = np.broadcast_to(self.areas, self.pressures.shape) / (area or 1.0)
         energy = float((self.energy * weights).sum())
         slip = float((self.slip_sizes * weights)[self.pressures > 0.0].sum())
         traction = energy / slip if slip > 0.0 else 0.0
@@ -142,14 +167,14 @@ class ArchardLaw:
     hardness_MPa
         Of the softer body, > 0.
     k
-        Wear coefficient without unit, > 0; None: Jendel's map.
+        Wear coefficient without unit, above 0 and up to 1; None: Jendel's map.
     level
         Where in the ranges of the map k lies, 0 at their lower and 1 at their upper ends.
 
     Raises
     ------
     InputError
-        If the hardness or k is not positive, or the level outside of 0 to 1.
+        If the hardness or k is not positive, k above 1, or the level outside of 0 to 1.
 
     """
 
@@ -162,7 +187,11 @@ class ArchardLaw:
             "ArchardLaw", "hardness_MPa", self.hardness_MPa, "a hardness > 0", "give it in MPa: HB 275 is 2700"
         )
         if self.k is not None:
-            check_positive("ArchardLaw", "k", self.k, "a wear coefficient > 0", "leave it out for Jendel's map")
+            allowed = "a wear coefficient without unit, above 0 and up to 1"
+            if check_positive("ArchardLaw", "k", self.k, allowed, "leave it out for Jendel's map") > 1.0:
+                raise InputError(
+                    f"ArchardLaw(k={self.k:g})", allowed, "steel has 1e-4 to 4e-2; a dimensional one is k/H"
+                )
         if not 0.0 <= self.level <= 1.0:
             raise InputError(f"ArchardLaw(level={self.level})", "0 to 1", "give 0.5 for the middle of the ranges of k")
 
@@ -254,7 +283,7 @@ class OwnLaw:
     - `title`: what reports call it.
     """
 
-    function: Callable[[Floats, Floats, Floats], Floats]
+    function: Callable[[Floats, Floats, Floats], Floats] = field(repr=False)  # has another address in each session
     unit: str
     title: str = "own law"
 
@@ -268,7 +297,7 @@ class OwnLaw:
 
     def rates(self, cells: CellLoads) -> Floats:
         """See `WearLaw`; an `InputError` if the function returns another shape, or what is negative or not finite."""
-        rates = np.asarray(self.function(cells.pressures, cells.slips, cells.tractions), dtype=np.float64)
+        rates = as_numbers(self.title, self.function(cells.pressures, cells.slips, cells.tractions))
         if rates.shape != cells.pressures.shape or not (np.isfinite(rates) & (rates >= 0.0)).all():
             raise InputError(
                 f"{self.title}: rates of shape {rates.shape} for {cells.pressures.shape}, or some not >= 0",

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
-from flangeway.checks import check_positive
+from flangeway.checks import as_numbers, check_positive
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline, Placement, Segment
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
@@ -25,6 +25,8 @@ from flangeway.types import Floats
 
 SPACING_MM = 0.25
 """Length of the pieces: contact cells are 0.2 to 0.6 mm wide."""
+SPACINGS_MM = (0.01, 5.0)
+"""Lengths of the pieces that are allowed."""
 FILTER_MM = 2.0
 """Standard deviation of the Gaussian by which increments of the depth are filtered.
 
@@ -59,7 +61,7 @@ class WornSurface:
     Raises
     ------
     InputError
-        If a depth is negative or not finite, or their number is not that of the pieces.
+        If a depth is negative or not finite, their number is not that of the pieces, or the spacing is not allowed.
 
     """
 
@@ -68,8 +70,10 @@ class WornSurface:
     spacing_mm: float = SPACING_MM
 
     def __post_init__(self) -> None:
-        check_positive("WornSurface", "spacing_mm", self.spacing_mm, "a length > 0", "leave it out")
-        depth = np.array(self.depth, dtype=np.float64)
+        low, high = SPACINGS_MM
+        if not low <= check_positive("WornSurface", "spacing_mm", self.spacing_mm, advice="leave it out") <= high:
+            raise InputError(f"WornSurface(spacing_mm={self.spacing_mm})", f"{low:g} to {high:g} mm", "leave it out")
+        depth = as_numbers("WornSurface(depth)", self.depth).copy()
         if not depth.size:
             depth = np.zeros(len(self.bounds) - 1)
         if depth.shape != (len(self.bounds) - 1,) or not (np.isfinite(depth) & (depth >= 0.0)).all():

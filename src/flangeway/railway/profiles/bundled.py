@@ -129,6 +129,7 @@ class WheelProfile:
 
 def bundled_name(name: str) -> str:
     """Return the bundled name that one is another spelling of, such as 60E1 for ``"UIC 60"``; else the name itself."""
+    name = str(name)  # None and numbers are names that there are not
     plain = _plain(name)
     plain = _OTHER_NAMES.get(plain, plain)
     names = (*SECTIONS, REFERENCE_RAIL, *WHEELS, *REFERENCE_WHEELS)

@@ -14,7 +14,10 @@ TIP_MM = 2.0  # distance below the flange's tip of the upper point of the measur
 HEAD_MM = 14.0  # depth below the top at which a head's width is measured
 SIDE_MM = 25.0  # distance from a head's middle, to each side, at which its drop below the top is measured
 WORN_MM = 0.5  # difference of both sides of a head from which one of them is the worn one
-LEFT_MM = 1.5  # difference from which the worn side is the gauge side; a lean of 1:40 makes 1.25 mm
+WORN_FACE_MM = (
+    0.9  # difference of the half widths that a face worn by flanges makes, and an inclination of 1:15 does not
+)
+LEFT_MM = 1.5  # difference of the drops that an inclination does not make; 1:40 makes 1.25 mm
 MAX_WIDTH = 0.5  # half width of a contact over a radius of its bodies up to which these are half planes
 
 MAX_CHANGE = 1.5
@@ -34,11 +37,13 @@ class WornSide:
     - `name`: ``"gauge side"`` (negative x) or ``"field side"``.
     - `more_mm`: how much more, > 0.
     - `measure`: what was compared.
+    - `clear`: whether it is more than an inclination of the head makes.
     """
 
     name: str
     more_mm: float
     measure: str
+    clear: bool
 
 
 def measures(surface: Contour, kind: Kind) -> dict[str, float]:
@@ -124,11 +129,13 @@ def worn_side(points: FloatArray) -> WornSide | None:
         return None
     drop = measures["gauge_drop_mm"] - measures["field_drop_mm"]
     width = measures["field_half_width_mm"] - measures["gauge_half_width_mm"]
-    more, measure = max(
-        (drop, f"drop {SIDE_MM:g} mm from the middle"), (width, f"half width {HEAD_MM:g} mm below the top"),
-        key=lambda pair: abs(pair[0]),
-    )  # fmt: skip
-    return None if abs(more) < WORN_MM else WornSide("gauge side" if more > 0.0 else "field side", abs(more), measure)
+    # a worn face moves the middle away from itself, so that the other side seems to drop more
+    if abs(width) >= min(WORN_FACE_MM, abs(drop)):
+        more, measure, clear = width, f"half width {HEAD_MM:g} mm below the top", abs(width) >= WORN_FACE_MM
+    else:
+        more, measure, clear = drop, f"drop {SIDE_MM:g} mm from the middle", abs(drop) >= LEFT_MM
+    name = "gauge side" if more > 0.0 else "field side"
+    return None if abs(more) < WORN_MM else WornSide(name, abs(more), measure, clear)
 
 
 def only_face(points: FloatArray) -> str | None:
@@ -143,13 +150,12 @@ def only_face(points: FloatArray) -> str | None:
 def left_hand(points: FloatArray) -> str | None:
     """Return what shows that points (n, 2) of a head, read as a right-hand one, are those of a left-hand one.
 
-    Instruments measure the gauge face, and wheels wear it: both on the field side show it. Wear below `LEFT_MM` is no
-    evidence.
+    Instruments measure the gauge face, and wheels wear it: both on the field side show it, if it is clear.
     """
     if only_face(points) == "field side":
         return "only the face of its field side is measured"
     side = worn_side(points)
-    if side is None or side.name == "gauge side" or side.more_mm < LEFT_MM:
+    if side is None or side.name == "gauge side" or not side.clear:
         return None
     return f"its field side is worn more, by {side.more_mm:.2f} mm ({side.measure})"
 

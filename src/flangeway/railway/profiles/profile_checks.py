@@ -10,6 +10,10 @@ from flangeway.geometry import FloatArray
 from flangeway.railway.profiles.smoothing import MIN_POINTS, noise_um
 
 SAME_MM = 0.01  # neighbours nearer than this are one point given twice
+MERGED_NOISES = 8.0
+"""Distance over the noise within which neighbours are merged, if most are as near: farther ones are in order."""
+MAX_MERGED_MM = 0.25
+"""The same at most: the usual spacing of points."""
 LENGTHS_MM = (5.0, 1000.0)  # lengths along a profile, for a unit that the file or the user names
 USUAL_LENGTHS_MM = (40.0, 500.0)  # lengths along a profile, for a unit that is assumed
 
@@ -40,7 +44,7 @@ def checked_points(points: FloatArray, lines: Lines, *, unit_is_sure: bool) -> t
     """
     _refuse_few(points)
     refuse_length(points, unit_is_sure)
-    points, lines, notices = _without_doubled(points, lines)
+    points, lines, notices = _merged(points, lines)
     points, lines, more = _without_outliers(points, lines)
     notices += more
     _refuse_few(points)
@@ -80,18 +84,34 @@ def refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
         )
 
 
-def _without_doubled(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[str]]:
-    """Leave out points that are nearer than `SAME_MM` to the last one kept."""
-    kept = [0]
-    for i in range(1, len(points)):
-        if math.dist(points[i], points[kept[-1]]) >= SAME_MM:
-            kept.append(i)
-    n_left_out = len(points) - len(kept)
-    if not n_left_out:
+def _merged(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[str]]:
+    """Take means of points given twice, and of points denser than their noise, which has no order along the curve."""
+    starts = _starts(points, SAME_MM)
+    if len(starts) < MIN_POINTS:
+        return points[starts], lines[starts], []
+    reach = float(np.clip(MERGED_NOISES * 1e-3 * noise_um(points[starts]), SAME_MM, MAX_MERGED_MM))
+    if float(np.median(np.hypot(*np.diff(points[starts], axis=0).T))) < reach:
+        starts = _starts(points, reach)
+    else:
+        reach = SAME_MM
+    n_merged = len(points) - len(starts)
+    if not n_merged:
         return points, lines, []
-    first = next(i for i, k in enumerate([*kept, -1]) if k != i)
-    notice = f"{n_left_out} of {len(points)} points nearer than {SAME_MM:g} mm to the one before are left out"
-    return points[kept], lines[kept], [f"{notice}, the first in line {lines[first]}."]
+    means = np.add.reduceat(points, starts) / np.diff(np.append(starts, len(points)))[:, None]
+    first = lines[np.setdiff1d(np.arange(len(points)), starts)[0]]
+    why = " of each other" if reach == SAME_MM else ", denser than their noise,"
+    notice = f"{n_merged} of {len(points)} points within {reach:.2g} mm{why} are merged into means"
+    return means, lines[starts], [f"{notice}, the first in line {first}."]
+
+
+def _starts(points: FloatArray, reach_mm: float) -> NDArray[np.int64]:
+    """Numbers of the points (n, 2) that are at least a distance from the start before them."""
+    starts = [0]
+    places = points.tolist()
+    for number, place in enumerate(places):
+        if math.dist(place, places[starts[-1]]) >= reach_mm:
+            starts.append(number)
+    return np.array(starts, dtype=np.int64)
 
 
 def _outliers(points: FloatArray) -> NDArray[np.int64]:

@@ -328,8 +328,13 @@ def _placed(contour: Contour, taken: Orientation) -> Contour:
 
 def _text(content: bytes) -> str:
     """Return text in UTF-8, in UTF-16 as of spreadsheets, or in the code of Windows that older instruments write."""
+    # each digit has a byte of zero in UTF-16, also in files that do not begin with the mark of its order
+    zeros = {"utf-16-be": content[::2].count(0), "utf-16-le": content[1::2].count(0)}
+    code = next((name for name, count in zeros.items() if count > len(content) // 4), "")
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        content = content.decode("utf-16", errors="replace").encode()
+        code = "utf-16"
+    if code:
+        content = content.decode(code, errors="replace").encode()
     if any(byte in content for byte in _CONTROL):
         raise InputError("bytes that are no text", "a text file", "check the ending of the file's name")
     try:

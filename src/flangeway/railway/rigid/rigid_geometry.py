@@ -33,6 +33,12 @@ _ROUNDING_MM = 0.1 * TOUCH_TOLERANCE_MM
 _CONFORMING_MM = 1e-5
 """Difference of the heights that is left where curves conform: the touch jumps among points of the same height."""
 
+_MAX_JUMP_MM = 0.01
+"""The same where the touch jumps between points nearer than the samples of the wheel, at sharp corners of a flat head.
+
+There the roll is between two that differ by `_CLOSED_RAD` at most, so that no other one balances the heights."""
+_CLOSED_RAD = 1e-11
+
 _MAX_TURN_RAD = 0.02
 _FAST = 3.0  # displacement of the point of contact per lateral displacement, above which it may have jumped
 _MAX_ITERATIONS = 40
@@ -425,7 +431,8 @@ class RigidGeometry:
             active, remainder = active[~done], remainder[~done]
             if not len(active):
                 break
-        lost = active[~(remainder < _CONFORMING_MM)]
+        closed = high[active] - low[active] < _CLOSED_RAD
+        lost = active[~(remainder < np.where(closed, _MAX_JUMP_MM, _CONFORMING_MM))]
         return TouchingPositions(eta, phi, Touches(*kept[:6]), Touches(*kept[6:])), lost
 
     def _outward(self, maximum_mm: float) -> tuple[TouchingPositions, Floats]:

@@ -9,7 +9,7 @@ from flangeway.contact import ContactState
 from flangeway.contact.overlap import BodyOverlap
 from flangeway.post import cell_stresses, check_contact
 from flangeway.railway.track.discretisation import ROLES
-from flangeway.railway.track.placements import SIDES, Side
+from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel
 from flangeway.solve import Status
@@ -168,14 +168,3 @@ def below_contacts(model: WheelsetModel, patches: Iterable[WheelRailPatch], name
             distance = np.linalg.norm(mesh.cell_centroids - centre, axis=1)
             near |= distance <= max(BELOW * patch.pressure.half_width, float(distance.min()))
     return near
-
-
-def above_the_web(model: WheelsetModel, name: str) -> Bools:
-    """Return which cells of a part belong to a rail's head, as far down as its running surface, or to a wheel."""
-    mesh = model.parts[name].body.space.mesh
-    if name.startswith("wheel"):
-        return np.ones(mesh.n_cells, dtype=np.bool_)
-    side: Side = "left" if name.endswith("left") else "right"
-    lowest = float(model.problem.track.rail_of(side).running_surface.bounds()[0, 1])
-    above: Bools = mesh.cell_centroids[:, 1] >= lowest
-    return above

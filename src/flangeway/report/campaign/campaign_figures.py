@@ -8,7 +8,6 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from flangeway.campaign import CampaignTable
@@ -70,7 +69,7 @@ def campaign_figures(table: CampaignTable, units: Units = "metric") -> Figures:
         if all(f"{side}_{column}" in table.rows for side in SIDES for column, *_ in columns):
             over = "lateral_mm" if name == RATIO and "lateral_mm" in table.rows else keys[0]
             figures[name] = partial(sides_figure, table, over, name, units)
-    if len(keys) > 1 and all(there) and not _is_flat(np.column_stack([table.numbers(key) for key in keys[:2]])):
+    if len(keys) > 1 and all(there):
         figures[PRESSURE_MAP] = partial(pressure_map, table, keys[0], keys[1], units)
     return figures
 
@@ -101,7 +100,9 @@ def pressure_map(table: CampaignTable, first: str, second: str, units: Units = "
     places, groups = np.unique(
         np.column_stack((table.numbers(first), table.numbers(second))), axis=0, return_inverse=True
     )
-    pressures = {side: _maximum(table.numbers(f"{side}_max_pressure_MPa"), groups.ravel()) for side in SIDES}
+    pressures = {side: np.full(len(places), np.nan) for side in SIDES}
+    for side, highest in pressures.items():
+        np.fmax.at(highest, groups.ravel(), table.numbers(f"{side}_max_pressure_MPa"))
     every = np.concatenate(list(pressures.values()))
     limits = float(np.nanmin(every)), float(np.nanmax(every))
     for panel, side in zip(both, SIDES, strict=True):
@@ -122,32 +123,14 @@ def pressure_map(table: CampaignTable, first: str, second: str, units: Units = "
     return figure
 
 
-def _maximum(values: Floats, groups: NDArray[np.intp]) -> Floats:
-    maximum = np.full(groups.max() + 1, -np.inf)
-    np.maximum.at(maximum, groups, np.where(np.isfinite(values), values, -np.inf))
-    return np.where(np.isfinite(maximum), maximum, np.nan)
-
-
 def _draw_map(axes: Axes, places: Floats, values: Floats, limits: tuple[float, float]) -> mpl.cm.ScalarMappable:
-    """Colour the cells of a full grid, or triangles between scattered places."""
+    """Colour the cells of a full grid, or scattered places."""
     x, y = (np.unique(along) for along in places.T)
     style: Style = {"cmap": COLOURS, "vmin": limits[0], "vmax": limits[1]}
     if len(x) * len(y) == len(values):  # places are sorted by the first, then the second
         field = np.ma.masked_invalid(values.reshape(len(x), len(y)).T)
         return axes.pcolormesh(x, y, field, shading="nearest", **style)
-    known = np.isfinite(values)
-    if _is_flat(places[known]):
-        return axes.scatter(places[known, 0], places[known, 1], c=values[known], **style)
-    scale = np.ptp(places, axis=0)
-    triangles = Triangulation(places[known, 0] / scale[0], places[known, 1] / scale[1]).triangles
-    grid = Triangulation(places[known, 0], places[known, 1], triangles)
-    return axes.tripcolor(grid, values[known], shading="gouraud", **style)
-
-
-def _is_flat(places: Floats) -> bool:
-    """Whether places lie on one line."""
-    centred = (places - places.mean(axis=0)) / np.maximum(np.ptp(places, axis=0), 1e-300)
-    return bool(len(places) < 3 or np.linalg.svd(centred, compute_uv=False)[-1] < 1e-9 * len(places))
+    return axes.scatter(places[:, 0], places[:, 1], c=values, **style)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,6 @@ from flangeway.report.page.tables import SummaryTable
 
 MIN_ERROR = 1e-17  # value for errors of exactly zero on the logarithmic axis
 ERRORS = {"residual": "residual over the total force", "change": "change over the maximum displacement"}
-MAX_NAMED = 12  # maximum number of steps with names in the figure
 
 
 def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
@@ -30,31 +29,21 @@ def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
 
 
 def newton_figure(steps: Sequence[tuple[str, ContactState]]) -> Figure:
-    """Draw residual and change of all iterations, load step by load step, each with its name."""
+    """Draw residual and change of all iterations, load step by load step."""
     figure, ((axes,),) = panels(13.0, 4.0)
-    axes.set_yscale("log")
-    steps = [(name, state) for name, state in steps if state.history]
-    start = 0
-    for number, (name, state) in enumerate(steps):
-        history = state.history
-        at = np.arange(start + 1, start + 1 + len(history))
+    start = 1
+    for history in (state.history for _, state in steps):
+        at = np.arange(start, start + len(history))
         for key, colour, line, marker in (("residual", INK, "-", "o"), ("change", GREY, "--", "s")):
             errors = np.maximum([getattr(iteration, key) for iteration in history], MIN_ERROR)
             axes.plot(at, errors, **NODES | {"color": colour, "ls": line, "marker": marker}, label=ERRORS[key])
-        if number:
-            axes.axvline(start + 0.5, color=GREY, lw=0.6)
-        corrections = np.array([iteration.correction for iteration in history])
-        for place in np.flatnonzero(np.diff(corrections)):
-            axes.axvline(at[place] + 0.5, color=GREY, lw=0.8, ls=":", label="force correction")
-        if 1 < len(steps) <= MAX_NAMED:
-            across = axes.get_xaxis_transform()
-            axes.text(start + 0.6, 0.98, name, fontsize=8, color=GREY, va="top", transform=across)
         start += len(history)
-    axes.set_xlim(0.5, max(start, 1) + 0.5)
+        axes.axvline(start - 0.5, color=GREY, lw=0.6)
+    axes.set(yscale="log", xlim=(0.5, start - 0.5))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     name_axes(axes, "Newton iterations" + (", load step by load step" if len(steps) > 1 else ""), "relative error")
     axes.yaxis.set_major_formatter(power_of_ten)
-    legend_below(figure, 3)
+    legend_below(figure, 2)
     return figure
 
 

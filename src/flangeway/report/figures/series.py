@@ -16,6 +16,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses, contact_lines
 from flangeway.problems import ElasticField
 from flangeway.report.figures.display import shown_cells
+from flangeway.system.output_folder import Writer
 from flangeway.types import Floats
 
 
@@ -186,6 +187,12 @@ def write_series(path: str | Path, frames: Iterable[SeriesFrame]) -> tuple[Path,
     if not written:
         raise InputError("a series without frames", "one or more", "give the frames")
     return tuple(written)
+
+
+def collection(files: Iterable[str]) -> Writer:
+    """What writes a PVD file that opens the VTU files among files together, each a part of its name."""
+    entries = [(0.0, Path(file).stem, file) for file in files if file.endswith(".vtu")]
+    return lambda path: write_collection(path, entries)
 
 
 def write_collection(path: str | Path, entries: Iterable[tuple[float, str, str]]) -> None:

@@ -1,20 +1,41 @@
 """Deformed bodies with stresses in colours, as all pictures of fields draw them: inside the elements as they are."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
+from matplotlib.figure import Figure
 
+from flangeway.exact import LineContact
 from flangeway.mesh import PolyMesh
-from flangeway.post import Stresses
+from flangeway.post import PressurePatch, Stresses
 from flangeway.problems import ElasticField
+from flangeway.quantities import measured
 from flangeway.report.figures.display import Display, display, displayed_stresses, edge_weights
-from flangeway.report.figures.drawing import GREY, INK, draw_lines, fill_triangles, shade_of
+from flangeway.report.figures.drawing import (
+    GREY,
+    HERTZ,
+    INK,
+    NODES,
+    SERIES,
+    Style,
+    colour_bar,
+    draw_lines,
+    equal_axes,
+    fill_triangles,
+    legend_below,
+    name_axes,
+    new_figure,
+    panels,
+    shade_of,
+)
+from flangeway.report.page.tables import marked
 from flangeway.space import Space
 from flangeway.types import Bools, Floats
+from flangeway.units import Units
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +83,10 @@ class DrawnBody:
         found[self.shown.cells[inside]] = True
         return found
 
-    def draw(
-        self, axes: Axes, values: Floats, shade: ScalarMappable, cells: Bools | None = None, *, edges: bool = True
-    ) -> None:
+    def draw(self, axes: Axes, values: Floats, shade: ScalarMappable, cells: Bools | None = None) -> None:
         """Draw values at the points of the triangles, edges of cells, and the outline.
 
         - `cells`: cells that have colours, (n_cells,); all if left out.
-        - `edges`: whether edges inside are drawn.
         """
         triangles = self.shown.triangles
         if cells is not None:
@@ -76,8 +94,7 @@ class DrawnBody:
         if len(triangles):
             fill_triangles(axes, self.points, triangles, values, shade)
         lines, mesh = self.edges, self.space.mesh
-        if edges:
-            draw_lines(axes, lines, GREY, line_width(mesh), 0.7)
+        draw_lines(axes, lines, GREY, line_width(mesh), 0.7)
         draw_lines(axes, lines[mesh.edge_cells[:, 1] < 0], INK, 0.9)
 
 
@@ -102,10 +119,52 @@ def line_width(mesh: PolyMesh) -> float:
 
 COLOUR_QUANTILE = 0.999
 """Fraction of the values within the range of colours: stresses at sharp corners are singular."""
+MAX_HEIGHT_IN, MIN_HEIGHT_IN, MAX_WIDTH_IN = 5.0, 1.6, 11.0
+"""Of panels: height, least height of all, width of all."""
+LABELS_IN, BAR_IN = 0.8, 1.0
+"""For the labels of a panel and its title, and for the bar of colours."""
 
 
-def stress_shade(values: Sequence[Floats]) -> tuple[ScalarMappable, str]:
-    """Return the colours of equivalent stresses from zero, and which end of their bar is open."""
-    every = np.concatenate(values)
+def stress_panels(
+    bodies: Sequence[DrawnBody], windows: Sequence[Floats], units: Units = "metric"
+) -> tuple[Figure, Sequence[Axes]]:
+    """Draw the von Mises stress on deformed bodies, from zero, in windows (2, 2) beside each other, in one scale."""
+    values = [body.stresses.von_mises for body in bodies]
+    inside = [[body.within(window) for window in windows] for body in bodies]
+    shown = zip(bodies, values, inside, strict=True)
+    every = np.concatenate([stress[np.any(cells, axis=0)[body.shown.cells]] for body, stress, cells in shown])
     maximum = float(np.quantile(every, COLOUR_QUANTILE)) or float(every.max()) or 1.0
-    return shade_of(every, (0.0, maximum)), "max" if float(every.max()) > maximum else "neither"
+    shade = shade_of(every, (0.0, maximum))
+    widths = [float(np.divide(*np.ptp(window, axis=0))) for window in windows]  # of panels one inch high
+    height = min(MAX_HEIGHT_IN, MAX_WIDTH_IN / sum(widths))
+    width = height * sum(widths) + LABELS_IN * len(windows) + BAR_IN
+    figure = new_figure(width, max(height, MIN_HEIGHT_IN) + LABELS_IN, units, compressed=True)
+    every_axes = figure.subplots(1, len(windows), squeeze=False, width_ratios=widths)[0]
+    for number, (axes, window) in enumerate(zip(every_axes, windows, strict=True)):
+        for body, stress, cells in zip(bodies, values, inside, strict=True):
+            if cells[number].any():
+                body.draw(axes, stress, shade, cells[number])
+        equal_axes(axes, window)
+    extend = "max" if float(every.max()) > maximum else "neither"
+    colour_bar(shade, list(every_axes), "von Mises stress", "MPa", extend=extend)
+    return figure, every_axes
+
+
+def pressure_curves(
+    patches: Iterable[tuple[str, PressurePatch, LineContact | None]], units: Units = "metric"
+) -> Figure:
+    """Draw the pressures of the nodes along named regions of contact, with Hertz's where there are."""
+    figure, ((axes,),) = panels(8.0, 4.5, units=units)
+    for number, (name, patch, hertz) in enumerate(patches):
+        colour = SERIES[number % len(SERIES)]
+        maximum = marked(measured(float(patch.pressures.max()), "MPa", units), patch.remark)
+        style: Style = NODES | {"marker": "osD^"[number % 4], "color": colour}
+        axes.plot(patch.along, patch.pressures, label=f"{name}: maximum {maximum}", **style)
+        if hertz is not None:
+            label = f"Hertz, same force: maximum {measured(hertz.max_pressure, 'MPa', units)}"
+            axes.plot(*hertz.curve, color=colour, alpha=0.6, label=label, **HERTZ)
+    axes.set_ylim(0.0, 1.05 * float(axes.dataLim.y1))
+    words = "length along the surface from the centre of pressure"
+    name_axes(axes, (words, "mm"), ("contact pressure", "MPa"))
+    legend_below(figure, 2)
+    return figure

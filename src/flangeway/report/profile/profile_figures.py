@@ -16,7 +16,6 @@ from flangeway.report.figures.drawing import (
     GREY,
     INK,
     SERIES,
-    Style,
     name_axes,
     new_figure,
     panels,
@@ -118,16 +117,13 @@ def overlay_figure(runs: Sequence[ProfileRun], units: Units = "metric") -> Figur
             if run is not chosen[0]:
                 at = surface.sampled(spacing=OVERLAY_SPACING_MM)
                 apart.plot(at[:, 0], deviations(first, at), color=shade, lw=1.0)
+        if len(chosen) > MAX_NAMED:  # of many profiles the first and the last
+            for line in shapes.lines[1:-1]:
+                line.set_label("")
         _shape(shapes)
         shapes.set_title(f"{len(chosen)} {kind}{'s' * (len(chosen) > 1)}", fontsize=10)
         name_axes(apart, (f"from the {'tape line' if kind == 'wheel' else 'origin'}", "mm"), ("off the first", "mm"))
         apart.axhline(0.0, color=GREY, lw=0.6)
-        # of many profiles the first and the last
-        handles, labels = shapes.get_legend_handles_labels()
-        few = slice(None) if len(labels) <= MAX_NAMED else slice(None, None, len(labels) - 1)
-        shapes.get_legend().remove()
-        place: Style = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.22), "ncols": 2}
-        apart.legend(handles[few], labels[few], fontsize=8, frameon=False, **place)
     return figure
 
 

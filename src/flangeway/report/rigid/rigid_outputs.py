@@ -41,7 +41,7 @@ PAIR_QUANTITIES: Quantities[Any] = (
     Quantity("wheel", "wheel", lambda run: Path(run.case.wheel).name),
     Quantity("rail", "rail", lambda run: Path(run.case.rail).name),
     *CONICITY_QUANTITIES,
-    *(of_part(lambda run: run.equilibrium.position, quantity) for quantity in POSITION_QUANTITIES),
+    *(of_part("equilibrium.position", quantity) for quantity in POSITION_QUANTITIES),
     Quantity("jumps", "contact jumps", lambda run: len(run.jumps), form="d"),
     Quantity("status", "status", lambda run: "converged" if run.equilibrium.status.converged else "not converged"),
 )
@@ -50,7 +50,7 @@ PAIR_QUANTITIES: Quantities[Any] = (
 
 JUMP: Quantities[ContactJump] = (
     Quantity("side", "side", "side"),
-    Quantity("lateral", "lateral displacement", lambda jump: jump.motion.lateral_mm, "mm", ".3f"),
+    Quantity("lateral", "lateral displacement", "motion.lateral_mm", "mm", ".3f"),
     Quantity(
         "rail_x", "x on the rail", lambda jump: [x for x, _ in jump.rail_points_mm], "mm", ".2f", ("before", "after")
     ),

@@ -7,23 +7,23 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.quantities import Quantities, Quantity, measured
-from flangeway.report.figures.drawing import GREY, name_axes, panels, sequence_colours
+from flangeway.report.figures.drawing import name_axes, panels, sequence_colours
 from flangeway.report.page.case_text import inputs_tables
 from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, table_of
 from flangeway.system.output_folder import Writer
 from flangeway.tables import CreepTable, TableRequest
-from flangeway.tables.creep_table import AXES
+from flangeway.tables.creep_table import AXES, SATURATED, within_cone
 from flangeway.tables.table_outputs import FORCES, PATCHES, README, TABLE
-from flangeway.types import Floats
 from flangeway.units import Units
 
 FRICTION, MAX_PERCENT, MAX_CURVES = 0.3, 1.0, 5
 """Coefficient of friction, creepage at the end and number of lateral positions in the picture."""
+DRAWN = ("normal_force_N", "contact_angle_rad", "stiffness_N", "forces")
 CAPTION = (
     f"Creep forces of the table over friction times normal force, at a coefficient of friction of {FRICTION:g}, on "
-    "the most loaded patch of the right wheel at some lateral positions: over the longitudinal creepage without spin, "
-    "and over the lateral one with the spin of the contact angle."
+    "the most loaded patch of the right wheel at some lateral positions, over the longitudinal and the lateral "
+    "creepage without spin."
 )
 
 JUMP: Quantities[Mapping[str, Any]] = (
@@ -113,30 +113,23 @@ def _percent(value: Any) -> str:
 
 
 def forces_figure(table: CreepTable, units: Units = "metric") -> Figure:
-    """Draw longitudinal and lateral force over their creepages at some lateral positions."""
-    lateral, yaw, load = (axis.tolist() for axis in table.axes)
+    """Draw longitudinal and lateral force over their creepages, without spin, at some lateral positions."""
+    lateral, yaw, load = table.axes
+    slip, spin, creep = table.creep_axes
+    size = 100.0 * SATURATED * slip[:-1] / (1.0 - slip[:-1])  # of creepages in %, over those of linear theory's limit
+    figure, (both,) = panels(9.0, 4.0, 1, 2, units, sharey=True)
     places = np.unique(np.linspace(0, len(lateral) - 1, MAX_CURVES).round().astype(int))
-    middle = yaw[len(yaw) // 2], load[len(load) // 2]
-    creepage: Floats = np.linspace(0.0, MAX_PERCENT, 61)
-    figure, ((ahead, across),) = panels(9.0, 4.0, 1, 2, units)
-    for place, colour in zip(places, sequence_colours(len(places)), strict=True):
-        contacts = table.contacts(lateral[place], *middle)
-        normal = contacts["normal_force_N"][0, 1]
-        most = int(normal.argmax())
-        radius = float(contacts["rolling_radius_mm"][0, 1, most])
-        rolling = table.creepages(contacts, middle[0], speed=radius, rotation=1.0)[0]
-        for component, axes in enumerate((ahead, across)):
-            creepages = np.zeros((len(creepage), *rolling.shape))
-            creepages[:, 1, most, component] = creepage / 100.0
-            creepages[:, 1, most, 2] = component * rolling[1, most, 2]
-            forces = table.forces(np.full(len(creepage), lateral[place]), *middle, creepages, friction=FRICTION)
-            share = forces[:, 1, most, component] / (FRICTION * normal[most])
-            label = (
-                f"{measured(lateral[place], 'mm', units)}, {np.rad2deg(contacts['contact_angle_rad'][0, 1, most]):.1f}°"
-            )
-            axes.plot(creepage, share, color=colour, lw=1.4, label=label)
-    for axes, word in ((ahead, "longitudinal"), (across, "lateral")):
+    for place, colour in zip(places.tolist(), sequence_colours(len(places)), strict=True):
+        right = place, len(yaw) // 2, len(load) // 2, 1
+        most = *right, int(table.values["normal_force_N"][right].argmax())
+        normal, angle, stiffness, forces = (table.values[name][most] for name in DRAWN)
+        label = f"{measured(float(lateral[place]), 'mm', units)}, {np.rad2deg(angle):.1f}°"
+        for component, axes in enumerate(both):
+            shares = within_cone(slip[:-1, None] * forces[:-1, len(spin) // 2, component * (len(creep) // 2)])
+            creepages = size * FRICTION * normal / stiffness[component]
+            axes.plot(creepages, shares[:, component], ".-", color=colour, lw=1.4, label=label)
+    for axes, word in zip(both, ("longitudinal", "lateral"), strict=True):
         name_axes(axes, (f"{word} creepage", "%"), f"{word} force over friction times normal force")
-        axes.axhline(0.0, color=GREY, lw=0.6)
-    ahead.legend(title="lateral position, contact angle", fontsize=8, title_fontsize=8)
+        axes.set_xlim(0.0, MAX_PERCENT)
+    both[0].legend(title="lateral position, contact angle", fontsize=8, title_fontsize=8)
     return figure

@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
-from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces, Rolling
+from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
 from flangeway.quantities import measured
 from flangeway.report.figures.drawing import COLOURS, INK, Style, colour_bar, name_axes, new_figure, units_of
+from flangeway.report.spatial.patch_map import strip_ends
 from flangeway.report.viewer import ShownField
 from flangeway.types import Floats
 from flangeway.units import Units
@@ -30,7 +30,8 @@ FIELDS = {
     "slip_velocity_m_s": ("slip velocity", "m/s"),
     "slip_mm": ("slip", "mm"),
     "flash_temperature_K": ("flash temperature", "K"),
-    "frictional_power_W_mm2": ("frictional power over the area", "W/mm²"),
+    "frictional_power_W_mm2": ("frictional power density", "W/mm²"),
+    "frictional_work_N_mm": ("frictional work density", "N/mm"),
 }
 """Words and units of fields of cells by the names of their arrays, for the viewer."""
 LENGTH = 1.7
@@ -42,58 +43,53 @@ class ShownRolling:
     """One patch that rolls, drawn with a direction across to the right and z up.
 
     - `name`: of the patch.
-    - `forces`: creep forces.
-    - `contact`: its cells.
+    - `forces`: creep forces with tractions, slip and states of its cells.
     - `speed_m_s`: speed of rolling.
     - `origin`: length along the first body's surface that is drawn at zero.
     - `sign`: 1 where rising lengths run to the left, else -1, as `flangeway.report.spatial.patch_map.PatchMap`.
     """
 
     name: str
-    forces: CreepForces
-    contact: RollingContact
+    forces: Rolling | SimplifiedRolling
     speed_m_s: float
     origin: float
     sign: float = 1.0
 
     @property
-    def fields(self) -> Rolling | SimplifiedRolling:
-        """Tractions, slip and states, which only some theories have."""
-        assert isinstance(self.forces, Rolling | SimplifiedRolling)
-        return self.forces
-
-    @property
     def edges(self) -> tuple[Floats, Floats]:
         """Ends of the cells, to the right and up."""
-        grid = self.contact.grid
-        z: Floats = grid.middle + grid.strip * (np.arange(grid.n_strips + 1, dtype=np.float64) - grid.n_strips / 2.0)
-        return self.sign * (self.origin - grid.bounds), z
+        grid = self.forces.contact.grid
+        return self.sign * (self.origin - grid.bounds), strip_ends(grid.along, grid.strip)
 
     @property
     def box(self) -> Floats:
         """Corners (2, 2) of the cells under pressure, with a margin."""
-        both = zip(self.edges, self.contact.box, strict=True)
+        both = zip(self.edges, self.forces.contact.box, strict=True)
         found = np.stack([np.sort(edges[[cells.start, cells.stop]]) for edges, cells in both], axis=1)
         return found + np.array([[-1.0], [1.0]]) * MARGIN * np.ptp(found, axis=0).max()
 
     @property
     def tractions(self) -> Floats:
         """Tractions on the second body to the right and up, shape (n_cells, n_strips, 2)."""
-        return self.fields.tractions * (-self.sign, 1.0)
+        return self.forces.tractions * (-self.sign, 1.0)
 
-    @property
-    def slip_m_s(self) -> Floats:
-        """Slip velocity, of a shift the slip in mm, shape (n_cells, n_strips)."""
-        return np.linalg.norm(self.fields.slip_velocities, axis=2) * self._scale
 
-    @property
-    def power_W_mm2(self) -> Floats:  # noqa: N802
-        """Frictional power over area, MPa m/s = W/mm^2, of a shift its work in N/mm, shape (n_cells, n_strips)."""
-        return self.fields.power_density * self._scale
+def cell_fields(forces: Rolling | SimplifiedRolling, speed_m_s: float) -> dict[str, Floats]:
+    """Arrays on the cells (n_cells, n_strips[, 2]) by their names in files; vectors t, z are those of the second body.
 
-    @property
-    def _scale(self) -> float:
-        return self.speed_m_s / abs(self.forces.motion.speed) if self.forces.motion.rolls else 1.0
+    Of a shift they are slip and work in the place of velocity and power.
+    """
+    rolls = forces.motion.rolls
+    scale = speed_m_s / abs(forces.motion.speed) if rolls else 1.0
+    slip, power = ("slip_velocity_m_s", "frictional_power_W_mm2") if rolls else ("slip_mm", "frictional_work_N_mm")
+    found = {
+        "traction_MPa": forces.tractions,
+        slip: scale * forces.slip_velocities,
+        power: scale * forces.power_density,
+    }
+    if forces.flash_temperatures is not None:
+        found["flash_temperature_K"] = forces.flash_temperatures
+    return found | {"stick_slip_state": forces.states.astype(np.float64)}
 
 
 def shown_fields(fields: Mapping[str, Floats]) -> tuple[list[ShownField], dict[str, Floats]]:
@@ -113,20 +109,18 @@ def rolling_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> 
     rows = figure.subplots(count, 3, squeeze=False, height_ratios=heights.tolist())
     for row, shown, box in zip(rows, patches, boxes, strict=False):
         _draw_states(row[0], shown)
-        rolls = shown.forces.motion.rolls
-        slip, power = (("slip velocity", "m/s"), ("frictional power", "W/mm²"))
-        if not rolls:
-            slip, power = (("slip", "mm"), ("frictional work", "N/mm"))
-        _draw_values(row[1], shown, shown.slip_m_s, *slip)
-        _draw_values(row[2], shown, shown.power_W_mm2, *power)
+        arrays = cell_fields(shown.forces, shown.speed_m_s)
+        drawn, found = shown_fields({name: arrays[name] for name in arrays if name.startswith(("slip", "frictional"))})
+        for axes, field in zip(row[1:], drawn, strict=True):
+            _draw_values(axes, shown, found[field.array], field.name, field.unit)
         ends = box[:, 0].mean() + np.array([-0.5, 0.5]) * float(width.max())
         for axes in row:
             axes.set(xlim=ends, ylim=box[:, 1])
             axes.set_aspect("equal", adjustable="box")
-            name_axes(axes, ("to the right" if row is rows[-1] else "", "mm"))
-            name_axes(axes, y=("z ahead" if axes is row[0] else "", "mm"))
+            name_axes(axes, ("to the right", "mm"))
             axes.locator_params(axis="x", nbins=4)
             axes.locator_params(axis="y", nbins=6)
+        name_axes(row[0], y=("z ahead", "mm"))
     fills = {"sticks": STICK, "slips": SLIP}
     handles = [Patch(fc=fill, ec=INK, lw=0.5, label=name) for name, fill in fills.items()]
     figure.legend(handles=handles, loc="outside lower left", ncols=2, frameon=False, fontsize=9)
@@ -135,13 +129,13 @@ def rolling_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> 
 
 def _draw_states(axes: Axes, shown: ShownRolling) -> None:
     """Areas of stick and slip, with arrows of the tractions on the second body."""
-    states, edges = shown.fields.states, shown.edges
+    states, edges = shown.forces.states, shown.edges
     drawn = np.ma.masked_equal(states, NO_CONTACT).T
     colours = ListedColormap([STICK, SLIP])
     axes.pcolormesh(*edges, drawn, cmap=colours, norm=Normalize(STICKS - 0.5, SLIPS + 0.5), rasterized=True)
     spacing = max(np.ptp(shown.box, axis=0)) / ARROWS
     chosen = []
-    for ends, cells in zip(edges, shown.contact.box, strict=True):
+    for ends, cells in zip(edges, shown.forces.contact.box, strict=True):
         step = max(round(spacing / abs(float(np.diff(ends).mean()))), 1)
         chosen.append(np.arange(cells.start, cells.stop)[(cells.stop - cells.start - 1) % step // 2 :: step])
     rows, strips = (each.ravel() for each in np.meshgrid(*chosen, indexing="ij"))
@@ -157,7 +151,7 @@ def _draw_states(axes: Axes, shown: ShownRolling) -> None:
 
 
 def _draw_values(axes: Axes, shown: ShownRolling, values: Floats, name: str, unit: str) -> None:
-    drawn = np.where(shown.fields.states != NO_CONTACT, values, np.nan)
+    drawn = np.where(shown.forces.states != NO_CONTACT, values, np.nan)
     scale = Normalize(0.0, max(float(np.nanmax(drawn)), np.finfo(float).tiny))
     mesh = axes.pcolormesh(*shown.edges, drawn.T, cmap=COLOURS, norm=scale, rasterized=True)
     colour_bar(mesh, axes, name, unit, aspect=18, pad=0.02)

@@ -2,6 +2,7 @@
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -25,15 +26,16 @@ from flangeway.cases.rolling_quantities import (
     T_GAMMA,
     TRACTION,
 )
+from flangeway.contact.rolling.theories import TITLES, Theory
 from flangeway.errors import InputError
 from flangeway.formats import write_vtu
-from flangeway.quantities import columns, present
-from flangeway.report.figures.drawing import GREY, INK, SERIES, legend_below, name_axes, panels
+from flangeway.quantities import columns, numbers, present
+from flangeway.report.figures.drawing import GREY, INK, PURPLE, SERIES, legend_below, name_axes, panels
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Figures, Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across
-from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure, shown_fields
-from flangeway.report.spatial.patch_map import strip_mesh
+from flangeway.report.rolling.rolling_maps import ShownRolling, cell_fields, rolling_figure, shown_fields
+from flangeway.report.spatial.patch_map import strip_ends, strip_mesh
 from flangeway.report.viewer import Scene, ShownPart
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
@@ -57,15 +59,15 @@ AXES = {
     "CONTACT": "for rolling ahead xi, eta and phi are the longitudinal, the lateral and minus the spin creepage; F_x, "
     "F_y and M_z the longitudinal force, the lateral one, and minus the spin moment",
 }
-STYLES = {
+STYLES: dict[Theory, tuple[str, Any]] = {
     "exact": (INK, "-"), "fastsim": (SERIES[0], (0, (5, 2))), "fastrip": (SERIES[2], "--"),
     "polach": (SERIES[1], "dashdot"), "linear": (GREY, (0, (1, 1.5))),
 }  # fmt: skip
 CREEPAGE_OF = dict(zip(COMPONENTS, CREEPAGES, strict=True))
-WIDE_IN = 7.5
-"""Width of a picture with room for all names beside each other."""
 FAR = 1.3
 """Highest force that is drawn over the limit of friction: linear theory goes on."""
+WIDE_IN = 7.5
+"""Width of a picture with room for all names beside each other."""
 ROUND_OFF = 1e-6
 """Force over the limit of friction, and moment over this times the semi-axis along, that is none and not drawn."""
 DIGITS = 6
@@ -117,8 +119,9 @@ def _tables(run: RollingPatchRun) -> list[SummaryTable]:
 
 def _shown(run: RollingPatchRun) -> ShownRolling:
     # t of the patch is drawn to the right
-    forces = run.state.forces
-    return ShownRolling("patch", forces, run.contact, abs(forces.motion.speed), 0.0, -1.0)
+    forces = run.state.cells
+    assert forces is not None
+    return ShownRolling("patch", forces, abs(forces.motion.speed), 0.0, -1.0)
 
 
 def _pictures(run: RollingPatchRun) -> Figures:
@@ -168,7 +171,7 @@ def creep_curve_figure(run: RollingPatchRun) -> Figure:
     """Draw forces and spin moment over the creepage of the curve by all theories."""
     spin = run.case.curve == "spin"
     creepage = CREEPAGE_OF[run.case.curve]
-    percent = 1.0 if spin else 100.0
+    scale = np.array([1.0 if spin else 100.0, 1.0])
     limit = run.contact.friction.limits[0][0] * run.contact.force / 1e3
     least = {"kN": ROUND_OFF * limit, "Nm": ROUND_OFF * limit * run.semi_axes[0]}
     every = [point for points in run.curve.values() for point in points]
@@ -176,24 +179,22 @@ def creep_curve_figure(run: RollingPatchRun) -> Figure:
     width = max(3.7 * len(drawn), 6.5)
     figure, (row,) = panels(width, 3.9, 1, len(drawn), run.case.units)
     for axes, force in zip(row, drawn, strict=True):
-        for theory, points in run.curve.items():
-            line: Floats = np.array([(percent * creepage.value(point), force.value(point)) for point in points])
+        both = (creepage, force)
+        curves = {theory: scale * [numbers(both, point) for point in points] for theory, points in run.curve.items()}
+        here = scale * numbers(both, run.state)
+        for theory, line in curves.items():
             colour, style = STYLES[theory]
-            axes.plot(*line.T, color=colour, ls=style, lw=1.3, label=points[0].theory)
-        here = percent * creepage.value(run.state), force.value(run.state)
-        axes.plot(*here, "D", color=SERIES[3], ms=5.5, label="this state", zorder=5)
+            axes.plot(*line.T, color=colour, ls=style, lw=1.3, label=TITLES[theory])
+        axes.plot(*here, "D", color=PURPLE, ms=6.0, label="working point", zorder=5)
+        axes.axhline(0.0, color=GREY, lw=0.6)
         low, high = axes.get_ylim()
         # linear theory goes on beyond the limit of friction, and its moment beyond the others'
-        top = FAR * limit
-        if force is SPIN_MOMENT:
-            lines = [points for theory, points in run.curve.items() if theory != "linear"]
-            others = [force.value(point) for points in lines for point in points]
-            top = FAR * float(np.abs(others).max(initial=0.0)) or max(-low, high)
+        others = [np.abs(line[:, 1]).max() for theory, line in curves.items() if theory != "linear"]
+        top = FAR * (max(others, default=0.0) if force is SPIN_MOMENT else limit) or max(-low, high)
         axes.set_ylim(max(low, -top), min(high, top))
-        for sign in (-1.0, 1.0) if force is not SPIN_MOMENT else ():
-            if low < sign * limit < high:
-                axes.axhline(sign * limit, color=GREY, lw=0.8, ls=(0, (10, 4)), label="limit of friction")
-        axes.axhline(0.0, color=GREY, lw=0.6)
+        for level in () if force is SPIN_MOMENT else (-limit, limit):
+            if low < level < high:
+                axes.axhline(level, color=GREY, lw=0.8, ls=(0, (10, 4)), label="limit of friction")
         name_axes(axes, (creepage.label, creepage.unit if spin else "%"), (force.label, force.unit))
     legend_below(figure, 7 if width > WIDE_IN else 4, fontsize=9)
     return figure
@@ -205,18 +206,14 @@ def _fields(run: RollingPatchRun) -> dict[str, Floats]:
     cells = run.state.cells
     if cells is None:
         return found
-    flat = ((0, 0), (0, 0), (0, 1))
-    found["traction_MPa"] = np.pad(cells.tractions, flat)
-    found["slip_velocity_m_s" if run.case.rolls else "slip_mm"] = np.pad(cells.slip_velocities, flat)
-    if run.case.rolls:
-        found["frictional_power_W_mm2"] = cells.power_density
-    if cells.flash_temperatures is not None:
-        found["flash_temperature_K"] = cells.flash_temperatures
-    return found | {"stick_slip_state": cells.states.astype(np.float64)}
+    for name, values in cell_fields(cells, abs(cells.motion.speed)).items():
+        found[name] = np.pad(values, ((0, 0), (0, 0), (0, 1))) if values.ndim > 2 else values
+    return found
 
 
 def _scene(run: RollingPatchRun) -> Scene:
-    mesh = strip_mesh(run.contact.grid.bounds, _shown(run).edges[1])
+    grid = run.contact.grid
+    mesh = strip_mesh(grid.bounds, strip_ends(grid.along, grid.strip))
     fields, arrays = shown_fields(_fields(run))
     part = ShownPart("patch", mesh, cell_arrays={name: each.reshape(-1, 1) for name, each in arrays.items()})
     note = (

@@ -56,12 +56,11 @@ def mesh_figure(run: SectionRun, units: Units = "metric") -> Figure:
         axes.add_artist(PathPatch(part, facecolor=shade, edgecolor="#8a8a8a", linewidth=0.2, label=name))
     _outline(axes, mesh)
     centroid, shear_centre = np.array(constants.centroid), np.array(constants.shear_centre)
-    low, high = _frame(axes, run, shear_centre)
+    size = float(np.ptp(_frame(axes, run, shear_centre), axis=0).max())
     for number, turn in ((1, 0.0), (2, 0.5 * np.pi)):
         angle = constants.principal_angle + turn
-        ends = _across(centroid, np.array([np.cos(angle), np.sin(angle)]), low, high)
-        axes.plot(*ends.T, color=INK, lw=0.8, ls=(0, (8, 3, 2, 3)))
-        x, y = centroid + 0.93 * (ends[1] - centroid)
+        x, y = (centroid + 0.15 * size * np.array([np.cos(angle), np.sin(angle)])).tolist()
+        axes.axline(constants.centroid, (x, y), color=INK, lw=0.8, ls=(0, (8, 3, 2, 3)))
         circle: Style = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": INK, "linewidth": 0.6}
         axes.text(x, y, f"{number}", ha="center", va="center", fontsize=9, bbox=circle)
     axes.plot(*centroid, "o", ms=7, mfc="white", mec=INK, mew=1.4, ls="none", label="centroid")
@@ -152,19 +151,12 @@ def _new(run: SectionRun, units: Units) -> tuple[Figure, Axes]:
     return figure, figure.subplots()
 
 
-def _frame(axes: Axes, run: SectionRun, *more: Floats) -> tuple[Floats, Floats]:
-    """Show the section, and further points (2,), with one scale and the unit; return the corners of the view."""
+def _frame(axes: Axes, run: SectionRun, *more: Floats) -> Floats:
+    """Show the section, and further points (2,), with one scale and the unit; return the corners (2, 2) of the view."""
     points = np.vstack([run.space.mesh.points, *more])
-    low, high = box([points], 0.06 * float(np.ptp(points, axis=0).max()))
-    equal_axes(axes, np.array([low, high]), run.drawn.unit)
-    return low, high
-
-
-def _across(point: Floats, direction: Floats, low: Floats, high: Floats) -> Floats:
-    """Return both ends (2, 2) of a line through a point, cut off at a box."""
-    slope = np.where(np.abs(direction) < 1e-12, 1e-12, direction)
-    steps = np.sort([(low - point) / slope, (high - point) / slope], axis=0)
-    return point + np.array([steps[0].max(), steps[1].min()])[:, None] * direction
+    corners = box([points], 0.06 * float(np.ptp(points, axis=0).max()))
+    equal_axes(axes, corners, run.drawn.unit)
+    return corners
 
 
 def _outline(axes: Axes, mesh: PolyMesh) -> None:
@@ -185,12 +177,7 @@ def part_numbers(mesh: PolyMesh) -> NDArray[np.int32]:
 
 
 def _spread(mesh: PolyMesh) -> NDArray[np.int64]:
-    """Return cells of which one lies near each point of a grid."""
-    low = mesh.points.min(axis=0)
+    """Return cells of which one lies in each square of a grid."""
     step = float(np.ptp(mesh.points, axis=0).max()) / N_ARROWS
-    boxes = np.floor((mesh.cell_centroids - low) / step).astype(np.int64)
-    middles = low + (boxes + 0.5) * step
-    order = np.argsort(np.hypot(*(mesh.cell_centroids - middles).T), kind="stable")
-    _, first = np.unique(boxes[order], axis=0, return_index=True)
-    chosen: NDArray[np.int64] = order[first]
-    return chosen
+    _, first = np.unique(np.floor(mesh.cell_centroids / step), axis=0, return_index=True)
+    return first.astype(np.int64)

@@ -8,21 +8,35 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
 from flangeway.contact.patch.contact_ellipse import CellForces, ContactEllipse
 from flangeway.exact import PointContact
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import DepthProfile
-from flangeway.quantities import measured
-from flangeway.report.figures.drawing import COLOURS, GREY, HERTZ, INK, LIGHT, NODES, PURPLE, Style, name_axes, units_of
+from flangeway.report.figures.drawing import (
+    COLOURS,
+    GREY,
+    INK,
+    LIGHT,
+    PURPLE,
+    Style,
+    colour_bar,
+    name_axes,
+    new_figure,
+)
 from flangeway.types import Floats, Ints
+from flangeway.units import Units
 
 CURVES = (
     ("across, x", "#0b5394", "-"), ("normal, y", INK, "-"), ("along, z", "#9a6a00", "-"),
     ("von Mises", PURPLE, "--"), ("Tresca", "#2e7d32", "-."),
 )  # fmt: skip
-N_PROFILE = 241
+MIN_RATIO = 0.6
+"""Width of what is shown of a surface from above over its height, at least."""
+MAX_WIDTH_IN, MAX_HEIGHT_IN, MIN_WIDTH_IN, MIN_HEIGHT_IN = 9.0, 6.0, 5.0, 3.0
+"""Size of the picture of surfaces from above: without labels at most, with them at least."""
 MARGIN = 0.08
 """About what is under pressure, over its longer side."""
 
@@ -78,7 +92,7 @@ class PatchMap:
 def draw_pressures(axes: Axes, shown: PatchMap, highest: float) -> ScalarMappable:
     """Draw pressures from above, outlines of the patches, and Hertz's ellipses; return the colours, from 0 MPa."""
     cells, scale = shown.cells, Normalize(0.0, highest)
-    z = strip_ends(cells)
+    z = strip_ends(cells.z, cells.strip)
     for run in shown.runs:
         ends, pressures = cells.cells[run], cells.pressures[run]
         places = shown.across(np.append(ends[:, 0], ends[-1, 1]))
@@ -98,29 +112,34 @@ def draw_pressures(axes: Axes, shown: PatchMap, highest: float) -> ScalarMappabl
     return ScalarMappable(scale, COLOURS)
 
 
-def draw_sections(across: Axes, along: Axes, shown: PatchMap, number: int) -> None:
-    """Draw the pressure across and along z through the cell of a patch's maximum pressure, beside Hertz's."""
-    patch, hertz = shown.patches[number]
-    cells, pressures = shown.cells, np.where(patch.inside, shown.cells.pressures, 0.0)
-    row, strip = np.unravel_index(int(pressures.argmax()), pressures.shape)
-    places, centre = shown.across(cells.across), shown.centre(patch)
-    cosine, sine = np.cos(shown.tilt(patch)), np.sin(shown.tilt(patch))
-    near = patch.inside[:, strip], patch.inside[row]
-    lines = ((across, places, pressures[:, strip]), (along, cells.z, pressures[row]))
-    for axis, (axes, line, on_line) in enumerate(lines):
-        first, last = np.flatnonzero(near[axis])[[0, -1]]
-        part = slice(max(first - 2, 0), last + 3)
-        middles, values = line[part], on_line[part]
-        axes.plot(middles, values, color=INK, label="computed", **NODES)
-        if hertz is not None:
-            fine: Floats = np.linspace(middles.min(), middles.max(), N_PROFILE)
-            offset = np.tile(np.array([places[row], cells.z[strip]]) - centre, (N_PROFILE, 1))
-            offset[:, axis] = fine - centre[axis]
-            long, short = offset @ (cosine, sine), offset @ (-sine, cosine)
-            inside = 1.0 - (long / hertz.semi_axes[0]) ** 2 - (short / hertz.semi_axes[1]) ** 2
-            label = f"Hertz: maximum {measured(hertz.max_pressure, 'MPa', units_of(axes))}"
-            axes.plot(fine, hertz.max_pressure * np.sqrt(np.maximum(inside, 0.0)), color=GREY, label=label, **HERTZ)
-        axes.set_ylim(bottom=0.0)
+def maps_figure(
+    maps: Sequence[PatchMap], across: str, along: str, units: Units = "metric"
+) -> tuple[Figure, Sequence[Axes]]:
+    """Draw the pressures of surfaces from above, beside each other in one scale, with outlines and Hertz's ellipses.
+
+    - `across`, `along`: words for both axes.
+    """
+    boxes = [shown.box for shown in maps]
+    ahead = np.array([box[:, 1] for box in boxes])
+    least = MIN_RATIO * float(np.ptp(ahead))
+    for box in boxes:
+        box[:, 0] += np.array([-0.5, 0.5]) * max(least - float(np.ptp(box[:, 0])), 0.0)
+    ends, widths = (ahead[:, 0].min(), ahead[:, 1].max()), [float(np.ptp(box[:, 0])) for box in boxes]
+    scale = min(MAX_WIDTH_IN / sum(widths), MAX_HEIGHT_IN / (ends[1] - ends[0]))
+    size = max(scale * sum(widths) + 1.0, MIN_WIDTH_IN), max(scale * (ends[1] - ends[0]) + 1.9, MIN_HEIGHT_IN)
+    figure = new_figure(*size, units)
+    both = figure.subplots(1, len(maps), sharey=True, squeeze=False, width_ratios=widths)[0]
+    highest = max(float(shown.cells.pressures.max()) for shown in maps)
+    for axes, shown, box in zip(both, maps, boxes, strict=True):
+        drawn = draw_pressures(axes, shown, max(highest, 1.0))
+        axes.set(xlim=box[:, 0], ylim=ends)
+        axes.locator_params(axis="x", nbins=5)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="lower right", fontsize=8)
+        name_axes(axes, (across, "mm"))
+    name_axes(both[0], y=(along, "mm"))
+    colour_bar(drawn, list(both), "contact pressure", "MPa", location="top", aspect=45)
+    return figure, both
 
 
 def draw_depths(axes: Axes, profile: DepthProfile) -> None:
@@ -139,13 +158,13 @@ def draw_depths(axes: Axes, profile: DepthProfile) -> None:
 def surface_mesh(cells: CellForces) -> tuple[Floats, Floats, PolyMesh]:
     """Ends of cells along the surface (k,) and of strips (m,), and a mesh of k times m points (length, z)."""
     nodes, numbers = np.unique(cells.cells, return_inverse=True)
-    z = strip_ends(cells)
+    z = strip_ends(cells.z, cells.strip)
     return nodes, z, strip_mesh(nodes, z, numbers.reshape(-1, 2).astype(np.int64))
 
 
-def strip_ends(cells: CellForces) -> Floats:
-    """Ends of the strips of cells along z, shape (m,)."""
-    return np.append(cells.z - cells.strip / 2.0, cells.z[-1] + cells.strip / 2.0)
+def strip_ends(z: Floats, strip: float) -> Floats:
+    """Ends of strips along z by their middles and their width, shape (m + 1,)."""
+    return np.append(z - strip / 2.0, z[-1] + strip / 2.0)
 
 
 def strip_mesh(nodes: Floats, z: Floats, rows: Ints | None = None) -> PolyMesh:

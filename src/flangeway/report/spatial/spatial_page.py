@@ -15,20 +15,44 @@ from flangeway.contact.patch.patch_body import points_along
 from flangeway.formats import write_vtu
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
-from flangeway.report.figures.drawing import named
-from flangeway.report.figures.series import write_collection
+from flangeway.report.figures.drawing import named, panels
+from flangeway.report.figures.series import collection
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across, with_whole
-from flangeway.report.spatial.patch_map import surface_mesh
-from flangeway.report.spatial.spatial_figures import depth_figure, patch_figure, pressure_figure
+from flangeway.report.spatial.patch_map import PatchMap, draw_depths, maps_figure, surface_mesh
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.system.output_folder import Writer
 from flangeway.types import Ints
 
+
+def patch_figure(run: SpatialRun) -> Figure:
+    """Draw the pressures from above, y towards the reader, with the outline of the patches and Hertz's ellipses."""
+    return maps_figure([_map(run)], "length along the surface, across z", "z", run.case.units)[0]
+
+
+def depth_figure(run: SpatialRun) -> Figure:
+    """Draw the stresses below the centre of the first patch in both bodies over the depth."""
+    figure, (both,) = panels(9.0, 4.6, 1, 2, run.case.units)
+    pair = run.contact.pair
+    for axes, body, profile in zip(both, (pair.first, pair.second), run.profiles, strict=True):
+        draw_depths(axes, profile)
+        axes.set_title(body.name, fontsize=10)
+        axes.set_ylim(float(run.profiles[0].depths[-1]), 0.0)
+    both[0].legend(loc="lower left", fontsize=8)
+    return figure
+
+
+def _map(run: SpatialRun) -> PatchMap:
+    """Patches with the first one's centre at zero."""
+    contact = run.contact
+    forces = np.where(contact.patches[0].inside, contact.cells.forces, 0.0).sum(axis=1)
+    origin = float(forces @ contact.cells.across / forces.sum())
+    return PatchMap(contact.cells, [(patch, contact.hertz(patch)) for patch in contact.patches], origin)
+
+
 PICTURES: dict[str, tuple[Callable[[SpatialRun], Figure], str]] = {
     "patch.png": (patch_figure, "The pressure from above, with the outline of the patch and Hertz's ellipse"),
-    "pressure.png": (pressure_figure, "The pressure across and along z through its maximum, beside Hertz's"),
     "depth.png": (depth_figure, "Stresses below the centre of the patch in both bodies"),
 }
 SURFACE = "surface.vtu"
@@ -101,12 +125,12 @@ def spatial_record(run: SpatialRun) -> Record:
 
 
 def _files(run: SpatialRun, corners: list[SpatialStresses]) -> dict[str, Writer]:
-    writers: dict[str, Writer] = {SURFACE: lambda path: _write_surface(run, path)}
-    for number, (name, section, stresses) in enumerate(zip(SECTIONS, run.sections, corners, strict=True)):
-        writers[name] = partial(_write_section, section, stresses, number)
-    files = [(0.0, Path(file).stem, file) for file in (*SECTIONS, SURFACE)]
-    writers["bodies.pvd"] = lambda path: write_collection(path, files)
-    return writers
+    writers: dict[str, Writer] = {
+        name: partial(_write_section, section, stresses, number)
+        for number, (name, section, stresses) in enumerate(zip(SECTIONS, run.sections, corners, strict=True))
+    }
+    writers[SURFACE] = lambda path: _write_surface(run, path)
+    return writers | {"bodies.pvd": collection(writers)}
 
 
 def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:

@@ -69,7 +69,7 @@ def _part(
     lowest = min(-DEEP_MM, float(cells.points[:, 1].min()) - LOWER_MM)
     stations = surfaces.rail_stations[depths > lowest, 1]
     nodes = _with_coarse(np.unique(cells.cells), float(stations.min()), float(stations.max()))
-    strips = strip_ends(cells)
+    strips = strip_ends(cells.z, cells.strip)
     z = _with_coarse(strips, *ends)
     shape = len(nodes) - 1, len(z) - 1
     first = np.searchsorted(z, strips[0])

@@ -5,19 +5,15 @@ from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.railway.track.placements import SIDE_SIGN
-from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.report.page.record import Figures, Picture
-from flangeway.report.rolling.creep_curves import curves_figure
 from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure
 from flangeway.report.rolling.shakedown_figure import shakedown_figure
 from flangeway.report.wheelset.wheelset_patches import patch_map
 
-MAPS, CURVES, SHAKEDOWN = "rolling.png", "creep-curves.png", "shakedown.png"
+MAPS, SHAKEDOWN = "rolling.png", "shakedown.png"
 CAPTIONS = {
     MAPS: "Each patch from above, ahead is up: where it sticks and slips, with arrows of the tractions on the wheel; "
     "slip velocity; frictional power over the area.",
-    CURVES: "Creep force on the wheel over the creepage in the same direction, from zero to beyond the working point; "
-    "the other creepages are those of the working point. Spin gives a lateral force without lateral creepage.",
     SHAKEDOWN: "Maximum pressure over the shear strength and traction coefficient of each patch, among the limits of "
     "a circular patch and of a line contact. Above the highest limit steel yields under each wheel.",
 }
@@ -29,36 +25,25 @@ AXES = {
 }
 
 
-def shown_patches(result: SpatialResult) -> list[ShownRolling]:
-    """Patches as they are drawn: right of the track to the right, lengths from the middle of the rail's profile."""
-    return [
+def rolling_pictures(run: WheelsetRun) -> list[Picture]:
+    """Pictures of the patches that roll; none without friction."""
+    result, strength, units = run.space, run.space.yield_MPa, run.case.units
+    # right of the track to the right, lengths from the middle of the rail's profile
+    shown = [
         ShownRolling(
             patch_name(each.patch),
             each.forces,
-            each.forces.contact if isinstance(each.forces, Rolling | SimplifiedRolling) else each.contact,
             each.speed_m_s,
             patch_map(result, each.patch.side).origin,
             SIDE_SIGN[each.patch.side],
         )
         for each in result.rolling
+        if isinstance(each.forces, Rolling | SimplifiedRolling)
     ]
-
-
-def rolling_pictures(run: WheelsetRun) -> list[Picture]:
-    """Pictures of the patches that roll; none without friction."""
-    result, strength = run.space, run.space.yield_MPa
-    shown = shown_patches(result)
-    with_fields = [each for each in shown if isinstance(each.forces, Rolling | SimplifiedRolling)]
+    points = [(patch_name(each.patch), each.used_friction, each.patch.ellipse.max_pressure) for each in result.rolling]
     figures: Figures = {}
-    units = run.case.units
-    if with_fields:
-        figures[MAPS] = lambda: rolling_figure(with_fields, units)
     if shown:
-        figures[CURVES] = lambda: curves_figure(shown, units)
-    if shown and strength is not None:
-        points = [
-            (each.name, rolling.used_friction, rolling.patch.ellipse.max_pressure)
-            for each, rolling in zip(shown, result.rolling, strict=True)
-        ]
+        figures[MAPS] = lambda: rolling_figure(shown, units)
+    if points and strength is not None:
         figures[SHAKEDOWN] = lambda: shakedown_figure(points, strength, units)
     return [Picture(name, draw, CAPTIONS[name], chapter="Rolling") for name, draw in figures.items()]

@@ -14,6 +14,7 @@ from flangeway.railway.track.placements import SIDE_SIGN, Side
 from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.whole_sections import WholeSection
+from flangeway.report.rolling.rolling_maps import cell_fields
 from flangeway.report.spatial.patch_map import surface_mesh
 from flangeway.report.wheelset.wheelset_patches import lines_below
 from flangeway.results import ResultTable
@@ -104,18 +105,12 @@ def friction_fields(result: SpatialResult, side: Side, role: Role) -> dict[str, 
         found = patch.forces
         if not isinstance(found, Rolling | SimplifiedRolling):
             continue
-        scale = patch.speed_m_s / abs(found.motion.speed)
-        for name, values in (
-            ("traction_MPa", (1.0 if role == "wheel" else -1.0) * found.tractions),
-            ("slip_velocity_m_s", scale * found.slip_velocities),
-            ("frictional_power_W_mm2", scale * found.power_density),
-            ("stick_slip_state", found.states.astype(np.float64)),
-        ):
+        for name, values in cell_fields(found, patch.speed_m_s).items():
             here = patch.patch.side == side
             whole = patch.on_side(values) if here else np.zeros((*state.forces.shape, *values.shape[2:]))
             if values.ndim > 2:
                 whole = np.einsum("nma,nax->nmx", whole, axes)
-            total[name] = total.get(name, 0.0) + whole
+            total[name] = total.get(name, 0.0) + (-whole if name == "traction_MPa" and role == "rail" else whole)
     return total
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -40,12 +39,11 @@ from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.whole_sections import whole_sections
 from flangeway.report.figures.fields import part_fields, write_part
-from flangeway.report.figures.series import write_collection, write_contacts
+from flangeway.report.figures.series import collection, write_contacts
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across, table_of, with_whole
 from flangeway.report.scenes import wheelset_scene
-from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
 from flangeway.report.wheelset.pressure_scene import pressure_scene
 from flangeway.report.wheelset.rails_along_track import rails_csv, rails_figure, rails_table
 from flangeway.report.wheelset.rolling_patches import AXES as ROLLING_AXES
@@ -58,10 +56,10 @@ from flangeway.report.wheelset.running_surface_files import (
     write_stresses,
     write_surface,
 )
-from flangeway.report.wheelset.wheelset_figure import wheelset_figure
 from flangeway.report.wheelset.wheelset_patches import (
+    contact_figure,
+    nodes_figure,
     patches_figure,
-    pressures_figure,
     section_figure,
     stresses_figure,
 )
@@ -83,11 +81,6 @@ PICTURES: tuple[Described, ...] = (
         "allow one, Hertz's ellipse for the same force (dashed).",
     ),
     (
-        "pressure.png",
-        pressures_figure,
-        "Pressure across and along the track through the maximum of each patch; dashed: Hertz's for the same force.",
-    ),
-    (
         "stresses.png",
         stresses_figure,
         "The von Mises stress below each patch, across and along the track through its maximum (+), and stresses on "
@@ -105,22 +98,18 @@ RAILS_PICTURE: Described = (
 PLANE_PICTURES: tuple[Described, ...] = (
     (
         "wheelset.png",
-        wheelset_figure,
-        "The wheelset on its rails: von Mises stress on the deformed parts. Web and foot of the rails are hatched: "
-        "their stresses are those of a slice that carries the load alone and are not valid for a rail.",
+        section_figure,
+        "The wheelset in section. Violet: the contact pressure, drawn into the rail. Arrows: forces on the wheels.",
     ),
-    *(
-        (
-            f"stresses-{side}.png",
-            partial(contact_figure, side=side),
-            f"Contact zones of the {side} side, deformed: von Mises stress, minimum principal stress with the forces "
-            "on the wheel as arrows, and maximum in-plane shear stress. Both sides have the same colours.",
-        )
-        for side in SIDES
+    (
+        "stresses.png",
+        contact_figure,
+        "Von Mises stress about each contact, deformed, in one scale; stresses in web and foot of the rails are those "
+        "of a slice that carries the load alone and are not valid for a rail.",
     ),
     (
         "pressure.png",
-        pressure_figure,
+        nodes_figure,
         "Contact pressure along the surface: nodal forces over their areas, and Hertz's theory for the same force "
         "and the profiles' radii at the contact, where the profiles are not conforming.",
     ),
@@ -134,9 +123,6 @@ GIVEN = (
 SHOWN = ("yaw", "t_gamma", "power")
 """Numbers of the rolling at the top of the page."""
 COLLECTION, PATCHES, BELOW, RAILS, CONTACT = "wheelset.pvd", "patches.csv", "subsurface.csv", "rails.csv", "contact.vtu"
-SURFACES = {f"{role}-{side}": (side, role) for side, role in PARTS}
-STRESSES = {f"stresses-{name}": part for name, part in SURFACES.items()}
-SECTIONS = {f"section-{name}": part for name, part in SURFACES.items()}
 PLANE_PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
 FILES = (
     "The same numbers, for programs, are in `summary.json`; a row for each patch, for a spreadsheet, in `patches.csv`; "
@@ -197,7 +183,7 @@ def wheelset_record(run: WheelsetRun) -> Record:
             GIVEN[:4],
             subtitle=f"{_what(run)}; plane strain, {length} of length; {_method(run)}",
             scene=lambda: wheelset_scene(list(part_fields(run.plane)), run.plane.patches),
-            pictures=_pictures(run, PLANE_PICTURES),
+            pictures=_pictures(run, PLANE_PICTURES[: None if run.patches else 1]),
             axes=TRACK_AXES,
             files=lambda: _plane_files(run),
             **shared,
@@ -222,11 +208,6 @@ def wheelset_record(run: WheelsetRun) -> Record:
 
 def _pictures(run: WheelsetRun, described: Sequence[Described]) -> list[Picture]:
     return [Picture(name, partial(draw, run), caption) for name, draw, caption in described]
-
-
-def main_figure(run: WheelsetRun) -> Figure:
-    """Draw the wheelset on its rails."""
-    return section_figure(run) if run.in_space is not None else wheelset_figure(run)
 
 
 def _what(run: WheelsetRun) -> str:
@@ -340,17 +321,15 @@ def _files(run: WheelsetRun) -> dict[str, Writer]:
     writers: dict[str, Writer] = {PATCHES: text_writer(columns(PATCH, run.spatial_patches, run.case.units).csv(DIGITS))}
     if run.space.rails:
         writers[RAILS] = text_writer(rails_csv(run))
-    for name, (side, role) in SURFACES.items():
-        writers[f"{name}.vtu"] = partial(write_surface, run.space, side, role)
-    sections = {role: whole_sections(run.space, role) for role in ROLES}
-    found = {name: (side, role) for name, (side, role) in SECTIONS.items() if side in sections[role]}
-    for name, (side, role) in found.items():
-        writers[f"{name}.vtu"] = partial(write_section, sections[role][side], side, role)
-    below = {name: part for name, part in STRESSES.items() if any(p.side == part[0] for p in run.space.patches)}
-    for name, (side, role) in below.items():
-        writers[f"{name}.vtu"] = partial(write_stresses, run.space, side, role)
-    files = [(0.0, name, f"{name}.vtu") for name in (*SURFACES, *found, *below)]
-    writers[COLLECTION] = lambda path: write_collection(path, files)
+    sections, loaded = {role: whole_sections(run.space, role) for role in ROLES}, {p.side for p in run.space.patches}
+    for side, role in PARTS:
+        name = f"{role}-{side}.vtu"
+        writers[name] = partial(write_surface, run.space, side, role)
+        if side in sections[role]:
+            writers[f"section-{name}"] = partial(write_section, sections[role][side], side, role)
+        if side in loaded:
+            writers[f"stresses-{name}"] = partial(write_stresses, run.space, side, role)
+    writers[COLLECTION] = collection([*writers])
     writers[BELOW] = text_writer(below_table(run))
     return writers
 
@@ -362,6 +341,4 @@ def _plane_files(run: WheelsetRun) -> dict[str, Writer]:
     writers[CONTACT] = lambda path: write_contacts(
         path, result.model.system, result.equilibrium.state, {name: result.placements[name] for name in PLANE_PARTS}
     )
-    vtu_files = [(0.0, Path(file).stem, file) for file in writers]
-    writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
-    return writers
+    return writers | {COLLECTION: collection(writers)}

@@ -1,11 +1,13 @@
-"""Pictures of a wheelset in three dimensions: its section with the pressures, its patches, the stresses below them."""
+"""Pictures of a wheelset: its section with the pressures; in three dimensions its patches and the stresses below."""
+
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from flangeway.cases.wheelset.wheelset_quantities import patch_name
+from flangeway.cases.wheelset.wheelset_quantities import AnyPatch, patch_name
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.geometry import Placement
 from flangeway.quantities import measured
@@ -13,6 +15,7 @@ from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
+from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.report.figures.drawing import (
     COLOURS,
     GREY,
@@ -20,31 +23,33 @@ from flangeway.report.figures.drawing import (
     INK,
     PURPLE,
     Style,
+    box,
     colour_bar,
+    equal_axes,
     name_axes,
     new_figure,
     panels,
     shade_of,
     units_of,
 )
-from flangeway.report.spatial.patch_map import PatchMap, draw_depths, draw_pressures, draw_sections
-from flangeway.report.wheelset.wheelset_figure import STEEL, sides_about_sketch
+from flangeway.report.figures.fields import drawn_parts
+from flangeway.report.figures.stress_picture import pressure_curves, stress_panels
+from flangeway.report.spatial.patch_map import PatchMap, draw_depths, maps_figure
 from flangeway.types import Floats
 
 N_LEVELS = 13
 """Limits of colours of a stress, from 0 to its maximum."""
 DEPTH_OF_WIDTH = 0.7
 """Depth of the pictures of stresses over their width."""
+STEEL = "#c9ced6"
 HALF_VIEW_MM = 50.0
 """Half the width and height of what is shown of each side in section."""
 GAUGE_SIDE_MM = 10.0
 """By which its middle lies beside that of the rail's head."""
 ORDINATE_MM, ARROW_MM = 14.0, 24.0
 """Of the maximum pressure in the section, and of forces."""
-MIN_WIDTH_MM = 12.0
-"""Of what is shown of a rail from above."""
-MAX_WIDTH_IN, MAX_HEIGHT_IN = 9.0, 8.0
-"""Size of the picture of the patches without labels."""
+WINDOW = 2.2
+"""Half width of what is shown of stresses about a plane contact, in half widths of the contact."""
 
 
 def patch_map(result: SpatialResult, side: Side) -> PatchMap:
@@ -59,16 +64,24 @@ def patch_map(result: SpatialResult, side: Side) -> PatchMap:
 
 
 def section_figure(run: WheelsetRun) -> Figure:
-    """Draw both sides in section with their pressures, and the sketch of the whole between them."""
-    result = run.space
-    highest = max((patch.ellipse.max_pressure for patch in result.patches), default=1.0)
-    bodies = {side: _outlines(result, side) for side in SIDES}
-    figure, axes = sides_about_sketch(run, 5.6, [_view(bodies[side][0], side) for side in SIDES], "")
-    for panel, side in zip(axes, SIDES, strict=True):
-        for points in bodies[side]:
-            panel.add_patch(Polygon(points, closed=True, facecolor=STEEL, edgecolor=INK, lw=0.8, alpha=0.85))
-        _draw_pressures(panel, result, side, highest)
-        _draw_forces(panel, result, side)
+    """Draw both sides in section with their pressures and forces."""
+    highest = max((patch.max_pressure for patch in run.patches), default=1.0)
+    figure, (both,) = panels(11.0, 5.9, 1, 2, run.case.units)
+    for axes, side in zip(both, SIDES, strict=True):
+        axes.grid(visible=False)
+        bodies = _outlines(run.space, side) if run.in_space is not None else _deformed(run.plane, side)
+        for points in bodies:
+            axes.add_patch(Polygon(points, closed=True, facecolor=STEEL, edgecolor=INK, lw=0.8, alpha=0.85))
+        for points, normals, pressures in _pressures(run, side):
+            ordinates = points - ORDINATE_MM / highest * pressures[:, None] * normals
+            axes.fill(*np.vstack((points, ordinates[::-1])).T, color=PURPLE, alpha=0.55, lw=0.0)
+            axes.plot(*ordinates.T, color=PURPLE, lw=0.9)
+        _draw_forces(axes, [patch for patch in run.patches if patch.patch.side == side])
+        equal_axes(axes, _view(bodies[0], side))
+        axes.set_title(f"{side} wheel and rail".capitalize(), fontsize=10)
+    track = run.problem.track
+    inclination = f"rail inclination 1:{1.0 / track.rail_inclination:g}" if track.rail_inclination else "upright"
+    figure.suptitle(f"{run.problem.wheelset.wheel.title} on {track.rail.title}, {inclination}", fontsize=10)
     return figure
 
 
@@ -82,6 +95,34 @@ def _outlines(result: SpatialResult, side: Side) -> tuple[Floats, Floats]:
     return Placement.about(tuple(rail[rail[:, 1].argmax()].tolist()), roll).points(rail) + np.array(shift), wheel
 
 
+def _deformed(result: WheelsetResult, side: Side) -> list[Floats]:
+    """Deformed rims of the meshes of the rail and the wheel in the track."""
+    rims = []
+    for name in (f"rail-{side}", f"wheel-{side}"):
+        mesh = result.model.parts[name].body.space.mesh
+        rim = mesh.chain(*mesh.edge_sets)
+        rims.append(result.placements[name].points(mesh.points[rim] + result.displacements[name][rim]))
+    return rims
+
+
+def _pressures(run: WheelsetRun, side: Side) -> Iterator[tuple[Floats, Floats, Floats]]:
+    """Points (n, 2) under pressure, the rail's normals there, and the maximum pressures (n,) along the track."""
+    if run.in_space is None:
+        for patch in run.plane.patches:
+            if patch.side == side:
+                force, pressure = patch.force_on_wheel_N, patch.pressure
+                normal = force / np.linalg.norm(force)
+                yield pressure.points, np.broadcast_to(normal, pressure.points.shape), pressure.pressures
+        return
+    state, mirror, shown = run.space.equilibrium.state.sides[side], np.array([SIDE_SIGN[side], 1.0]), patch_map
+    for rows in shown(run.space, side).runs:
+        values = state.cells.pressures[rows].max(axis=1)
+        loaded = np.flatnonzero(values > 0.0)
+        if len(loaded):
+            part = slice(max(loaded[0] - 1, 0), loaded[-1] + 2)
+            yield (state.points * mirror)[rows][part], (state.normals * mirror)[rows][part], values[part]
+
+
 def _view(rail: Floats, side: Side) -> Floats:
     """Corners (2, 2) of what is shown of a side: about the head of its rail."""
     highest = rail[:, 1].max()
@@ -90,53 +131,42 @@ def _view(rail: Floats, side: Side) -> Floats:
     return np.stack((middle - HALF_VIEW_MM, middle + HALF_VIEW_MM))
 
 
-def _draw_pressures(axes: Axes, result: SpatialResult, side: Side, highest: float) -> None:
-    """Draw the maximum pressure of each position across the rail into the rail, along its normal."""
-    state, mirror = result.equilibrium.state.sides[side], np.array([SIDE_SIGN[side], 1.0])
-    points, normals, shown = state.points * mirror, state.normals * mirror, patch_map(result, side)
-    for rows in shown.runs:
-        values = shown.cells.pressures[rows].max(axis=1)
-        loaded = np.flatnonzero(values > 0.0)
-        if len(loaded):
-            part = slice(max(loaded[0] - 1, 0), loaded[-1] + 2)
-            on, height = points[rows][part], ORDINATE_MM / highest * values[part]
-            ordinates = on - height[:, None] * normals[rows][part]
-            axes.fill(*np.vstack((on, ordinates[::-1])).T, color=PURPLE, alpha=0.55, lw=0.0)
-            axes.plot(*ordinates.T, color=PURPLE, lw=0.9)
-
-
-def _draw_forces(axes: Axes, result: SpatialResult, side: Side) -> None:
+def _draw_forces(axes: Axes, patches: Sequence[AnyPatch]) -> None:
     """Draw the force on the wheel at each patch, with its size and the maximum pressure."""
-    patches, units = [patch for patch in result.patches if patch.side == side], units_of(axes)
-    for patch in patches:
-        force, centre = patch.force_on_wheel_N, patch.centre_mm[:2]
+    units, centres = units_of(axes), np.array([patch.centre for patch in patches])
+    for patch, centre in zip(patches, centres, strict=True):
+        force = patch.patch.force_on_wheel_N
         size = float(np.linalg.norm(force))
         end = centre + ARROW_MM * force / size
         axes.annotate("", tuple(end), tuple(centre), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.3})
-        text = f"{measured(1e-3 * size, 'kN', units)}\n{measured(patch.ellipse.max_pressure, 'MPa', units, '.0f')}"
+        text = f"{measured(1e-3 * size, 'kN', units)}\n{measured(patch.max_pressure, 'MPa', units, '.0f')}"
         # towards the outside of the other patches
-        outer = 1.0 if centre[0] >= np.mean([each.centre_mm[0] for each in patches]) else -1.0
+        outer = 1.0 if centre[0] >= centres[:, 0].mean() else -1.0
         ends: Style = {"ha": "left" if outer > 0.0 else "right", "path_effects": [HALO]}
         axes.text(end[0] + 1.5 * outer, end[1] + 1.0, text, fontsize=8.5, **ends)
 
 
+def contact_figure(run: WheelsetRun) -> Figure:
+    """Draw the von Mises stress about each contact of a plane wheelset, deformed, in true shape and scale."""
+    patches = run.plane.patches
+    windows = [box([np.atleast_2d(patch.pressure.centre)], WINDOW * patch.pressure.half_width) for patch in patches]
+    figure, zones = stress_panels(list(drawn_parts(run.plane).values()), windows, run.case.units)
+    for axes, name in zip(zones, run.patch_names, strict=True):
+        axes.set_title(name, fontsize=10)
+    return figure
+
+
+def nodes_figure(run: WheelsetRun) -> Figure:
+    """Draw the nodes' pressures of a plane wheelset (Moherdaui 2021, Figure 63), beside Hertz's."""
+    named = zip(run.patch_names, run.plane.patches, strict=True)
+    return pressure_curves([(name, patch.pressure, patch.hertz) for name, patch in named], run.case.units)
+
+
 def patches_figure(run: WheelsetRun) -> Figure:
     """Draw the pressures of both sides from above, z ahead, with outlines and Hertz's ellipses, in one scale."""
-    result = run.space
-    maps = [patch_map(result, side) for side in SIDES]
-    boxes = [shown.box for shown in maps]
-    for box in boxes:
-        box[:, 0] += np.array([-0.5, 0.5]) * max(MIN_WIDTH_MM - float(np.ptp(box[:, 0])), 0.0)
-    ahead = np.array([box[:, 1] for box in boxes])
-    ends, widths = (ahead[:, 0].min(), ahead[:, 1].max()), [float(np.ptp(box[:, 0])) for box in boxes]
-    scale = min(MAX_WIDTH_IN / sum(widths), MAX_HEIGHT_IN / (ends[1] - ends[0]))
-    figure = new_figure(scale * sum(widths) + 1.0, scale * (ends[1] - ends[0]) + 1.9, run.case.units)
-    both = figure.subplots(1, 2, sharey=True, width_ratios=widths)
-    highest = max(float(shown.cells.pressures.max()) for shown in maps)
-    for axes, side, shown, box in zip(both, SIDES, maps, boxes, strict=True):
-        drawn = draw_pressures(axes, shown, max(highest, 1.0))
-        axes.set(xlim=box[:, 0], ylim=ends)
-        axes.locator_params(axis="x", nbins=5)
+    maps = [patch_map(run.space, side) for side in SIDES]
+    figure, both = maps_figure(maps, "across the rail, from its middle", "z ahead of the axle", run.case.units)
+    for axes, side, shown in zip(both, SIDES, maps, strict=True):
         axes.axhline(0.0, color=GREY, lw=0.6, ls="-.", zorder=0)
         axes.set_title(f"{side} rail".capitalize(), fontsize=10)
         words = ("← field side", "gauge side →") if side == "left" else ("← gauge side", "field side →")
@@ -144,31 +174,6 @@ def patches_figure(run: WheelsetRun) -> Figure:
             axes.text(place, 0.99, word, transform=axes.transAxes, fontsize=7.5, va="top", color=GREY, ha=end)
         if not shown.patches:
             axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", fontsize=9)
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(loc="lower right", fontsize=8)
-        name_axes(axes, ("across the rail, from its middle", "mm"))
-    name_axes(both[0], y=("z ahead of the axle", "mm"))
-    colour_bar(drawn, list(both), "contact pressure", "MPa", location="top", aspect=45)
-    return figure
-
-
-def pressures_figure(run: WheelsetRun) -> Figure:
-    """Draw the pressure across and along the track through the maximum of each patch, beside Hertz's."""
-    result = run.space
-    patches = result.patches
-    figure, rows = panels(10.0, 0.7 + 2.8 * max(len(patches), 1), max(len(patches), 1), 2, run.case.units, sharey="row")
-    maps = {side: patch_map(result, side) for side in SIDES}
-    for row, patch in zip(rows, patches, strict=False):
-        shown = maps[patch.side]
-        number = next(i for i, (ellipse, _) in enumerate(shown.patches) if ellipse is patch.ellipse)
-        draw_sections(row[0], row[1], shown, number)
-        for axes, words, way in zip(
-            row, ("length along the rail's surface", "z ahead of the axle"), ("across", "along the track"), strict=True
-        ):
-            name_axes(axes, (words, "mm"))
-            axes.set_title(f"{patch_name(patch)}: {way}".capitalize(), fontsize=10)
-        name_axes(row[0], y=("pressure", "MPa"))
-        row[0].legend(loc="lower center", fontsize=8)
     return figure
 
 
