@@ -4,6 +4,11 @@ import numpy as np
 import pytest
 
 from flangeway.cases.case_identity import bodies_key
+from flangeway.contact.patch.patch_grid import PatchGrid
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.exact_rolling import roll
+from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed
@@ -283,3 +288,31 @@ def test_derivatives_have_the_change_of_a_slope_that_falls(wheelset, theory):
         low, high = (forces(*given)[1].resultant for given in inputs)
         difference = (high - low) / (2.0 * step)
         np.testing.assert_allclose(derivative[:3], difference[:3], atol=0.01 * np.abs(difference[:3]).max())
+
+
+def test_patches_of_a_side_move_each_others_surfaces(wheelset):
+    """At the crown and the gauge corner at once: creep forces do not depend on how wide the free cell between is."""
+    found = solved(wheelset, speed_km_h=72.0, friction=0.3, lateral_mm=6.6)
+    assert len([patch for patch in found.patches if patch.side == "right"]) == 2
+    (creep,) = found.equilibrium.state.rolled.creep["right"].patches
+    contact, motion = creep.contact, creep.forces.motion
+    rows = np.flatnonzero(contact.pressures.any(axis=1))
+    (last,) = np.flatnonzero(np.diff(rows) > 1)
+    between = slice(rows[last] + 1, rows[last + 1])
+
+    def rolled(ends, kept):
+        bounds = np.sort(
+            np.concatenate((contact.grid.bounds[: between.start + 1], ends, contact.grid.bounds[between.stop :]))
+        )
+        pressures = np.zeros((len(bounds) - 1, contact.grid.n_strips))
+        pressures[: between.start] = contact.pressures[: between.start] * kept[0]
+        pressures[between.stop - len(contact.pressures) :] = contact.pressures[between.stop :] * kept[1]
+        grid = PatchGrid(bounds, contact.grid.strip, contact.grid.n_strips, contact.grid.middle)
+        half_spaces = RollingContact.between_half_spaces(grid, pressures, Friction(0.3), contact.materials)
+        return roll(half_spaces, Creepages(-1e-3, 5e-4, 0.0, motion.speed))
+
+    low, high = contact.grid.bounds[[between.start, between.stop]]
+    one, many = rolled([], (1, 1)), rolled(np.linspace(low, high, 8)[1:-1], (1, 1))
+    assert (one.along, one.across) == pytest.approx((many.along, many.across), rel=1e-6)
+    apart = rolled([], (1, 0)).along + rolled([], (0, 1)).along
+    assert abs(one.along / apart - 1.0) > 0.02
