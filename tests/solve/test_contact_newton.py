@@ -41,6 +41,23 @@ def test_condensed_and_sparse_agree(press, method: str, primary: str) -> None:
     assert sparse.n_unknowns > 5 * condensed.n_unknowns
 
 
+@pytest.mark.parametrize("way", [CondensedBodies, SparseBodies])
+def test_the_last_iteration_takes_the_derivatives_of_the_one_before(press, monkeypatch, way) -> None:
+    """Bodies answer once less in as many iterations, and the forces are those of iterations with their own."""
+    problem, answers, own = press("fem"), [], way.tangent
+    response, start = solved(problem, way)
+    monkeypatch.setattr(way, "tangent", lambda *given, **named: answers.append(1) or own(*given, **named))
+    placements, states, counts = problem.placements(1.2 * DEPTH), [], []
+    for close in (1e-6, 0.0):
+        monkeypatch.setattr("flangeway.contact.newton.CLOSE", close)
+        answers.clear()
+        states.append(solve_contact(response, problem.system, placements, start=start))
+        counts.append(len(answers))
+    assert len(states[0].history) == len(states[1].history)
+    assert counts[0] == counts[1] - 1
+    assert np.abs(states[0].nodal_forces - states[1].nodal_forces).max() < 1e-10 * states[1].forces.max()
+
+
 def test_steps_are_halved_and_doubled(press) -> None:
     """A step that fails is tried at half its length, the path ends at one with the same forces."""
     problem = press("fem")

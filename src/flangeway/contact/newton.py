@@ -506,12 +506,11 @@ class _Run:
         The residual that it leaves is about the product of the last one and of the last step, by which the derivatives
         have changed.
         """
-        if self.equations is None or self.history[-1].changed:
+        if self.equations is None:
             return False
-        last = self.history[-1]
+        last, same_keys = self.history[-1], np.array_equal(self.equations.keys, self.current.keys[near])
         reached = last.residual <= CLOSE and last.residual * last.change <= self.settings.tolerance
-        same = (self.equations.keys, self.current.keys[near]), (self.equations.nodes, self.current.nodes)
-        return reached and all(map(np.array_equal, *zip(*same, strict=True)))
+        return reached and not last.changed and same_keys and np.array_equal(self.equations.nodes, self.current.nodes)
 
     def _step_of(
         self, geometric: sp.csr_array, all_constraints: Constrained, near: Bools, before: _Equations | None, *,
@@ -545,7 +544,9 @@ class _Run:
         own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
         laws = active_set.Laws(coefficients, barriers, own)
         found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
-        if found is not None and n:
+        if found is None:
+            return None
+        if n:
             # with springs there always is a solution; without them Newton's method for the motions goes on from there
             equations = active_set.DenseEquations(matrix, offset, laws, rigid)
             left, right, loose = equations.free_motions(found)
@@ -558,8 +559,6 @@ class _Run:
                 self.unheld = np.zeros(self.parts.n)
             elif self.slides is not None and not self.unheld.any():
                 self.unheld = rigid.unbalanced(found, self.neutral[0])
-        if found is None:
-            return None
         self.tangent = matrix, rigid, found.forces[: laws.m] > 0.0
         # if one more iteration was not enough, the next one has its own
         self.equations = problem if bend and before is None else None
