@@ -113,7 +113,8 @@ def row_quantities(keys: Iterable[str], distance: str) -> list[Quantity[Mapping[
 
 
 def _number(key: str, row: Mapping[str, float]) -> float | None:
-    return row.get(key)
+    value = row.get(key, np.nan)
+    return value if np.isfinite(value) else None
 
 
 def _whose(evolution: Evolution, role: str, side: str) -> str:
