@@ -28,7 +28,7 @@ from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface, node_normals
 from flangeway.types import Bools, Floats, Ints
 
-EARLY = 0.9
+GUARDED_DEPTH = 0.9
 """Depth over that which chords of curves explain from which a node is guarded: between nodes it may be larger."""
 SIMILAR = 0.02
 """Difference of two depths, over the larger one, below which it is chance which of them is the smaller one."""
@@ -267,7 +267,7 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
             np.minimum.at(own, column, sagittas[side])
 
         def allowed(nodes: Ints, partners: Ints, own: Floats = own, other: int = other) -> Floats:
-            return EARLY * (own[nodes] + sagittas[other][partners]) + explained
+            return GUARDED_DEPTH * (own[nodes] + sagittas[other][partners]) + explained
 
         margins = guarded_margins(edges[other])
         nodes, _, gaps = facing_pairs(*given, SLACK, margins, SLACK, none_smooth, allowed)

@@ -183,10 +183,10 @@ class CondensedBodies(BodyResponse):
             own = np.flatnonzero(groups[owner] == group)
             stiffness, matrix, bodies = inner[own][:, own], np.eye(len(own)), []
             for here, flexibility in (blocks[number] for number in np.flatnonzero(groups == group)):
-                mine = slice(*np.searchsorted(bent[own], (here.start, here.stop)).tolist())
-                among = bent[own][mine] - here.start
-                matrix[:, mine] += stiffness[:, mine] @ flexibility[np.ix_(among, among)]
-                bodies.append((here, mine, flexibility[among]))
+                of_body = slice(*np.searchsorted(bent[own], (here.start, here.stop)).tolist())
+                among = bent[own][of_body] - here.start
+                matrix[:, of_body] += stiffness[:, of_body] @ flexibility[np.ix_(among, among)]
+                bodies.append((here, of_body, flexibility[among]))
             bends.append((bent[own], stiffness, matrix, bodies))
 
         def solved(loads: sp.csr_array) -> Floats:
@@ -196,8 +196,8 @@ class CondensedBodies(BodyResponse):
             for at, stiffness, matrix, bodies in bends:
                 columns = np.flatnonzero(result[at].any(axis=0))
                 bend = np.linalg.solve(matrix, stiffness @ result[np.ix_(at, columns)])
-                for here, mine, rows in bodies:  # each body yields to its own forces alone
-                    result[here, columns] -= rows.T @ bend[mine]
+                for here, of_body, rows in bodies:  # each body yields to its own forces alone
+                    result[here, columns] -= rows.T @ bend[of_body]
             return turn @ result
 
         return solved

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.cases.damage.damage_file import DamageInputs
+from flangeway.cases.summary import plain_numbers
 from flangeway.errors import InputError
 from flangeway.quantities import Quantity, measured
 from flangeway.railway.damage.evolution import Evolution, EvolutionStep, StateDamage, limit_positions
@@ -113,8 +114,8 @@ def row_quantities(keys: Iterable[str], distance: str) -> list[Quantity[Mapping[
 
 
 def _number(key: str, row: Mapping[str, float]) -> float | None:
-    value = row.get(key, np.nan)
-    return value if np.isfinite(value) else None
+    found: float | None = plain_numbers(row.get(key))
+    return found
 
 
 def _whose(evolution: Evolution, role: str, side: str) -> str:

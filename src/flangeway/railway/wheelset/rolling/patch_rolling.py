@@ -23,9 +23,6 @@ from flangeway.railway.wheelset.side_newton import SideNewton
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.types import Bools, Floats
 
-SAME = 1e-6
-"""Gap between two cells over the strip that is none."""
-
 
 def rolling_contact_of(
     patch: SpatialPatch, friction: Friction, origin: tuple[float, float] | None = None
