@@ -33,6 +33,7 @@ def disc(**wrong):
 
 WRONG = {
     "gauge_mm": lambda: Track(rail(), gauge_mm=0.0),
+    "below the head of the right rail": lambda: Track(rail("60E1"), gauge_depth_mm=90.0).placement("right"),
     "rail_inclination": lambda: Track(rail(), rail_inclination=40.0),
     "back_to_back_mm": lambda: Wheelset(wheel(), back_to_back_mm=-1.0),
     "centre_of_gravity_height_mm": lambda: Wheelset(wheel(), centre_of_gravity_height_mm=math.nan),
@@ -83,6 +84,7 @@ WRONG = {
     "CellLoads(slips)": lambda: replace(CELL, slips="fast"),
     "wheel 'None'": lambda: wheel(None),
     "k=0": lambda: ArchardLaw(2700.0, 0.0),
+    "without unit": lambda: ArchardLaw(2700.0, 5.5),
     "level": lambda: ArchardLaw(2700.0, level=2.0),
     "unit": lambda: EnergyLaw(0.02, "mm3"),
     "branch": lambda: UsfdLaw("smooth"),
