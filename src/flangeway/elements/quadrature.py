@@ -64,7 +64,7 @@ def triangle(degree: int) -> tuple[Floats, Floats]:
 def edge_shapes(order: int, places: Floats) -> Floats:
     """Lagrange's polynomials of the Gauss-Lobatto points at places (n,) in [0, 1], shape (n, order + 1)."""
     nodes = gauss_lobatto(order + 1)[0]
-    own = np.eye(order + 1, dtype=np.bool_)
+    own = np.eye(order + 1, dtype=bool)
     apart = np.where(own, 1.0, nodes[:, None] - nodes)
     factors = np.where(own, 1.0, (places[:, None, None] - nodes) / apart)
     return factors.prod(axis=2)

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -15,7 +14,7 @@ from flangeway.mesh.connectivity import next_in_row, offsets_of
 from flangeway.mesh.meeting import touching_distance
 from flangeway.mesh.mesh_checks import check, conforming, hanging_points
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats, Indices, Ints
 
 FLAT = 1e-9  # range of the third coordinate, over the size of the mesh, up to which a mesh is plane
 
@@ -38,9 +37,9 @@ class DrawnMesh:
 
     points: Floats
     cells: list[Ints]
-    cell_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
-    edge_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
-    point_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
+    cell_sets: Mapping[str, Indices] = field(default_factory=dict)
+    edge_sets: Mapping[str, Indices] = field(default_factory=dict)
+    point_sets: Mapping[str, Indices] = field(default_factory=dict)
     notices: tuple[str, ...] = ()
     middles: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 

@@ -16,7 +16,7 @@ from functools import cache
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import check_integer, check_positive
 from flangeway.elements import Function, Virtual, batched, monomials
@@ -30,7 +30,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.solve.factor import Factor
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import at_points, cell_quadrature, function_of
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Indices, Ints
 
 HIGHEST_ORDER = 6
 """Monomials are not orthogonalised here: above, too many digits go."""
@@ -222,7 +222,7 @@ def stokes(
     viscosity: float = 1.0,
     bulk_modulus: float = np.inf,
     velocity: Function | ArrayLike = (0.0, 0.0),
-    held: NDArray[np.integer] | Bools | None = None,
+    held: Indices | Bools | None = None,
     tractions: dict[str, Function | ArrayLike] | None = None,
 ) -> StokesSolution:
     """Solve ``-div(2 mu eps(u) - p I) = f`` with ``div u = -p / K``.
@@ -295,7 +295,7 @@ def stokes(
     return StokesSolution(space, solution[: 2 * n_nodes].reshape(-1, 2), inside, solution[first:].reshape(-1, n_low))
 
 
-_Part = tuple[CellBatch, DivergenceFree, NDArray[np.int64], NDArray[np.int64]]
+_Part = tuple[CellBatch, DivergenceFree, Ints, Ints]
 
 
 def _parts(space: Space) -> Iterator[_Part]:

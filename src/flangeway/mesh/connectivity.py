@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray
-from flangeway.types import Ints
+from flangeway.types import Bools, Indices, Ints
 
 
 def next_in_row(offsets: IntArray) -> Ints:
@@ -36,7 +35,7 @@ def offsets_of(counts: Ints) -> IntArray:
     return offsets
 
 
-def entries_of(offsets: IntArray, rows: NDArray[np.integer]) -> tuple[Ints, IntArray]:
+def entries_of(offsets: IntArray, rows: Indices) -> tuple[Ints, IntArray]:
     """Return the positions of the entries of some rows, one row after the other, and the offsets of these rows."""
     counts = np.diff(offsets)[rows]
     taken = offsets_of(counts)
@@ -84,16 +83,14 @@ def number_edges(start: IntArray, end: IntArray, n_points: int) -> EdgeNumbers:
     )
 
 
-def _counting_sort(values: IntArray, n_values: int) -> NDArray[np.int32]:
+def _counting_sort(values: IntArray, n_values: int) -> IntArray:
     """Stable order of integers in [0, n_values), which a change of sparse storage finds."""
     n = len(values)
     one_a_row = csr_array((np.empty(n, dtype=np.int8), values, np.arange(n + 1, dtype=np.int32)), shape=(n, n_values))
     return one_a_row.tocsc().indices
 
 
-def edge_places(
-    edges: NDArray[np.integer], others: NDArray[np.integer], n_points: int
-) -> tuple[Ints, NDArray[np.bool_]]:
+def edge_places(edges: Indices, others: Indices, n_points: int) -> tuple[Ints, Bools]:
     """Places among other edges (m, 2) of edges (n, 2) in either direction, and whether each is there, both (n,)."""
     wanted, keys = (pairs.min(axis=1).astype(np.int64) * n_points + pairs.max(axis=1) for pairs in (edges, others))
     order = np.argsort(keys)

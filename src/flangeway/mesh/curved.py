@@ -4,7 +4,6 @@ from collections.abc import Iterable
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.errors import InputError, short
 from flangeway.geometry.contour import Contour
@@ -14,7 +13,7 @@ from flangeway.geometry.splines import Spline
 from flangeway.mesh.connectivity import entries_of, offsets_of
 from flangeway.mesh.edge_curves import EdgeCurves
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats, Indices, Ints
 
 Curves: TypeAlias = Contour | Spline | Region | Section | Iterable[Contour | Spline]
 """What has curves: an outline or open chain, a spline, a region, a section, or several of the first two."""
@@ -82,7 +81,7 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
     return PolyMesh(points, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets, table)
 
 
-def as_polylines(mesh: PolyMesh, pieces: int = PIECES, cells: NDArray[np.integer] | None = None) -> PolyMesh:
+def as_polylines(mesh: PolyMesh, pieces: int = PIECES, cells: Indices | None = None) -> PolyMesh:
     """Return the mesh, or some of its cells, with curved edges as straight ones between points of their curves.
 
     Behind its own points it has ``pieces - 1`` for each row of ``mesh.curves``, at equal steps of the parameter. Cells
@@ -114,7 +113,7 @@ def as_polylines(mesh: PolyMesh, pieces: int = PIECES, cells: NDArray[np.integer
     return PolyMesh(points, new_offsets, corners, mesh.cell_sets, edge_sets)
 
 
-def _points_between(mesh: PolyMesh, rows: Ints, starts: NDArray[np.integer], pieces: int) -> Ints:
+def _points_between(mesh: PolyMesh, rows: Ints, starts: Indices, pieces: int) -> Ints:
     """Numbers in `as_polylines` of the points inside the curved ones among edges (m, pieces - 1), in direction.
 
     - `rows`, `starts`: of all edges, the row in ``mesh.curves`` or -1 and the first point.

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.geometry.arrays import IntArray, cross_product
 from flangeway.geometry.placement import Placement
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Bools, Floats, Indices, Ints
 
 
 class Curve(Protocol):
@@ -94,7 +94,7 @@ class EdgeCurves:
             halves.append(EdgeCurves(pairs, self.curves, self.number[split], ends))
         return united([part for part in halves if part is not None])
 
-    def renumbered(self, numbers: NDArray[np.integer]) -> "EdgeCurves":
+    def renumbered(self, numbers: Indices) -> "EdgeCurves":
         """With other numbers of the points, given for the old ones."""
         return replace(self, pairs=numbers[self.pairs].astype(np.int32))
 

@@ -5,7 +5,6 @@ from weakref import WeakSet
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -16,7 +15,7 @@ from flangeway.mesh.curved import as_polylines
 from flangeway.mesh.insertion import corners_added
 from flangeway.mesh.meeting import TOUCHING, Meeting, meeting, touching_distance
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.types import Bools, Ints
+from flangeway.types import Bools, Indices, Ints
 
 FLAT = 1e-14  # area of a cell over the sum of its squared distances from its middle, up to which it counts as flat
 
@@ -347,7 +346,7 @@ def conforming(mesh: PolyMesh) -> PolyMesh:
     return whole
 
 
-def check_curved_cells(mesh: PolyMesh, cells: NDArray[np.integer], order: int) -> None:
+def check_curved_cells(mesh: PolyMesh, cells: Indices, order: int) -> None:
     """Refuse cells with curved edges that cross themselves, or are turned inside out; see `check`.
 
     - `cells`: cells with curved edges.

@@ -26,7 +26,7 @@ from flangeway.mesh.connectivity import (
     rows_reversed,
 )
 from flangeway.mesh.edge_curves import EdgeCurves, united
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Bools, Floats, Indices, Ints
 
 
 def _index_array(values: ArrayLike, name: str, upper: int) -> IntArray:
@@ -305,7 +305,7 @@ class PolyMesh:
             rows[self.edge_numbers(self.curves.pairs)] = np.arange(len(self.curves.pairs))
         return rows
 
-    def edge_middles(self, edges: NDArray[np.integer]) -> Floats:
+    def edge_middles(self, edges: Indices) -> Floats:
         """Middles (m, 2) of edges given by their numbers, on curved edges in the middle of the curve."""
         middles: Floats = self.points[self.edges[edges]].mean(axis=1)
         rows = self.curve_rows[edges]
@@ -342,7 +342,7 @@ class PolyMesh:
                 diameters[cells] = np.maximum(diameters[cells], squares)
         return _frozen(np.sqrt(diameters))
 
-    def polygons(self, cells: NDArray[np.integer]) -> NDArray[np.object_]:
+    def polygons(self, cells: Indices) -> NDArray[np.object_]:
         """Return cells (n,) as polygons of shapely, of which a curved edge is its chord."""
         entries, offsets = entries_of(self.cell_offsets, cells)
         closed = np.insert(entries, offsets[1:], entries[offsets[:-1]])
@@ -486,7 +486,7 @@ class PolyMesh:
             changes["curves"] = self.curves.transformed(placement)
         return self._changed(**changes)
 
-    def part(self, cells: NDArray[np.integer]) -> "PolyMesh":
+    def part(self, cells: Indices) -> "PolyMesh":
         """Return some cells with what is left of the sets and curves; edges to the other cells become boundary."""
         cells = np.unique(cells)
         entries, offsets = entries_of(self.cell_offsets, cells)

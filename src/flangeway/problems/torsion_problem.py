@@ -12,14 +12,13 @@ from typing import Literal
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import edge_rule, gauss_lobatto
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product
+from flangeway.geometry.arrays import IntArray, cross_product
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 from flangeway.types import Floats
@@ -40,8 +39,8 @@ class SectionBoundary:
     Edges around the parts of the section (m, 2), edges around each hole, and areas of the holes (n_holes,).
     """
 
-    outer: NDArray[np.int32]
-    holes: tuple[NDArray[np.int32], ...]
+    outer: IntArray
+    holes: tuple[IntArray, ...]
     hole_areas: Floats
 
 
