@@ -128,7 +128,7 @@ class Plate:
     def _traces(self, batch: CellBatch, normals: Floats, lengths: Floats) -> tuple[Floats, Floats]:
         """Value (q, v, n_local, e) and gradient (q, v, 2, n_local, e) at Gauss points of edges."""
         corners, n = batch.dofs, len(batch.dofs)
-        tangents = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
+        tangents = -batched.turned_right(normals)
         s = gauss(4)[0]
         hermite = np.array([1 - 3 * s**2 + 2 * s**3, s - 2 * s**2 + s**3, 3 * s**2 - 2 * s**3, s**3 - s**2])
         slopes = np.array([6 * s**2 - 6 * s, 1 - 4 * s + 3 * s**2, 6 * s - 6 * s**2, 3 * s**2 - 2 * s])
@@ -163,9 +163,8 @@ class Plate:
         frame, n, n_cells = principal_frame(vertices), len(vertices), vertices.shape[-1]
         along = np.roll(vertices, -1, axis=0) - vertices
         lengths = np.sqrt((along**2).sum(axis=1))
-        normals = np.stack((along[:, 1], -along[:, 0]), axis=1) / lengths[:, None]
-        determinant = frame.map[0, 0] * frame.map[1, 1] - frame.map[0, 1] * frame.map[1, 0]
-        moments = monomials.integrals(2 * k, frame.local(vertices), 1.0 / determinant)
+        normals = batched.turned_right(along) / lengths[:, None]
+        moments = monomials.integrals(2 * k, frame.local(vertices), 1.0 / frame.determinant)
         value, gradient = self._traces(batch, normals, lengths)
         s, weights = gauss(4)
         points = vertices + s[:, None, None, None] * along
@@ -191,9 +190,7 @@ class Plate:
         means -= np.einsum(
             "idae,de,ame->ime", slopes[:, :, 3:], moments[: slopes.shape[1]] / moments[0], projection[3:]
         )
-        (a, b), (c, d) = frame.map
-        transposed_inverse = np.array([[d, -c], [-b, a]]) / determinant
-        projection[1:3] = np.einsum("lie,ime->lme", transposed_inverse, means)
+        projection[1:3] = np.einsum("ile,ime->lme", frame.inverse, means)
         at_vertices = monomials.evaluate(k, frame.local(vertices))  # (a, v, e)
         projection[0, 0 : 3 * n : 3] = 1.0 / n
         projection[0] -= np.einsum("ae,ame->me", at_vertices[1:].mean(axis=1), projection[1:])

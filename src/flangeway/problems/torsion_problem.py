@@ -226,9 +226,7 @@ class Torsion:
 
     def _positions(self, frame: Frame) -> Floats:
         """Coordinates about `centre` as polynomials of degree 1 in cells' frames, (2, 3, n_cells)."""
-        a, b, c, d = frame.map[0, 0], frame.map[0, 1], frame.map[1, 0], frame.map[1, 1]
-        inverse = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
-        return np.concatenate(((frame.origin - self.centre[:, None])[:, None], inverse), axis=1)
+        return np.concatenate(((frame.origin - self.centre[:, None])[:, None], frame.inverse), axis=1)
 
     def cell_shear_stresses(self, batch: CellBatch, function: Floats) -> tuple[Reconstruction, Floats]:
         """Shear stresses inside cells for ``theta' = 1``, from the projection that is orthogonal in energy.
