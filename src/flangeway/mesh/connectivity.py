@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray
-from flangeway.types import Bools, Indices, Ints
+from flangeway.types import Bools, Floats, Indices, Ints
 
 
 def next_in_row(offsets: IntArray) -> Ints:
@@ -40,6 +41,20 @@ def entries_of(offsets: IntArray, rows: Indices) -> tuple[Ints, IntArray]:
     counts = np.diff(offsets)[rows]
     taken = offsets_of(counts)
     return np.arange(taken[-1]) + np.repeat(offsets[rows] - taken[:-1], counts), taken
+
+
+def places_among(kept: Indices, n: int) -> Ints:
+    """Return the place of each of n numbers among some of them, -1 where it is none, (n,)."""
+    places = np.full(n, -1, dtype=np.int64)
+    places[kept] = np.arange(len(kept))
+    return places
+
+
+def first_connected(pairs: Indices, n: int) -> Ints:
+    """Return for each of n numbers the lowest one that pairs (m, 2) connect it with, or itself, (n,)."""
+    links = coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n))
+    groups = connected_components(links, directed=False)[1]
+    return np.unique(groups, return_index=True)[1][groups]
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +111,14 @@ def edge_places(edges: Indices, others: Indices, n_points: int) -> tuple[Ints, B
     order = np.argsort(keys)
     places = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(order) - 1)]
     return places, keys[places] == wanted
+
+
+def shortest_edges(points: Floats, edges: Indices) -> Floats:
+    """Return the length of the shortest of some edges (m, 2) at each point, infinite where none is, (n_points,)."""
+    lengths = np.hypot(*(points[edges[:, 1]] - points[edges[:, 0]]).T)
+    shortest = np.full(len(points), np.inf)
+    np.minimum.at(shortest, edges, lengths[:, None])
+    return shortest
 
 
 def chain_starts(pairs: IntArray) -> Ints:

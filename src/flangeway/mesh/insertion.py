@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, as_points, cross_product, point_text
-from flangeway.mesh.connectivity import edge_places, offsets_of, ordered_pairs, row_numbers
+from flangeway.mesh.connectivity import edge_places, offsets_of, ordered_pairs, row_numbers, shortest_edges
 from flangeway.mesh.edge_curves import EdgeCurves, united
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints
@@ -313,23 +313,10 @@ def _opposite(
         pieces.append((some[which[order]], at[order], places[order]))
     which, at, places = (np.concatenate(column) for column in zip(*pieces, strict=True))
     nearest = pairs[at, (places > 0.5).astype(np.int64)].astype(np.int64)
-    shortest = np.full(len(points), np.inf)
-    for column in (0, 1):
-        np.minimum.at(shortest, pairs[:, column], lengths)
-    away = np.minimum(places, 1.0 - places) * lengths[at] / shortest[nearest]
+    away = np.minimum(places, 1.0 - places) * lengths[at] / shortest_edges(points, pairs)[nearest]
     return OppositePlaces(which.astype(np.int64), at, places, nearest, away)
 
 
 def _rows(mesh: PolyMesh, edges: Edges) -> Ints:
     """Rows of ``mesh.boundary_edges``."""
-    pairs = mesh.edge_set(edges) if isinstance(edges, str) else np.asarray(edges)
-    mesh.edge_numbers(pairs)  # refuses what is no edge
-    rows, known = edge_places(pairs, mesh.boundary_edges, mesh.n_points)
-    if not known.all():
-        a, b = pairs[int(np.argmin(known))]
-        raise InputError(
-            f"nodes on the edge ({a}, {b}) near {point_text(mesh.points[a])}, which is inside the body",
-            "edges of the boundary",
-            "choose among mesh.boundary_edges",
-        )
-    return rows
+    return mesh.boundary_rows(mesh.edge_set(edges) if isinstance(edges, str) else edges, "nodes on the edge")

@@ -11,7 +11,6 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-import scipy.sparse as sp
 
 from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, energy_stiffness, monomials
@@ -19,6 +18,7 @@ from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import edge_rule, gauss_lobatto
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray, cross_product
+from flangeway.mesh.connectivity import first_connected, next_in_row
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 from flangeway.types import Floats
@@ -49,8 +49,7 @@ def boundary_of(space: Space) -> SectionBoundary:
     mesh = space.mesh
     pairs = mesh.boundary_edges
     weights, shapes, slopes = edge_rule(space.order, space.order)
-    graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(mesh.n_points, mesh.n_points))
-    labels = sp.csgraph.connected_components(graph, directed=False)[1][pairs[:, 0]]
+    labels = first_connected(pairs, mesh.n_points)[pairs[:, 0]]
     outer, holes, areas = [], [], []
     for label in np.unique(labels):
         group = pairs[labels == label]
@@ -163,9 +162,7 @@ class Torsion:
     def _warping_load(self) -> Floats:
         """Integrals ``int G grad v . (y, -x)``, as ``G v (x dx + y dy)`` along the edges where G jumps."""
         mesh, space = self.space.mesh, self.space
-        following = np.arange(1, len(mesh.cell_points) + 1)
-        following[mesh.cell_offsets[1:] - 1] = mesh.cell_offsets[:-1]
-        sign = np.where(mesh.cell_points < mesh.cell_points[following], 1.0, -1.0)
+        sign = np.where(mesh.cell_points < mesh.cell_points[next_in_row(mesh.cell_offsets)], 1.0, -1.0)
         moduli = np.repeat(self.cell_moduli, mesh.cell_sizes)
         jumps = np.bincount(mesh.cell_edges, sign * moduli, minlength=mesh.n_edges)
         edges = np.flatnonzero(jumps)

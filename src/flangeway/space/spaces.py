@@ -108,7 +108,7 @@ class Space:
                 "give every cell set an element of the same order",
             )
         for element, cells in self._regions:
-            for n_vertices in np.unique(np.diff(self.mesh.cell_offsets)[cells]):
+            for n_vertices in np.unique(self.mesh.cell_sizes[cells]):
                 element.check_cells(int(n_vertices))
             if self._curved[cells].any() and not element.curved:
                 raise InputError(
@@ -200,7 +200,7 @@ class Space:
         result = np.ones(self.n_dofs)
         for element, cells in self._regions:
             if n_inner := element.n_interior():
-                one = self.mesh.points[self.mesh.cell_points[slice(*self.mesh.cell_offsets[cells[0] : cells[0] + 2])]]
+                one = self.mesh.points[self.mesh.corners(cells[0])]
                 inside = element.interior_dofs(one[:, :, None], one_everywhere, 0)
                 result[self._interior_offsets[cells][:, None] + np.arange(n_inner)] = inside[:, 0]
         for batch in self.batches() if self._curved.any() else ():
@@ -247,7 +247,7 @@ class Space:
     def batches(self) -> Iterator[CellBatch]:
         """Cells in groups of one element and one number of vertices, in a fixed order."""
         mesh = self.mesh
-        counts = np.diff(mesh.cell_offsets)
+        counts = mesh.cell_sizes
         for element, region in self._regions:
             for part in (region[~self._curved[region]], region[self._curved[region]]):
                 for n_vertices in np.unique(counts[part]):
