@@ -134,7 +134,7 @@ def cell_matrices(points: ArrayLike, order: int) -> CellMatrices:
 def _centroid_and_area(corners: Floats) -> tuple[Floats, float]:
     start = corners - corners[0]
     end = np.roll(start, -1, axis=0)
-    cross = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
-    area = float(cross.sum()) / 2.0
-    centroid: Floats = corners[0] + (start + end).T @ cross / (6.0 * area) if area else corners[0]
+    turns = monomials.cross(start, end)
+    area = float(turns.sum()) / 2.0
+    centroid: Floats = corners[0] + (start + end).T @ turns / (6.0 * area) if area else corners[0]
     return centroid, area

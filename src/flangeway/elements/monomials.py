@@ -28,6 +28,28 @@ class Frame:
         map_ = self.map
         return np.stack((map_[0, 0] * x + map_[0, 1] * y, map_[1, 0] * x + map_[1, 1] * y), axis=-2)
 
+    @property
+    def determinant(self) -> Floats:
+        """Area in local coordinates over that in space, signed, (n_cells,)."""
+        (a, b), (c, d) = self.map
+        return np.asarray(a * d - b * c)
+
+    @property
+    def inverse(self) -> Floats:
+        """Linear maps from local coordinates to space, (2, 2, n_cells)."""
+        (a, b), (c, d) = self.map
+        return np.array([[d, -b], [-c, a]]) / self.determinant
+
+
+def cross(first: Floats, second: Floats) -> Floats:
+    """Components out of the plane of cross products of vectors (n, 2, ...), shape (n, ...)."""
+    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+
+
+def turned_right(along: Floats) -> Floats:
+    """Vectors (n, 2, ...) turned clockwise by a right angle: outwards, of edges with their cell on the left."""
+    return np.stack((along[:, 1], -along[:, 0]), axis=1)
+
 
 def n_monomials(degree: int) -> int:
     """Dimension of the polynomials of two variables of a degree; 0 below degree 0."""
@@ -124,11 +146,11 @@ def integrals(degree: int, local_vertices: Floats, jacobian: Floats) -> Floats:
     """
     abscissae, weights = gauss(degree // 2 + 1)
     start, end = local_vertices, np.roll(local_vertices, -1, axis=0)
-    cross = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
+    turns = cross(start, end)
     total = np.zeros((n_monomials(degree), local_vertices.shape[-1]))
     for position, weight in zip(abscissae, weights, strict=True):
         values = evaluate(degree, start + position * (end - start))
-        total += weight * np.einsum("ave,ve->ae", values, cross)
+        total += weight * np.einsum("ave,ve->ae", values, turns)
     order = exponents(degree).sum(axis=1)
     return total * jacobian / (order + 2)[:, None]
 

@@ -7,7 +7,7 @@ import numpy as np
 from flangeway.checks import check_integer
 from flangeway.elements import monomials
 from flangeway.elements.monomials import n_monomials
-from flangeway.elements.projection import Polygons, principal_frame
+from flangeway.elements.projection import Polygons, edge_unknowns, principal_frame
 from flangeway.elements.quadrature import edge_shapes, gauss
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.elements.virtual import Virtual
@@ -182,9 +182,7 @@ def _free_motions(energetic: Reconstruction, m: int) -> Ints:
 def _in_frame(energetic: Reconstruction) -> Floats:
     """Coefficients of the gradient by local coordinates, shape as `Reconstruction.gradient`."""
     # grad_x = map^T grad_xi
-    (a, b), (c, d) = energetic.frame.map
-    inverse = np.array([[d, -c], [-b, a]]) / (a * d - b * c)
-    return np.einsum("ije,ajne->aine", inverse, energetic.gradient)
+    return np.einsum("jie,ajne->aine", energetic.frame.inverse, energetic.gradient)
 
 
 def _moments(cells: Polygons, plain: Reconstruction, degree: int) -> Floats:
@@ -207,7 +205,5 @@ def _moments(cells: Polygons, plain: Reconstruction, degree: int) -> Floats:
     for edge in range(n_vertices):
         points = cells.local[edge] + places[:, None, None] * along[edge]
         traces = np.einsum("aqe,q,qn->ane", monomials.evaluate(degree, points), weights, shapes)
-        inside = n_vertices + edge * (order - 1) + np.arange(order - 1)
-        local = np.concatenate(([edge], inside, [(edge + 1) % n_vertices]))
-        result[:, :, local] += traces[:, None] * cells.normals[edge][None, :, None]
+        result[:, :, edge_unknowns(edge, n_vertices, order)] += traces[:, None] * cells.normals[edge][None, :, None]
     return result

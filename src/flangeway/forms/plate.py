@@ -99,7 +99,7 @@ class Plate:
         along /= np.linalg.norm(along, axis=1, keepdims=True)
         before, after = np.tile([1.0, 0.0], (2, self.mesh.n_points, 1))
         before[edges[:, 1]], after[edges[:, 0]] = along, along
-        corner = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) > CORNER
+        corner = np.abs(monomials.cross(before, after)) > CORNER
         back = (before * after).sum(axis=1) < 0.0  # around the end of a slit
         tangent = before + np.where(back[:, None], -after, after)
         tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
@@ -163,9 +163,8 @@ class Plate:
         frame, n, n_cells = principal_frame(vertices), len(vertices), vertices.shape[-1]
         along = np.roll(vertices, -1, axis=0) - vertices
         lengths = np.sqrt((along**2).sum(axis=1))
-        normals = np.stack((along[:, 1], -along[:, 0]), axis=1) / lengths[:, None]
-        determinant = frame.map[0, 0] * frame.map[1, 1] - frame.map[0, 1] * frame.map[1, 0]
-        moments = monomials.integrals(2 * k, frame.local(vertices), 1.0 / determinant)
+        normals = monomials.turned_right(along) / lengths[:, None]
+        moments = monomials.integrals(2 * k, frame.local(vertices), 1.0 / frame.determinant)
         value, gradient = self._traces(batch, normals, lengths)
         s, weights = gauss(4)
         points = vertices + s[:, None, None, None] * along
@@ -191,9 +190,7 @@ class Plate:
         means -= np.einsum(
             "idae,de,ame->ime", slopes[:, :, 3:], moments[: slopes.shape[1]] / moments[0], projection[3:]
         )
-        (a, b), (c, d) = frame.map
-        transposed_inverse = np.array([[d, -c], [-b, a]]) / determinant
-        projection[1:3] = np.einsum("lie,ime->lme", transposed_inverse, means)
+        projection[1:3] = np.einsum("ile,ime->lme", frame.inverse, means)
         at_vertices = monomials.evaluate(k, frame.local(vertices))  # (a, v, e)
         projection[0, 0 : 3 * n : 3] = 1.0 / n
         projection[0] -= np.einsum("ae,ame->me", at_vertices[1:].mean(axis=1), projection[1:])

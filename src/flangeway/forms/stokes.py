@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from flangeway.checks import check_integer, check_positive
 from flangeway.elements import Function, Virtual, batched, monomials
 from flangeway.elements.monomials import Frame, exponents, index, n_monomials
-from flangeway.elements.projection import Polygons, principal_frame
+from flangeway.elements.projection import Polygons, edge_unknowns, principal_frame
 from flangeway.elements.quadrature import edge_shapes, gauss
 from flangeway.errors import InputError
 from flangeway.forms.assembled import load
@@ -75,10 +75,8 @@ def _flux(order: int, cells: Polygons) -> Floats:
     on_edges = np.einsum("avqe,q,qs->avse", at, weights, shapes)
     with_normals = np.einsum("avse,vje->jvsae", on_edges, cells.normals)
     flux = np.zeros((2, cells.n_boundary, *at.shape[::3]))
-    for vertex in range(n_vertices):
-        inner = n_vertices + vertex * (order - 1) + np.arange(order - 1)
-        for place, node in enumerate((vertex, *inner, (vertex + 1) % n_vertices)):
-            flux[:, node] += with_normals[:, vertex, place]
+    for edge in range(n_vertices):
+        flux[:, edge_unknowns(edge, n_vertices, order)] += with_normals[:, edge]
     return flux
 
 
@@ -110,15 +108,12 @@ def divergence_free(order: int, vertices: Floats) -> DivergenceFree:
     on_perp = np.zeros((n_low, n_local, n_cells))
     on_perp[np.arange(n_perp), n_values + n_div + np.arange(n_perp)] = h
 
-    (a, b), (c, d) = frame.map
-    inverse = np.array([[d, -b], [-c, a]]) / (a * d - b * c)  # of the map
-
     def vector_moments(degree: int) -> Floats:
         """``int v_i m_d``, (n_d, 2, n_local, n_cells): e_i = A^T (A^-T e_i) and the decomposition in the frame."""
         n, n_gradients = n_monomials(degree), n_monomials(degree + 1) - 1
         parts = np.concatenate((on_gradients[1 : n_gradients + 1], on_perp[: n_monomials(degree - 1)]))
         in_frame = np.einsum("rd,rme->dme", _decomposition(degree), parts).reshape(2, n, n_local, n_cells)
-        return np.einsum("ije,jdme->dime", inverse, in_frame)
+        return np.einsum("ije,jdme->dime", frame.inverse, in_frame)
 
     # int d_j v_i m_b = -int v_i d_j m_b + int_boundary v_i n_j m_b
     slopes = np.einsum("lje,ldb->jdbe", frame.map, monomials.derivatives(k - 1))

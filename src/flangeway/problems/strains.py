@@ -8,6 +8,7 @@ import numpy as np
 from flangeway.elements import Reconstruction, batched, monomials
 from flangeway.elements.monomials import exponents, index, n_monomials
 from flangeway.elements.polygon_quadrature import edge_points
+from flangeway.elements.projection import edge_normals, edge_unknowns
 from flangeway.elements.quadrature import edge_rule, gauss
 from flangeway.space import CellBatch
 from flangeway.types import Floats
@@ -95,9 +96,7 @@ def _about_axis(batch: CellBatch, reconstruction: Reconstruction) -> StrainOpera
 
 def _radius(reconstruction: Reconstruction) -> Floats:
     """Coefficients of x as a polynomial of degree 1 in the local coordinates, shape (3, n_cells)."""
-    (a, b), (c, d) = reconstruction.frame.map
-    determinant = a * d - b * c
-    return np.stack((reconstruction.frame.origin[0], d / determinant, -b / determinant))
+    return np.stack((reconstruction.frame.origin[0], *reconstruction.frame.inverse[0]))
 
 
 def _times_radius(moments: Floats, degree: int, radius: Floats) -> Floats:
@@ -116,8 +115,7 @@ def _boundary_moments(batch: CellBatch, reconstruction: Reconstruction) -> Float
     # degree k of r, k - 1 of the normal, k of the trace, and k - 1 times k of the monomials
     n_points = (order * (order + 2) + 1) // 2 if curved else order + 1
     places, (weights, shapes, slopes) = gauss(n_points)[0], edge_rule(order, n_points)
-    along = np.roll(vertices, -1, axis=0) - vertices
-    normals = np.stack((along[:, 1], -along[:, 0]), axis=1)
+    along, normals = np.roll(vertices, -1, axis=0) - vertices, edge_normals(vertices)
     result = np.zeros((n_monomials(order - 1), 2, reconstruction.n_local, n_cells))
     for edge in range(n_vertices):
         points = vertices[edge] + places[:, None, None] * along[edge]
@@ -131,7 +129,5 @@ def _boundary_moments(batch: CellBatch, reconstruction: Reconstruction) -> Float
         else:
             traces = np.einsum("aqe,qe,q,qn->ane", values, points[:, 0], weights, shapes)
             traces = traces[:, None] * normals[edge][None, :, None]
-        inner = n_vertices + edge * (order - 1) + np.arange(order - 1)
-        local = np.concatenate(([edge], inner, [(edge + 1) % n_vertices]))
-        result[:, :, local] += traces
+        result[:, :, edge_unknowns(edge, n_vertices, order)] += traces
     return result
