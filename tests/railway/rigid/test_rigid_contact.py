@@ -8,12 +8,14 @@ import pytest
 from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, Contour, Line
-from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.geometry import Arc, Contour, Line, Outline
+from flangeway.railway.profiles.bundled import RailProfile, rail, wheel
 from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidSide
 from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 
 HALF_DISTANCE, RADIUS, CONE = 750.0, 460.0, math.atan(1.0 / 20.0)
 
@@ -34,6 +36,25 @@ def round_rail(radius):
 def cones_on_round_rails(radius):
     side = RigidSide(cone(), round_rail(radius))
     return RigidGeometry(side, side, RADIUS)
+
+
+def test_a_sharp_corner_of_a_rail_is_touched_with_the_angle_of_the_wheel():
+    """A flat head with faces of 60 degrees and no rounding between: forces in equilibrium under L/V 0.1."""
+    x, y = np.array(
+        [[-70.0, 70.0, 70.0, 40.0, 30.0, -30.0, -40.0, -70.0], [0.0, 0.0, 140.0, 150.0, 167.32, 167.32, 150.0, 140.0]]
+    )
+    points = list(zip(x.tolist(), y.tolist(), strict=True))
+    names = ["base", "side", "shoulder", "field", "top", "gauge", "shoulder", "side"]
+    outline = Outline.from_segments([Line(*ends) for ends in zip(points, [*points[1:], points[0]], strict=True)], names)
+    track = Track(RailProfile("corners", outline, ("gauge", "top", "field"), ("base",), "", ""), 1435.0)
+    geometry = RigidGeometry.of(track, Wheelset(wheel("S1002"), 1360.0, 488.0))
+    position = rigid_equilibrium(geometry, WheelsetLoad(2e5, 2e4)).reached()
+    assert np.sum([point.force_on_wheel_N for point in position.contacts], axis=0) == pytest.approx(
+        (-2e4, 2e5), abs=20.0
+    )
+    for point in position.contacts:
+        assert point.rail_point_mm == pytest.approx((-30.0, 167.32), abs=1e-6)
+        assert 0.1 < point.contact_angle_rad < 0.5
 
 
 @pytest.fixture(scope="module")

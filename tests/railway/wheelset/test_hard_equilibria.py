@@ -8,12 +8,15 @@ import pytest
 
 from benchmarks.standing import MAX_FORCE, checks, combinations, stand
 from flangeway.contact.rolling.friction import Friction
+from flangeway.railway.profiles.bundled import rail
+from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.railway.wheelset.equilibrium import Reach, loads_of
 from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
-from flangeway.railway.wheelset.spatial_result import solve_position
+from flangeway.railway.wheelset.spatial_result import solve_position, solve_spatial
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.whole_sections import whole_sections
 from tests.railway.wheelset.conftest import coarse_case
 
 
@@ -74,6 +77,23 @@ def test_an_upright_gauge_face_is_touched_beyond_the_rigid_range():
     assert normals[1] == pytest.approx((-1.0, 0.0), abs=1e-4)
     # the flat sides of the head are equally long: both faces end at one depth across the rail's own axis
     assert points[0, 1] - points[1, 1] == pytest.approx(0.05 * np.ptp(points[:, 0]), rel=1e-2)
+
+
+def test_sections_of_wheels_on_heads_that_are_worn_flat(tmp_path):
+    """Normals of a corner sharper than the overlap cross below the wheel's surface: its cells keep their order."""
+    points = rail("60E1").running_surface.sampled(spacing=0.25)
+    points = points - [0.0, points[:, 1].max()]
+    path = tmp_path / "flat.ban"
+    path.write_text(write_miniprof(np.minimum(points, [np.inf, -5.0]), "rail", "flat"), encoding="utf-8")
+    case = coarse_case(rail=str(path), wheel="S1002", lateral_force_kN=5.0, axle_load_kN=200)
+    found = solve_spatial(case.problem(), case.spatial_model())
+    assert found.status.converged
+    for patch in found.patches:
+        section = whole_sections(found, "wheel")[patch.side]
+        greatest = int(np.nanargmax(section.stresses.von_mises))
+        at = section.positions[section.mesh.cell_points[greatest]]
+        assert np.linalg.norm(at[:2] - patch.centre_mm[:2]) < 3.0
+        assert section.displacement[:, 1].max() > 0.05
 
 
 @pytest.mark.ci
