@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from inspect import signature
 from numbers import Integral, Real
+from types import UnionType
 from typing import Any
 
 import numpy as np
@@ -89,6 +90,32 @@ def check_positive(
     if number <= 0.0:
         raise refused(owner, name, value, allowed, advice)
     return number
+
+
+def check_between(
+    owner: str,
+    name: str,
+    value: object,
+    low: float,
+    high: float = math.inf,
+    allowed: str = "",
+    advice: str = "correct the value",
+) -> float:
+    """Return a number from `low` to `high`, both allowed; see `check_finite`. Without `allowed` the message gives them.
+
+    An `InputError` if it is none.
+    """
+    allowed = allowed or f"{low:g}{' or more' if high == math.inf else f' to {high:g}'}"
+    number = check_finite(owner, name, value, allowed, advice)
+    if not low <= number <= high:
+        raise refused(owner, name, value, allowed, advice)
+    return number
+
+
+def check_kind(owner: str, name: str, value: object, kinds: type | UnionType, allowed: str, advice: str) -> None:
+    """Raise an `InputError` if a value is of another type than those that a function takes."""
+    if not isinstance(value, kinds):
+        raise refused(owner, name, value, allowed, advice)
 
 
 def check_tolerance(owner: str, value: object) -> float:

@@ -6,15 +6,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import shakedown_limits
+from flangeway.materials import Elastic
 from flangeway.railway.damage.evolution import EvolutionSettings
 from flangeway.railway.damage.rolling_fatigue import DangVan, surface_fatigue_index, t_gamma_damage
 from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
-from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, EnergyLaw, OwnLaw, UsfdLaw
-from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, EnergyLaw, OwnLaw, PerPatch, UsfdLaw
+from flangeway.railway.damage.worn_surface import WornSurface
+from flangeway.railway.profiles.bundled import bundled_section, rail, wheel
+from flangeway.railway.profiles.joining import joined, on_plain_body
+from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
 from flangeway.railway.profiles.smoothing import smoothed
-from flangeway.railway.rigid.conicity import RollingRadiusDifference, conicity_by_regression, equivalent_conicity
+from flangeway.railway.rigid.conicity import (
+    RollingRadiusDifference,
+    conicity_by_regression,
+    equivalent_conicity,
+    read_rolling_radius_difference,
+)
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.railway.track.placements import Track, Wheelset
 from flangeway.railway.track.wheelset_load import WheelsetLoad, superelevation_angle
@@ -27,12 +37,29 @@ CIRCLE = 30.0 * np.column_stack((np.cos(np.linspace(0.2, 2.9, 100)), np.sin(np.l
 CELL = CellLoads(np.ones((1, 1)), np.ones((1, 1, 2)), np.ones((1, 1, 2)), np.ones((1, 1)), 20.0)
 
 
+STEEL = Elastic(210e3, 0.3)
+
+
 def disc(**wrong):
     return whole_wheel(wheel("S1002"), 460.0, WheelDisc(**wrong))
 
 
 WRONG = {
+    "read_profile(path=None)": lambda: read_profile(None),
+    "options='mm'": lambda: read_profile("wheel.whl", "mm"),
+    "tape_mm='70'": lambda: ReadOptions(tape_mm="70"),
+    "position='5'": lambda: ReadOptions(position="5"),
+    "joined(measured=None)": lambda: joined(None, "60E1"),
+    "on_plain_body(measured='S1002')": lambda: on_plain_body("S1002"),
+    "a section called None": lambda: bundled_section(None),
+    "read_rolling_radius_difference(path=3)": lambda: read_rolling_radius_difference(3),
+    "WornSurface(new='S1002')": lambda: WornSurface("S1002"),
+    "OwnLaw(function=None)": lambda: OwnLaw(None, "mm/mm"),
+    "OwnLaw(unit=['mm/mm'])": lambda: OwnLaw(np.zeros_like, ["mm/mm"]),
+    "PerPatch(law=None)": lambda: PerPatch(None),
+    "RollingContact(friction=0.3)": lambda: RollingContact.under_hertz((6.0, 4.0), 1e5, (8, 8), 0.3, (STEEL, STEEL)),
     "gauge_mm": lambda: Track(rail(), gauge_mm=0.0),
+    "below the head of the right rail": lambda: Track(rail("60E1"), gauge_depth_mm=90.0).placement("right"),
     "rail_inclination": lambda: Track(rail(), rail_inclination=40.0),
     "back_to_back_mm": lambda: Wheelset(wheel(), back_to_back_mm=-1.0),
     "centre_of_gravity_height_mm": lambda: Wheelset(wheel(), centre_of_gravity_height_mm=math.nan),
@@ -83,6 +110,7 @@ WRONG = {
     "CellLoads(slips)": lambda: replace(CELL, slips="fast"),
     "wheel 'None'": lambda: wheel(None),
     "k=0": lambda: ArchardLaw(2700.0, 0.0),
+    "without unit": lambda: ArchardLaw(2700.0, 5.5),
     "level": lambda: ArchardLaw(2700.0, level=2.0),
     "unit": lambda: EnergyLaw(0.02, "mm3"),
     "branch": lambda: UsfdLaw("smooth"),

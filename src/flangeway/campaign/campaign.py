@@ -15,6 +15,7 @@ from flangeway.cases.case import RunnableCase, Table, require_known
 from flangeway.cases.case_file import CASE_FILES, is_case_file, read_case, resolved
 from flangeway.cases.case_identity import bodies_key, case_content, hash_of
 from flangeway.errors import InputError, located, short
+from flangeway.system.file_content import path_of
 from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.system.versions import versions
 from flangeway.units import Units, us_key
@@ -123,7 +124,7 @@ class Campaign:
         InputError
             If anything in it is wrong; the message names file, key, value, what is allowed and what to do.
         """
-        return _CampaignText.read(Path(path)).campaign(units)
+        return _CampaignText.read(path_of("Campaign.from_file", path)).campaign(units)
 
     @property
     def units(self) -> Units:

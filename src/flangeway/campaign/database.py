@@ -21,6 +21,7 @@ from flangeway.campaign.columns import (
 from flangeway.errors import InputError, MissingLibraryError
 from flangeway.railway.track.placements import SIDES
 from flangeway.results import Result, ResultTable
+from flangeway.system.file_content import path_of
 from flangeway.system.operating_system import lock_file
 from flangeway.system.versions import versions
 from flangeway.types import Floats
@@ -335,7 +336,7 @@ def results(database: str | Path) -> CampaignTable:
     InputError
         If it is not there, or not the file of a campaign.
     """
-    path = Path(database)
+    path = path_of("results", database)
     if not path.is_file():
         raise InputError(f"database {path}, which is not there", "the file of a campaign", "run the campaign first")
     try:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.elements import monomials
+from flangeway.elements import batched, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.polygon_quadrature import edge_points
 from flangeway.elements.projection import Polygons, principal_frame
@@ -32,18 +32,15 @@ class CurvedPolygons(Polygons):
     def of_outline(cls, outline: Floats, frame: Frame) -> "CurvedPolygons":
         """Cells with counter-clockwise edges."""
         order, local = outline.shape[1], frame.local(outline)
-        determinant = frame.map[0, 0] * frame.map[1, 1] - frame.map[0, 1] * frame.map[1, 0]
         # homogeneous functions again (see `monomials.integrals`), of degree 2 k on edges of degree k
         weights, shapes, slopes = edge_rule(order, order * (order + 1))
         nodes = edge_points(local)
         points, along = np.einsum("qj,vjie->vqie", shapes, nodes), np.einsum("qj,vjie->vqie", slopes, nodes)
-        cross = (points[:, :, 0] * along[:, :, 1] - points[:, :, 1] * along[:, :, 0]) * weights[:, None]
-        moments = np.einsum("avqe,vqe->ae", monomials.evaluate(2 * order, points), cross)
-        moments /= (monomials.exponents(2 * order).sum(axis=1) + 2)[:, None] * determinant
-        inverse = np.array([[frame.map[1, 1], -frame.map[0, 1]], [-frame.map[1, 0], frame.map[0, 0]]]) / determinant
-        ends = np.einsum("ije,vje->vie", inverse, np.roll(local[:, 0], -1, axis=0) - local[:, 0])
-        normals = np.stack((ends[:, 1], -ends[:, 0]), axis=1)
-        return cls(order, frame, local[:, 0], normals, moments, local)
+        areas = batched.cross(points, along) * weights[:, None]
+        moments = np.einsum("avqe,vqe->ae", monomials.evaluate(2 * order, points), areas)
+        moments /= (monomials.exponents(2 * order).sum(axis=1) + 2)[:, None] * frame.determinant
+        ends = np.einsum("ije,vje->vie", frame.inverse, np.roll(local[:, 0], -1, axis=0) - local[:, 0])
+        return cls(order, frame, local[:, 0], batched.turned_right(ends), moments, local)
 
     def boundary_values(self) -> Floats:
         """See `Polygons.boundary_values`."""
@@ -59,10 +56,8 @@ class CurvedPolygons(Polygons):
         values = monomials.evaluate(order - 1, np.einsum("qj,vjie->vqie", shapes, nodes))
         # normals times lengths are the cofactors of the frame's inverse times local ones
         along = np.einsum("qj,vjie->vqie", slopes, nodes)
-        map_ = self.frame.map
-        determinant = map_[0, 0] * map_[1, 1] - map_[0, 1] * map_[1, 0]
-        local = np.stack((along[:, :, 1], -along[:, :, 0]))
-        normals = np.einsum("jie,jvqe->ivqe", map_ / determinant, local)
+        cofactors = self.frame.map / self.frame.determinant
+        normals = np.einsum("jie,vqje->ivqe", cofactors, batched.turned_right(along))
         n_edges, n_low = len(nodes), n_monomials(order - 1)
         products = (values[:, None] * normals).transpose(0, 1, 2, 4, 3) @ (weights[:, None] * shapes)
         traces = products.transpose(0, 1, 2, 4, 3)  # (n_low, 2, n_edges, order + 1, n_cells)

@@ -6,15 +6,16 @@ virtual element method", section 3, with another frame).
 """
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 
+from flangeway.elements.batched import cross
 from flangeway.elements.quadrature import gauss
 from flangeway.types import Floats, Ints
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Frame:
     """Local coordinates of a batch of cells: ``xi = map @ (x - origin)``."""
 
@@ -27,6 +28,17 @@ class Frame:
         x, y = shifted[..., 0, :], shifted[..., 1, :]
         map_ = self.map
         return np.stack((map_[0, 0] * x + map_[0, 1] * y, map_[1, 0] * x + map_[1, 1] * y), axis=-2)
+
+    @property
+    def determinant(self) -> Floats:
+        """Signed area in local coordinates per area in space, (n_cells,)."""
+        return cross(*self.map)
+
+    @cached_property
+    def inverse(self) -> Floats:
+        """Linear maps from local coordinates to space, (2, 2, n_cells)."""
+        (a, b), (c, d) = self.map
+        return np.array([[d, -b], [-c, a]]) / self.determinant
 
 
 def n_monomials(degree: int) -> int:
@@ -124,11 +136,11 @@ def integrals(degree: int, local_vertices: Floats, jacobian: Floats) -> Floats:
     """
     abscissae, weights = gauss(degree // 2 + 1)
     start, end = local_vertices, np.roll(local_vertices, -1, axis=0)
-    cross = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
+    areas = cross(start, end)
     total = np.zeros((n_monomials(degree), local_vertices.shape[-1]))
     for position, weight in zip(abscissae, weights, strict=True):
         values = evaluate(degree, start + position * (end - start))
-        total += weight * np.einsum("ave,ve->ae", values, cross)
+        total += weight * np.einsum("ave,ve->ae", values, areas)
     order = exponents(degree).sum(axis=1)
     return total * jacobian / (order + 2)[:, None]
 

@@ -25,10 +25,8 @@ class Polygons:
     def of(cls, vertices: Floats, order: int, frame: Frame) -> "Polygons":
         """Polygons with counter-clockwise vertices (n_vertices, 2, n_cells)."""
         local = frame.local(vertices)
-        along = np.roll(vertices, -1, axis=0) - vertices
-        normals = np.stack((along[:, 1], -along[:, 0]), axis=1)
-        determinant = frame.map[0, 0] * frame.map[1, 1] - frame.map[0, 1] * frame.map[1, 0]
-        moments = monomials.integrals(2 * order, local, 1.0 / determinant)
+        normals = batched.turned_right(np.roll(vertices, -1, axis=0) - vertices)
+        moments = monomials.integrals(2 * order, local, 1.0 / frame.determinant)
         return cls(order, frame, local, normals, moments)
 
     @property
@@ -174,11 +172,11 @@ def principal_frame(vertices: Floats) -> Frame:
     base = vertices[0]
     start = vertices - base
     end = np.roll(start, -1, axis=0)
-    cross = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
+    cross = batched.cross(start, end)
     area = cross.sum(axis=0) / 2.0
     centroid = np.einsum("vie,ve->ie", start + end, cross) / (6.0 * area)
     start, end = start - centroid, end - centroid
-    cross = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
+    cross = batched.cross(start, end)
     total = start + end
     second = np.einsum("vie,vje,ve->ije", total, total, cross)
     second += np.einsum("vie,vje,ve->ije", start, start, cross)

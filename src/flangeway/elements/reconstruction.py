@@ -166,9 +166,7 @@ class Reconstruction:
 
     def coordinate_dofs(self) -> Floats:
         """Degrees of freedom of the coordinates x and y about the cells' origins, (n_local, 2, n_cells)."""
-        (a, b), (c, d) = self.frame.map
-        inverse = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
-        return np.einsum("iae,xae->ixe", self.monomial_dofs[:, 1:3], inverse)
+        return np.einsum("iae,xae->ixe", self.monomial_dofs[:, 1:3], self.frame.inverse)
 
     def at(self, points: Floats) -> Floats:
         """Values of the monomials of degree k at points (..., 2, n_cells), shape (n, ..., n_cells)."""

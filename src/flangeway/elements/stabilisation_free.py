@@ -8,7 +8,7 @@ from flangeway.checks import check_integer
 from flangeway.elements import monomials
 from flangeway.elements.monomials import n_monomials
 from flangeway.elements.projection import Polygons, principal_frame
-from flangeway.elements.quadrature import edge_shapes, gauss
+from flangeway.elements.quadrature import edge_shapes, edge_unknowns, gauss
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.elements.virtual import Virtual
 from flangeway.errors import InputError
@@ -182,9 +182,7 @@ def _free_motions(energetic: Reconstruction, m: int) -> Ints:
 def _in_frame(energetic: Reconstruction) -> Floats:
     """Coefficients of the gradient by local coordinates, shape as `Reconstruction.gradient`."""
     # grad_x = map^T grad_xi
-    (a, b), (c, d) = energetic.frame.map
-    inverse = np.array([[d, -c], [-b, a]]) / (a * d - b * c)
-    return np.einsum("ije,ajne->aine", inverse, energetic.gradient)
+    return np.einsum("jie,ajne->aine", energetic.frame.inverse, energetic.gradient)
 
 
 def _moments(cells: Polygons, plain: Reconstruction, degree: int) -> Floats:
@@ -204,10 +202,8 @@ def _moments(cells: Polygons, plain: Reconstruction, degree: int) -> Floats:
     places, weights = gauss((order + degree) // 2 + 1)
     shapes = edge_shapes(order, places)
     along = np.roll(cells.local, -1, axis=0) - cells.local
-    for edge in range(n_vertices):
+    for edge, local in enumerate(edge_unknowns(order, n_vertices)):
         points = cells.local[edge] + places[:, None, None] * along[edge]
         traces = np.einsum("aqe,q,qn->ane", monomials.evaluate(degree, points), weights, shapes)
-        inside = n_vertices + edge * (order - 1) + np.arange(order - 1)
-        local = np.concatenate(([edge], inside, [(edge + 1) % n_vertices]))
         result[:, :, local] += traces[:, None] * cells.normals[edge][None, :, None]
     return result

@@ -16,13 +16,13 @@ from functools import cache
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import check_integer, check_positive
 from flangeway.elements import Function, Virtual, batched, monomials
 from flangeway.elements.monomials import Frame, exponents, index, n_monomials
 from flangeway.elements.projection import Polygons, principal_frame
-from flangeway.elements.quadrature import edge_shapes, gauss
+from flangeway.elements.quadrature import edge_shapes, edge_unknowns, gauss
 from flangeway.errors import InputError
 from flangeway.forms.assembled import load
 from flangeway.forms.weak import scattered
@@ -30,7 +30,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.solve.factor import Factor
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import at_points, cell_quadrature, function_of
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Indices, Ints
 
 HIGHEST_ORDER = 6
 """Monomials are not orthogonalised here: above, too many digits go."""
@@ -69,16 +69,14 @@ def _flux(order: int, cells: Polygons) -> Floats:
     By Gauss points, exact to degree 2 k + 1.
     """
     abscissae, weights = gauss(order + 1)
-    shapes, n_vertices = edge_shapes(order, abscissae), len(cells.local)
+    shapes = edge_shapes(order, abscissae)
     along = np.roll(cells.local, -1, axis=0) - cells.local
     at = monomials.evaluate(order + 1, cells.local[:, None] + abscissae[:, None, None] * along[:, None])
     on_edges = np.einsum("avqe,q,qs->avse", at, weights, shapes)
     with_normals = np.einsum("avse,vje->jvsae", on_edges, cells.normals)
     flux = np.zeros((2, cells.n_boundary, *at.shape[::3]))
-    for vertex in range(n_vertices):
-        inner = n_vertices + vertex * (order - 1) + np.arange(order - 1)
-        for place, node in enumerate((vertex, *inner, (vertex + 1) % n_vertices)):
-            flux[:, node] += with_normals[:, vertex, place]
+    for edge, unknowns in enumerate(edge_unknowns(order, len(cells.local))):
+        flux[:, unknowns] += with_normals[:, edge]
     return flux
 
 
@@ -110,15 +108,12 @@ def divergence_free(order: int, vertices: Floats) -> DivergenceFree:
     on_perp = np.zeros((n_low, n_local, n_cells))
     on_perp[np.arange(n_perp), n_values + n_div + np.arange(n_perp)] = h
 
-    (a, b), (c, d) = frame.map
-    inverse = np.array([[d, -b], [-c, a]]) / (a * d - b * c)  # of the map
-
     def vector_moments(degree: int) -> Floats:
         """``int v_i m_d``, (n_d, 2, n_local, n_cells): e_i = A^T (A^-T e_i) and the decomposition in the frame."""
         n, n_gradients = n_monomials(degree), n_monomials(degree + 1) - 1
         parts = np.concatenate((on_gradients[1 : n_gradients + 1], on_perp[: n_monomials(degree - 1)]))
         in_frame = np.einsum("rd,rme->dme", _decomposition(degree), parts).reshape(2, n, n_local, n_cells)
-        return np.einsum("ije,jdme->dime", inverse, in_frame)
+        return np.einsum("ije,jdme->dime", frame.inverse, in_frame)
 
     # int d_j v_i m_b = -int v_i d_j m_b + int_boundary v_i n_j m_b
     slopes = np.einsum("lje,ldb->jdbe", frame.map, monomials.derivatives(k - 1))
@@ -222,7 +217,7 @@ def stokes(
     viscosity: float = 1.0,
     bulk_modulus: float = np.inf,
     velocity: Function | ArrayLike = (0.0, 0.0),
-    held: NDArray[np.integer] | Bools | None = None,
+    held: Indices | Bools | None = None,
     tractions: dict[str, Function | ArrayLike] | None = None,
 ) -> StokesSolution:
     """Solve ``-div(2 mu eps(u) - p I) = f`` with ``div u = -p / K``.
@@ -295,7 +290,7 @@ def stokes(
     return StokesSolution(space, solution[: 2 * n_nodes].reshape(-1, 2), inside, solution[first:].reshape(-1, n_low))
 
 
-_Part = tuple[CellBatch, DivergenceFree, NDArray[np.int64], NDArray[np.int64]]
+_Part = tuple[CellBatch, DivergenceFree, Ints, Ints]
 
 
 def _parts(space: Space) -> Iterator[_Part]:

@@ -1,7 +1,8 @@
 """Array types, the one check that all points given by a user pass, and how messages write a point."""
 
 import math
-from typing import TypeAlias
+from collections.abc import Iterator, Sequence
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +14,7 @@ from flangeway.types import Floats, Ints
 FloatArray: TypeAlias = Floats
 IntArray: TypeAlias = NDArray[np.int32]
 Point: TypeAlias = tuple[float, float]
+Item = TypeVar("Item")
 
 
 def as_points(values: ArrayLike, name: str = "points") -> Floats:
@@ -51,6 +53,11 @@ def as_point(value: ArrayLike, name: str = "point") -> Point:
     if len(points) != 1:
         raise InputError(f"{name}: {len(points)} points", "one point (x, y)", "give a single point")
     return float(points[0, 0]), float(points[0, 1])
+
+
+def sides_of(ring: Sequence[Item]) -> Iterator[tuple[Item, Item]]:
+    """Each item of a closed ring and the one after it, the last and the first at the end."""
+    return zip(ring, [*ring[1:], *ring[:1]], strict=True)
 
 
 def point_text(point: Point | Floats) -> str:

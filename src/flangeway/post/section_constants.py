@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.checks import is_finite, refused
+from flangeway.checks import check_between
 from flangeway.elements import Lagrange
 from flangeway.problems import Torsion
 from flangeway.solve import TorsionSolution, solve_torsion
@@ -96,8 +96,7 @@ def section_constants(
     InputError
         If the input of `Torsion` is wrong or Poisson's ratio out of range.
     """
-    if not (is_finite(poisson) and 0.0 <= poisson <= 0.5):
-        raise refused("section_constants", "poisson", poisson, "0 to 0.5", "leave 0 for Trefftz's shear centre")
+    check_between("section_constants", "poisson", poisson, 0.0, 0.5, advice="leave 0 for Trefftz's shear centre")
     warping = solve_torsion(Torsion(space, shear_modulus, "warping"))
     prandtl = solve_torsion(Torsion(space, shear_modulus, "prandtl"))
     problem = warping.problem

@@ -11,15 +11,14 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import edge_rule, gauss_lobatto
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product
+from flangeway.geometry.arrays import IntArray, cross_product
+from flangeway.mesh.connectivity import first_connected, next_in_row
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 from flangeway.types import Floats
@@ -40,8 +39,8 @@ class SectionBoundary:
     Edges around the parts of the section (m, 2), edges around each hole, and areas of the holes (n_holes,).
     """
 
-    outer: NDArray[np.int32]
-    holes: tuple[NDArray[np.int32], ...]
+    outer: IntArray
+    holes: tuple[IntArray, ...]
     hole_areas: Floats
 
 
@@ -50,8 +49,7 @@ def boundary_of(space: Space) -> SectionBoundary:
     mesh = space.mesh
     pairs = mesh.boundary_edges
     weights, shapes, slopes = edge_rule(space.order, space.order)
-    graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(mesh.n_points, mesh.n_points))
-    labels = sp.csgraph.connected_components(graph, directed=False)[1][pairs[:, 0]]
+    labels = first_connected(pairs, mesh.n_points)[pairs[:, 0]]
     outer, holes, areas = [], [], []
     for label in np.unique(labels):
         group = pairs[labels == label]
@@ -164,9 +162,7 @@ class Torsion:
     def _warping_load(self) -> Floats:
         """Integrals ``int G grad v . (y, -x)``, as ``G v (x dx + y dy)`` along the edges where G jumps."""
         mesh, space = self.space.mesh, self.space
-        following = np.arange(1, len(mesh.cell_points) + 1)
-        following[mesh.cell_offsets[1:] - 1] = mesh.cell_offsets[:-1]
-        sign = np.where(mesh.cell_points < mesh.cell_points[following], 1.0, -1.0)
+        sign = np.where(mesh.cell_points < mesh.cell_points[next_in_row(mesh.cell_offsets)], 1.0, -1.0)
         moduli = np.repeat(self.cell_moduli, mesh.cell_sizes)
         jumps = np.bincount(mesh.cell_edges, sign * moduli, minlength=mesh.n_edges)
         edges = np.flatnonzero(jumps)
@@ -227,9 +223,7 @@ class Torsion:
 
     def _positions(self, frame: Frame) -> Floats:
         """Coordinates about `centre` as polynomials of degree 1 in cells' frames, (2, 3, n_cells)."""
-        a, b, c, d = frame.map[0, 0], frame.map[0, 1], frame.map[1, 0], frame.map[1, 1]
-        inverse = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
-        return np.concatenate(((frame.origin - self.centre[:, None])[:, None], inverse), axis=1)
+        return np.concatenate(((frame.origin - self.centre[:, None])[:, None], frame.inverse), axis=1)
 
     def cell_shear_stresses(self, batch: CellBatch, function: Floats) -> tuple[Reconstruction, Floats]:
         """Shear stresses inside cells for ``theta' = 1``, from the projection that is orthogonal in energy.

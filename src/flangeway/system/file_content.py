@@ -7,11 +7,13 @@ import stat
 import tomllib
 from collections.abc import Sequence
 from importlib.resources import files
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from flangeway.checks import check_kind
 from flangeway.errors import InputError, located
 from flangeway.types import Floats
 
@@ -26,6 +28,12 @@ def is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):
         return False
+
+
+def path_of(owner: str, path: object) -> Path:
+    """Return the path of a file that a user of Python names; an `InputError` if it is neither a text nor a path."""
+    check_kind(owner, "path", path, str | PathLike, "the name of a file", "give a text or a path")
+    return Path(path)  # type: ignore[arg-type]
 
 
 def limited_bytes(file: Path, limit: int) -> tuple[int, bytes]:

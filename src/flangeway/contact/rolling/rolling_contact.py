@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.checks import are_finite, as_numbers, check_integer, check_positive, refused
+from flangeway.checks import are_finite, as_numbers, check_integer, check_kind, check_positive, refused
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
 from flangeway.contact.patch.patch_contact import CHANGE, PatchContact
 from flangeway.contact.patch.patch_grid import PatchGrid
@@ -70,6 +70,8 @@ class RollingContact:
 
     def __post_init__(self) -> None:
         shape = len(self.grid.widths), self.grid.n_strips
+        advice = "give Friction(0.3) for a coefficient of 0.3"
+        check_kind("RollingContact", "friction", self.friction, Friction, "Friction(...)", advice)
         pressures = as_numbers("pressures", self.pressures)
         if pressures.shape != shape or not np.isfinite(pressures).all() or pressures.min() < 0.0 or not pressures.any():
             raise InputError(

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.checks import check_finite, check_positive
+from flangeway.checks import check_between, check_positive
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import Collective, SurfaceKey
 from flangeway.railway.damage.profile_limits import LIMITS, check_limits, reached, worn_measures
@@ -79,8 +79,7 @@ class EvolutionSettings:
             check_positive("EvolutionSettings", name, getattr(self, name))
         if self.axles_per_km is not None:
             check_positive("EvolutionSettings", "axles_per_km", self.axles_per_km)
-        if not check_finite("EvolutionSettings", "filter_mm", self.filter_mm) >= 0.0:
-            raise InputError(f"EvolutionSettings(filter_mm={self.filter_mm})", "a length >= 0", "0 filters nothing")
+        check_between("EvolutionSettings", "filter_mm", self.filter_mm, 0.0, advice="0 filters nothing")
         check_limits(self.limits)
 
 

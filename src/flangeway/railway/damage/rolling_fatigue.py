@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.checks import are_finite, as_numbers, check_finite, check_positive
+from flangeway.checks import are_finite, as_numbers, check_between, check_finite, check_positive
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import shakedown_limits
 from flangeway.types import Floats
@@ -115,8 +115,7 @@ class DangVan:
         check_positive(
             "DangVan", "limit_MPa", self.limit_MPa, "a fatigue limit > 0", "give that of alternating torsion"
         )
-        if not check_finite("DangVan", "slope", self.slope) >= 0.0:
-            raise InputError(f"DangVan(slope={self.slope})", "a slope >= 0", "give 3 limit / bending limit - 1.5")
+        check_between("DangVan", "slope", self.slope, 0.0, advice="give 3 limit / bending limit - 1.5")
 
     def of(self, histories: Floats, residual: Floats | None = None) -> "DangVanStress":
         """Equivalent stress of histories.

@@ -25,7 +25,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from flangeway.checks import check_finite, check_integer, check_positive
+from flangeway.checks import check_between, check_finite, check_integer, check_positive, refused
 from flangeway.errors import InputError
 from flangeway.exact import LineContact
 from flangeway.types import Floats
@@ -74,10 +74,9 @@ class RollingSteel:
             "RollingSteel", "shear_yield_MPa", self.shear_yield_MPa, "k > 0", "give the yield strength / 1.732"
         )
         check_positive("RollingSteel", "young_MPa", self.young_MPa)
-        if not check_finite("RollingSteel", "hardening_MPa", self.hardening_MPa) >= 0.0:
-            raise InputError(f"RollingSteel(hardening_MPa={self.hardening_MPa})", "C >= 0", "0: perfectly plastic")
+        check_between("RollingSteel", "hardening_MPa", self.hardening_MPa, 0.0, advice="0: perfectly plastic")
         if not 0.0 <= check_finite("RollingSteel", "poisson", self.poisson) < 0.5:
-            raise InputError(f"RollingSteel(poisson={self.poisson})", "0 <= nu < 0.5", "steel has 0.3")
+            raise refused("RollingSteel", "poisson", self.poisson, "0 <= nu < 0.5", "steel has 0.3")
 
     @property
     def shear_modulus(self) -> float:
@@ -146,8 +145,7 @@ class RollingLine:
         if check_positive("RollingLine", "depth", self.depth) > FAR / 2.0:
             raise InputError(f"RollingLine(depth={self.depth:g})", f"up to {FAR / 2.0:g} half widths", "1.25 is usual")
         check_integer("RollingLine", "cells", self.cells, 4, 20)
-        if not abs(check_finite("RollingLine", "friction", self.friction)) <= 1.0:
-            raise InputError(f"RollingLine(friction={self.friction})", "-1 to 1", "give tangential over normal force")
+        check_between("RollingLine", "friction", self.friction, -1.0, 1.0, advice="give tangential over normal force")
 
     @cached_property
     def _x(self) -> Floats:

@@ -20,11 +20,11 @@ depends on the load: say which.
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal, Protocol
+from typing import ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 
-from flangeway.checks import as_numbers, check_finite, check_positive
+from flangeway.checks import as_numbers, check_between, check_finite, check_kind, check_positive, refused
 from flangeway.errors import InputError
 from flangeway.types import Floats
 
@@ -145,6 +145,7 @@ class CellLoads:
         )
 
 
+@runtime_checkable
 class WearLaw(Protocol):
     """A law of wear: its name with the way it is evaluated, and its rate."""
 
@@ -192,8 +193,7 @@ class ArchardLaw:
                 raise InputError(
                     f"ArchardLaw(k={self.k:g})", allowed, "steel has 1e-4 to 4e-2; a dimensional one is k/H"
                 )
-        if not 0.0 <= self.level <= 1.0:
-            raise InputError(f"ArchardLaw(level={self.level})", "0 to 1", "give 0.5 for the middle of the ranges of k")
+        check_between("ArchardLaw", "level", self.level, 0.0, 1.0, advice="give 0.5 for the middle of the ranges of k")
 
     @property
     def name(self) -> str:
@@ -288,6 +288,9 @@ class OwnLaw:
     title: str = "own law"
 
     def __post_init__(self) -> None:
+        if not callable(self.function):
+            advice = "give a function of pressures, slips and tractions"
+            raise refused("OwnLaw", "function", self.function, "a function that returns the rate", advice)
         _check_unit("OwnLaw", self.unit, RATE_UNITS)
 
     @property
@@ -313,6 +316,9 @@ class PerPatch:
 
     law: WearLaw
 
+    def __post_init__(self) -> None:
+        check_kind("PerPatch", "law", self.law, WearLaw, "a wear law", "give one such as UsfdLaw()")
+
     @property
     def name(self) -> str:
         """See `WearLaw`."""
@@ -326,5 +332,5 @@ class PerPatch:
 
 
 def _check_unit(owner: str, unit: str, allowed: Collection[str]) -> None:
-    if unit not in allowed:
+    if unit not in [*allowed]:  # a list of them is no unit, but has no place in a mapping either
         raise InputError(f"{owner}(unit={unit!r})", ", ".join(allowed), "give the unit of the constant")

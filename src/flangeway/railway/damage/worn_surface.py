@@ -15,7 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
-from flangeway.checks import as_numbers, check_positive
+from flangeway.checks import as_numbers, check_between, check_kind
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline, Placement, Segment
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
@@ -70,9 +70,9 @@ class WornSurface:
     spacing_mm: float = SPACING_MM
 
     def __post_init__(self) -> None:
-        low, high = SPACINGS_MM
-        if not low <= check_positive("WornSurface", "spacing_mm", self.spacing_mm, advice="leave it out") <= high:
-            raise InputError(f"WornSurface(spacing_mm={self.spacing_mm})", f"{low:g} to {high:g} mm", "leave it out")
+        advice = "give what rail(...) or wheel(...) returns"
+        check_kind("WornSurface", "new", self.new, Profile, "the profile of a wheel or a rail", advice)
+        check_between("WornSurface", "spacing_mm", self.spacing_mm, *SPACINGS_MM, advice="leave it out")
         depth = as_numbers("WornSurface(depth)", self.depth).copy()
         if not depth.size:
             depth = np.zeros(len(self.bounds) - 1)

@@ -381,12 +381,8 @@ def bundled_section(name: str) -> DrawnSection:
     """
     key = bundled_name(name)
     if key not in SECTIONS:
-        near = difflib.get_close_matches(name.upper(), SECTIONS, n=1, cutoff=0.75)
-        raise InputError(
-            f"a section called {name!r}",
-            f"{', '.join(SECTIONS)}, or a file that ends with .toml, .csv or .dxf",
-            f"did you mean {near[0]}?" if near else "give one of these names or a file",
-        )
+        known = f"{', '.join(SECTIONS)}, or a file that ends with .toml, .csv or .dxf"
+        raise InputError(f"a section called {name!r}", known, _advice("section", key, [*SECTIONS]))
     rail_name, radius = SECTIONS[key]
     profile = rail(rail_name, crown_radius_in=radius)
     return DrawnSection(profile.title, Section({"section": Region(profile.outline)}), "mm", certainty=profile.certainty)

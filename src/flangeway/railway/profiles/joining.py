@@ -17,6 +17,7 @@ from functools import partial
 
 import numpy as np
 
+from flangeway.checks import check_kind
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, FloatArray, Line, Outline, Placement, Point, Segment
 from flangeway.railway.profiles.bundled import (
@@ -132,6 +133,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     InputError
         If the name is unknown or of the other kind, the file holds a whole outline, or the surface does not fit.
     """
+    _refuse_unread("joined", measured)
     nominal = nominal_profile(name)
     kind: Kind = "rail" if isinstance(nominal, RailProfile) else "wheel"
     if measured.kind != kind:
@@ -161,6 +163,12 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     base = nominal.base_names if isinstance(nominal, RailProfile) else ()
     profile = _with_body(measured, shift, (title, outline, running, base), (certainty, source, notices))
     return Joined(profile, nominal, surface, joints)
+
+
+def _refuse_unread(owner: str, measured: object) -> None:
+    check_kind(
+        owner, "measured", measured, MeasuredProfile, "a profile that was read", "give what read_profile returns"
+    )
 
 
 def _with_body(
@@ -356,6 +364,7 @@ def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     beyond the surface if that is more. For profiles different from all bundled ones: the stresses beside the contact
     are those of the block. An `InputError` if it is no running surface, or the faces meet it.
     """
+    _refuse_unread("on_plain_body", measured)
     surface, is_rail = measured.surface, measured.kind == "rail"
     if isinstance(surface, Outline):
         raise InputError(f"a plain body for {measured.title}", "a running surface", "leave it out")

@@ -270,7 +270,7 @@ def _tape(raw: RawProfile, tape_mm: float | None, from_back: bool, how: dict[str
 
 
 def _numbers(origin: str | None) -> tuple[float, float] | None:
-    parts = (origin or "").split(",")
+    parts = str(origin or "").split(",")
     try:
         x, y = (float(part) for part in parts)
     except ValueError:

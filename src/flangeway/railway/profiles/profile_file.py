@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flangeway.checks import check_kind, is_number, refused
 from flangeway.errors import InputError, located
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Segment, as_point
@@ -28,7 +29,7 @@ from flangeway.railway.profiles.measures import left_hand, seen_back_mm, worn_si
 from flangeway.railway.profiles.orientation import Orientation, agreed_unit, orientation
 from flangeway.railway.profiles.profile_checks import checked_points, refuse_length
 from flangeway.railway.profiles.smoothing import USUAL_WAVELENGTH_MM, Smoothing, smoothed
-from flangeway.system.file_content import file_content
+from flangeway.system.file_content import file_content, path_of
 
 FORMATS = {
     ".ban": "MiniProf",
@@ -94,6 +95,12 @@ class ReadOptions:
     smooth_mm: float | None = None
     limit_um: float | None = None
     position: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("tape_mm", "smooth_mm", "limit_um", "position"):
+            value = getattr(self, name)
+            if not (value is None or is_number(value)):
+                raise refused("ReadOptions", name, value, "a number", "leave it out, or give a number")
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +170,8 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
     InputError
         If the file cannot be read, is no profile, or the meaning of its numbers is missing; the message names the line.
     """
-    file, given = Path(path), options or ReadOptions()
+    file, given = path_of("read_profile", path), options or ReadOptions()
+    check_kind("read_profile", "options", given, ReadOptions, "ReadOptions(...)", "leave it out")
     ending = file.suffix.lower()
     if ending not in READABLE:
         raise InputError(

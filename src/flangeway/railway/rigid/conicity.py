@@ -23,7 +23,7 @@ from flangeway.errors import InputError
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.railway.profiles.formats.two_column import read_two_column
 from flangeway.railway.rigid.rigid_locus import ContactLocus
-from flangeway.system.file_content import file_content
+from flangeway.system.file_content import file_content, path_of
 from flangeway.types import Floats
 
 REFERENCE_AMPLITUDE_MM = 3.0  # amplitude for which one number is usually given
@@ -140,7 +140,7 @@ def read_rolling_radius_difference(file: str | Path, unit: str | None = None) ->
     - `unit`: unit of both columns, one of `flangeway.formats.UNITS`; by default what the file
       says in a comment such as ``# unit: mm`` or in the names of its columns such as ``y_mm, delta_r_mm``.
     """
-    path = Path(file)
+    path = path_of("read_rolling_radius_difference", file)
     try:
         text = file_content(path, "a rolling radius difference").decode("utf-8-sig", "replace")
         table = read_two_column(text, _COLUMNS, "two numbers, lateral displacement and rolling radius difference")

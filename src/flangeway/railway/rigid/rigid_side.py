@@ -25,6 +25,7 @@ _CHUNK = 128
 _FIRST_MARGIN_MM = 0.2  # by which a sample may be lower than the highest one and yet touch first
 _SAME_MM = 1e-6
 _ARC_TOLERANCE_MM = 1e-12
+_CORNER_RAD = 1e-6  # difference of the angles of wheel and rail where they touch, above which one has a corner
 
 
 class Touches(NamedTuple):
@@ -213,7 +214,12 @@ class RigidSide:
         cosine, sine = np.cos(roll), np.sin(roll)
         rail = self.rail.over(lateral + cosine * wheel.x - sine * wheel.y)
         lift = rail.y - (sine * wheel.x + cosine * wheel.y)
-        return Touches(lift, arc, rail.x, rail.y, rail.angle, wheel.curvature - rail.curvature)
+        # a corner of the rail has all angles between those of its sides, and is touched with that of the wheel
+        angle, of_wheel = rail.angle.copy(), wheel.angle + roll
+        corner = np.flatnonzero(np.abs(angle - of_wheel) > _CORNER_RAD)
+        beside = [self.rail.over(rail.x[corner] + step).angle for step in (_SAME_MM, -_SAME_MM)]
+        angle[corner] = np.clip(of_wheel[corner], *np.sort(beside, axis=0))
+        return Touches(lift, arc, rail.x, rail.y, angle, wheel.curvature - rail.curvature)
 
     def close_arcs(self, lateral: float, roll: float, lift: float, gap_mm: float) -> Floats:
         """Lengths along the wheel, from first to last, at which it is over the rail by less than a gap, (n,).

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from flangeway.checks import check_finite, check_positive, is_finite, refused
+from flangeway.checks import check_between, check_finite, check_positive
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
@@ -110,10 +110,7 @@ class Track:
     def __post_init__(self) -> None:
         check_positive("Track", "gauge_mm", self.gauge_mm, "a positive length", "give it in mm")
         _require_positive("Track", gauge_depth_mm=self.gauge_depth_mm)
-        if not (is_finite(self.rail_inclination) and abs(self.rail_inclination) <= 0.2):
-            raise refused(
-                "Track", "rail_inclination", self.rail_inclination, "a slope between -0.2 and 0.2", "give 1:40 as 0.025"
-            )
+        check_between("Track", "rail_inclination", self.rail_inclination, -0.2, 0.2, advice="give 1:40 as 0.025")
 
     @property
     def is_symmetric(self) -> bool:

@@ -97,13 +97,13 @@ def _cut(result: SpatialResult, side: Side, role: Role, whole: SurfaceCells) -> 
     state = result.equilibrium.state.sides[side]
     grid, surfaces, z = state.grid.grid, state.grid.surfaces, float(centre[2])
     loaded = state.forces.any(axis=1)
-    ends = grid.cells[loaded].ravel()
-    own = np.diff(ends, prepend=-np.inf) > JOINED * grid.strip
-    bounds, rows, forces = ends[own], np.cumsum(own)[::2] - 1, _on_wheel(result, side)[loaded]
+    ends, forces = grid.cells[loaded].ravel(), _on_wheel(result, side)[loaded]
     if role == "wheel":
-        pose, frame = state.pose, surfaces.wheel_frame
-        hits = wheel_gap(surfaces.wheel, pose.middle, pose.axis, *surfaces.rail_points(bounds), np.array([z]))
-        bounds, rows = surfaces.wheel_at(hits.along[:, 0])[::-1], len(bounds) - 2 - rows
+        pose, frame, forces = state.pose, surfaces.wheel_frame, forces[::-1]
+        hits = wheel_gap(surfaces.wheel, pose.middle, pose.axis, *surfaces.rail_points(ends), np.array([z]))
+        # normals of a corner sharper than the overlap is deep cross before they meet the wheel, where points of both
+        # bodies follow each other in the same order all the same
+        ends = np.sort(surfaces.wheel_at(hits.along[:, 0]))
         origin = np.append(pose.middle, 0.0)
         inward = origin - centre
         inward -= (inward @ pose.axis) * pose.axis
@@ -111,11 +111,13 @@ def _cut(result: SpatialResult, side: Side, role: Role, whole: SurfaceCells) -> 
         axes = np.stack((pose.axis, inward, np.cross(pose.axis, inward)), axis=1)
     else:
         frame, origin, axes, forces = surfaces.rail_frame, np.array([0.0, 0.0, z]), np.eye(3), -forces
+    own = np.diff(ends, prepend=-np.inf) > JOINED * grid.strip
+    cells = SurfaceCells(whole.problem, whole.edges, ends[own])
+    rows = np.minimum(np.cumsum(own)[::2], cells.n_cells) - 1
     turn = axes.copy()
     turn[:, :2] = axes[:, :2] @ frame.matrix
-    cells = SurfaceCells(whole.problem, whole.edges, bounds)
     on_cells = np.zeros((cells.n_cells, 3, len(grid.planes)))
-    on_cells[rows] = np.einsum("nai,nzi->naz", cells.frames[rows], forces @ turn)
+    np.add.at(on_cells, rows, np.einsum("nai,nzi->naz", cells.frames[rows], forces @ turn))
     return _Cut(side, z, frame, origin, axes, turn, StripForces(cells, on_cells, z - grid.z, grid.strip))
 
 
