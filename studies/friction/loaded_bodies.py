@@ -29,6 +29,7 @@ from flangeway.contact.enforcement import Enforcement
 from flangeway.contact.pairs import Pairing
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.geometry import Placement
+from flangeway.geometry.arrays import cross_product
 from flangeway.materials import Elastic, Hypothesis
 from flangeway.mesh import PolyMesh, rectangle_grid
 from flangeway.post import reactions
@@ -180,7 +181,7 @@ def _walls(solved: Solved) -> Iterator[Row]:
     at_nodes = field.problem.load_vector()[: len(wall.body.nodes)]
     places = moved.points(wall.body.nodes + field.displacements[: len(wall.body.nodes)])
     loads = moved.vectors(at_nodes)
-    moment = (places[:, 0] * loads[:, 1] - places[:, 1] * loads[:, 0]).sum()
+    moment = cross_product(places, loads).sum()
     centre = -moment / weight
     given = "Wall on soil", "under weight and water"
     x, y, turning = found.resultants[0, 0].tolist()

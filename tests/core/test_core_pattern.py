@@ -72,31 +72,23 @@ def test_the_arrays_outlive_the_pattern_and_cannot_be_written():
         indices[0] = 1
 
 
-@pytest.mark.parametrize(
-    ("n_dofs", "batch", "message"),
-    [
-        (2, np.array([[0], [2]], dtype=np.int32), r"cell 0: unknown 2 is outside of 0\.\.2"),
-        (2, np.array([[0], [1]]), r"int32 of shape .* got int64"),
-        (2, np.zeros((2, 6), dtype=np.int32)[:, ::2], "contiguous"),
-    ],
-)
-def test_wrong_cells_are_refused(n_dofs, batch, message):
-    """A wrong number, dtype, dimension or memory order raises a ValueError that names it."""
-    with pytest.raises(ValueError, match=message):
-        Pattern(n_dofs, [batch])
+def two_unknowns(cells=((0,), (1,)), dtype=np.int32):
+    return Pattern(2, [np.array(cells, dtype=dtype)])
 
 
 @pytest.mark.parametrize(
-    ("matrices", "message"),
+    ("make", "message"),
     [
-        ([], "one array for each of the 1 batches, got 0"),
-        ([np.zeros((2, 2, 2))], r"shape \(2, 2, 1\), got float64 of shape \[2, 2, 2\]"),
-        ([np.zeros((2, 2, 2))[:, :, :1]], "contiguous"),
-        ([np.full((2, 2, 1), np.nan)], "finite"),
+        (lambda: two_unknowns([[0], [2]]), r"cell 0: unknown 2 is outside of 0\.\.2"),
+        (lambda: two_unknowns(dtype=np.int64), r"int32 of shape .* got int64"),
+        (lambda: Pattern(2, [np.zeros((2, 6), dtype=np.int32)[:, ::2]]), "contiguous"),
+        (lambda: two_unknowns().scatter([]), "one array for each of the 1 batches, got 0"),
+        (lambda: two_unknowns().scatter([np.zeros((2, 2, 2))]), r"\(2, 2, 1\), got float64 of shape \[2, 2, 2\]"),
+        (lambda: two_unknowns().scatter([np.zeros((2, 2, 2))[:, :, :1]]), "contiguous"),
+        (lambda: two_unknowns().scatter([np.full((2, 2, 1), np.nan)]), "finite"),
     ],
 )
-def test_wrong_matrices_are_refused(matrices, message):
-    """A wrong count, shape, dtype or memory order and a NaN raise a ValueError that names it."""
-    pattern = Pattern(2, [np.array([[0], [1]], dtype=np.int32)])
+def test_wrong_cells_and_matrices_are_refused(make, message):
+    """A wrong number, count, dtype, shape or memory order and a NaN raise a ValueError that names it."""
     with pytest.raises(ValueError, match=message):
-        pattern.scatter(matrices)
+        make()

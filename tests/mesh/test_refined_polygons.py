@@ -188,20 +188,27 @@ def test_points_on_arcs_make_the_area_converge(kind):
     assert np.pi - straight.cell_areas.sum() > 100 * missing[-1]
 
 
+SQUARES = rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals")
+
+
 @pytest.mark.parametrize(
-    ("cells", "options", "word"),
+    ("make", "word"),
     [
-        ([9], {}, "cell numbers from 0"),
-        ([-1], {}, "cell numbers from 0"),
-        ([0.5], {}, "float64"),
-        ([True], {}, "bool"),
-        ([0], {"most_hanging": 0}, "1 or more"),
+        (lambda: refined(SQUARES, [9]), "cell numbers from 0"),
+        (lambda: refined(SQUARES, [-1]), "cell numbers from 0"),
+        (lambda: refined(SQUARES, [0.5]), "float64"),
+        (lambda: refined(SQUARES, [True]), "bool"),
+        (lambda: refined(SQUARES, [0], most_hanging=0), "1 or more"),
+        (lambda: doerfler_marking([-1.0], 0.5), "zero or more"),
+        (lambda: doerfler_marking([np.nan], 0.5), "finite"),
+        (lambda: doerfler_marking([], 0.5), "one number"),
+        (lambda: doerfler_marking([1.0], 0.0), "above 0"),
     ],
 )
-def test_wrong_cells_to_refine_are_refused(cells, options, word):
-    """Numbers out of range, numbers that are none, masks of another length, and a limit of zero are refused."""
+def test_wrong_cells_limits_errors_and_shares_are_refused(make, word):
+    """Numbers out of range or that are none, masks of another length, a limit of zero, negative and missing errors."""
     with pytest.raises(InputError, match=word):
-        refined(rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals"), cells, **options)
+        make()
 
 
 @given(
@@ -217,13 +224,3 @@ def test_marking_takes_the_fewest_cells_that_hold_the_share(errors, share):
         return
     assert squares[marked].sum() >= share * squares.sum() * (1.0 - 1e-9)
     assert squares[marked].sum() - squares[marked].min() < share * squares.sum()
-
-
-@pytest.mark.parametrize(
-    ("errors", "share", "word"),
-    [([-1.0], 0.5, "zero or more"), ([np.nan], 0.5, "finite"), ([], 0.5, "one number"), ([1.0], 0.0, "above 0")],
-)
-def test_wrong_marking_is_refused(errors, share, word):
-    """Negative, missing and infinite errors, and shares out of range are refused."""
-    with pytest.raises(InputError, match=word):
-        doerfler_marking(errors, share)

@@ -85,12 +85,6 @@ def test_holes_have_the_body_on_their_outside():
     assert 0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) == pytest.approx(-0.16 * math.pi, rel=0.1)
 
 
-def test_holes_that_make_no_region_are_refused():
-    """They are refused as by `Region`, whose tests have all cases."""
-    with pytest.raises(InputError, match="keep apart"):
-        triangulate(square(4.0), size=0.3, holes=[circle(0.5), circle(0.5, (0.7, 0.0))])
-
-
 def test_a_callers_gmsh_is_left_as_it_was():
     """Within a caller's Gmsh the mesh is the same; his model, options and handlers stay."""
     alone = triangulate(HALF_DISC, size=0.2)
@@ -139,18 +133,24 @@ def test_gmsh_is_imported_only_when_it_is_needed():
     assert run.stdout.split() == ["False", "False"]
 
 
-@pytest.mark.parametrize("size", [0.0, -1.0, math.nan, math.inf, 1.01, 1e-5])
-def test_sizes_that_make_no_mesh_are_refused(size):
-    """Zero, negative, NaN, larger than the body, and far too small sizes are refused quickly."""
-    with pytest.raises(InputError, match="size"):
-        triangulate(square(1.0), size=size)
+def near(points=((0.0, 0.0),), size=0.1, growth=0.1):
+    return Refinement(points, size, growth)
 
 
-@pytest.mark.parametrize("wrong", [{"size": 0.0}, {"growth": 0.0}, {"points": np.zeros((0, 2))}])
-def test_wrong_refinements_are_refused(wrong):
-    """A refinement without size, growth or points is refused."""
-    with pytest.raises(InputError):
-        Refinement(**{"points": [(0.0, 0.0)], "size": 0.1, "growth": 0.1, **wrong})
+@pytest.mark.parametrize(
+    ("make", "word"),
+    [
+        *((lambda s=s: triangulate(square(1.0), size=s), "size") for s in (0.0, -1.0, math.nan, math.inf, 1.01, 1e-5)),
+        (lambda: near(size=0.0), "size"),
+        (lambda: near(growth=0.0), "growth"),
+        (lambda: near(points=np.zeros((0, 2))), "point"),
+        (lambda: triangulate(square(4.0), size=0.3, holes=[circle(0.5), circle(0.5, (0.7, 0.0))]), "keep apart"),
+    ],
+)
+def test_what_makes_no_mesh_is_refused(make, word):
+    """Sizes that are none, larger than the body or far too small, quickly; wrong refinements; holes as by `Region`."""
+    with pytest.raises(InputError, match=word):
+        make()
 
 
 @pytest.mark.parametrize("scale", [1e-4, 1e5])

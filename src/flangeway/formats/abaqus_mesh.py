@@ -9,6 +9,7 @@ import numpy as np
 
 from flangeway.errors import MAX_LETTERS_OF_VALUE, InputError, short
 from flangeway.formats.mesh_repair import DrawnMesh
+from flangeway.geometry.arrays import sides_of
 
 _PLANE = re.compile(r"(?:CPE|CPS|CAX|CPEG|CGAX|M3D|S|STRI|R3D)(3|4|6|8|9|65)(?:[A-Z0-9]*)$")
 _LINES = {"T2D2": 2, "T2D3": 3, "T3D2": 2, "T3D3": 3, "B21": 2, "B22": 3, "B31": 2, "B32": 3, "R2D2": 2, "RAX2": 2}
@@ -259,7 +260,7 @@ def _faces(model: _Model, where: str, face: str) -> list[list[int]]:
         return [[cell[first], cell[(first + 1) % len(cell)]] for cell in cells if first < len(cell)]
     count: dict[tuple[int, int], list[int]] = {}
     for cell in cells:
-        for a, b in zip(cell, cell[1:] + cell[:1], strict=True):
+        for a, b in sides_of(cell):
             count.setdefault((min(a, b), max(a, b)), []).append(a)
     return [list(pair) for pair, found in count.items() if len(found) == 1]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from flangeway.checks import is_finite
 from flangeway.errors import InputError, located, short
-from flangeway.geometry.arrays import Point, point_text
+from flangeway.geometry.arrays import Point, point_text, sides_of
 from flangeway.geometry.contour import JOINT_TOLERANCE, _joined
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Section, nested_regions
@@ -128,18 +128,14 @@ class DrawnSegment:
 
 def drawn_polygon(points: Sequence[Point]) -> list[DrawnSegment]:
     """Return the sides ``side_1`` and so on, from each point to the next and from the last to the first."""
-    ends = zip(points, [*points[1:], points[0]], strict=True)
-    return [DrawnSegment(a, b, name=f"side_{number}") for number, (a, b) in enumerate(ends, 1)]
+    return [DrawnSegment(a, b, name=f"side_{number}") for number, (a, b) in enumerate(sides_of(points), 1)]
 
 
 def drawn_circle(centre: Point, radius: float, name: str = "circle") -> list[DrawnSegment]:
     """Return a circle of four arcs, counter-clockwise."""
     x, y = centre
     ends = [(x + radius, y), (x, y + radius), (x - radius, y), (x, y - radius)]
-    return [
-        DrawnSegment(a, b, centre, counter_clockwise=True, name=name)
-        for a, b in zip(ends, ends[1:] + ends[:1], strict=True)
-    ]
+    return [DrawnSegment(a, b, centre, counter_clockwise=True, name=name) for a, b in sides_of(ends)]
 
 
 def repaired_outline(

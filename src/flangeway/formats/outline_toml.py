@@ -16,7 +16,7 @@ from flangeway.formats.drawn_section import (
     drawn_circle,
     repaired_outline,
 )
-from flangeway.geometry.arrays import Point, point_text
+from flangeway.geometry.arrays import Point, cross_product, point_text
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.section_shapes import rounded_sides
@@ -221,7 +221,7 @@ def _refuse_unknown(table: Mapping[str, Any], known: Sequence[str], what: str) -
 def through_arc(start: Point, middle: Point, end: Point, name: str, what: str) -> DrawnSegment:
     """Return the arc from `start` through `middle` to `end`; points on one line are an `InputError`."""
     a, b = np.subtract(middle, start), np.subtract(end, start)
-    cross = float(a[0] * b[1] - a[1] * b[0])
+    cross = float(cross_product(a, b))
     if not abs(cross) > 1e-9 * float(np.hypot(*a) * np.hypot(*b)):
         raise InputError(
             f"{what}: an arc through three points on one line, {short(start)}, {short(middle)}, {short(end)}",

@@ -1,18 +1,20 @@
 """Array types, the one check that all points given by a user pass, and how messages write a point."""
 
 import math
-from typing import TypeAlias
+from collections.abc import Iterator, Sequence
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
 FloatArray: TypeAlias = Floats
 IntArray: TypeAlias = NDArray[np.int32]
 Point: TypeAlias = tuple[float, float]
+Item = TypeVar("Item")
 
 
 def as_points(values: ArrayLike, name: str = "points") -> Floats:
@@ -53,6 +55,11 @@ def as_point(value: ArrayLike, name: str = "point") -> Point:
     return float(points[0, 0]), float(points[0, 1])
 
 
+def sides_of(ring: Sequence[Item]) -> Iterator[tuple[Item, Item]]:
+    """Each item of a closed ring and the one after it, the last and the first at the end."""
+    return zip(ring, [*ring[1:], *ring[:1]], strict=True)
+
+
 def point_text(point: Point | Floats) -> str:
     """Write a point (2,) for a message, with nine digits."""
     return f"({point[0]:.9g}, {point[1]:.9g})"
@@ -66,3 +73,21 @@ def cross_product(a: Floats, b: Floats) -> Floats:
 def turned_right(vectors: Floats) -> Floats:
     """Vectors (..., 2) turned clockwise by a right angle: outwards, of edges with their body on the left."""
     return np.stack((vectors[..., 1], -vectors[..., 0]), axis=-1)
+
+
+def chain_lengths(points: Floats) -> Floats:
+    """Lengths along a chain of points (n, 2) at each of them, from 0, shape (n,)."""
+    return np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+
+
+def nearest_on_segments(points: Floats, starts: Floats, ends: Floats) -> tuple[Ints, Floats, Floats]:
+    """Nearest segment of each point, the share of the segment up to the closest point, and the distance, each (n,).
+
+    - `points`: shape (n, 2).
+    - `starts`, `ends`: of the segments, shape (m, 2) each.
+    """
+    apart, chords = points[:, None] - starts, ends - starts
+    shares = np.clip((apart * chords).sum(axis=-1) / (chords**2).sum(axis=-1), 0.0, 1.0)
+    distances = np.linalg.norm(apart - shares[..., None] * chords, axis=-1)
+    nearest, rows = distances.argmin(axis=1), np.arange(len(points))
+    return nearest, shares[rows, nearest], distances[rows, nearest]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import Point, as_points, point_text
+from flangeway.geometry.arrays import Point, as_points, cross_product, point_text
 from flangeway.geometry.contour import CROSSING_TOLERANCE
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
@@ -100,7 +100,7 @@ class Region:
         for turn, loop in ((-1.0, self.outer), *((1.0, hole) for hole in self.holes)):
             for before, after in zip((loop.segments[-1], *loop.segments), loop.segments, strict=False):
                 into, out = before.tangent(1.0)[0], after.tangent(0.0)[0]
-                if turn * (into[0] * out[1] - into[1] * out[0]) > np.sin(angle_rad):
+                if turn * cross_product(into, out) > np.sin(angle_rad):
                     corners.append(after.start)
         return np.array(corners).reshape(-1, 2)
 

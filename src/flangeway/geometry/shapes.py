@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import check_integer, check_positive
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import Point, as_point, as_points
+from flangeway.geometry.arrays import Point, as_point, as_points, sides_of
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.segments import Arc, Line
 
@@ -42,7 +42,7 @@ def polygon(points: ArrayLike, names: Sequence[str] | None = None) -> Outline:
         )
     labels = [f"side_{i}" for i in range(len(corners))] if names is None else names
     ends = [as_point(corner) for corner in corners]
-    sides = [Line(a, b) for a, b in zip(ends, ends[1:] + ends[:1], strict=True)]
+    sides = [Line(a, b) for a, b in sides_of(ends)]
     return Outline.from_segments(sides, labels)
 
 
@@ -74,5 +74,5 @@ def circle(radius: float, centre: Point = (0.0, 0.0), n_arcs: int = 4) -> Outlin
     x, y = as_point(centre, "centre")
     angles = 2.0 * np.pi * np.arange(n_arcs) / n_arcs
     ends = [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles]
-    arcs = [Arc(a, b, (x, y), True) for a, b in zip(ends, ends[1:] + ends[:1], strict=True)]
+    arcs = [Arc(a, b, (x, y), True) for a, b in sides_of(ends)]
     return Outline.from_segments(arcs, ["circle"] * n_arcs)

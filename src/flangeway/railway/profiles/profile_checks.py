@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
+from flangeway.geometry.arrays import cross_product
 from flangeway.railway.profiles.smoothing import MIN_POINTS, noise_um
 
 SAME_MM = 0.01  # neighbours nearer than this are one point given twice
@@ -138,7 +139,7 @@ def _off_line(points: FloatArray, starts: FloatArray, ends: FloatArray) -> Float
     along = ends - starts
     apart = points - starts
     length = np.maximum(np.hypot(*along.T), 1e-12)
-    distances: FloatArray = np.abs(along[:, 0] * apart[:, 1] - along[:, 1] * apart[:, 0]) / length
+    distances: FloatArray = np.abs(cross_product(along, apart)) / length
     return distances
 
 
@@ -218,6 +219,5 @@ def _gaps(points: FloatArray, lines: Lines) -> list[str]:
 
 def _turns_deg(first: FloatArray, second: FloatArray) -> FloatArray:
     """Angles (n,) between directions (n, 2)."""
-    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    turns: FloatArray = np.degrees(np.abs(np.arctan2(cross, (first * second).sum(axis=1))))
+    turns: FloatArray = np.degrees(np.abs(np.arctan2(cross_product(first, second), (first * second).sum(axis=1))))
     return turns
