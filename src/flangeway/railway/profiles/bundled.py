@@ -221,7 +221,9 @@ def wheel(name: str = "AAR-1B") -> WheelProfile:
     if name in REFERENCE_WHEELS:
         contour = reference_contour(name)
         return _wheel_below(contour, title=name, certainty=_REFERENCE_CERTAINTY, source=_REFERENCE_SOURCE)
-    return {"AAR-1B": _aar_1b, "S1002": _s1002, "heavy-haul": _heavy_haul}[name]()
+    if name == "AAR-1B":
+        return _aar_1b()
+    return _s1002() if name == "S1002" else _heavy_haul()
 
 
 _REFERENCE_CERTAINTY = (
