@@ -6,6 +6,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
+Indices = NDArray[np.integer]
+"""Numbers of points, cells or unknowns, of any width."""
 Complex = NDArray[np.complex128]
 Key = tuple[str | int, ...]
 """Path of an input: a name, or in nested tables names and positions in lists."""

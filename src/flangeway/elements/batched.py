@@ -64,6 +64,16 @@ def solve_upper(factor: Floats, rhs: Floats, out: Floats | None = None) -> Float
     return x
 
 
+def cross(a: Floats, b: Floats) -> Floats:
+    """Component out of the plane of the cross products of vectors (..., 2, n_cells), shape (..., n_cells)."""
+    return a[..., 0, :] * b[..., 1, :] - a[..., 1, :] * b[..., 0, :]
+
+
+def turned_right(vectors: Floats) -> Floats:
+    """Vectors (..., 2, n_cells) turned clockwise by a right angle: outwards, of edges with their cell on the left."""
+    return np.stack((vectors[..., 1, :], -vectors[..., 0, :]), axis=-2)
+
+
 def symmetric_product(left: Floats, right: Floats) -> Floats:
     """Products ``left^T right`` that are known to be symmetric, at half the cost.
 

@@ -12,6 +12,7 @@ from flangeway.elements.projection import Polygons
 from flangeway.elements.virtual import HIGHEST_ORDER
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import as_points
+from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats
 
 
@@ -107,11 +108,11 @@ def cell_matrices(points: ArrayLike, order: int) -> CellMatrices:
     if len(corners) < 3:
         raise InputError(f"points of shape {corners.shape}", "three or more rows of x and y", "give the vertices")
     order = check_integer("cell_matrices", "order", order, 1, HIGHEST_ORDER, advice="choose order=1")
-    centroid, area = _centroid_and_area(corners)
+    mesh = PolyMesh.from_cells(corners, [range(len(corners))])
+    area = float(mesh.cell_areas[0])
     if not area > 0.0:
         raise InputError(f"a polygon with signed area {area:g}", "counter-clockwise vertices", "reverse the points")
-    apart = corners[:, None] - corners[None]
-    diameter = float(np.sqrt((apart**2).sum(axis=2).max()))
+    centroid, diameter = mesh.cell_centroids[0], float(mesh.cell_diameters[0])
     frame = Frame(centroid[:, None], np.eye(2)[:, :, None] / diameter)
     cell = Polygons.of(corners[:, :, None], order, frame)
     boundary = cell.boundary_values()
@@ -129,12 +130,3 @@ def cell_matrices(points: ArrayLike, order: int) -> CellMatrices:
     C[:n_inner] = 0.0
     C[:n_inner, len(D) - n_inner :] = area * np.eye(n_inner)
     return CellMatrices(order, centroid, diameter, area, D, B, G, C, H)
-
-
-def _centroid_and_area(corners: Floats) -> tuple[Floats, float]:
-    start = corners - corners[0]
-    end = np.roll(start, -1, axis=0)
-    turns = monomials.cross(start, end)
-    area = float(turns.sum()) / 2.0
-    centroid: Floats = corners[0] + (start + end).T @ turns / (6.0 * area) if area else corners[0]
-    return centroid, area

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.elements import monomials
+from flangeway.elements import batched, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.polygon_quadrature import edge_points
-from flangeway.elements.projection import Polygons, edge_normals, principal_frame
+from flangeway.elements.projection import Polygons, principal_frame
 from flangeway.elements.quadrature import edge_rule
 from flangeway.types import Floats
 
@@ -36,11 +36,11 @@ class CurvedPolygons(Polygons):
         weights, shapes, slopes = edge_rule(order, order * (order + 1))
         nodes = edge_points(local)
         points, along = np.einsum("qj,vjie->vqie", shapes, nodes), np.einsum("qj,vjie->vqie", slopes, nodes)
-        cross = (points[:, :, 0] * along[:, :, 1] - points[:, :, 1] * along[:, :, 0]) * weights[:, None]
-        moments = np.einsum("avqe,vqe->ae", monomials.evaluate(2 * order, points), cross)
+        areas = batched.cross(points, along) * weights[:, None]
+        moments = np.einsum("avqe,vqe->ae", monomials.evaluate(2 * order, points), areas)
         moments /= (monomials.exponents(2 * order).sum(axis=1) + 2)[:, None] * frame.determinant
-        normals = edge_normals(np.einsum("ije,vje->vie", frame.inverse, local[:, 0]))
-        return cls(order, frame, local[:, 0], normals, moments, local)
+        ends = np.einsum("ije,vje->vie", frame.inverse, np.roll(local[:, 0], -1, axis=0) - local[:, 0])
+        return cls(order, frame, local[:, 0], batched.turned_right(ends), moments, local)
 
     def boundary_values(self) -> Floats:
         """See `Polygons.boundary_values`."""
@@ -56,8 +56,8 @@ class CurvedPolygons(Polygons):
         values = monomials.evaluate(order - 1, np.einsum("qj,vjie->vqie", shapes, nodes))
         # normals times lengths are the cofactors of the frame's inverse times local ones
         along = np.einsum("qj,vjie->vqie", slopes, nodes)
-        local = np.stack((along[:, :, 1], -along[:, :, 0]))
-        normals = np.einsum("jie,jvqe->ivqe", self.frame.map / self.frame.determinant, local)
+        cofactors = self.frame.map / self.frame.determinant
+        normals = np.einsum("jie,vqje->ivqe", cofactors, batched.turned_right(along))
         n_edges, n_low = len(nodes), n_monomials(order - 1)
         products = (values[:, None] * normals).transpose(0, 1, 2, 4, 3) @ (weights[:, None] * shapes)
         traces = products.transpose(0, 1, 2, 4, 3)  # (n_low, 2, n_edges, order + 1, n_cells)

@@ -63,7 +63,7 @@ class Lagrange(Element):
         n_cells = vertices.shape[-1]
         value, moments, dofs = _reference(self.order)
         first, second = vertices[1] - vertices[0], vertices[2] - vertices[0]
-        jacobian = first[0] * second[1] - first[1] * second[0]
+        jacobian = batched.cross(first, second)
         inverse = np.array([[second[1], -second[0]], [-first[1], first[0]]]) / jacobian
         frame = Frame(vertices[0] + (first + second) / 3.0, inverse)
         return Reconstruction(
@@ -146,7 +146,7 @@ def _isoparametric(outline: Floats) -> Reconstruction:
     slopes = np.einsum("aq,xab,bj->xqj", monomials.evaluate(order - 1, local), monomials.derivatives(order), value)
     # cofactors of the Jacobian times the derivatives on the reference triangle are derivatives in space times areas
     columns = np.einsum("xqj,jie->xqie", slopes, nodes)
-    jacobian = columns[0, :, 0] * columns[1, :, 1] - columns[0, :, 1] * columns[1, :, 0]
+    jacobian = batched.cross(*columns)
     by_x = slopes[0][:, :, None] * columns[1, :, None, 1] - slopes[1][:, :, None] * columns[0, :, None, 1]
     by_y = slopes[1][:, :, None] * columns[0, :, None, 0] - slopes[0][:, :, None] * columns[1, :, None, 0]
     gradients = np.stack((by_x, by_y)) * weights[:, None, None]

@@ -6,15 +6,16 @@ virtual element method", section 3, with another frame).
 """
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 
+from flangeway.elements.batched import cross
 from flangeway.elements.quadrature import gauss
 from flangeway.types import Floats, Ints
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Frame:
     """Local coordinates of a batch of cells: ``xi = map @ (x - origin)``."""
 
@@ -30,25 +31,14 @@ class Frame:
 
     @property
     def determinant(self) -> Floats:
-        """Area in local coordinates over that in space, signed, (n_cells,)."""
-        (a, b), (c, d) = self.map
-        return np.asarray(a * d - b * c)
+        """Signed area in local coordinates per area in space, (n_cells,)."""
+        return cross(*self.map)
 
-    @property
+    @cached_property
     def inverse(self) -> Floats:
         """Linear maps from local coordinates to space, (2, 2, n_cells)."""
         (a, b), (c, d) = self.map
         return np.array([[d, -b], [-c, a]]) / self.determinant
-
-
-def cross(first: Floats, second: Floats) -> Floats:
-    """Components out of the plane of cross products of vectors (n, 2, ...), shape (n, ...)."""
-    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-
-
-def turned_right(along: Floats) -> Floats:
-    """Vectors (n, 2, ...) turned clockwise by a right angle: outwards, of edges with their cell on the left."""
-    return np.stack((along[:, 1], -along[:, 0]), axis=1)
 
 
 def n_monomials(degree: int) -> int:
@@ -146,11 +136,11 @@ def integrals(degree: int, local_vertices: Floats, jacobian: Floats) -> Floats:
     """
     abscissae, weights = gauss(degree // 2 + 1)
     start, end = local_vertices, np.roll(local_vertices, -1, axis=0)
-    turns = cross(start, end)
+    areas = cross(start, end)
     total = np.zeros((n_monomials(degree), local_vertices.shape[-1]))
     for position, weight in zip(abscissae, weights, strict=True):
         values = evaluate(degree, start + position * (end - start))
-        total += weight * np.einsum("ave,ve->ae", values, turns)
+        total += weight * np.einsum("ave,ve->ae", values, areas)
     order = exponents(degree).sum(axis=1)
     return total * jacobian / (order + 2)[:, None]
 

@@ -3,6 +3,7 @@
 import numpy as np
 import shapely
 
+from flangeway.elements.batched import cross
 from flangeway.elements.quadrature import edge_rule, gauss, gauss_lobatto, triangle
 from flangeway.types import Floats
 
@@ -74,8 +75,7 @@ def _between(base: Floats, nodes: Floats, degree: int) -> tuple[Floats, Floats]:
     )
     r = across[:, None, None, None, None]
     points, along, step = start + r * (end - start), start_along + r * (end_along - start_along), end - start
-    areas = step[:, :, 0] * along[:, :, :, 1] - step[:, :, 1] * along[:, :, :, 0]
-    areas *= across_weights[:, None, None, None] * weights[:, None]
+    areas = cross(step, along) * across_weights[:, None, None, None] * weights[:, None]
     n_cells = nodes.shape[-1]
     return points.reshape(-1, 2, n_cells), areas.reshape(-1, n_cells)
 
@@ -84,7 +84,7 @@ def _doubled_areas(corners: Floats) -> Floats:
     """Twice the signed areas of triangles (..., 3, 2, n_cells), shape (..., n_cells)."""
     first = corners[..., 1, :, :] - corners[..., 0, :, :]
     second = corners[..., 2, :, :] - corners[..., 0, :, :]
-    return first[..., 0, :] * second[..., 1, :] - first[..., 1, :] * second[..., 0, :]
+    return cross(first, second)
 
 
 def _triangles(polygon: Floats) -> Floats:

@@ -7,7 +7,7 @@ import numpy as np
 from flangeway.elements import batched, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import gauss_lobatto
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +25,9 @@ class Polygons:
     def of(cls, vertices: Floats, order: int, frame: Frame) -> "Polygons":
         """Polygons with counter-clockwise vertices (n_vertices, 2, n_cells)."""
         local = frame.local(vertices)
+        normals = batched.turned_right(np.roll(vertices, -1, axis=0) - vertices)
         moments = monomials.integrals(2 * order, local, 1.0 / frame.determinant)
-        return cls(order, frame, local, edge_normals(vertices), moments)
+        return cls(order, frame, local, normals, moments)
 
     @property
     def n_boundary(self) -> int:
@@ -131,17 +132,6 @@ class Polygons:
         return value, rhs
 
 
-def edge_normals(vertices: Floats) -> Floats:
-    """Outward normals times lengths of the edges of polygons (n_vertices, 2, n_cells), of the same shape."""
-    return monomials.turned_right(np.roll(vertices, -1, axis=0) - vertices)
-
-
-def edge_unknowns(edge: int, n_vertices: int, order: int) -> Ints:
-    """Local unknowns (order + 1,) along an edge of a polygon, from its first vertex to its last."""
-    inner = n_vertices + edge * (order - 1) + np.arange(order - 1)
-    return np.concatenate(([edge], inner, [(edge + 1) % n_vertices]))
-
-
 def inner_factor(order: int, moments: Floats) -> Floats | None:
     """Monomials of degree k - 2 in terms of the polynomials whose moments are the unknowns inside cells: ``m = L q``.
 
@@ -182,13 +172,15 @@ def principal_frame(vertices: Floats) -> Frame:
     base = vertices[0]
     start = vertices - base
     end = np.roll(start, -1, axis=0)
-    turns = monomials.cross(start, end)
-    area = turns.sum(axis=0) / 2.0
-    centroid = np.einsum("vie,ve->ie", start + end, turns) / (6.0 * area)
+    cross = batched.cross(start, end)
+    area = cross.sum(axis=0) / 2.0
+    centroid = np.einsum("vie,ve->ie", start + end, cross) / (6.0 * area)
     start, end = start - centroid, end - centroid
-    turns = monomials.cross(start, end)
-    parts = np.stack((start + end, start, end))
-    second = np.einsum("pvie,pvje,ve->ije", parts, parts, turns)
+    cross = batched.cross(start, end)
+    total = start + end
+    second = np.einsum("vie,vje,ve->ije", total, total, cross)
+    second += np.einsum("vie,vje,ve->ije", start, start, cross)
+    second += np.einsum("vie,vje,ve->ije", end, end, cross)
     factor = 2.0 * batched.cholesky(second / (24.0 * area))
     inverse = np.zeros_like(factor)
     inverse[0, 0] = 1.0 / factor[0, 0]

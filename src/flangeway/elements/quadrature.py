@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 from scipy.special import roots_jacobi
 
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
 
 def _read_only(*arrays: Floats) -> tuple[Floats, ...]:
@@ -61,10 +61,20 @@ def triangle(degree: int) -> tuple[Floats, Floats]:
     return points, weights
 
 
+def edge_unknowns(order: int, n_vertices: int) -> Ints:
+    """Local unknowns of each edge of a cell from its start to its end, shape (n_vertices, order + 1).
+
+    The vertices are numbered first, then the points inside each edge in turn.
+    """
+    vertices = np.arange(n_vertices)
+    inside = n_vertices + np.arange(n_vertices * (order - 1)).reshape(n_vertices, order - 1)
+    return np.column_stack((vertices, inside, np.roll(vertices, -1)))
+
+
 def edge_shapes(order: int, places: Floats) -> Floats:
     """Lagrange's polynomials of the Gauss-Lobatto points at places (n,) in [0, 1], shape (n, order + 1)."""
     nodes = gauss_lobatto(order + 1)[0]
-    own = np.eye(order + 1, dtype=np.bool_)
+    own = np.eye(order + 1, dtype=bool)
     apart = np.where(own, 1.0, nodes[:, None] - nodes)
     factors = np.where(own, 1.0, (places[:, None, None] - nodes) / apart)
     return factors.prod(axis=2)

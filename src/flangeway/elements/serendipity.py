@@ -155,7 +155,7 @@ def distinct_lines(vertices: Floats) -> Ints:
     size = np.ptp(vertices, axis=0).max(axis=0)
     for i in range(len(vertices)):
         step = vertices[:i] - vertices[i]
-        turned = np.abs(along[i, 0] * along[:i, 1] - along[i, 1] * along[:i, 0])
-        offset = np.abs(along[i, 0] * step[:, 1] - along[i, 1] * step[:, 0])
+        turned = np.abs(batched.cross(along[i], along[:i]))
+        offset = np.abs(batched.cross(along[i], step))
         counts += ~((turned <= ONE_LINE) & (offset <= ONE_LINE * size)).any(axis=0)
     return counts

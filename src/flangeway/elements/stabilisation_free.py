@@ -7,8 +7,8 @@ import numpy as np
 from flangeway.checks import check_integer
 from flangeway.elements import monomials
 from flangeway.elements.monomials import n_monomials
-from flangeway.elements.projection import Polygons, edge_unknowns, principal_frame
-from flangeway.elements.quadrature import edge_shapes, gauss
+from flangeway.elements.projection import Polygons, principal_frame
+from flangeway.elements.quadrature import edge_shapes, edge_unknowns, gauss
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.elements.virtual import Virtual
 from flangeway.errors import InputError
@@ -202,8 +202,8 @@ def _moments(cells: Polygons, plain: Reconstruction, degree: int) -> Floats:
     places, weights = gauss((order + degree) // 2 + 1)
     shapes = edge_shapes(order, places)
     along = np.roll(cells.local, -1, axis=0) - cells.local
-    for edge in range(n_vertices):
+    for edge, local in enumerate(edge_unknowns(order, n_vertices)):
         points = cells.local[edge] + places[:, None, None] * along[edge]
         traces = np.einsum("aqe,q,qn->ane", monomials.evaluate(degree, points), weights, shapes)
-        result[:, :, edge_unknowns(edge, n_vertices, order)] += traces[:, None] * cells.normals[edge][None, :, None]
+        result[:, :, local] += traces[:, None] * cells.normals[edge][None, :, None]
     return result

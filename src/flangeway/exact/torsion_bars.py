@@ -9,11 +9,11 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import as_numbers, check_finite, check_integer, check_positive, is_finite, refused
 from flangeway.errors import InputError
-from flangeway.types import Floats
+from flangeway.types import Complex, Floats
 
 
 def _refuse_not_positive(owner: object, **values: float) -> None:
@@ -294,7 +294,7 @@ class CircularSector(TorsionSection):
             8.0 * self.radius**4 * self.angle / np.pi**2 * np.sum(1.0 / (n * (n * np.pi / self.angle + 2.0)) ** 2)
         )
 
-    def _harmonic(self, points: ArrayLike) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    def _harmonic(self, points: ArrayLike) -> tuple[Complex, Complex]:
         """Analytic function whose real part is ``phi + r^2 / 2``, and its derivative."""
         x, y = _xy(points)
         z = (x + 1j * y) / self.radius

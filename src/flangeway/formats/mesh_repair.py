@@ -4,18 +4,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, cross_product
-from flangeway.mesh.connectivity import next_in_row, offsets_of
+from flangeway.mesh.connectivity import first_connected, next_in_row, offsets_of, places_among
 from flangeway.mesh.meeting import touching_distance
 from flangeway.mesh.mesh_checks import check, conforming, hanging_points
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats, Indices, Ints
 
 FLAT = 1e-9  # range of the third coordinate, over the size of the mesh, up to which a mesh is plane
 
@@ -38,9 +35,9 @@ class DrawnMesh:
 
     points: Floats
     cells: list[Ints]
-    cell_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
-    edge_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
-    point_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
+    cell_sets: Mapping[str, Indices] = field(default_factory=dict)
+    edge_sets: Mapping[str, Indices] = field(default_factory=dict)
+    point_sets: Mapping[str, Indices] = field(default_factory=dict)
     notices: tuple[str, ...] = ()
     middles: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
@@ -104,9 +101,7 @@ def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
             notices.append(f"{_many(n_hanging, 'point')} hanging on edges: made points of the cells there too.")
         mesh = conforming(mesh)
     check(mesh, allow_hanging=not merge_points, allow_coincident=not merge_points)
-    new = np.full(len(points), -1, dtype=np.int64)
-    new[used] = np.arange(len(used))
-    new = new[numbers]
+    new = places_among(used, len(points))[numbers]
     for name, pairs in drawn.edge_sets.items():
         mesh = _with_edges(mesh, name, new[np.asarray(pairs)], notices)
     for name, members in drawn.point_sets.items():
@@ -163,19 +158,14 @@ def _first_of_equal(points: Floats, cells: list[Ints], notices: list[str]) -> In
     if len(near):
         pairs = near[cKDTree(points[near]).query_pairs(reach[near].max(), output_type="ndarray")]
         pairs = pairs[np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T) <= reach[pairs].min(axis=1)]
-    numbers = np.arange(len(points))
-    if not len(pairs):
-        return numbers
-    n = len(points)
-    group = connected_components(coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n)), False)[1]
-    first = np.full(n, n)
-    np.minimum.at(first, group, numbers)
-    x, y = points[pairs[0, 0]]
-    notices.append(
-        f"{_many(int((first[group] != numbers).sum()), 'point')} at the place of another one, as at "
-        f"({x:.6g}, {y:.6g}), made one with it: what touches there is joined."
-    )
-    return first[group]
+    first = first_connected(pairs, len(points))
+    if len(pairs):
+        x, y = points[pairs[0, 0]]
+        notices.append(
+            f"{_many(int((first != np.arange(len(first))).sum()), 'point')} at the place of another one, as at "
+            f"({x:.6g}, {y:.6g}), made one with it: what touches there is joined."
+        )
+    return first
 
 
 def _sound_cells(points: Floats, cells: list[Ints], notices: list[str]) -> tuple[list[Ints], Ints]:

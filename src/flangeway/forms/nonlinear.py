@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError
@@ -25,7 +25,7 @@ from flangeway.forms.weak import (
 from flangeway.solve.factor import Factor
 from flangeway.solve.status import Status
 from flangeway.space import Space
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Indices
 
 UNKNOWN = "_unknown"
 """Name under which the current solution is evaluated with the given fields."""
@@ -54,7 +54,7 @@ def newton(
     form: Form,
     start: ArrayLike,
     *,
-    fixed: NDArray[np.integer] | Bools | None = None,
+    fixed: Indices | Bools | None = None,
     load: ArrayLike = 0.0,
     boundary: Mapping[str, Form] | None = None,
     fields: Mapping[str, Field] | None = None,

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import check_finite, check_positive
 from flangeway.elements import Function, Virtual, batched, monomials
@@ -24,7 +24,7 @@ from flangeway.forms.weak import scattered
 from flangeway.mesh import PolyMesh
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import at_points, cell_quadrature, function_of
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats, Indices, Ints
 
 CORNER = np.sin(np.radians(20.0))
 """Sine of the angle between the boundary's edges at a point above which it is a corner, with a slope along each."""
@@ -35,7 +35,7 @@ class PlateCells:
     """Polynomials of a batch of cells as linear maps of the local unknowns, which are on the axis before the last."""
 
     batch: CellBatch
-    numbers: NDArray[np.int64]  # of the unknowns, (n_local, n_cells)
+    numbers: Ints  # of the unknowns, (n_local, n_cells)
     frame: Frame
     moments: Floats  # of monomials up to degree 2 k
     curvature: Floats  # coefficients of the second derivatives, (n_monomials(k - 2), 2, 2, n_local, n_cells)
@@ -92,21 +92,21 @@ class Plate:
         return total / np.maximum(np.bincount(self.mesh.cell_points, minlength=self.mesh.n_points), 1)
 
     @cached_property
-    def _axes(self) -> tuple[Floats, NDArray[np.bool_]]:
+    def _axes(self) -> tuple[Floats, Bools]:
         """Directions of the two slopes at each point, (n_points, 2 slopes, 2), and where the boundary has a corner."""
         edges = self.mesh.boundary_edges
         along = self.mesh.points[edges[:, 1]] - self.mesh.points[edges[:, 0]]
         along /= np.linalg.norm(along, axis=1, keepdims=True)
         before, after = np.tile([1.0, 0.0], (2, self.mesh.n_points, 1))
         before[edges[:, 1]], after[edges[:, 0]] = along, along
-        corner = np.abs(monomials.cross(before, after)) > CORNER
+        corner = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) > CORNER
         back = (before * after).sum(axis=1) < 0.0  # around the end of a slit
         tangent = before + np.where(back[:, None], -after, after)
         tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
         across = tangent[:, ::-1] * [-1.0, 1.0]
         return np.where(corner[:, None, None], np.stack((before, after), 1), np.stack((tangent, across), 1)), corner
 
-    def boundary_dofs(self, support: str = "clamped", on: str | None = None) -> NDArray[np.int64]:
+    def boundary_dofs(self, support: str = "clamped", on: str | None = None) -> Ints:
         """Unknowns that a support holds: ``"clamped"`` or ``"simple"``, along an edge set or the whole boundary."""
         if support not in ("clamped", "simple"):
             raise InputError(f"a plate whose boundary is {support!r}", "'clamped' or 'simple'", "choose one of them")
@@ -128,7 +128,7 @@ class Plate:
     def _traces(self, batch: CellBatch, normals: Floats, lengths: Floats) -> tuple[Floats, Floats]:
         """Value (q, v, n_local, e) and gradient (q, v, 2, n_local, e) at Gauss points of edges."""
         corners, n = batch.dofs, len(batch.dofs)
-        tangents = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
+        tangents = -batched.turned_right(normals)
         s = gauss(4)[0]
         hermite = np.array([1 - 3 * s**2 + 2 * s**3, s - 2 * s**2 + s**3, 3 * s**2 - 2 * s**3, s**3 - s**2])
         slopes = np.array([6 * s**2 - 6 * s, 1 - 4 * s + 3 * s**2, 6 * s - 6 * s**2, 3 * s**2 - 2 * s])
@@ -154,7 +154,7 @@ class Plate:
         return value, gradient
 
     @staticmethod
-    def _signs(corners: NDArray[np.integer]) -> Floats:
+    def _signs(corners: Indices) -> Floats:
         """Sign of the outward normal on an edge's own, which is on the right from the lower to the higher point."""
         return np.where(corners < np.roll(corners, -1, axis=0), 1.0, -1.0)
 
@@ -163,7 +163,7 @@ class Plate:
         frame, n, n_cells = principal_frame(vertices), len(vertices), vertices.shape[-1]
         along = np.roll(vertices, -1, axis=0) - vertices
         lengths = np.sqrt((along**2).sum(axis=1))
-        normals = monomials.turned_right(along) / lengths[:, None]
+        normals = batched.turned_right(along) / lengths[:, None]
         moments = monomials.integrals(2 * k, frame.local(vertices), 1.0 / frame.determinant)
         value, gradient = self._traces(batch, normals, lengths)
         s, weights = gauss(4)
@@ -241,7 +241,7 @@ class Plate:
             matrices.append((cells.numbers, batched.symmetric_product(cells.value, weighted)))
         return self._assembled(matrices)
 
-    def _assembled(self, matrices: list[tuple[NDArray[np.int64], Floats]]) -> sp.csr_array:
+    def _assembled(self, matrices: list[tuple[Ints, Floats]]) -> sp.csr_array:
         return scattered(((m, m, local) for m, local in matrices), (self.n_dofs, self.n_dofs))
 
     def load(self, pressure: Function | ArrayLike) -> Floats:

@@ -16,6 +16,7 @@ from flangeway.checks import check_positive, is_finite, refused
 from flangeway.errors import InputError
 from flangeway.forms.assembled import stiffness
 from flangeway.forms.weak import Field, integrals, local_functions
+from flangeway.mesh.connectivity import next_in_row
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.post.lines import locate
 from flangeway.post.section_constants import SectionConstants, section_constants
@@ -172,10 +173,8 @@ class BeamSection:
         if mesh.curves is not None:
             raise InputError("plastic moments of curved edges", "straight edges", "take mesh.straight()")
         turned = (mesh.points - self.centroid) @ np.array([[c, -s], [s, c]])
-        first = mesh.cell_points
-        last = np.roll(first, -1)
-        last[mesh.cell_offsets[1:] - 1] = first[mesh.cell_offsets[:-1]]
-        weights = np.repeat(stress, np.diff(mesh.cell_offsets))
+        first, last = mesh.cell_points, mesh.cell_points[next_in_row(mesh.cell_offsets)]
+        weights = np.repeat(stress, mesh.cell_sizes)
         (a, v0), (b, v1) = turned[first].T, turned[last].T
 
         def below(level: float) -> tuple[float, float]:

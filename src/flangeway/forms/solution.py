@@ -10,7 +10,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from flangeway.checks import check_integer
 from flangeway.errors import InputError
 from flangeway.solve.factor import Factor, free_unknowns
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Indices
 
 MAX_EIGEN_RESIDUAL = 1e-9
 """Residual of eigenvectors relative to the magnitudes of its terms, above their round-off."""
@@ -26,7 +26,7 @@ class Unknowns(Protocol):
 
 
 def solve(
-    matrix: sp.sparray, load: ArrayLike, fixed: NDArray[np.integer] | Bools | None = None, values: ArrayLike = 0.0
+    matrix: sp.sparray, load: ArrayLike, fixed: Indices | Bools | None = None, values: ArrayLike = 0.0
 ) -> NDArray[Any]:
     """Solve a linear system with some unknowns prescribed; `Factor` keeps the factorisation for more solutions.
 
@@ -67,7 +67,7 @@ def modes(
     stiffness: sp.sparray,
     mass: sp.sparray,
     number: int = 6,
-    fixed: NDArray[np.integer] | Bools | None = None,
+    fixed: Indices | Bools | None = None,
 ) -> tuple[Floats, Floats]:
     """Lowest eigenvalues of ``K u = lambda M u``: free vibration with the angular frequencies ``sqrt(lambda)``.
 
@@ -110,7 +110,7 @@ def buckling(
     stiffness: sp.sparray,
     geometric: sp.sparray,
     number: int = 1,
-    fixed: NDArray[np.integer] | Bools | None = None,
+    fixed: Indices | Bools | None = None,
 ) -> tuple[Floats, Floats]:
     """Lowest positive load factors of ``(K + lambda G) u = 0``: linear buckling.
 
@@ -157,7 +157,7 @@ def buckling(
 
 
 def _components(
-    space: Unknowns, matrix: sp.sparray, fixed: NDArray[np.integer] | Bools | None, number: int, where: str
+    space: Unknowns, matrix: sp.sparray, fixed: Indices | Bools | None, number: int, where: str
 ) -> tuple[int, Bools]:
     """Number of components of the field, and which unknowns are free."""
     m = matrix.shape[0] // space.n_dofs

@@ -16,13 +16,13 @@ from functools import cache
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import check_integer, check_positive
 from flangeway.elements import Function, Virtual, batched, monomials
 from flangeway.elements.monomials import Frame, exponents, index, n_monomials
-from flangeway.elements.projection import Polygons, edge_unknowns, principal_frame
-from flangeway.elements.quadrature import edge_shapes, gauss
+from flangeway.elements.projection import Polygons, principal_frame
+from flangeway.elements.quadrature import edge_shapes, edge_unknowns, gauss
 from flangeway.errors import InputError
 from flangeway.forms.assembled import load
 from flangeway.forms.weak import scattered
@@ -30,7 +30,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.solve.factor import Factor
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import at_points, cell_quadrature, function_of
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Indices, Ints
 
 HIGHEST_ORDER = 6
 """Monomials are not orthogonalised here: above, too many digits go."""
@@ -69,14 +69,14 @@ def _flux(order: int, cells: Polygons) -> Floats:
     By Gauss points, exact to degree 2 k + 1.
     """
     abscissae, weights = gauss(order + 1)
-    shapes, n_vertices = edge_shapes(order, abscissae), len(cells.local)
+    shapes = edge_shapes(order, abscissae)
     along = np.roll(cells.local, -1, axis=0) - cells.local
     at = monomials.evaluate(order + 1, cells.local[:, None] + abscissae[:, None, None] * along[:, None])
     on_edges = np.einsum("avqe,q,qs->avse", at, weights, shapes)
     with_normals = np.einsum("avse,vje->jvsae", on_edges, cells.normals)
     flux = np.zeros((2, cells.n_boundary, *at.shape[::3]))
-    for edge in range(n_vertices):
-        flux[:, edge_unknowns(edge, n_vertices, order)] += with_normals[:, edge]
+    for edge, unknowns in enumerate(edge_unknowns(order, len(cells.local))):
+        flux[:, unknowns] += with_normals[:, edge]
     return flux
 
 
@@ -217,7 +217,7 @@ def stokes(
     viscosity: float = 1.0,
     bulk_modulus: float = np.inf,
     velocity: Function | ArrayLike = (0.0, 0.0),
-    held: NDArray[np.integer] | Bools | None = None,
+    held: Indices | Bools | None = None,
     tractions: dict[str, Function | ArrayLike] | None = None,
 ) -> StokesSolution:
     """Solve ``-div(2 mu eps(u) - p I) = f`` with ``div u = -p / K``.
@@ -290,7 +290,7 @@ def stokes(
     return StokesSolution(space, solution[: 2 * n_nodes].reshape(-1, 2), inside, solution[first:].reshape(-1, n_low))
 
 
-_Part = tuple[CellBatch, DivergenceFree, NDArray[np.int64], NDArray[np.int64]]
+_Part = tuple[CellBatch, DivergenceFree, Ints, Ints]
 
 
 def _parts(space: Space) -> Iterator[_Part]:

@@ -4,13 +4,13 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import check_integer, check_positive, is_finite, refused
 from flangeway.errors import InputError
 from flangeway.forms.weak import Values
 from flangeway.solve.factor import Factor
-from flangeway.types import Bools
+from flangeway.types import Bools, Indices
 
 InTime = ArrayLike | Callable[[float], ArrayLike]
 """An array, or a function of the time that gives one."""
@@ -25,7 +25,7 @@ def theta_steps(
     *,
     theta: float = 0.5,
     load: InTime = 0.0,
-    fixed: NDArray[np.integer] | Bools | None = None,
+    fixed: Indices | Bools | None = None,
     values: InTime | None = None,
 ) -> Iterator[tuple[float, Values]]:
     """Integrate ``M u' + K u = f(t)``: yields the time and the unknowns after every step.
@@ -80,7 +80,7 @@ def newmark_steps(
     damping: sp.sparray | None = None,
     radius: float | None = None,
     load: InTime = 0.0,
-    fixed: NDArray[np.integer] | Bools | None = None,
+    fixed: Indices | Bools | None = None,
 ) -> Iterator[tuple[float, Values, Values]]:
     """Integrate ``M u'' + C u' + K u = f(t)``: yields time, unknowns and their velocities after every step.
 

@@ -16,13 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.elements import Reconstruction, missed_mass, monomials
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import IntArray
 from flangeway.mesh import PolyMesh
 from flangeway.post.lines import OUTSIDE, locate, polynomials_at
 from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import cell_quadrature, quadrature_degree
 from flangeway.space.symmetric import over_last_bit
-from flangeway.types import Floats
+from flangeway.types import Floats, Indices
 
 Values = NDArray[np.inexact]
 JETS = 3
@@ -101,7 +102,7 @@ class Field:
         jets = evaluated(local_functions(own, points), self.dofs.reshape(len(self.dofs), -1)[own.dofs])
         return _point_values(jets.reshape(JETS, -1, jets.shape[-1]), self.dofs.ndim == 1)
 
-    def along(self, pairs: NDArray[np.integer], n_points: int) -> PointValues:
+    def along(self, pairs: Indices, n_points: int) -> PointValues:
         """Values at Gauss points of edges, edge by edge."""
         rule = edge_quadrature(self.space, pairs, n_points)
         value = np.einsum("qm,em...->eq...", rule.shapes, self.dofs[rule.nodes])
@@ -239,7 +240,7 @@ def integrand(values: ArrayLike, n: int) -> Values:
 
 Form = Callable[[PointValues, PointValues, SimpleNamespace], ArrayLike]
 LinearForm = Callable[[PointValues, SimpleNamespace], ArrayLike]
-EdgeSet = str | NDArray[np.integer]
+EdgeSet = str | Indices
 """Name of an edge set, or pairs of points (n, 2)."""
 
 
@@ -292,7 +293,7 @@ def _energy_degree(batch: CellBatch) -> int:
     return 2 * (batch.reconstruction.for_energy.order - 1)
 
 
-def _edge_functions(rule: EdgeQuadrature) -> tuple[Functions, NDArray[np.int32]]:
+def _edge_functions(rule: EdgeQuadrature) -> tuple[Functions, IntArray]:
     n, n_edges = rule.shapes.shape[1], len(rule.nodes)
     at = np.broadcast_to(rule.shapes.T[:, :, None], (*rule.shapes.T.shape, n_edges))
     return [(at, np.broadcast_to(np.eye(n)[:, :, None], (n, n, n_edges)))], rule.nodes.T
@@ -405,9 +406,7 @@ def assembled_form(
     return FormMatrix.measured(matrix, np.repeat(trial.constant, m), forces.ravel(), least.ravel())
 
 
-def scattered(
-    parts: Iterable[tuple[NDArray[np.integer], NDArray[np.integer], Values]], shape: tuple[int, int]
-) -> sp.csr_array:
+def scattered(parts: Iterable[tuple[Indices, Indices, Values]], shape: tuple[int, int]) -> sp.csr_array:
     """Add up matrices of batches of cells: numbers of rows (n, n_cells) and columns (m, n_cells), (n, m, n_cells)."""
     rows, columns, entries = [], [], []
     for row, column, local in parts:

@@ -6,7 +6,7 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 
 from flangeway.checks import check_integer
-from flangeway.mesh.connectivity import next_in_row, row_numbers
+from flangeway.mesh.connectivity import next_in_row, places_among, row_numbers
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats
 
@@ -48,8 +48,7 @@ def agglomerated(mesh: PolyMesh, cells: int) -> PolyMesh:
             for near in joining.neighbours(other):
                 heappush(heap, (joining.areas[near], near))
     kept = np.unique(np.concatenate(list(joining.rows.values())))
-    number = np.full(mesh.n_points, -1)
-    number[kept] = np.arange(len(kept))
+    number = places_among(kept, mesh.n_points)
     whole = PolyMesh.from_cells(mesh.points[kept], [number[row].tolist() for row in joining.rows.values()])
     left = list(joining.rows)
     for name, members in mesh.cell_sets.items():
@@ -59,8 +58,7 @@ def agglomerated(mesh: PolyMesh, cells: int) -> PolyMesh:
     if mesh.curves is not None:
         sides = mesh.curves.pairs.tolist()
         left_over = np.array([(a, b) in joining.left or (b, a) in joining.left for a, b in sides])
-        curves = mesh.curves.taken(left_over)
-        whole = replace(whole, curves=None if curves is None else curves.renumbered(number))
+        whole = replace(whole, curves=mesh.curves.taken(left_over, number))
     return whole
 
 

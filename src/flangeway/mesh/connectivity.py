@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray
-from flangeway.types import Ints
+from flangeway.types import Bools, Floats, Indices, Ints
 
 
 def next_in_row(offsets: IntArray) -> Ints:
@@ -36,11 +36,25 @@ def offsets_of(counts: Ints) -> IntArray:
     return offsets
 
 
-def entries_of(offsets: IntArray, rows: NDArray[np.integer]) -> tuple[Ints, IntArray]:
+def entries_of(offsets: IntArray, rows: Indices) -> tuple[Ints, IntArray]:
     """Return the positions of the entries of some rows, one row after the other, and the offsets of these rows."""
     counts = np.diff(offsets)[rows]
     taken = offsets_of(counts)
     return np.arange(taken[-1]) + np.repeat(offsets[rows] - taken[:-1], counts), taken
+
+
+def places_among(kept: Indices, n: int) -> Ints:
+    """Return the place of each of n numbers among some of them, -1 where it is none, (n,)."""
+    places = np.full(n, -1, dtype=np.int64)
+    places[kept] = np.arange(len(kept))
+    return places
+
+
+def first_connected(pairs: Indices, n: int) -> Ints:
+    """Return for each of n numbers the lowest one that pairs (m, 2) connect it with, or itself, (n,)."""
+    links = coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n))
+    groups = connected_components(links, directed=False)[1]
+    return np.unique(groups, return_index=True)[1][groups]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,21 +98,27 @@ def number_edges(start: IntArray, end: IntArray, n_points: int) -> EdgeNumbers:
     )
 
 
-def _counting_sort(values: IntArray, n_values: int) -> NDArray[np.int32]:
+def _counting_sort(values: IntArray, n_values: int) -> IntArray:
     """Stable order of integers in [0, n_values), which a change of sparse storage finds."""
     n = len(values)
     one_a_row = csr_array((np.empty(n, dtype=np.int8), values, np.arange(n + 1, dtype=np.int32)), shape=(n, n_values))
     return one_a_row.tocsc().indices
 
 
-def edge_places(
-    edges: NDArray[np.integer], others: NDArray[np.integer], n_points: int
-) -> tuple[Ints, NDArray[np.bool_]]:
+def edge_places(edges: Indices, others: Indices, n_points: int) -> tuple[Ints, Bools]:
     """Places among other edges (m, 2) of edges (n, 2) in either direction, and whether each is there, both (n,)."""
     wanted, keys = (pairs.min(axis=1).astype(np.int64) * n_points + pairs.max(axis=1) for pairs in (edges, others))
     order = np.argsort(keys)
     places = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(order) - 1)]
     return places, keys[places] == wanted
+
+
+def shortest_edges(points: Floats, edges: Indices) -> Floats:
+    """Return the length of the shortest of some edges (m, 2) at each point, infinite where none is, (n_points,)."""
+    lengths = np.hypot(*(points[edges[:, 1]] - points[edges[:, 0]]).T)
+    shortest = np.full(len(points), np.inf)
+    np.minimum.at(shortest, edges, lengths[:, None])
+    return shortest
 
 
 def chain_starts(pairs: IntArray) -> Ints:

@@ -1,20 +1,20 @@
 """Edges of a mesh put on the curves that were drawn, and the checks of such edges."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.errors import InputError, short
 from flangeway.geometry.contour import Contour
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.segments import Line, Segment
 from flangeway.geometry.splines import Spline
-from flangeway.mesh.connectivity import entries_of, offsets_of
+from flangeway.mesh.connectivity import entries_of, offsets_of, places_among, shortest_edges
 from flangeway.mesh.edge_curves import EdgeCurves
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats, Indices, Ints
 
 Curves: TypeAlias = Contour | Spline | Region | Section | Iterable[Contour | Spline]
 """What has curves: an outline or open chain, a spline, a region, a section, or several of the first two."""
@@ -58,7 +58,7 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
     pairs = mesh.edges[edges]
     start, end = points[pairs[:, 0]], points[pairs[:, 1]]
     lengths = np.hypot(*(end - start).T)
-    segments: tuple[Segment | Spline, ...] = tuple(segment for loop in _loops(curves) for segment in _segments(loop))
+    segments = _segments(curves)
     best, number, places = np.full(len(edges), np.inf), np.full(len(edges), -1), np.zeros((len(edges), 2))
     for which, segment in enumerate(segments):
         (at_start, off_start), (at_end, off_end) = segment.closest(start), segment.closest(end)
@@ -68,8 +68,7 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
         best[nearer], number[nearer] = off[off < best[near]], which
         places[nearer] = np.column_stack((at_start[nearer], at_end[nearer]))
     kept = [which for which, segment in enumerate(segments) if not isinstance(segment, Line)]
-    rank = np.full(len(segments) + 1, -1)
-    rank[kept] = np.arange(len(kept))
+    rank = places_among(np.array(kept, dtype=np.int64), len(segments) + 1)
     on = rank[number] >= 0
     if not on.any():
         raise InputError(
@@ -79,10 +78,10 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
         )
     ends = _unwrapped(segments, number, places)[on]
     table = EdgeCurves(pairs[on], tuple(segments[which] for which in kept), rank[number[on]], ends)
-    return PolyMesh(points, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets, table)
+    return replace(mesh, points=points, curves=table)
 
 
-def as_polylines(mesh: PolyMesh, pieces: int = PIECES, cells: NDArray[np.integer] | None = None) -> PolyMesh:
+def as_polylines(mesh: PolyMesh, pieces: int = PIECES, cells: Indices | None = None) -> PolyMesh:
     """Return the mesh, or some of its cells, with curved edges as straight ones between points of their curves.
 
     Behind its own points it has ``pieces - 1`` for each row of ``mesh.curves``, at equal steps of the parameter. Cells
@@ -114,7 +113,7 @@ def as_polylines(mesh: PolyMesh, pieces: int = PIECES, cells: NDArray[np.integer
     return PolyMesh(points, new_offsets, corners, mesh.cell_sets, edge_sets)
 
 
-def _points_between(mesh: PolyMesh, rows: Ints, starts: NDArray[np.integer], pieces: int) -> Ints:
+def _points_between(mesh: PolyMesh, rows: Ints, starts: Indices, pieces: int) -> Ints:
     """Numbers in `as_polylines` of the points inside the curved ones among edges (m, pieces - 1), in direction.
 
     - `rows`, `starts`: of all edges, the row in ``mesh.curves`` or -1 and the first point.
@@ -127,11 +126,7 @@ def _points_between(mesh: PolyMesh, rows: Ints, starts: NDArray[np.integer], pie
     return numbers
 
 
-def _segments(loop: Contour | Spline) -> tuple[Segment | Spline, ...]:
-    return loop.segments if isinstance(loop, Contour) else (loop,)
-
-
-def _unwrapped(segments: tuple[Segment | Spline, ...], number: Ints, places: Floats) -> Floats:
+def _unwrapped(segments: Sequence[Segment | Spline], number: Ints, places: Floats) -> Floats:
     """Parameters (n, 2) of edges that pass the end of a closed spline, continued beyond it."""
     for which, segment in enumerate(segments):
         if isinstance(segment, Spline) and segment.closed:
@@ -140,22 +135,21 @@ def _unwrapped(segments: tuple[Segment | Spline, ...], number: Ints, places: Flo
     return places
 
 
-def _loops(curves: Curves) -> list[Contour | Spline]:
-    if isinstance(curves, Contour | Spline):
-        return [curves]
-    if isinstance(curves, Region):
-        return list(curves.loops)
-    if isinstance(curves, Section):
-        return [loop for region in curves.regions for loop in region.loops]
-    several = list(curves) if isinstance(curves, Iterable) else [curves]
-    for curve in several:
+def _segments(curves: Curves) -> list[Segment | Spline]:
+    """All lines, arcs and splines of curves."""
+    if isinstance(curves, Section | Region):
+        regions = curves.regions if isinstance(curves, Section) else [curves]
+        curves = [loop for region in regions for loop in region.loops]
+    segments: list[Segment | Spline] = []
+    for curve in curves if isinstance(curves, Iterable) else [curves]:
         if not isinstance(curve, Contour | Spline):
             raise InputError(
                 f"{short(curve)} as a curve of the boundary",
                 "outlines, chains and splines, one or several; or a region, or a section",
                 "give what was meshed, or fw.geometry.Spline(points)",
             )
-    return several
+        segments += curve.segments if isinstance(curve, Contour) else [curve]
+    return segments
 
 
 def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:
@@ -164,25 +158,15 @@ def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:
     Points at the ends of arcs, and those nearer to a line, stay; so all curves of the boundary must be given. Near
     means within the length of the boundary edges there.
     """
-    pairs = mesh.boundary_edges
-    lengths = np.hypot(*(mesh.points[pairs[:, 1]] - mesh.points[pairs[:, 0]]).T)
-    shortest = np.full(mesh.n_points, np.inf)
-    for column in (0, 1):
-        np.minimum.at(shortest, pairs[:, column], lengths)
-    rim = np.unique(pairs)
-    points = mesh.points.copy()
-    nearest = NEAR * shortest[rim]
-    for loop in _loops(curves):
-        if isinstance(loop, Contour):
-            number, place, distance = loop.closest(mesh.points[rim])
-        else:
-            number, (place, distance) = np.zeros(len(rim), dtype=np.int32), loop.closest(mesh.points[rim])
+    rim = np.unique(mesh.boundary_edges)
+    points, own = mesh.points.copy(), mesh.points[rim]
+    nearest = NEAR * shortest_edges(mesh.points, mesh.boundary_edges)[rim]
+    for segment in _segments(curves):
+        place, distance = segment.closest(own)
         nearer = distance < nearest
         nearest[nearer] = distance[nearer]
-        points[rim[nearer]] = mesh.points[rim[nearer]]
-        for which in np.unique(number[nearer]).tolist():
-            segment = _segments(loop)[which]
-            inside = nearer & (number == which) & (place > 1e-9) & (place < 1.0 - 1e-9)
-            if not isinstance(segment, Line) and inside.any():
-                points[rim[inside]] = segment.point(place[inside])
+        points[rim[nearer]] = own[nearer]
+        inside = nearer & (place > 1e-9) & (place < 1.0 - 1e-9)
+        if not isinstance(segment, Line):
+            points[rim[inside]] = segment.point(place[inside])
     return points

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, point_text
-from flangeway.mesh.connectivity import next_in_row, offsets_of, row_numbers
+from flangeway.geometry.arrays import IntArray, cross_product, point_text
+from flangeway.mesh.connectivity import first_connected, next_in_row, offsets_of, places_among, row_numbers
 from flangeway.mesh.curved import Curves, curved
 from flangeway.mesh.insertion import divided
 from flangeway.mesh.mesh_checks import check
@@ -61,10 +61,7 @@ def dual(mesh: PolyMesh, *, outline: Curves | None = None) -> PolyMesh:
     order, n_rim = _order_of_rim(mesh), len(mesh.boundary_edges)
     rim, halved = mesh.boundary_edges[order], divided(mesh, order, np.full(n_rim, 0.5))
     points = np.vstack([centroids, halved.points[n_points:], mesh.points[rim[:, 0]]])
-    leaving = np.full(n_points, -1, dtype=np.int64)
-    reaching = np.full(n_points, -1, dtype=np.int64)
-    leaving[rim[:, 0]] = np.arange(n_rim)
-    reaching[rim[:, 1]] = np.arange(n_rim)
+    leaving, reaching = (places_among(ends, n_points) for ends in rim.T)
 
     rings, ring_points = _rings(mesh, centroids, rim, leaving)
     counts = np.diff(rings).astype(np.int64)
@@ -82,11 +79,8 @@ def dual(mesh: PolyMesh, *, outline: Curves | None = None) -> PolyMesh:
     edge_sets = {name: number[pairs] for name, pairs in halved.edge_sets.items()}
     curves = halved.curves  # those inside are no edges of the dual
     if curves is not None:
-        curves = curves.taken(curves.pairs.max(axis=1) >= n_points)
-    return PolyMesh(
-        points, offsets, cell_points, _carried_sets(mesh), edge_sets,
-        None if curves is None else curves.renumbered(number),
-    )  # fmt: skip
+        curves = curves.taken(curves.pairs.max(axis=1) >= n_points, number)
+    return PolyMesh(points, offsets, cell_points, _carried_sets(mesh), edge_sets, curves)
 
 
 def _refuse_unfit(mesh: PolyMesh) -> None:
@@ -128,7 +122,7 @@ def _rings(mesh: PolyMesh, centroids: Floats, rim: IntArray, leaving: Ints) -> t
     rings = offsets_of(np.bincount(about, minlength=mesh.n_points))
     rays = rays[order]
     following = next_in_row(rings)
-    turns = rays[:, 0] * rays[following, 1] - rays[:, 1] * rays[following, 0]
+    turns = cross_product(rays, rays[following])
     closing = np.zeros(len(order), dtype=bool)
     closing[rings[1:][leaving >= 0] - 1] = True
     folded = (turns <= 0.0) & ~closing
@@ -187,13 +181,10 @@ def dual_section(mesh: PolyMesh) -> PolyMesh:
 def _glued(mesh: PolyMesh, tolerance: float) -> PolyMesh:
     """Return the mesh with points nearer than a tolerance made one."""
     pairs = cKDTree(mesh.points).query_pairs(tolerance, output_type="ndarray")
-    first = np.arange(mesh.n_points)
-    # each group of coinciding points has one of every part, so that its lowest is paired with all others
-    for low, high in sorted(pairs.tolist(), reverse=True):
-        first[high] = low
-    kept, numbers = np.unique(first, return_inverse=True)
-    curves = None if mesh.curves is None else mesh.curves.renumbered(numbers)
+    kept, numbers = np.unique(first_connected(pairs, mesh.n_points), return_inverse=True)
+    curves = mesh.curves
     if curves is not None:  # of an interface both parts have the edges
+        curves = curves.renumbered(numbers)
         curves = curves.taken(np.unique(np.sort(curves.pairs, axis=1), axis=0, return_index=True)[1])
     corners = numbers[mesh.cell_points].astype(np.int32)
     return PolyMesh(mesh.points[kept], mesh.cell_offsets, corners, mesh.cell_sets, curves=curves)

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.geometry.arrays import IntArray, cross_product
 from flangeway.geometry.placement import Placement
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Bools, Floats, Indices, Ints
 
 
 class Curve(Protocol):
@@ -78,10 +78,13 @@ class EdgeCurves:
         best = best + (best - middle) / 15.0
         return best[:, 0], best[:, 1:]
 
-    def taken(self, rows: Bools | Ints) -> "EdgeCurves | None":
-        """Some of the edges, or None if there is none."""
+    def taken(self, rows: Bools | Ints, numbers: Indices | None = None) -> "EdgeCurves | None":
+        """Some of the edges, or None if there is none; with other numbers of the points, if given for the old ones."""
         pairs = self.pairs[rows]
-        return replace(self, pairs=pairs, number=self.number[rows], ends=self.ends[rows]) if len(pairs) else None
+        if not len(pairs):
+            return None
+        some = replace(self, pairs=pairs, number=self.number[rows], ends=self.ends[rows])
+        return some if numbers is None else some.renumbered(numbers)
 
     def halved(self, middles: Ints) -> "EdgeCurves":
         """Edges divided at new points in their middles, -1 where an edge is whole."""
@@ -94,7 +97,7 @@ class EdgeCurves:
             halves.append(EdgeCurves(pairs, self.curves, self.number[split], ends))
         return united([part for part in halves if part is not None])
 
-    def renumbered(self, numbers: NDArray[np.integer]) -> "EdgeCurves":
+    def renumbered(self, numbers: Indices) -> "EdgeCurves":
         """With other numbers of the points, given for the old ones."""
         return replace(self, pairs=numbers[self.pairs].astype(np.int32))
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from flangeway.checks import check_positive
 from flangeway.errors import InputError, MissingLibraryError
-from flangeway.geometry.arrays import IntArray
+from flangeway.geometry.arrays import IntArray, cross_product
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.region import Region, Section
@@ -326,7 +326,7 @@ def _triangles(gmsh: Any, surfaces: Sequence[int]) -> tuple[Ints, Floats, IntArr
     points, triangles = points[np.searchsorted(tags, used)], numbers.reshape(-1, 3).astype(np.int32)
     del numbers
     a, b, c = (points[triangles[:, i]] for i in range(3))
-    clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
+    clockwise = cross_product(b - a, c - a) < 0.0
     triangles[clockwise, 1:] = triangles[clockwise, :0:-1]
     return used, points, triangles, counts
 

@@ -8,24 +8,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, as_points, cross_product, point_text
-from flangeway.mesh.connectivity import edge_places, offsets_of, ordered_pairs, row_numbers
+from flangeway.mesh.connectivity import edge_places, offsets_of, ordered_pairs, row_numbers, shortest_edges
 from flangeway.mesh.edge_curves import EdgeCurves, united
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats, Indices, Ints
 
 MERGE = 1e-7
 """Distance of a point from a node over the shorter edge there, up to which it is the node."""
 COLLINEAR = 1e-6  # turn between edges, in rad, below which they are one straight line
 MAX_PAIRS = 1_000_000  # of nodes and edges that are examined at a time
 
-Edges = str | NDArray[np.integer]
+Edges = str | Indices
 
 
-def divided(mesh: PolyMesh, edges: NDArray[np.integer], places: Floats) -> PolyMesh:
+def divided(mesh: PolyMesh, edges: Indices, places: Floats) -> PolyMesh:
     """Return the mesh with points on edges of its boundary; they are numbered behind its own, in the order given.
 
     Points, cells and sets keep their numbers and names; edge sets and curves get the pieces of their edges.
@@ -92,7 +92,7 @@ def _curve_ends(curves: EdgeCurves, rim: Ints, rows: Ints) -> Floats:
 
 def _divided_curves(curves: EdgeCurves, rows: Ints, pieces: Ints, ends: Floats, spans: Floats) -> EdgeCurves:
     """Curved edges with the pieces of those at the boundary in their place."""
-    inner = np.ones(len(curves.pairs), dtype=np.bool_)
+    inner = np.ones(len(curves.pairs), dtype=bool)
     inner[rows[rows >= 0]] = False
     on, kept = rows >= 0, curves.taken(inner)
     within = ends[:, :1] + spans * (ends[:, 1:] - ends[:, :1])
@@ -190,7 +190,7 @@ def match_boundaries(one: PolyMesh, edges: Edges, other: PolyMesh, other_edges: 
             "two boundaries that face each other, in common axes",
             "place the meshes where the bodies are before the deformation, and check the edges",
         )
-    same = [np.zeros(mesh.n_points, dtype=np.bool_) for mesh, _ in sides]  # nodes that have an opposite node
+    same = [np.zeros(mesh.n_points, dtype=bool) for mesh, _ in sides]  # nodes that have an opposite node
     for side, its in enumerate(onto):
         near = its.away <= MERGE
         same[side][its.nearest[near]] = True
@@ -240,7 +240,7 @@ class OppositePlaces:
 
 
 def opposite_places(
-    one: tuple[Floats, NDArray[np.integer]], other: tuple[Floats, NDArray[np.integer]]
+    one: tuple[Floats, Indices], other: tuple[Floats, Indices]
 ) -> tuple[OppositePlaces, OppositePlaces]:
     """Places on the first boundary opposite the nodes of the second one, and the other way; see `match_boundaries`.
 
@@ -250,7 +250,7 @@ def opposite_places(
     return _opposite(one, normals[0], other, normals[1], own=False), _opposite(other, normals[1], one, normals[0])
 
 
-def _normals(points: Floats, pairs: NDArray[np.integer]) -> Floats:
+def _normals(points: Floats, pairs: Indices) -> Floats:
     """Outward directions at the points of a boundary, linear along its straight lines, zero elsewhere (n_points, 2).
 
     At the end of a line the direction is the mean of the normals, that of the shorter line with the larger weight: on
@@ -285,8 +285,8 @@ def _normals(points: Floats, pairs: NDArray[np.integer]) -> Floats:
 
 
 def _opposite(
-    onto: tuple[Floats, NDArray[np.integer]], own_normals: Floats,
-    other: tuple[Floats, NDArray[np.integer]], normals: Floats, *, own: bool = True,
+    onto: tuple[Floats, Indices], own_normals: Floats,
+    other: tuple[Floats, Indices], normals: Floats, *, own: bool = True,
 ) -> OppositePlaces:  # fmt: skip
     """Places on one boundary opposite the nodes of another one, along the normals of the first or of the second."""
     (points, pairs), nodes = onto, np.unique(other[1])
@@ -313,23 +313,10 @@ def _opposite(
         pieces.append((some[which[order]], at[order], places[order]))
     which, at, places = (np.concatenate(column) for column in zip(*pieces, strict=True))
     nearest = pairs[at, (places > 0.5).astype(np.int64)].astype(np.int64)
-    shortest = np.full(len(points), np.inf)
-    for column in (0, 1):
-        np.minimum.at(shortest, pairs[:, column], lengths)
-    away = np.minimum(places, 1.0 - places) * lengths[at] / shortest[nearest]
+    away = np.minimum(places, 1.0 - places) * lengths[at] / shortest_edges(points, pairs)[nearest]
     return OppositePlaces(which.astype(np.int64), at, places, nearest, away)
 
 
 def _rows(mesh: PolyMesh, edges: Edges) -> Ints:
     """Rows of ``mesh.boundary_edges``."""
-    pairs = mesh.edge_set(edges) if isinstance(edges, str) else np.asarray(edges)
-    mesh.edge_numbers(pairs)  # refuses what is no edge
-    rows, known = edge_places(pairs, mesh.boundary_edges, mesh.n_points)
-    if not known.all():
-        a, b = pairs[int(np.argmin(known))]
-        raise InputError(
-            f"nodes on the edge ({a}, {b}) near {point_text(mesh.points[a])}, which is inside the body",
-            "edges of the boundary",
-            "choose among mesh.boundary_edges",
-        )
-    return rows
+    return mesh.boundary_rows(mesh.edge_set(edges) if isinstance(edges, str) else edges, "nodes on the edge")

@@ -40,8 +40,7 @@ def cell_centres(mesh: PolyMesh, cells: IntArray) -> tuple[Floats, Bools]:
     widths = mesh.cell_areas[cells] / mesh.cell_diameters[cells]
     distances = visible_distances(mesh, cells, centres)
     for row in np.flatnonzero(distances < GOOD_DISTANCE * widths):
-        start, end = mesh.cell_offsets[cells[row] : cells[row] + 2]
-        centres[row], distances[row] = kernel_centre(mesh.points[mesh.cell_points[start:end]])
+        centres[row], distances[row] = kernel_centre(mesh.points[mesh.corners(cells[row])])
     return centres, distances > MIN_KERNEL * widths
 
 

@@ -5,18 +5,15 @@ from weakref import WeakSet
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, point_text
-from flangeway.mesh.connectivity import edge_places, row_numbers
+from flangeway.mesh.connectivity import edge_places, first_connected, places_among, row_numbers
 from flangeway.mesh.curved import as_polylines
 from flangeway.mesh.insertion import corners_added
 from flangeway.mesh.meeting import TOUCHING, Meeting, meeting, touching_distance
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.types import Bools, Ints
+from flangeway.types import Bools, Indices, Ints
 
 FLAT = 1e-14  # area of a cell over the sum of its squared distances from its middle, up to which it counts as flat
 
@@ -85,8 +82,7 @@ def check(
 
 
 def _cell(mesh: PolyMesh, cell: int) -> str:
-    middle = mesh.points[mesh.cell_points[mesh.cell_offsets[cell] : mesh.cell_offsets[cell + 1]]]
-    return f"cell {cell} near {point_text(middle.mean(axis=0))}"
+    return f"cell {cell} near {point_text(mesh.points[mesh.corners(cell)].mean(axis=0))}"
 
 
 def _check_points(mesh: PolyMesh) -> None:
@@ -149,7 +145,7 @@ def _check_sides_of(mesh: PolyMesh, cells: IntArray) -> None:
         polygons
     )
     for cell in cells[doubtful].tolist():
-        corners = mesh.cell_points[mesh.cell_offsets[cell] : mesh.cell_offsets[cell + 1]]
+        corners = mesh.corners(cell)
         numbers, times = np.unique(corners, return_counts=True)
         if times.max() > 1:
             raise InputError(
@@ -262,11 +258,11 @@ def _refuse_inner_boundary(mesh: PolyMesh, rim: IntArray) -> None:
     Cells that are positive and fit together edge by edge cover a place as many times as the boundary goes around it,
     and this number is constant along a chain of edges. So one point beside each chain, on its left, shows it.
     """
-    m, start = len(rim), np.zeros(mesh.n_points, dtype=np.int64)
-    start[rim[:, 0]] = np.arange(m)
-    simple = np.bincount(rim[:, 0], minlength=mesh.n_points)[rim[:, 1]] == 1
-    links = (np.ones(int(simple.sum())), (np.flatnonzero(simple), start[rim[simple, 1]]))
-    n_chains, chain = connected_components(coo_array(links, shape=(m, m)), directed=False)
+    following = places_among(rim[:, 0], mesh.n_points)[rim[:, 1]]
+    simple = np.flatnonzero(np.bincount(rim[:, 0], minlength=mesh.n_points)[rim[:, 1]] == 1)
+    links = np.column_stack((simple, following[simple]))
+    _, chain = np.unique(first_connected(links, len(rim)), return_inverse=True)
+    n_chains = int(chain.max()) + 1
     if n_chains == 1:  # one closed curve, which positive cells fill once
         return
     steps = mesh.points[rim[:, 1]] - mesh.points[rim[:, 0]]
@@ -293,7 +289,7 @@ def _meant(mesh: PolyMesh, touching: Meeting, at_end: Bools, ends: Ints, cracks:
     """Whether a point may touch an edge or another point: both have an edge of a crack's face."""
     faces = np.zeros(len(mesh.boundary_edges), dtype=bool)
     for name in cracks:
-        faces |= np.isin(_keys(mesh, mesh.boundary_edges), _keys(mesh, mesh.edge_set(name)))
+        faces[mesh.boundary_rows(mesh.edge_set(name), "the edge of a crack")] = True
     # a touch is found once for each pair of edges there, of which one is enough
     low, high = np.minimum(touching.points, ends), np.maximum(touching.points, ends)
     place = np.where(at_end, low * mesh.n_points + high, -1 - (touching.on * mesh.n_points + touching.points))
@@ -347,7 +343,7 @@ def conforming(mesh: PolyMesh) -> PolyMesh:
     return whole
 
 
-def check_curved_cells(mesh: PolyMesh, cells: NDArray[np.integer], order: int) -> None:
+def check_curved_cells(mesh: PolyMesh, cells: Indices, order: int) -> None:
     """Refuse cells with curved edges that cross themselves, or are turned inside out; see `check`.
 
     - `cells`: cells with curved edges.

@@ -22,11 +22,12 @@ from flangeway.mesh.connectivity import (
     next_in_row,
     number_edges,
     ordered_pairs,
+    places_among,
     row_numbers,
     rows_reversed,
 )
 from flangeway.mesh.edge_curves import EdgeCurves, united
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Bools, Floats, Indices, Ints
 
 
 def _index_array(values: ArrayLike, name: str, upper: int) -> IntArray:
@@ -260,6 +261,22 @@ class PolyMesh:
             )
         return numbers.astype(np.int32)
 
+    def boundary_rows(self, pairs: ArrayLike, what: str) -> Ints:
+        """Return the rows (m,) of `boundary_edges` that have the given ends (m, 2), in either direction.
+
+        - `what`: what the edges are, for the `InputError` if a pair is no edge, or one inside the body.
+        """
+        given = self.edges[self.edge_numbers(pairs)]
+        rows, outer = edge_places(given, self.boundary_edges, self.n_points)
+        if not outer.all():
+            a, b = given[outer.argmin()]
+            raise InputError(
+                f"{what} ({a}, {b}) near {point_text(self.points[a])}, which is inside the body",
+                "edges of the boundary",
+                "choose among boundary_edges",
+            )
+        return rows
+
     # geometry
 
     @cached_property
@@ -300,12 +317,12 @@ class PolyMesh:
     @cached_property
     def curve_rows(self) -> Ints:
         """Row in `curves` of each edge, -1 for straight ones (n_edges,)."""
-        rows = np.full(self.n_edges, -1, dtype=np.int64)
+        curved: Indices = np.empty(0, dtype=np.int64)
         if self.curves is not None:
-            rows[self.edge_numbers(self.curves.pairs)] = np.arange(len(self.curves.pairs))
-        return rows
+            curved = self.edge_numbers(self.curves.pairs)
+        return places_among(curved, self.n_edges)
 
-    def edge_middles(self, edges: NDArray[np.integer]) -> Floats:
+    def edge_middles(self, edges: Indices) -> Floats:
         """Middles (m, 2) of edges given by their numbers, on curved edges in the middle of the curve."""
         middles: Floats = self.points[self.edges[edges]].mean(axis=1)
         rows = self.curve_rows[edges]
@@ -315,7 +332,7 @@ class PolyMesh:
 
     def straight(self) -> "PolyMesh":
         """Return the mesh with the same points and straight edges."""
-        return self._changed(curves=None)
+        return replace(self, curves=None)
 
     @cached_property
     def cell_centroids(self) -> Floats:
@@ -342,7 +359,7 @@ class PolyMesh:
                 diameters[cells] = np.maximum(diameters[cells], squares)
         return _frozen(np.sqrt(diameters))
 
-    def polygons(self, cells: NDArray[np.integer]) -> NDArray[np.object_]:
+    def polygons(self, cells: Indices) -> NDArray[np.object_]:
         """Return cells (n,) as polygons of shapely, of which a curved edge is its chord."""
         entries, offsets = entries_of(self.cell_offsets, cells)
         closed = np.insert(entries, offsets[1:], entries[offsets[:-1]])
@@ -367,6 +384,10 @@ class PolyMesh:
     def batches(self) -> tuple[tuple[int, IntArray], ...]:
         """Return (n_vertices, cell numbers) for the cells of each number of vertices, ascending."""
         return self._batches
+
+    def corners(self, cell: int) -> IntArray:
+        """Return the numbers of the points of one cell."""
+        return self.cell_points[self.cell_offsets[cell] : self.cell_offsets[cell + 1]]
 
     def batch_points(self, n_vertices: int, cells: IntArray) -> IntArray:
         """Return the point numbers (len(cells), n_vertices) of cells of one batch."""
@@ -417,13 +438,6 @@ class PolyMesh:
             )
         return pairs
 
-    def _changed(self, **changes: Any) -> "PolyMesh":
-        fields = {
-            name: changes.get(name, getattr(self, name))
-            for name in ("points", "cell_offsets", "cell_points", "cell_sets", "edge_sets", "curves")
-        }
-        return PolyMesh(**fields)
-
     def with_edge_set(self, name: str, pairs: ArrayLike | Callable[[Floats], Bools]) -> "PolyMesh":
         """Return the mesh with a further (or replaced) edge set.
 
@@ -450,26 +464,14 @@ class PolyMesh:
                     "write it for points of shape (n, 2), such as lambda p: p[:, 0] < 1e-9",
                 )
             pairs = self.boundary_edges[taken[self.boundary_edges].all(axis=1)]
-        numbers = self.edge_numbers(pairs)
-        outer = self.edge_numbers(self.boundary_edges)
-        order = np.argsort(outer)
-        places = np.minimum(np.searchsorted(outer[order], numbers), len(outer) - 1)
-        inner = outer[order][places] != numbers
-        if inner.any():
-            a, b = self.edges[numbers[inner.argmax()]]
-            raise InputError(
-                f"edge set '{name}': edge ({a}, {b}) near {point_text(self.points[a])} is inside the body",
-                "edges of the boundary",
-                "choose among boundary_edges",
-            )
-        sets = {**self.edge_sets, name: self.boundary_edges[order[places]]}
-        return self._changed(edge_sets=sets)
+        rows = self.boundary_rows(pairs, f"edge set '{name}': edge")
+        return replace(self, edge_sets={**self.edge_sets, name: self.boundary_edges[rows]})
 
     def with_cell_set(self, name: str, cells: ArrayLike) -> "PolyMesh":
         """Return the mesh with a further (or replaced) cell set: numbers, or a mask (n_cells,)."""
         given = np.asarray(cells)
-        numbers = np.flatnonzero(given) if given.dtype == bool else given
-        return self._changed(cell_sets={**self.cell_sets, name: numbers})
+        numbers: Any = np.flatnonzero(given) if given.dtype == bool else given
+        return replace(self, cell_sets={**self.cell_sets, name: numbers})
 
     # changes
 
@@ -484,29 +486,28 @@ class PolyMesh:
             changes["edge_sets"] = {n: e[::-1, ::-1] for n, e in self.edge_sets.items()}
         if self.curves is not None:
             changes["curves"] = self.curves.transformed(placement)
-        return self._changed(**changes)
+        return replace(self, **changes)
 
-    def part(self, cells: NDArray[np.integer]) -> "PolyMesh":
+    def part(self, cells: Indices) -> "PolyMesh":
         """Return some cells with what is left of the sets and curves; edges to the other cells become boundary."""
         cells = np.unique(cells)
         entries, offsets = entries_of(self.cell_offsets, cells)
         points, corners = np.unique(self.cell_points[entries], return_inverse=True)
-        number = np.full(self.n_points, -1, dtype=np.int32)
-        number[points] = np.arange(len(points))
+        number = places_among(points, self.n_points)
         bare = PolyMesh(self.points[points], offsets, corners.astype(np.int32))
-        edge_sets = {}
+        edge_sets: dict[str, Any] = {}
         for name, pairs in self.edge_sets.items():
             outer = edge_places(number[pairs], bare.boundary_edges, bare.n_points)[1]
             if outer.any():
                 edge_sets[name] = number[pairs[outer]]
-        inside = {name: np.flatnonzero(np.isin(cells, members)) for name, members in self.cell_sets.items()}
+        inside: dict[str, Any] = {
+            name: np.flatnonzero(np.isin(cells, members)) for name, members in self.cell_sets.items()
+        }
         cell_sets = {name: members for name, members in inside.items() if len(members)}
         curves = self.curves
         if curves is not None:
-            curves = curves.taken(np.isin(self.edge_numbers(curves.pairs), self.cell_edges[entries]))
-        return bare._changed(
-            cell_sets=cell_sets, edge_sets=edge_sets, curves=None if curves is None else curves.renumbered(number)
-        )
+            curves = curves.taken(np.isin(self.edge_numbers(curves.pairs), self.cell_edges[entries]), number)
+        return replace(bare, cell_sets=cell_sets, edge_sets=edge_sets, curves=curves)
 
     def merged(self, other: "PolyMesh") -> "PolyMesh":
         """Return both meshes as one, without gluing: points and cells of `other` are added behind.

@@ -63,7 +63,7 @@ def quadtree(
     done: list[tuple[Ints, int]] = []
     for level in range(levels, -1, -1):
         side = 2**level
-        cut = np.zeros(len(place), dtype=np.bool_)
+        cut = np.zeros(len(place), dtype=bool)
         if level:
             centres = base + (place + side / 2.0) * size
             cut = np.asarray(finer(centres, np.full(len(place), side * size.max())))

@@ -2,14 +2,14 @@
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.checks import as_numbers, check_integer, is_finite, refused
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray, point_text
+from flangeway.geometry.arrays import IntArray, cross_product, point_text
 from flangeway.mesh.connectivity import entries_of, next_in_row, offsets_of, row_numbers
 from flangeway.mesh.curved import Curves, snapped_points
 from flangeway.mesh.cutting import HALVED, cut_polygon, has_notch
@@ -87,7 +87,7 @@ def _cut(mesh: PolyMesh, marked: Bools) -> tuple[PolyMesh, Bools]:
         return mesh, marked
     parts: dict[int, tuple[Pieces, Floats]] = {}
     for cell in chosen.tolist():
-        corners = mesh.points[mesh.cell_points[mesh.cell_offsets[cell] : mesh.cell_offsets[cell + 1]]]
+        corners = mesh.points[mesh.corners(cell)]
         pieces, points = cut_polygon(corners, np.ones(len(corners), dtype=bool))
         parts[cell] = pieces, points[2 * len(corners) :]
     still = marked.copy()
@@ -187,13 +187,12 @@ def _divisible(mesh: PolyMesh, marked: Bools) -> Bools:
     middles = mesh.points[mesh.cell_points[sides.entries[sides.at_point]]]
     without = sides.at_point < 0
     middles[without] = mesh.edge_middles(mesh.cell_edges[sides.entries[sides.in_edge[without]]])
-    before, longest = _previous(sides.cell), np.zeros(mesh.n_cells)
-    for one, other in ((starts, middles), (starts, middles[before]), (middles, middles[before])):
+    after, longest = next_in_row(offsets_of(np.bincount(sides.cell))), np.zeros(mesh.n_cells)
+    for one, other in ((starts, middles), (starts[after], middles), (middles[after], middles)):
         np.maximum.at(longest, sides.cell, np.hypot(*(one - other).T))
     good &= longest[cells] <= HALVED * mesh.cell_diameters[cells]
     for row in np.flatnonzero(good & (mesh.cell_sizes[cells] > 3)):
-        start, end = mesh.cell_offsets[cells[row] : cells[row] + 2]
-        good[row] = not has_notch(mesh.points[mesh.cell_points[start:end]])
+        good[row] = not has_notch(mesh.points[mesh.corners(cells[row])])
     result = np.zeros(mesh.n_cells, dtype=bool)
     result[cells[good]] = True
     return result
@@ -228,10 +227,7 @@ def cell_sides(mesh: PolyMesh) -> Sides:
     steps = mesh.points[mesh.cell_points[following]] - mesh.points[mesh.cell_points]
     turn = np.empty(len(rows))
     turn[following] = np.abs(
-        np.arctan2(
-            steps[:, 0] * steps[following, 1] - steps[:, 1] * steps[following, 0],
-            np.einsum("ni,ni->n", steps, steps[following]),
-        )
+        np.arctan2(cross_product(steps, steps[following]), np.einsum("ni,ni->n", steps, steps[following]))
     )
     corner = turn > STRAIGHT
     few = np.add.reduceat(corner, offsets[:-1], dtype=np.int64) < 3
@@ -293,8 +289,7 @@ def _crowded(mesh: PolyMesh, most_hanging: int) -> Bools:
 
 def _finished(mesh: PolyMesh, outline: Curves | None) -> PolyMesh:
     if outline is not None:
-        points = snapped_points(mesh, outline)
-        mesh = PolyMesh(points, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets, mesh.curves)
+        mesh = replace(mesh, points=snapped_points(mesh, outline))
     if mesh.cell_areas.min() <= 0.0:
         place = mesh.points[mesh.cell_points[mesh.cell_offsets[mesh.cell_areas.argmin()]]]
         raise InputError(
@@ -326,16 +321,6 @@ def _halved_curves(mesh: PolyMesh, split: Bools) -> EdgeCurves | None:
         return None
     edges = mesh.edge_numbers(mesh.curves.pairs)
     return mesh.curves.halved(np.where(split[edges], (mesh.n_points + np.cumsum(split) - 1)[edges], -1))
-
-
-def _previous(cell: Ints) -> Ints:
-    """Place of the side before each one of the same cell, cyclically; the sides of a cell follow each other."""
-    first = np.ones(len(cell), dtype=bool)
-    first[1:] = cell[1:] != cell[:-1]
-    before = np.arange(len(cell)) - 1
-    last = np.append(np.flatnonzero(first)[1:], len(cell)) - 1
-    before[first] = last
-    return before
 
 
 def _refined_triangles(mesh: PolyMesh) -> PolyMesh:

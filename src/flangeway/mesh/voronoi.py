@@ -3,16 +3,15 @@
 from collections.abc import Callable
 
 import numpy as np
-import scipy.sparse as sp
 import shapely
 from numpy.typing import ArrayLike
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from flangeway.checks import as_numbers, check_integer
 from flangeway.errors import InputError, short
 from flangeway.geometry import Line, Outline
 from flangeway.geometry.arrays import cross_product
+from flangeway.mesh.connectivity import first_connected
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
 from flangeway.types import Floats
@@ -189,8 +188,6 @@ class _Cells:
             if len(rows):
                 places[rows] = outline.segments[which].point(outline.segments[which].closest(places[rows])[0])
         pairs = cKDTree(places).query_pairs(self.tolerance, output_type="ndarray")
-        near = sp.coo_array((np.ones(len(pairs)), pairs.T), shape=(len(places), len(places)))
-        _, vertices = connected_components(near, directed=False)
-        _, kept = np.unique(vertices, return_index=True)
+        kept, vertices = np.unique(first_connected(pairs, len(places)), return_inverse=True)
         cells = np.split(vertices, np.cumsum(np.bincount(owner))[:-1])
         return PolyMesh.from_cells(places[kept], [list(dict.fromkeys(cell.tolist())) for cell in cells])

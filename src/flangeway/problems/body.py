@@ -7,12 +7,13 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import check_positive
 from flangeway.elements import Element
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
+from flangeway.geometry.arrays import IntArray
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.problems.elasticity_problem import Elasticity
@@ -20,7 +21,7 @@ from flangeway.problems.linear_body import LinearBody, RigidFreedom
 from flangeway.problems.stiffness_body import StiffnessBody
 from flangeway.problems.supports import Spring
 from flangeway.space import CondensedMatrix, DifferenceProduct, Space, SymmetricMatrix
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats, Indices
 
 Point = tuple[float, float]
 Components = Literal["x", "y", "xy"]
@@ -122,11 +123,11 @@ class Body(LinearBody):
         return self.space.nodes
 
     @property
-    def boundary_edges(self) -> NDArray[np.int32]:
+    def boundary_edges(self) -> IntArray:
         """See `LinearBody.boundary_edges`."""
         return self.mesh.boundary_edges
 
-    def edge_nodes(self, pairs: NDArray[np.integer]) -> NDArray[np.int32]:
+    def edge_nodes(self, pairs: Indices) -> IntArray:
         """See `LinearBody.edge_nodes`."""
         return self.space.edge_nodes(pairs)
 
@@ -169,7 +170,7 @@ class Body(LinearBody):
         return mesh.points, mesh.cell_offsets, mesh.cell_points, *parts
 
     @cached_property
-    def free(self) -> NDArray[np.bool_]:
+    def free(self) -> Bools:
         """Which unknowns at nodes are free to move in the body's frame, shape (2 n_nodes,).
 
         Those inside cells are condensed.
@@ -180,9 +181,9 @@ class Body(LinearBody):
         return free.ravel()
 
     @cached_property
-    def supported(self) -> NDArray[np.bool_]:
+    def supported(self) -> Bools:
         """See `LinearBody.supported`."""
-        held = np.zeros((self.space.n_nodes, 2), dtype=np.bool_)
+        held = np.zeros((self.space.n_nodes, 2), dtype=bool)
         for where, components in self.supports.items():
             if isinstance(where, str):
                 nodes = self.space.edge_nodes(self.mesh.edge_sets[where]).ravel()

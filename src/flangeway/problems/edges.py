@@ -3,26 +3,25 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.elements.quadrature import edge_rule, edge_shapes, gauss
-from flangeway.geometry.arrays import turned_right
+from flangeway.geometry.arrays import IntArray, turned_right
 from flangeway.space import Space
-from flangeway.types import Floats
+from flangeway.types import Floats, Indices
 
 
 @dataclass(frozen=True, eq=False)
 class EdgeQuadrature:
     """Gauss points on edges with the traces of the nodes."""
 
-    nodes: NDArray[np.int32]  # nodes of each edge in its direction, (n_edges, order + 1)
+    nodes: IntArray  # nodes of each edge in its direction, (n_edges, order + 1)
     points: Floats  # (n_edges, n_points, 2)
     weights: Floats  # lengths that belong to the points, (n_edges, n_points)
     shapes: Floats  # values of the nodes' functions at the points, the same on every edge, (n_points, order + 1)
     normals: Floats  # outward unit normals, (n_edges, n_points, 2)
 
 
-def edge_quadrature(space: Space, pairs: NDArray[np.integer], n_points: int | None = None) -> EdgeQuadrature:
+def edge_quadrature(space: Space, pairs: Indices, n_points: int | None = None) -> EdgeQuadrature:
     """Quadrature on edges given as pairs of points (n, 2), body on the left.
 
     Exact to degree ``2 n_points - 1``, by default ``2 order + 3``.

@@ -6,7 +6,6 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, batched, polygon_quadrature
@@ -19,7 +18,7 @@ from flangeway.problems.loads import Load, TemperatureChange
 from flangeway.problems.strains import STRAIN_PLACES, STRAINS, StrainOperators, strain_operators
 from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support, axes
 from flangeway.space import CellBatch, CondensedMatrix, Space, SymmetricMatrix, assemble_condensed
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats, Ints
 
 ON_AXIS = 1e-12
 """Radius over the size of the mesh below which a node lies on the axis."""
@@ -121,7 +120,7 @@ class Elasticity:
         return tuple(self.material.values()) if isinstance(self.material, Mapping) else (self.material,)
 
     @cached_property
-    def cell_material(self) -> NDArray[np.int64]:
+    def cell_material(self) -> Ints:
         """Number of each cell's material, shape (n_cells,)."""
         if isinstance(self.material, Mapping):
             numbers = set_numbers(self.space.mesh, self.material, "material")
@@ -141,7 +140,7 @@ class Elasticity:
         return float(np.linalg.norm(np.ptp(self.space.mesh.points, axis=0)))
 
     @cached_property
-    def on_axis(self) -> NDArray[np.int64]:
+    def on_axis(self) -> Ints:
         """Nodes on the axis of a body of revolution."""
         return np.flatnonzero(self.space.nodes[:, 0] <= ON_AXIS * self.size)
 
@@ -155,11 +154,11 @@ class Elasticity:
     def _depth_factor(self) -> float:
         return 2.0 * np.pi if self.axisymmetric else self.thickness
 
-    def cells_in(self, name: str | None) -> NDArray[np.bool_]:
+    def cells_in(self, name: str | None) -> Bools:
         """Which cells belong to a set, shape (n_cells,); None is all."""
         if name is None:
-            return np.ones(self.space.mesh.n_cells, dtype=np.bool_)
-        inside = np.zeros(self.space.mesh.n_cells, dtype=np.bool_)
+            return np.ones(self.space.mesh.n_cells, dtype=bool)
+        inside = np.zeros(self.space.mesh.n_cells, dtype=bool)
         inside[self.space.mesh.cell_set(name)] = True
         return inside
 
@@ -176,7 +175,7 @@ class Elasticity:
             )
         return node
 
-    def support_nodes(self, support: Support) -> NDArray[np.int64]:
+    def support_nodes(self, support: Support) -> Ints:
         """Nodes of a support, each once, in rising order."""
         where = support.edges if isinstance(support, RigidHandle) else support.where
         if isinstance(where, str):
@@ -337,7 +336,7 @@ class Elasticity:
     @cached_property
     def _heated(self) -> tuple[Material | None, ...]:
         """Each material that a change of temperature acts on, None for the others."""
-        heated = np.zeros(len(self.materials), dtype=np.bool_)
+        heated = np.zeros(len(self.materials), dtype=bool)
         for load in self.thermal_loads:
             heated[self.cell_material[self.cells_in(load.cells)]] = True
         return tuple(material if hot else None for material, hot in zip(self.materials, heated, strict=True))

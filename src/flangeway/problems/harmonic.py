@@ -328,7 +328,7 @@ class Harmonic:
         none for n >= 2.
         """
         space = self.elasticity.space
-        free = np.ones((space.n_dofs, 3), dtype=np.bool_)
+        free = np.ones((space.n_dofs, 3), dtype=bool)
         for where, components in (self.held or {}).items():
             if isinstance(where, str):
                 nodes = np.unique(space.edge_nodes(space.mesh.edge_set(where)))

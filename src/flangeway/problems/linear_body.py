@@ -5,13 +5,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import point_text
+from flangeway.geometry.arrays import IntArray, point_text
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.space import DifferenceProduct, Space, SymmetricMatrix
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Indices
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,11 +78,11 @@ class LinearBody(ABC):
 
     @property
     @abstractmethod
-    def boundary_edges(self) -> NDArray[np.int32]:
+    def boundary_edges(self) -> IntArray:
         """Nodes at the start and the end of the edges that may touch, the body on their left, shape (n_edges, 2)."""
 
     @abstractmethod
-    def edge_nodes(self, pairs: NDArray[np.integer]) -> NDArray[np.int32]:
+    def edge_nodes(self, pairs: Indices) -> IntArray:
         """Nodes of edges given by their ends (n, 2) in either direction, shape (n, order + 1); others are refused."""
 
     @property
@@ -170,7 +169,7 @@ class LinearBody(ABC):
         return bool(np.array_equal(np.sort(edges[:, 0]), np.sort(edges[:, 1])))
 
     @property
-    def free_nodes(self) -> NDArray[np.int32]:
+    def free_nodes(self) -> IntArray:
         """Node of each unknown that moves, shape (n_free,): the unknowns of a node are ordered together."""
         return (np.flatnonzero(self.free) // 2).astype(np.int32)
 
@@ -181,7 +180,7 @@ class LinearBody(ABC):
             return "an unknown that belongs to no node"
         return f"node {node} at {point_text(self.nodes[node])} in {'xy'[component]}"
 
-    def free_numbers(self, nodes: NDArray[np.integer]) -> NDArray[np.int32]:
+    def free_numbers(self, nodes: Indices) -> IntArray:
         """Numbers among the unknowns that move of nodes' components, -1 for one that is held, shape (2 n_nodes,).
 
         Raises

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.elements import Reconstruction, polygon_quadrature
 from flangeway.errors import InputError, short
@@ -18,7 +17,7 @@ from flangeway.materials import Material
 from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.prescribed import Scalar, Vector, check_scalar, check_vector, scalar_at, vector_at
 from flangeway.space import CellBatch, Space
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats, Ints
 
 Point = tuple[float, float]
 
@@ -31,10 +30,10 @@ class LoadedProblem(Protocol):
     @property
     def materials(self) -> tuple[Material, ...]: ...  # noqa: D102
     @property
-    def cell_material(self) -> NDArray[np.int64]: ...  # noqa: D102
+    def cell_material(self) -> Ints: ...  # noqa: D102
     def depth(self, points: Floats) -> Floats | float: ...  # noqa: D102
     def node_at(self, point: Sequence[float]) -> int: ...  # noqa: D102
-    def cells_in(self, name: str | None) -> NDArray[np.bool_]: ...  # noqa: D102
+    def cells_in(self, name: str | None) -> Bools: ...  # noqa: D102
     def thermal_forces(  # noqa: D102
         self, batch: CellBatch, reconstruction: Reconstruction, loads: "Sequence[TemperatureChange]"
     ) -> Floats: ...

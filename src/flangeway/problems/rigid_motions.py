@@ -44,9 +44,9 @@ def wrong_rows(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric:
     if not axisymmetric:
         motions += [(0.0 * x + 1.0, 0.0 * x), (-y, x)]
     there = rows >= 0
-    known = np.zeros(matrix.shape[0], dtype=np.bool_)
+    known = np.zeros(matrix.shape[0], dtype=bool)
     known[rows[there]] = True
-    wrong = np.zeros(rows.shape, dtype=np.bool_)
+    wrong = np.zeros(rows.shape, dtype=bool)
     for components in motions:
         motion = np.zeros(matrix.shape[0])
         motion[rows[there]] = np.column_stack(components)[there]

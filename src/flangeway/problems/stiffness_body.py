@@ -7,19 +7,19 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from flangeway.checks import as_numbers, check_positive
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product, point_text
+from flangeway.geometry.arrays import IntArray, cross_product, point_text
 from flangeway.mesh.connectivity import edge_places
 from flangeway.mesh.meeting import meeting
 from flangeway.problems.elasticity_problem import ON_AXIS
 from flangeway.problems.linear_body import LinearBody
 from flangeway.problems.rigid_motions import MAX_WRONG, wrong_rows
 from flangeway.space import SymmetricMatrix
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Bools, Floats, Indices, Ints
 
 SYMMETRIC = 1e-9
 """Difference of two entries across the diagonal, over the maximum entry, that rounding explains."""
@@ -227,16 +227,16 @@ class StiffnessBody(LinearBody):
         return matrix.indptr, matrix.indices, matrix.values, self._places, self.free, self.nodes
 
     @cached_property
-    def edge_sets(self) -> dict[str, NDArray[np.int32]]:
+    def edge_sets(self) -> dict[str, IntArray]:
         """Ends of the edges of each surface, the body on their left, shape (n_edges, 2)."""
         return {name: chain[:, [0, -1]] for name, chain in self._chains.items()}
 
     @cached_property
-    def boundary_edges(self) -> NDArray[np.int32]:
+    def boundary_edges(self) -> IntArray:
         """See `LinearBody.boundary_edges`; those of all surfaces."""
         return self._edges[:, [0, -1]]
 
-    def edge_nodes(self, pairs: NDArray[np.integer]) -> NDArray[np.int32]:
+    def edge_nodes(self, pairs: Indices) -> IntArray:
         """See `LinearBody.edge_nodes`."""
         found, known = edge_places(pairs, self.boundary_edges, len(self.nodes))
         if not known.all():
@@ -252,17 +252,17 @@ class StiffnessBody(LinearBody):
         return edges
 
     @cached_property
-    def _chains(self) -> dict[str, NDArray[np.int32]]:
+    def _chains(self) -> dict[str, IntArray]:
         """Nodes of each surface's edges, (n_edges, order + 1)."""
         return {name: self._chain(name) for name in self.surfaces}
 
     @cached_property
-    def _edges(self) -> NDArray[np.int32]:
+    def _edges(self) -> IntArray:
         every = np.concatenate(list(self._chains.values()))
         _, first = np.unique(every[:, [0, -1]], axis=0, return_index=True)
         return every[np.sort(first)]
 
-    def _chain(self, name: str) -> NDArray[np.int32]:
+    def _chain(self, name: str) -> IntArray:
         line, n = np.asarray(self.surfaces[name]), len(self.nodes)
         allowed = (
             f"at least {self.order + 1} numbers of nodes, 0 to {n - 1}, along a chain, or its edges, shape (n_edges, "
@@ -394,7 +394,7 @@ class StiffnessBody(LinearBody):
                 f"turn it: surfaces={{{name!r}: nodes[::-1]}}",
             )
 
-    def _side(self, edges: NDArray[np.int32]) -> float:
+    def _side(self, edges: IntArray) -> float:
         """Positive where the nodes nearest to a chain's edges are on its left, negative: on its right."""
         inner = np.setdiff1d(np.arange(len(self.nodes)), edges)
         starts, chords = self.nodes[edges[:, 0]], self.nodes[edges[:, -1]] - self.nodes[edges[:, 0]]

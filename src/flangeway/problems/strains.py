@@ -8,8 +8,7 @@ import numpy as np
 from flangeway.elements import Reconstruction, batched, monomials
 from flangeway.elements.monomials import exponents, index, n_monomials
 from flangeway.elements.polygon_quadrature import edge_points
-from flangeway.elements.projection import edge_normals, edge_unknowns
-from flangeway.elements.quadrature import edge_rule, gauss
+from flangeway.elements.quadrature import edge_rule, edge_unknowns, gauss
 from flangeway.space import CellBatch
 from flangeway.types import Floats
 
@@ -96,7 +95,7 @@ def _about_axis(batch: CellBatch, reconstruction: Reconstruction) -> StrainOpera
 
 def _radius(reconstruction: Reconstruction) -> Floats:
     """Coefficients of x as a polynomial of degree 1 in the local coordinates, shape (3, n_cells)."""
-    return np.stack((reconstruction.frame.origin[0], *reconstruction.frame.inverse[0]))
+    return np.concatenate((reconstruction.frame.origin[:1], reconstruction.frame.inverse[0]))
 
 
 def _times_radius(moments: Floats, degree: int, radius: Floats) -> Floats:
@@ -115,19 +114,20 @@ def _boundary_moments(batch: CellBatch, reconstruction: Reconstruction) -> Float
     # degree k of r, k - 1 of the normal, k of the trace, and k - 1 times k of the monomials
     n_points = (order * (order + 2) + 1) // 2 if curved else order + 1
     places, (weights, shapes, slopes) = gauss(n_points)[0], edge_rule(order, n_points)
-    along, normals = np.roll(vertices, -1, axis=0) - vertices, edge_normals(vertices)
+    along = np.roll(vertices, -1, axis=0) - vertices
+    normals = batched.turned_right(along)
     result = np.zeros((n_monomials(order - 1), 2, reconstruction.n_local, n_cells))
-    for edge in range(n_vertices):
+    for edge, local in enumerate(edge_unknowns(order, n_vertices)):
         points = vertices[edge] + places[:, None, None] * along[edge]
         if curved:
             nodes = edge_points(batch.outline)[edge]
             points, tangents = (np.einsum("qj,jie->qie", each, nodes) for each in (shapes, slopes))
         values = monomials.evaluate(order - 1, reconstruction.frame.local(points))
         if curved:
-            right = np.stack((tangents[:, 1], -tangents[:, 0])) * weights[:, None]
-            traces = np.einsum("aqe,qe,iqe,qn->aine", values, points[:, 0], right, shapes, optimize=True)
+            right = batched.turned_right(tangents) * weights[:, None, None]
+            traces = np.einsum("aqe,qe,qie,qn->aine", values, points[:, 0], right, shapes, optimize=True)
         else:
             traces = np.einsum("aqe,qe,q,qn->ane", values, points[:, 0], weights, shapes)
             traces = traces[:, None] * normals[edge][None, :, None]
-        result[:, :, edge_unknowns(edge, n_vertices, order)] += traces
+        result[:, :, local] += traces
     return result

@@ -11,16 +11,14 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import edge_rule, gauss_lobatto
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product
-from flangeway.mesh.connectivity import next_in_row
+from flangeway.geometry.arrays import IntArray, cross_product
+from flangeway.mesh.connectivity import first_connected, next_in_row
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 from flangeway.types import Floats
@@ -41,8 +39,8 @@ class SectionBoundary:
     Edges around the parts of the section (m, 2), edges around each hole, and areas of the holes (n_holes,).
     """
 
-    outer: NDArray[np.int32]
-    holes: tuple[NDArray[np.int32], ...]
+    outer: IntArray
+    holes: tuple[IntArray, ...]
     hole_areas: Floats
 
 
@@ -51,8 +49,7 @@ def boundary_of(space: Space) -> SectionBoundary:
     mesh = space.mesh
     pairs = mesh.boundary_edges
     weights, shapes, slopes = edge_rule(space.order, space.order)
-    graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(mesh.n_points, mesh.n_points))
-    labels = sp.csgraph.connected_components(graph, directed=False)[1][pairs[:, 0]]
+    labels = first_connected(pairs, mesh.n_points)[pairs[:, 0]]
     outer, holes, areas = [], [], []
     for label in np.unique(labels):
         group = pairs[labels == label]

@@ -4,15 +4,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway._core import Pattern
 from flangeway.elements import batched
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import IntArray
 from flangeway.space.core_limits import refuse_large_assembly
 from flangeway.space.spaces import CellBatch, Space
 from flangeway.space.symmetric import SymmetricMatrix
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats, Ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +30,8 @@ class CondensedCells:
 
     """
 
-    outer: NDArray[np.int32]
-    inner: NDArray[np.int32]
+    outer: IntArray
+    inner: IntArray
     factor: Floats
     coupling: Floats
 
@@ -98,12 +98,12 @@ class InnerUnknowns:
     """
 
     blocks: tuple[Floats, ...]
-    pairs: tuple[tuple[NDArray[np.int64], NDArray[np.int64]], ...]
-    places: NDArray[np.int64]
+    pairs: tuple[tuple[Ints, Ints], ...]
+    places: Ints
 
     @classmethod
     def of(
-        cls, space: Space, parts: Sequence[SymmetricMatrix], kept: NDArray[np.bool_], matrix: SymmetricMatrix
+        cls, space: Space, parts: Sequence[SymmetricMatrix], kept: Bools, matrix: SymmetricMatrix
     ) -> "InnerUnknowns":
         """Find them in assembled parts, for the matrix of the unknowns at nodes that are kept."""
         n_components = parts[0].n // space.n_dofs
@@ -183,7 +183,7 @@ def assemble_condensed(
     return CondensedMatrix(space, n_components, assembled, tuple(cells))
 
 
-def _condensed(batch: CellBatch, matrix: Floats, numbers: NDArray[np.int32], n_outer: int) -> CondensedCells:
+def _condensed(batch: CellBatch, matrix: Floats, numbers: IntArray, n_outer: int) -> CondensedCells:
     with np.errstate(invalid="ignore", divide="ignore"):
         factor = batched.cholesky(matrix[n_outer:, n_outer:])
         coupling = batched.solve_lower(factor, matrix[n_outer:, :n_outer])

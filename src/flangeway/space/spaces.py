@@ -6,20 +6,18 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway._core import Pattern, n_threads
 from flangeway.checks import values_at
 from flangeway.elements import Element, Reconstruction
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, OutOfMemoryError, short
+from flangeway.geometry.arrays import IntArray
 from flangeway.mesh import PolyMesh, check
 from flangeway.mesh.mesh_checks import check_curved_cells, set_numbers
 from flangeway.space.core_limits import refuse_large_assembly, refuse_many_threads
 from flangeway.space.symmetric import SymmetricMatrix
-from flangeway.types import Bools, Floats
-
-Ints = NDArray[np.int32]
+from flangeway.types import Bools, Floats, Indices, Ints
 
 ENTRIES_PER_BATCH = 250_000  # 2 MB of matrices: a batch's arrays stay in cache
 MOST_CELLS_PER_BATCH = 2000  # no power of two, which would put all rows into the same sets of the cache
@@ -45,9 +43,9 @@ class CellBatch:
     """
 
     element: Element
-    cells: NDArray[np.int64]
+    cells: Ints
     vertices: Floats
-    dofs: Ints
+    dofs: IntArray
     outline: Floats
 
     @cached_property
@@ -55,12 +53,12 @@ class CellBatch:
         """The element's polynomials on these cells."""
         return self.element.reconstruct(self.outline)
 
-    def part(self, columns: NDArray[np.integer]) -> "CellBatch":
+    def part(self, columns: Indices) -> "CellBatch":
         """Some of the cells, by their places in the batch (m,)."""
         dofs, outline = np.ascontiguousarray(self.dofs[:, columns]), self.outline[..., columns]
         return CellBatch(self.element, self.cells[columns], self.vertices[..., columns], dofs, outline)
 
-    def vector_dofs(self, n_components: int) -> Ints:
+    def vector_dofs(self, n_components: int) -> IntArray:
         """Unknowns of a field with components, numbered ``n_components * dof + component``."""
         numbers = self.dofs[:, None] * n_components + np.arange(n_components, dtype=np.int32)[:, None]
         return np.ascontiguousarray(numbers.reshape(-1, self.dofs.shape[1]))
@@ -110,7 +108,7 @@ class Space:
                 "give every cell set an element of the same order",
             )
         for element, cells in self._regions:
-            for n_vertices in np.unique(np.diff(self.mesh.cell_offsets)[cells]):
+            for n_vertices in np.unique(self.mesh.cell_sizes[cells]):
                 element.check_cells(int(n_vertices))
             if self._curved[cells].any() and not element.curved:
                 raise InputError(
@@ -122,9 +120,9 @@ class Space:
             check_curved_cells(self.mesh, np.flatnonzero(self._curved), self.order)
 
     @cached_property
-    def _curved(self) -> NDArray[np.bool_]:
+    def _curved(self) -> Bools:
         """Which cells have edges that are curved for elements of this order, (n_cells,)."""
-        curved = np.zeros(self.mesh.n_cells, dtype=np.bool_)
+        curved = np.zeros(self.mesh.n_cells, dtype=bool)
         if self.order > 1 and self.mesh.curves is not None:
             curved[self.mesh.edge_cells[self.mesh.edge_numbers(self.mesh.curves.pairs)]] = True
             # the cell outside of the boundary has the number -1, that of the last
@@ -138,7 +136,7 @@ class Space:
         return self.mesh if self.order > 1 else self.mesh.straight()
 
     @cached_property
-    def _regions(self) -> tuple[tuple[Element, NDArray[np.int64]], ...]:
+    def _regions(self) -> tuple[tuple[Element, Ints], ...]:
         if isinstance(self.element, Element):
             return ((self.element, np.arange(self.mesh.n_cells)),)
         elements = list(self.element.values()) if isinstance(self.element, Mapping) else [self.element]
@@ -157,7 +155,7 @@ class Space:
         return self._regions[0][0].order
 
     @cached_property
-    def _interior_offsets(self) -> NDArray[np.int64]:
+    def _interior_offsets(self) -> Ints:
         """First interior unknown of each cell, and the total at the end."""
         counts = np.zeros(self.mesh.n_cells + 1, dtype=np.int64)
         for element, cells in self._regions:
@@ -202,7 +200,7 @@ class Space:
         result = np.ones(self.n_dofs)
         for element, cells in self._regions:
             if n_inner := element.n_interior():
-                one = self.mesh.points[self.mesh.cell_points[slice(*self.mesh.cell_offsets[cells[0] : cells[0] + 2])]]
+                one = self.mesh.points[self.mesh.corners(cells[0])]
                 inside = element.interior_dofs(one[:, :, None], one_everywhere, 0)
                 result[self._interior_offsets[cells][:, None] + np.arange(n_inner)] = inside[:, 0]
         for batch in self.batches() if self._curved.any() else ():
@@ -210,7 +208,7 @@ class Space:
                 result[batch.dofs[-n_inner:]] = batch.element.interior_dofs(batch.outline, one_everywhere, 0)
         return result
 
-    def boundary_dofs(self, where: str | Callable[[Floats], Bools] | None = None) -> NDArray[np.int64]:
+    def boundary_dofs(self, where: str | Callable[[Floats], Bools] | None = None) -> Ints:
         """Unknowns of one field on the boundary, in rising order.
 
         Parameters
@@ -233,13 +231,13 @@ class Space:
             )
         return nodes[taken]
 
-    def edge_nodes(self, pairs: NDArray[np.integer]) -> Ints:
+    def edge_nodes(self, pairs: Indices) -> IntArray:
         """Nodes of edges given as directed pairs of points (n, 2): shape (n, order + 1), in direction."""
         inner = self._edge_inner(self.mesh.edge_numbers(pairs), pairs[:, 0] < pairs[:, 1])
         nodes = np.concatenate((pairs[:, :1], inner, pairs[:, 1:]), axis=1)
         return nodes.astype(np.int32)
 
-    def _edge_inner(self, edges: NDArray[np.integer], forward: NDArray[np.bool_]) -> Ints:
+    def _edge_inner(self, edges: Indices, forward: Bools) -> IntArray:
         n_inner = self.order - 1
         position = np.arange(n_inner)
         position = np.where(forward[..., None], position, n_inner - 1 - position)
@@ -249,7 +247,7 @@ class Space:
     def batches(self) -> Iterator[CellBatch]:
         """Cells in groups of one element and one number of vertices, in a fixed order."""
         mesh = self.mesh
-        counts = np.diff(mesh.cell_offsets)
+        counts = mesh.cell_sizes
         for element, region in self._regions:
             for part in (region[~self._curved[region]], region[self._curved[region]]):
                 for n_vertices in np.unique(counts[part]):
@@ -266,7 +264,7 @@ class Space:
                 return self._batch(element, len(other.vertices), other.cells)
         raise InputError("two spaces in one form with different regions of elements", "one split", "use one element")
 
-    def _batch(self, element: Element, n_vertices: int, cells: NDArray[np.int64]) -> CellBatch:
+    def _batch(self, element: Element, n_vertices: int, cells: Ints) -> CellBatch:
         mesh = self.mesh
         places = mesh.cell_offsets[cells][:, None] + np.arange(n_vertices)
         corners = mesh.cell_points[places]

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
-from flangeway.types import Floats
+from flangeway.geometry.arrays import IntArray
+from flangeway.types import Bools, Floats, Indices, Ints
 
 EPS = float(np.finfo(np.float64).eps)
 """Round-off of a double precision number of one."""
@@ -27,8 +27,8 @@ class SymmetricMatrix:
     """
 
     n: int
-    indptr: NDArray[np.int64]
-    indices: NDArray[np.int32]
+    indptr: Ints
+    indices: IntArray
     values: Floats
 
     @property
@@ -44,18 +44,18 @@ class SymmetricMatrix:
         return sp.csr_array(half.T + half)
 
     @property
-    def _keys(self) -> NDArray[np.int64]:
+    def _keys(self) -> Ints:
         """Column times n, plus row, of the entries, rising."""
         return np.repeat(np.arange(self.n), np.diff(self.indptr)) * self.n + self.indices
 
-    def _keys_of(self, rows: NDArray[np.integer], columns: NDArray[np.integer]) -> NDArray[np.int64]:
+    def _keys_of(self, rows: Indices, columns: Indices) -> Ints:
         return np.minimum(rows, columns).astype(np.int64) * self.n + np.maximum(rows, columns)
 
-    def places(self, rows: NDArray[np.integer], columns: NDArray[np.integer]) -> NDArray[np.int64]:
+    def places(self, rows: Indices, columns: Indices) -> Ints:
         """Where entries, which must be in the pattern on either side of the diagonal, are among the values."""
         return np.searchsorted(self._keys, self._keys_of(rows, columns))
 
-    def widened(self, rows: NDArray[np.integer], columns: NDArray[np.integer]) -> "SymmetricMatrix":
+    def widened(self, rows: Indices, columns: Indices) -> "SymmetricMatrix":
         """Take more entries, on either side of the diagonal, into the pattern, as zeros."""
         stored = self._keys
         keys = np.union1d(stored, self._keys_of(rows, columns))
@@ -88,7 +88,7 @@ class SymmetricMatrix:
         indptr, indices = total.indptr.astype(np.int64), total.indices.astype(np.int32)
         return SymmetricMatrix(self.n, indptr, indices, total.data)
 
-    def restricted(self, kept: NDArray[np.bool_]) -> "SymmetricMatrix":
+    def restricted(self, kept: Bools) -> "SymmetricMatrix":
         """Rows and columns where ``kept``, shape (n,), is true, in their order."""
         columns = np.repeat(np.arange(self.n), np.diff(self.indptr))
         stays = kept[columns] & kept[self.indices]

@@ -126,6 +126,12 @@ class Cache:
             total -= size
 
 
+def cached(cache: Cache | None, make: Callable[[], Arrays], kind: str, *parts: object) -> Arrays:
+    """Arrays that some content determines, see `content_key`; made anew without a cache or where it has no key."""
+    key = None if cache is None else content_key(kind, *parts)
+    return make() if cache is None or key is None else cache.get(key, make)
+
+
 def content_key(kind: str, *parts: object) -> str | None:
     """Key of what some content determines, with the package's version; None where the content has no key.
 
