@@ -53,7 +53,7 @@ LONG = {"follow", "followed", "background", "browser"}
 LONGEST = (
     "test_studies.py", "test_tutorials.py", "test_sectionproperties.py", "test_notebooks.py",
     "test_rolling_wheelset.py", "test_examples.py", "test_live_page.py", "test_cli.py",
-    "test_spatial_wheelset_report.py", "test_virtual_variants.py", "test_campaign_resume.py", "test_spatial_patch.py",
+    "test_spatial_wheelset_report.py", "test_virtual_variants.py", "test_campaign_resume.py",
 )  # fmt: skip
 """Files of more than 10 s. They begin first, so that no worker has one of them alone at the end."""
 

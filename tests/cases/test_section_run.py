@@ -27,14 +27,6 @@ def test_both_formulations_bracket_a_square_and_a_hollow_square():
     assert fine[1] / fine[0] < 1.001
 
 
-def test_thin_strip_is_an_open_section():
-    """A strip of 100 by 1 has the rectangle's exact J, about b t^3 / 3, and warps by b^3 t^3 / 144."""
-    found = run_section(drawn(Region(rectangle(100.0, 1.0)))).constants
-    assert found.torsion_constant == pytest.approx(Rectangle(100.0, 1.0).torsion_constant, rel=1e-4)
-    assert found.torsion_constant == pytest.approx(100.0 / 3.0, rel=1e-2)
-    assert found.warping_constant == pytest.approx(100.0**3 / 144.0, rel=2e-2)
-
-
 def test_maximum_shear_stress_of_a_disc_and_none_at_a_notch():
     """A disc's maximum stress per torque is 2 / (pi R^3); a section with a reentrant corner has none, and says so."""
     found = run_section(drawn(Region(circle(10.0)))).summary

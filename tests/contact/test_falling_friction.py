@@ -96,7 +96,7 @@ REMAINS = SlopeReduction(0.8, 0.3, 2.0)
 @pytest.mark.parametrize(
     ("friction", "size"),
     [
-        (replace(FAST, slope=SlopeReduction(0.5)), 1.0), (Friction(0.3, slope=REMAINS), 0.3),
+        (Friction(0.3), 1.0), (replace(FAST, slope=SlopeReduction(0.5)), 1.0), (Friction(0.3, slope=REMAINS), 0.3),
         (replace(WARM, slope=REMAINS), 1.0),
     ],
 )  # fmt: skip
@@ -105,16 +105,15 @@ def test_derivatives_are_those_of_forces_that_fall(friction, size) -> None:
     contact, step = ellipse(friction, 16), 1e-7
     motion = Creepages(0.006 * size, 0.002 * size, 1e-4 * size, 30.0)
     found = roll(contact, motion, tolerance=1e-9)
-    for number, name in enumerate(("along", "across")):
+    for number, name in enumerate(("along", "across", "spin")):
         near = [replace(motion, **{name: getattr(motion, name) + part * step}) for part in (-1.0, 1.0)]
         low, high = (
             np.array([one.along, one.across])
             for one in (roll(contact, each, start=found, tolerance=1e-10) for each in near)
         )
         slopes = derivatives(found)[:2]
-        np.testing.assert_allclose(
-            slopes[:, number], (high - low) / (2.0 * step), atol=5e-3 * np.abs(slopes[:, :2]).max()
-        )
+        scale = np.abs(slopes[:, :2] if name != "spin" else slopes).max()
+        np.testing.assert_allclose(slopes[:, number], (high - low) / (2.0 * step), atol=5e-3 * scale)
 
 
 @pytest.mark.parametrize("reduction", [SlopeReduction(0.4), REMAINS])

@@ -1,4 +1,4 @@
-"""Coulomb friction of bodies in the plane: derivatives of slip, stick and slip, paths, and bad inputs."""
+"""Coulomb friction of bodies in the plane: stick and slip, paths, and bad inputs."""
 
 from dataclasses import replace
 
@@ -19,12 +19,7 @@ from flangeway.contact import (
     Surface,
 )
 from flangeway.contact import press as press_parts
-from flangeway.contact.edge_pieces import PieceIntegrals, find_pieces
-from flangeway.contact.kinematics import closest_parameters
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.slip import node_edge_slips, node_edge_turns
-from flangeway.contact.taylor import Taylor
-from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.mesh import rectangle_grid
 from flangeway.solve import StepSettings
@@ -35,7 +30,6 @@ LAWS = [
     Barrier(1e-3, 1e-3),
 ]
 MU = 0.3
-STEP = 1e-6
 
 
 def block(name: str, width: float, n_edges: int, held: float, bottom: float, order: int = 1, turn: float = 0.0) -> Part:
@@ -79,65 +73,6 @@ def law_error(solution) -> float:
     return worst / max(solution.state.forces.max(initial=0.0), 1e-300)
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
-def test_derivatives_of_the_slip_of_a_node(order: int) -> None:
-    """Rates of the slip and turns of the tangential force agree with central differences to 1e-8."""
-    position = gauss_lobatto(order + 1)[0]
-    edge = np.stack((3.0 * position, 0.2 * position - 0.3 * position * (1.0 - position)), axis=1)
-    now = np.concatenate(([[1.3, -0.2]], edge))
-    before = now + 0.1 * np.random.default_rng(order).normal(size=now.shape)
-
-    def slides(numbers: np.ndarray):
-        points = numbers.reshape(-1, 2)
-        parameters = closest_parameters(points[:1], points[None, 1:])
-        first, second = (Taylor.of_points(points[None], second=each) for each in (False, True))
-        slips, directions = node_edge_slips(first, parameters, before[None])
-        return slips.value, slips.first.T, directions, node_edge_turns(second, parameters)
-
-    _, rates, _, turns = slides(now.ravel())
-    for number, change in enumerate(STEP * np.eye(now.size)):
-        ahead, behind = slides(now.ravel() + change), slides(now.ravel() - change)
-        assert rates[0, number] == pytest.approx((ahead[0] - behind[0])[0] / (2 * STEP), abs=1e-8)
-        np.testing.assert_allclose(turns[0, :, number], (ahead[2] - behind[2])[0] / (2 * STEP), atol=1e-8)
-
-
-@pytest.mark.parametrize("order", [1, 2])
-def test_derivatives_of_the_mean_slip_of_a_segment(order: int) -> None:
-    """The same for slips averaged over a piece whose ends move."""
-    position = gauss_lobatto(order + 1)[0]
-    own = np.stack((3.0 * position, 0.2 * position - 0.3 * position * (1.0 - position)), axis=1)
-    other = np.stack((2.9 - 2.0 * position, -0.1 - 0.2 * position + 0.1 * position * (1.0 - position)), axis=1)
-    now = np.concatenate((own, other))
-    before = (now + 0.1 * np.random.default_rng(order).normal(size=now.shape))[None]
-    factors = np.array([[0.7, -0.4]])
-
-    def slides(numbers: np.ndarray):
-        points, n = numbers.reshape(1, -1, 2), order + 1
-        pieces = find_pieces(points[:, :n], points[:, n:], (np.array([0]), np.array([0])), 9.0, 9.0)
-        found = PieceIntegrals(pieces, points[:, :n], points[:, n:], np.array([3.0]))
-        return found.slips(before[:, :n], before[:, n:]), found.turns(factors)[0]
-
-    (_, rates, _), turns = slides(now.ravel())
-    for number, change in enumerate(STEP * np.eye(now.size)):
-        ahead, behind = slides(now.ravel() + change)[0], slides(now.ravel() - change)[0]
-        np.testing.assert_allclose(rates[0, :, number], (ahead[0] - behind[0])[0] / (2 * STEP), atol=1e-8)
-        np.testing.assert_allclose(turns[:, number], (factors @ (ahead[2] - behind[2])[0])[0] / (2 * STEP), atol=1e-8)
-
-
-def test_a_slip_over_several_edges_is_the_way_along_them() -> None:
-    """A node that passes joints of a straight line, stretched and turned meanwhile, has slipped by the earlier way."""
-    before = np.stack((np.array([0.0, 1.0, 1.7, 3.0]), np.zeros(4)), axis=1)
-    now = Placement(0.4, (2.0, 1.0)).points(1.1 * before)
-    for edge, share in ((0, 0.3), (1, 0.5), (2, 0.9)):
-        ends = now[None, [edge, edge + 1]]
-        node = ends[:, 0] + share * (ends[:, 1] - ends[:, 0])
-        points = Taylor.of_points(np.concatenate((node[:, None], ends), axis=1), second=False)
-        was = np.array([[[0.2, -0.1], *before[[edge, edge + 1]]]])
-        slip = node_edge_slips(points, closest_parameters(node, ends), was)[0].value[0]
-        way = before[edge, 0] + share * (before[edge + 1, 0] - before[edge, 0]) - 0.2
-        assert slip == pytest.approx(way, abs=1e-12)
-
-
 @pytest.mark.parametrize(
     ("pairing", "law"),
     [(PAIRINGS[0], LAWS[0]), (PAIRINGS[1], LAWS[1]), (PAIRINGS[2], LAWS[2]), (PAIRINGS[1], LAWS[3])],
@@ -163,14 +98,15 @@ def test_a_block_sticks_slips_and_returns(pairing, law, imbalance) -> None:
     assert not np.array(solution.friction_table.columns["sticks"]).any()
 
 
-def test_sliding_dissipates_the_work_of_the_friction() -> None:
-    """Steps of steady sliding over several edges dissipate mu N times the way, to 2 % on this coarse mesh."""
-    contact = blocks(PAIRINGS[1])
+@pytest.mark.parametrize(("pairing", "near"), [(PAIRINGS[0], 0.03), (PAIRINGS[1], 0.02)], ids=["nodes", "segments"])
+def test_sliding_dissipates_the_work_of_the_friction(pairing, near: float) -> None:
+    """Steps of steady sliding over several edges dissipate mu N times the way, to 3 or 2 % on this coarse mesh."""
+    contact = blocks(pairing)
     solution = pushed(contact, (0.0, -0.01), (0.02, 0.0), (3.5, 0.0), steps=StepSettings(0.25, 0.25))
     assert solution.status.converged, solution.status.message
     for step, work in list(zip(solution.steps, solution.dissipated_work, strict=True))[-4:]:
         force = replace(solution, state=step.state).forces[0, 0]
-        assert work == pytest.approx(-force * 3.5 / 4.0, rel=0.02)
+        assert work == pytest.approx(-force * 3.5 / 4.0, rel=near)
 
 
 def test_all_unknowns_and_any_axes_give_the_same_forces() -> None:
@@ -191,9 +127,11 @@ def test_all_unknowns_and_any_axes_give_the_same_forces() -> None:
     np.testing.assert_allclose(turned.forces[0], Placement(2.0).points(found.forces)[0], atol=1e-8 * found.forces.max())
 
 
-def test_convergence_is_quadratic() -> None:
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("pairing", PAIRINGS[:2], ids=["nodes", "segments"])
+def test_convergence_is_quadratic(pairing, order: int) -> None:
     """Bodies that turn by much while they slide: each of the last iterations squares the error, down to round-off."""
-    contact = blocks(law=LAWS[2], friction=0.6)
+    contact = blocks(pairing, LAWS[2], 0.6, order=order)
     solution = pushed(contact, (0.0, -0.5), (0.5, 0.0), steps=StepSettings(0.5, 0.5))
     assert solution.status.converged, solution.status.message
     residuals = [each.residual for each in solution.state.history]

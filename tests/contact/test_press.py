@@ -108,15 +108,6 @@ def in_plane_stress(surface: Surface) -> Surface:
     return Surface(replace(surface.part, body=body), surface.edges)
 
 
-def test_a_motion_without_contact_says_so(press) -> None:
-    """A part that is moved away converges with the words that nothing touches."""
-    contact = contact_of(press, SegmentToSegment(), Multiplier())
-    solution = press_contacts(contact, {contact.secondary.part: Placement(0.0, (0.0, 1.0))})
-    assert solution.status.converged
-    assert solution.status.message.endswith("; nothing touches")
-    assert "nothing" not in press_contacts(contact, None).status.message
-
-
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -187,10 +187,11 @@ def test_matching_meshes(solved: Solve, way: str, method: Method, order: int) ->
 
 @pytest.mark.parametrize("pairing", [NodeToSegment(), SegmentToSegment()], ids=["nodes", "segments"])
 def test_bodies_that_do_not_meet(solved: Solve, pairing: Pairing) -> None:
-    """Bodies that stay apart, out of reach or nearly touching, bear nothing and converge at once."""
+    """Bodies that stay apart, out of reach or nearly touching, bear nothing, which is said, and converge at once."""
     for gap in (5.0, 0.05):
         solution = solved(block_into_corner(SIDES["T3"], (pairing, Multiplier()), gap=gap))
         assert (solution.forces == 0.0).all()
+        assert solution.status.message.endswith("; nothing touches")
 
 
 @pytest.mark.parametrize("pairing", [NodeToSegment(), SegmentToSegment()], ids=["nodes", "segments"])

@@ -9,7 +9,7 @@ from flangeway.contact.patch.patch_body import Axis
 from flangeway.contact.patch.patch_contact import press_patch
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.creepages import Creepages
-from flangeway.contact.rolling.exact_rolling import creep_curve, derivatives, roll
+from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fast_theories import polach
 from flangeway.contact.rolling.fastsim import fastsim
 from flangeway.contact.rolling.flash_temperature import Heating
@@ -89,17 +89,6 @@ def test_prescribed_forces_are_met(circle) -> None:
     assert one.along == pytest.approx(-0.9 * limit, rel=1e-5)
 
 
-def test_derivatives_are_those_of_forces(circle) -> None:
-    """Derivatives by the creepages agree with differences."""
-    motion = Creepages(0.05, 0.02, 0.05)
-    found = roll(circle, motion, tolerance=1e-8)
-    rates, step = derivatives(found), 1e-5
-    for number, name in enumerate(("along", "across", "spin")):
-        near = [replace(motion, **{name: getattr(motion, name) + part * step}) for part in (-1.0, 1.0)]
-        low, high = (forces(roll(circle, each, start=found, tolerance=1e-10)) for each in near)
-        np.testing.assert_allclose(rates[:, number], (high - low) / (2.0 * step), atol=2e-3 * np.abs(rates).max())
-
-
 def test_a_kinetic_coefficient_acts_as_soon_as_cells_slip(circle) -> None:
     """With decay 0 slipping cells have the kinetic limit, sticking ones up to the static one."""
     found = roll(replace(circle, friction=Friction(0.4, 0.3)), Creepages(0.15))
@@ -144,15 +133,6 @@ def test_bodies_roll_nearly_as_half_spaces() -> None:
     check_friction(real)
     np.testing.assert_allclose(forces(real), forces(plain), rtol=0.05)
     assert real.frictional_power == pytest.approx(real.t_gamma, rel=1e-9)
-
-
-def test_a_creep_curve_starts_each_point_from_the_one_before(circle) -> None:
-    """Along a curve the force grows to its limit."""
-    curve = creep_curve(circle, [Creepages(each) for each in np.linspace(0.0, 0.8, 9)])
-    sizes = [-each.along for each in curve]
-    assert sizes == sorted(sizes)
-    assert sizes[-1] == pytest.approx(MU * circle.force, rel=1e-3)
-    assert all(each.status.converged for each in curve)
 
 
 def test_a_grid_that_cuts_the_patch_off_is_named() -> None:

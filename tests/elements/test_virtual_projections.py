@@ -1,9 +1,12 @@
-"""Projections of virtual elements on polygons of all kinds."""
+"""Projections of virtual elements on polygons of all kinds.
+
+The pentagon is that of Beirao da Veiga et al. (2014), "The Hitchhiker's guide to the virtual element method".
+"""
 
 import numpy as np
 import pytest
 
-from flangeway.elements import Virtual, monomials
+from flangeway.elements import Virtual, cell_matrices, monomials
 
 ORDERS = [1, 2, 3, 4, 5]
 
@@ -87,3 +90,21 @@ def test_batches_equal_single_cells(ugly):
     for i in range(3):
         alone = Virtual(3).reconstruct(cells[:, :, i : i + 1])
         assert together.value[..., i] == pytest.approx(alone.value[..., 0], rel=1e-9, abs=1e-9)
+
+
+PENTAGON = [(0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (1.5, 4.0), (0.0, 4.0)]
+
+
+def test_gram_matrix_of_order_1_is_the_published_one():
+    """G of order 1 is 1/1050 [[1050, 30, 40], [0, 441, 0], [0, 0, 441]]."""
+    published = np.array([[1050, 30, 40], [0, 441, 0], [0, 0, 441]]) / 1050
+    assert pytest.approx(published, abs=1e-15) == cell_matrices(PENTAGON, 1).G
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_gram_matrix_is_the_product_and_projectors_are_idempotent(order):
+    """G = B D, and both projectors leave their own images alone."""
+    cell = cell_matrices(PENTAGON, order)
+    assert pytest.approx(cell.B @ cell.D, abs=1e-13) == cell.G
+    for projector in (cell.pi_nabla, cell.pi_zero):
+        assert projector @ projector == pytest.approx(projector, abs=1e-9)

@@ -17,7 +17,6 @@ from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
 from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.rigid.rigid_side import RigidSide
 from flangeway.railway.track.placements import Track, Wheelset
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.wheelset.supported_rail import RailSupport, supported_rail
@@ -90,19 +89,6 @@ def test_an_overhang_beyond_the_tread_is_left_out_and_said(tmp_path):
     np.testing.assert_allclose(
         worn.locus(at).right.rolling_radii_mm[:, 0], new.locus(at).right.rolling_radii_mm[:, 0], atol=0.02
     )
-
-
-def test_a_touch_does_not_depend_on_what_else_is_computed():
-    """At a large roll the first touch is the highest of all points of the wheel over the rail, alone or not."""
-    side = RigidSide.of(Track(rail("60E1"), **GAUGE), Wheelset(wheel("S1002"), 1360.0, 488.0), "right")
-    arcs = np.linspace(0.0, side.wheel.length, 40_001)
-    for lateral, roll in ((2.0, 0.012), (3.0, 0.02), (1.0, -0.01)):
-        lift = side._placed(np.full(len(arcs), lateral), np.full(len(arcs), roll), arcs)
-        inside = (lift.x > side.rail.joints[0]) & (lift.x < side.rail.joints[-1])
-        alone = side.touches(np.array([lateral]), np.array([roll]))
-        among = side.touches(np.array([lateral, lateral - 9.0]), np.array([roll, -roll]))
-        assert alone.lift[0, 0] == pytest.approx(lift.lift[inside].max(), abs=1e-5)
-        assert among.lift[0, 0] == pytest.approx(alone.lift[0, 0], abs=1e-9)
 
 
 def test_a_web_below_the_head_is_left_out_and_said(tmp_path):

@@ -1,5 +1,6 @@
-"""Files of all formats: what is read is what was written, and what headers ask for is done."""
+"""Files of all formats: what is read is what was written, what headers ask for is done, small gaps are closed."""
 
+import math
 import re
 
 import numpy as np
@@ -276,3 +277,51 @@ def test_coordinates_of_the_track_need_an_origin(kind, at, tmp_path):
         read_profile(file, ReadOptions(unit="mm", kind=kind))
     found = read_profile(file, ReadOptions(unit="mm", kind=kind, origin=f"{at},5", smooth_mm=0.0))
     np.testing.assert_allclose(found.points, points, atol=2e-3)
+
+
+def rounded_csv(digits, unit="mm", gap=0.0):
+    """An S1002's lines and arcs, as a table would print them, the tread shifted up by a gap."""
+    surface, scale = wheel("S1002").running_surface, {"mm": 1.0, "in": 25.4}[unit]
+    rows = [f"# unit: {unit}", "# kind: wheel", "# origin: tape", "# up: yes", "name,type,x0,y0,x1,y1,xc,yc,turn"]
+    for name, s in zip(surface.names, surface.segments, strict=True):
+        ends = [(x / scale, (y + (gap if name == "tread_1:15" else 0.0)) / scale) for x, y in (s.start, s.end)]
+        cells = [f"{c:.{digits}f}" for end in ends for c in end]
+        if hasattr(s, "centre"):
+            cells += [*(f"{c / scale:.{digits}f}" for c in s.centre), "left" if s.counter_clockwise else "right"]
+        rows.append(",".join([name, "arc" if hasattr(s, "centre") else "line", *cells, *[""] * (7 - len(cells))]))
+    return "\n".join(rows) + "\n"
+
+
+@pytest.mark.parametrize(("unit", "gap"), [("mm", 5e-4), ("mm", 9e-3), ("in", 5e-4)])
+def test_small_gaps_are_closed_with_a_notice(unit, gap, tmp_path):
+    """A gap of 0.0005 mm in a table of arcs is closed, which moves the surface by less than that, and is said."""
+    found = read_profile(saved(tmp_path, "wheel.csv", rounded_csv(9, unit, gap)))
+    assert any("gaps between lines and arcs are closed" in each for each in found.notices)
+    points = wheel("S1002").running_surface.sampled(spacing=1.0)
+    assert found.surface.closest(points)[2].max() < 1.05 * gap
+    for segment in found.surface.segments:
+        if hasattr(segment, "centre"):
+            radii = [math.dist(segment.centre, end) for end in (segment.start, segment.end)]
+            assert radii[0] == pytest.approx(radii[1], rel=1e-12)
+
+
+def test_wide_gaps_are_refused_with_their_limit(tmp_path):
+    """A gap above the tolerance is no rounding and is refused."""
+    with pytest.raises(InputError, match=r"0\.05 from the end") as reason:
+        read_profile(saved(tmp_path, "wheel.csv", rounded_csv(9, gap=0.05)))
+    assert "0.01" in reason.value.allowed
+
+
+def test_comments_are_read_without_a_colon_and_in_capitals(tmp_path):
+    """``# unit in``, ``# Kind: Rail``, ``# MIRROR yes`` mean what they say; a wrong value is refused with its line."""
+    rows = lines_of(points_of("rail") * [-1.0, 1.0] / 25.4)
+    head = "# unit in\n# Kind: Rail\n# ORIGIN top\n# up yes\n# mirror: yes\n"
+    found = read_profile(saved(tmp_path, "rail.txt", head + rows))
+    assert (found.orientation.unit, found.kind, found.orientation.mirrored) == ("in", "rail", True)
+    assert {found.orientation.how[key] for key in ("unit", "kind", "side", "origin")} == {"from the file"}
+    with pytest.raises(InputError, match="furlong"):
+        read_profile(saved(tmp_path, "rail.txt", "# unit furlong\n" + rows))
+    path = saved(tmp_path, "rail.txt", "# unit of length is inch\n# unit: in\n# the unit of this file\n" + rows)
+    unread = [each for each in read_profile(path).notices if "is not read" in each]
+    assert len(unread) == 1
+    assert "line 1" in unread[0]

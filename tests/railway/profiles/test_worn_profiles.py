@@ -7,10 +7,7 @@ import pytest
 
 from benchmarks import worn
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
-from flangeway.cases.rigid.rigid_case import find_geometry_case
-from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.railway.profiles.smoothing import smoothed, usual_wavelength_mm
-from flangeway.railway.rigid.rigid_side import RigidSide
 
 NOISE_MM, SPACING_MM = worn.NOISE_MM, worn.SPACING_MM
 
@@ -84,20 +81,6 @@ def test_a_conforming_pair_costs_no_second_model(runs):
     nodes = [sum(len(each.points) for each in one.result.model.system.surface_nodes) for one in (run, plain)]
     assert not any(sentence.startswith("once more") for sentence in said)
     assert nodes[0] < 2.4 * nodes[1]
-
-
-def test_rigid_geometry_is_computed_once(pairs, monkeypatch):
-    """The geometry of the pair looks for touches at fewer than 40,000 positions of a wheel."""
-    counts = []
-    touches = RigidSide.touches
-
-    def counted(self, lateral, roll, **options):
-        counts.append(len(lateral))
-        return touches(self, lateral, roll, **options)
-
-    monkeypatch.setattr(RigidSide, "touches", counted)
-    run_geometry("worn", find_geometry_case("wheelset-tangent", pairs["noisy"]))
-    assert sum(counts) < 40_000
 
 
 def test_the_wavelength_bounds_the_scatter_of_the_curvature():

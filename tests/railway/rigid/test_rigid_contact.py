@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flangeway.cases.rigid.rigid_case import find_geometry_case
+from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Line, Outline
 from flangeway.railway.profiles.bundled import RailProfile, rail, wheel
@@ -150,12 +151,6 @@ def test_without_roll_each_wheel_comes_down_by_itself(heavy_haul):
     assert (locus.roll_rad == 0.0).all()
 
 
-def test_a_gauge_below_the_head_is_refused():
-    """The gauge is measured where the profile has a face."""
-    with pytest.raises(InputError, match="below the head of the right rail"):
-        Track(rail("60E1"), 1435.0, gauge_depth_mm=90.0).placement("right")
-
-
 def test_a_flange_root_that_conforms_to_the_gauge_corner_is_followed():
     """An S1002's flange root touches a 60E1's gauge corner within 1e-7 mm over millimetres: jumps are found."""
     values = {"wheel_radius_mm": 460.0, "left_wheel_radius_mm": 459.0, "wheel_radius_at": "tape-line"}
@@ -164,3 +159,18 @@ def test_a_flange_root_that_conforms_to_the_gauge_corner_is_followed():
     assert {jump.side for jump in jumps} == {"left", "right"}
     last = min(jumps, key=lambda jump: jump.motion.lateral_mm)
     assert (last.side, last.motion.lateral_mm) == ("left", pytest.approx(-6.6, abs=0.2))
+
+
+@pytest.mark.parametrize("maximum", [8.0, 60.0])
+def test_a_scan_ends_where_a_flange_climbs(maximum):
+    """A scan beyond what the flange allows ends at the flange, with a notice."""
+    inputs = {"gauge_mm": 1590.0, "back_to_back_mm": 1515.0, "step_mm": 0.1, "maximum_amplitude_mm": 2.0}
+    case = find_geometry_case("wheelset-tangent", inputs | {"maximum_lateral_mm": maximum})
+    run = run_geometry("wheelset-tangent", case)
+    reached = float(run.locus.lateral_mm[-1])
+    assert 3.0 < reached < maximum - 0.5
+    said = [notice for notice in run.summary["notices"] if "stops at" in notice]
+    assert len(said) == 1
+    assert f"{-reached:.2f} and {reached:.2f} mm" in said[0]
+    assert run.locus.right.contact_angles_rad[-1, 0] > 0.5
+    assert run.equilibrium.status.converged

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 
@@ -65,3 +66,12 @@ def test_left_mirrors_right() -> None:
     wheelset, track = Wheelset(wheel()), Track(rail())
     assert wheel_points(wheelset, "left") * mirror == pytest.approx(wheel_points(wheelset, "right"))
     assert head_points(track, "left") * mirror == pytest.approx(head_points(track, "right"))
+
+
+@pytest.mark.parametrize(("gauge", "distance"), [(1435, 1360), (1445, 1360), (1600, 1515)])
+def test_the_distance_of_the_wheels_follows_from_the_gauge(gauge, distance):
+    """Without ``back_to_back_mm`` a usual gauge, widened or not, has its usual wheelset, and the words say which."""
+    made = GeometryCase.from_values({"gauge_mm": gauge, "wheel": "S1002", "rail": "60E1"})
+    assert made.wheelset().back_to_back_mm == distance
+    assert any(f"Back to back {distance} mm" in each and f"{gauge} mm" in each for each in made.derived())
+    assert not any("Back to back" in each for each in made.model_copy(update={"back_to_back_mm": 1400.0}).derived())

@@ -6,13 +6,23 @@ from functools import cache
 import numpy as np
 import pytest
 
+from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError
-from flangeway.geometry import Placement
+from flangeway.geometry import Placement, circle
 from flangeway.materials import Elastic
+from flangeway.mesh import dual, triangulate
 from flangeway.post.section_constants import section_constants
+from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import rail
-from flangeway.railway.wheelset.rail_along_track import RailAlongTrack, narrowest_web, rail_along_track
-from flangeway.railway.wheelset.supported_rail import RailSupport, SupportedRail, sleeper_compliance, supported_rail
+from flangeway.railway.wheelset.rail_along_track import LoadedRail, RailAlongTrack, narrowest_web, rails_along_track
+from flangeway.railway.wheelset.supported_rail import (
+    RailSupport,
+    SupportedRail,
+    rail_problem,
+    sleeper_compliance,
+    supported_rail,
+)
+from flangeway.space import Space
 
 YOUNG, POISSON, SIZE = 210e3, 0.3, 11.0
 LOAD, LATERAL = 150e3, 50e3  # N
@@ -49,7 +59,8 @@ def loaded(
     """Rail under forces, each with the depth of its point on the gauge side of the head."""
     points = np.array([on_head(name, depth) for depth, *_ in forces])
     on_head_of = np.array([each for _, *each in forces])
-    return rail_along_track(rail_on(name, support).at(position), rail(name), points, on_head_of, z_mm=PLACES)
+    own = rail_on(name, replace(support, position=position))
+    return rails_along_track(own, rail(name), [LoadedRail(points, on_head_of)], z_mm=PLACES)[0]
 
 
 class Beam:
@@ -182,28 +193,19 @@ def test_what_sleepers_change_is_the_difference_of_both_rails() -> None:
     continuous = RailSupport("continuous")
     assert not sleeper_compliance(rail_on(name, continuous), points, np.stack((np.eye(3),) * 2)).any()
     for position in BETWEEN:
-        change = sleeper_compliance(rail_on(name).at(position), points, np.stack((np.eye(3),) * 2))
+        on_sleepers = rail_on(name, replace(USUAL, position=position))
+        change = sleeper_compliance(on_sleepers, points, np.stack((np.eye(3),) * 2))
         np.testing.assert_allclose(change, change.transpose(2, 3, 0, 1), rtol=0.0, atol=1e-9 * np.abs(change).max())
         frames = np.stack((turned, np.eye(3)))
-        in_frames = sleeper_compliance(rail_on(name).at(position), points, frames)
+        in_frames = sleeper_compliance(on_sleepers, points, frames)
         np.testing.assert_allclose(in_frames, np.einsum("nai,nimj,mbj->namb", frames, change, frames), atol=1e-15)
         for axis, load in ((0, (0.0, LATERAL, 0.0, 0.0)), (1, (0.0, 0.0, -LOAD, 0.0))):
             rails = [loaded((load,), name, position=position), loaded((load,), name, continuous)]
             middle = len(rails[0].z_mm) // 2
-            on_sleepers, spread = (each.head[middle, axis] for each in rails)
+            discrete, spread = (each.head[middle, axis] for each in rails)
             total = load[axis + 1]
-            assert change[0, axis, 0, axis] * total == pytest.approx(on_sleepers - spread, abs=0.015 * abs(spread))
+            assert change[0, axis, 0, axis] * total == pytest.approx(discrete - spread, abs=0.015 * abs(spread))
     assert change[0, 0, 0, 0] * LATERAL > 0.02 * abs(spread)  # between the sleepers it matters
-
-
-def test_a_position_of_the_wheel_uses_what_is_solved() -> None:
-    """A rail moved to another position gives what one made there does."""
-    fresh = supported_rail(rail("60E1"), Elastic(YOUNG, POISSON), RailSupport(position=0.3), SIZE)
-    points, frames = on_head("60E1")[None], np.eye(3)[None]
-    moved = rail_on().at(0.3)
-    assert moved.by_modes is rail_on().by_modes
-    one, other = (sleeper_compliance(each, points, frames) for each in (moved, fresh))
-    np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * np.abs(other).max())
 
 
 def test_gauge_widens_as_in_good_track_under_the_loads_of_the_measuring_car() -> None:
@@ -240,10 +242,9 @@ def test_the_other_side_of_the_track_is_its_mirror_image() -> None:
     name = "60E1"
     place = on_head(name, 14.0)[None]
     force = np.array([[LATERAL, 0.0, 0.0]])
-    right, left = (
-        rail_along_track(rail_on(name), rail(name), place, force, placement=each, z_mm=np.array([0.0, 300.0]))
-        for each in (Placement(-0.025, (750.0, -172.0)), Placement(0.025, (-750.0, -172.0), True))
-    )
+    placements = Placement(-0.025, (750.0, -172.0)), Placement(0.025, (-750.0, -172.0), True)
+    both = [LoadedRail(place, force, each) for each in placements]
+    right, left = rails_along_track(rail_on(name), rail(name), both, z_mm=np.array([0.0, 300.0]))
     np.testing.assert_allclose(left.gauge_outward_mm, right.gauge_outward_mm, rtol=1e-9)
     assert right.gauge_outward_mm[0] > right.gauge_outward_mm[1] > 0.5
 
@@ -251,10 +252,10 @@ def test_the_other_side_of_the_track_is_its_mirror_image() -> None:
 def test_points_off_the_rail_and_forces_that_do_not_fit_are_refused() -> None:
     """Both errors say what is needed."""
     with pytest.raises(InputError, match="surface"):
-        rail_along_track(rail_on(), rail("60E1"), np.array([[0.0, 100.0]]), np.zeros((1, 3)))
+        rails_along_track(rail_on(), rail("60E1"), [LoadedRail(np.array([[0.0, 100.0]]), np.zeros((1, 3)))])
     for points, forces in ((np.zeros((1, 3)), np.zeros((1, 3))), (np.zeros((1, 2)), np.full((1, 3), np.nan))):
         with pytest.raises(InputError, match="along x, y and z"):
-            rail_along_track(rail_on(), rail("60E1"), points, forces)
+            rails_along_track(rail_on(), rail("60E1"), [LoadedRail(points, forces)])
 
 
 @pytest.mark.parametrize("soft", [{"vertical_kN_per_mm": 0.1}, {"n_sleepers": 5}])
@@ -272,3 +273,45 @@ def test_the_web_of_bundled_rails_has_its_nominal_thickness(name, thickness, hei
     assert left == pytest.approx(-right, abs=1e-6)
     if height is not None:
         assert found == pytest.approx(height, abs=0.5)
+
+
+STEEL = Elastic(210e3, 0.3)
+SUPPORT = RailSupport(spacing_mm=500.0, vertical_kN_per_mm=30.0, lateral_kN_per_mm=20.0, roll_kNm_per_rad=90.0)
+
+
+@pytest.mark.parametrize("element", [Lagrange(2), Virtual(1)])
+def test_a_rigid_motion_meets_the_stiffness_of_the_seats_over_their_spacing(element) -> None:
+    """Translations and the rotation about the middle of the base have the given energies to 1e-9."""
+    mesh = triangulate(rail("60E1").outline, size=15.0)
+    space = Space(dual(mesh) if isinstance(element, Virtual) else mesh, element)
+    problem = rail_problem(space, STEEL, "base", SUPPORT)
+    dofs = np.zeros((4, space.n_dofs, 3))
+    free = Harmonic(Elasticity(space, STEEL))
+    nodes = space.nodes
+    dofs[0, :, 0] = dofs[1, :, 1] = dofs[2, :, 2] = 1.0
+    dofs[3, :, 0], dofs[3, :, 1] = -nodes[:, 1], nodes[:, 0]
+    for motion, expected in zip(dofs, (20e3 / 500.0, 30e3 / 500.0, 10e3 / 500.0, 90e6 / 500.0), strict=True):
+        energies = [motion.ravel() @ each.stiffness(0.0).times(motion.ravel()) for each in (problem, free)]
+        assert energies[0] == pytest.approx(expected, rel=1e-9)
+        assert abs(energies[1]) < 1e-6 * expected
+
+
+def test_the_support_covers_the_whole_base() -> None:
+    """A base of some of its edges, or of others too, and a round body without one are refused."""
+    mesh = triangulate(rail("136RE").outline, size=15.0)
+    base = mesh.edge_set("base")
+    for edges in (base[1:], np.unique(np.vstack((base, mesh.boundary_edges[:40])), axis=0)):
+        with pytest.raises(InputError, match="as the base of"):
+            rail_problem(Space(mesh.with_edge_set("some", edges), Lagrange(1)), STEEL, "some", SUPPORT)
+    bar = triangulate(circle(10.0), size=3.0)
+    bar = bar.with_edge_set("low", bar.boundary_edges[:2])
+    with pytest.raises(InputError, match="flat base"):
+        rail_problem(Space(bar, Lagrange(1)), STEEL, "low", SUPPORT)
+
+
+def test_sleepers_lie_about_the_wheel() -> None:
+    """The last sleeper is behind the wheel by its position, as many are before as behind, none if continuous."""
+    places = RailSupport(position=0.25, n_sleepers=5).sleepers_mm
+    np.testing.assert_allclose(places, [-1350.0, -750.0, -150.0, 450.0, 1050.0])
+    np.testing.assert_allclose(RailSupport(position=0.75, n_sleepers=5).sleepers_mm, -places[::-1])
+    assert len(RailSupport("continuous").sleepers_mm) == 0

@@ -40,23 +40,18 @@ def solved(name: str, size_scale: float) -> WheelsetResult:
     return solve_wheelset(case.from_values({**INPUTS[variant], "size_scale": size_scale}).problem())
 
 
-@pytest.mark.parametrize("name", COARSE)
-def test_the_position_is_the_recorded_one(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "size_scale", "recorded"),
+    [(name, 4.0, recorded) for name, recorded in COARSE.items()]
+    + [pytest.param(name, 1.0, recorded, marks=pytest.mark.ci) for name, recorded in FINE.items()],
+)
+def test_the_position_is_the_recorded_one(name: str, size_scale: float, recorded: tuple[float, ...]) -> None:
     """The position agrees to 1e-9, is stable, and takes one load step of at most 20 iterations."""
-    result = solved(name, 4.0)
+    result = solved(name, size_scale)
     assert result.status.converged, result.status.message
-    assert result.equilibrium.position.components == pytest.approx(COARSE[name], rel=1e-9, abs=1e-10)
+    assert result.equilibrium.position.components == pytest.approx(recorded, rel=1e-9, abs=1e-10)
     assert result.equilibrium.stable is True
     assert result.equilibrium.status.iterations <= 20
-
-
-@pytest.mark.ci
-@pytest.mark.parametrize("name", FINE)
-def test_the_position_of_the_default_mesh_is_the_recorded_one(name: str) -> None:
-    """The position agrees to 1e-9."""
-    result = solved(name, 1.0)
-    assert result.status.converged, result.status.message
-    assert result.equilibrium.position.components == pytest.approx(FINE[name], rel=1e-9, abs=1e-10)
 
 
 @pytest.mark.ci

@@ -1,12 +1,14 @@
-"""Averaged gaps of segment-to-segment contact: derivatives, exactness, and what they are invariant to."""
+"""Gaps of nodes and averaged gaps of segments: sign, projections, and exact derivatives."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from flangeway.contact.edge_pieces import PieceIntegrals, find_pieces
-from flangeway.contact.kinematics import closest_parameters
+from flangeway.contact.kinematics import closest_parameters, node_edge_gaps, shape_functions
 from flangeway.contact.search import candidate_pairs
 from flangeway.elements.quadrature import gauss_lobatto
 
@@ -64,3 +66,34 @@ def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int], r
             bend = (moved[0].gaps[1] - moved[1].gaps[1])[:, hat] / (2 * step)
             np.testing.assert_allclose(exact.gaps[1][:, hat, variable], slope, atol=1e-8)
             np.testing.assert_allclose(hessians[hat][:, variable], bend, atol=1e-7)
+
+
+def edge(order: int) -> np.ndarray:
+    """A bent edge of some order about (0, 0) to (3, 0.2), its body above."""
+    position = gauss_lobatto(order + 1)[0]
+    return np.stack((3.0 * position, 0.2 * position - 0.3 * position * (1.0 - position)), axis=1)
+
+
+def test_the_sign_of_the_gap() -> None:
+    """A node below an edge whose body lies above is outside of it: gap positive, normal down."""
+    edges = np.array([[[0.0, 0.0], [1.0, 0.0]]])
+    gaps = node_edge_gaps(np.array([[0.4, -0.25]]), edges)
+    assert gaps.gaps[0] == pytest.approx(0.25)
+    assert gaps.normals[0] == pytest.approx([0.0, -1.0])
+    assert node_edge_gaps(np.array([[0.4, 0.25]]), edges).gaps[0] == pytest.approx(-0.25)
+
+
+@given(
+    order=st.integers(1, 3),
+    along=st.floats(0.05, 0.95),
+    distance=st.floats(-0.3, 0.3),
+)
+def test_a_point_on_a_normal_projects_back(order: int, along: float, distance: float) -> None:
+    """The closest point of a point on the normal of an edge is the foot of that normal."""
+    nodes = edge(order)
+    value, slope, _ = shape_functions(order, np.array([along]))
+    tangent = slope[0] @ nodes
+    normal = np.array([tangent[1], -tangent[0]]) / np.linalg.norm(tangent)
+    point = value[0] @ nodes + distance * normal
+    assert closest_parameters(point[None], nodes[None])[0] == pytest.approx(along, abs=1e-9)
+    assert node_edge_gaps(point[None], nodes[None]).gaps[0] == pytest.approx(distance, abs=1e-9)
