@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
 FloatArray: TypeAlias = Floats
 IntArray: TypeAlias = NDArray[np.int32]
@@ -73,3 +73,21 @@ def cross_product(a: Floats, b: Floats) -> Floats:
 def turned_right(vectors: Floats) -> Floats:
     """Vectors (..., 2) turned clockwise by a right angle: outwards, of edges with their body on the left."""
     return np.stack((vectors[..., 1], -vectors[..., 0]), axis=-1)
+
+
+def chain_lengths(points: Floats) -> Floats:
+    """Lengths along a chain of points (n, 2) at each of them, from 0, shape (n,)."""
+    return np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+
+
+def nearest_on_segments(points: Floats, starts: Floats, ends: Floats) -> tuple[Ints, Floats, Floats]:
+    """Nearest segment of each point, the share of the segment up to the closest point, and the distance, each (n,).
+
+    - `points`: shape (n, 2).
+    - `starts`, `ends`: of the segments, shape (m, 2) each.
+    """
+    apart, chords = points[:, None] - starts, ends - starts
+    shares = np.clip((apart * chords).sum(axis=-1) / (chords**2).sum(axis=-1), 0.0, 1.0)
+    distances = np.linalg.norm(apart - shares[..., None] * chords, axis=-1)
+    nearest, rows = distances.argmin(axis=1), np.arange(len(points))
+    return nearest, shares[rows, nearest], distances[rows, nearest]

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import as_points
+from flangeway.geometry.arrays import as_points, chain_lengths
 from flangeway.geometry.placement import Placement
 from flangeway.types import Floats
 
@@ -57,7 +57,7 @@ class Spline:
 
     @cached_property
     def _curve(self) -> CubicSpline:
-        along = np.append(0.0, np.cumsum(np.hypot(*np.diff(self.points, axis=0).T)))
+        along = chain_lengths(self.points)
         return CubicSpline(along / along[-1], self.points, bc_type="periodic" if self.closed else "not-a-knot")
 
     @cached_property

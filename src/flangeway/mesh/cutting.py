@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from flangeway.geometry.arrays import cross_product
+from flangeway.geometry.arrays import chain_lengths, cross_product
 from flangeway.types import Bools, Floats, Ints
 
 HALVED = 0.55
@@ -99,8 +99,8 @@ def _notches(corners: Floats) -> Bools:
     result = np.zeros(len(corners), dtype=bool)
     if not reflex.any():
         return result
-    along = np.concatenate(([0.0], np.cumsum(np.hypot(*steps.T))))
     closed, reach = np.vstack((corners, corners[:1])), NOTCH_REACH * _diameter(corners)
+    along = chain_lengths(closed)
     for i in np.flatnonzero(reflex):
         sides = []
         for shift in (reach, -reach):

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, SegmentToSegment
 from flangeway.contact.pairs import Pairs
+from flangeway.geometry.arrays import chain_lengths
 from flangeway.results import Result, ResultTable
 from flangeway.types import Floats, Ints
 
@@ -247,8 +248,7 @@ def _patch(
 ) -> PressurePatch:
     """Patch of the constraints in ``group``, sorted along the surface at ``points``; those of one key are added up."""
     nodes, force = pairs.nodes[group], forces[group]
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    along = np.concatenate(([0.0], np.cumsum(steps)))[nodes]
+    along = chain_lengths(points)[nodes]
     share = force / force.sum()
 
     secondary, primary = contact.sides

@@ -17,7 +17,7 @@ from flangeway.solve.constraints import components
 from flangeway.solve.linear import digits_left, factorise, indefinite, relative_maximum
 from flangeway.solve.status import MIN_DIGITS, Status
 from flangeway.space.symmetric import EPS
-from flangeway.system.disk_cache import Cache, content_key
+from flangeway.system.disk_cache import Cache, cached
 from flangeway.system.memory_limits import refuse_beyond_memory
 from flangeway.types import Floats, Ints
 
@@ -54,8 +54,7 @@ class CondensedBody:
         self.body = body
         self._numbers = body.free_numbers(surface.nodes)
         self._loose = np.flatnonzero(self._numbers >= 0)
-        key = content_key("flexibility", *body.content, surface.nodes) if cache is not None else None
-        arrays = self._computed() if cache is None or key is None else cache.get(key, self._computed)
+        arrays = cached(cache, self._computed, "flexibility", *body.content, surface.nodes)
         self.flexibility: NDArray[np.float64] = np.asarray(arrays["flexibility"], dtype=np.float64)
         self.flexibility.setflags(write=False)
         self.digits = float(arrays["digits"][0])

@@ -9,14 +9,11 @@ from flangeway.exact import half_space_blocks
 from flangeway.materials import Elastic
 from flangeway.types import Floats
 
-SAME = 1e-6
-"""Distance of two ends of cells over the width of the strips that are one."""
-
 
 def half_spaces_on(
     materials: Sequence[Elastic],
-    cells: Floats,
-    frames: Floats,
+    bounds: Floats,
+    frames: Floats | None,
     strip: float,
     n_strips: int,
     axes: Sequence[int] = (0, 1, 2),
@@ -28,10 +25,11 @@ def half_spaces_on(
     materials
         Of one body; or of two in contact: displacements of the second one less those of the first by forces on the
         second, whose cells are those of the first one.
-    cells
-        Ends of the cells as lengths along the surface, rising, with gaps between them or without, shape (n, 2).
+    bounds
+        Ends of the cells as lengths along the surface, rising, shape (n + 1,).
     frames
-        Axes tangent, first body on the left, outward normal and z of the cells, rows of (n, 3, 3).
+        Axes tangent, first body on the left, outward normal and z of the cells, rows of (n, 3, 3); None: the surface is
+        a plane.
     strip, n_strips
         Width and number of the strips along z.
     axes
@@ -40,7 +38,7 @@ def half_spaces_on(
     Returns
     -------
     Floats
-        By axes of displacement and force, distance, displacement and force: shape (m, m, n_strips, n, n) for m axes.
+        By distance, displacement with its axis, and force with its axis: shape (n_strips, n, m, n, m) for m axes.
 
     """
     # for the second body, the other side of the surface, n and the angles change their signs: of equal bodies
@@ -51,12 +49,18 @@ def half_spaces_on(
     }
     if len(materials) == 2 and materials[0] == materials[1]:
         signs = {pair: sign for pair, sign in signs.items() if sign > 0.0}
-    flat = {each: _among(each, cells, strip, n_strips, list(signs)) for each in dict.fromkeys(materials)}
-    # each frame is turned by half of the angle a between both from that of the plane: T E T for the first body
-    tangents = frames[:, 0, :2] @ np.array([1.0, 1j])
-    half = np.sqrt(tangents / tangents[:, None])  # exp(i a / 2)
-    turn = {(0, 0): half.real, (1, 1): half.real, (0, 1): half.imag, (1, 0): -half.imag, (2, 2): np.ones(half.shape)}
-    total = np.zeros((len(axes), len(axes), n_strips, *half.shape))
+    flat = {
+        each: half_space_blocks(each.young, each.poisson, bounds, strip, n_strips, list(signs))
+        for each in dict.fromkeys(materials)
+    }
+    one = np.ones((len(bounds) - 1,) * 2)
+    turn = {(0, 0): one, (1, 1): one, (2, 2): one}
+    if frames is not None:
+        # each frame is turned by half of the angle a between both from that of the plane: T E T for the first body
+        tangents = frames[:, 0, :2] @ np.array([1.0, 1j])
+        half = np.sqrt(tangents / tangents[:, None])  # exp(i a / 2)
+        turn |= {(0, 0): half.real, (1, 1): half.real, (0, 1): half.imag, (1, 0): -half.imag}
+    total = np.zeros((len(axes), len(axes), n_strips, *one.shape))
     for (row, column), sign in signs.items():
         both = flat[materials[0]][row, column]
         for other in materials[1:]:
@@ -64,17 +68,4 @@ def half_spaces_on(
         for (i, of), (j, by) in product(enumerate(axes), repeat=2):
             if (of, row) in turn and (column, by) in turn:
                 total[i, j] += turn[of, row] * turn[column, by] * both
-    return total
-
-
-def _among(
-    material: Elastic, cells: Floats, strip: float, n_strips: int, pairs: Sequence[tuple[int, ...]]
-) -> dict[tuple[int, ...], Floats]:
-    """Influence among some cells of a plane by pairs of axes of displacement and force, (n_strips, n, n) each."""
-    limits = cells.ravel()
-    limits = limits[np.append(np.diff(limits) > SAME * strip, True)]  # cells that touch share an end
-    blocks = half_space_blocks(material.young, material.poisson, limits, strip, n_strips, pairs)
-    if len(limits) == len(cells) + 1:
-        return blocks
-    numbers = np.searchsorted(limits, cells[:, 0] - SAME * strip)
-    return {place: block[:, numbers[:, None], numbers] for place, block in blocks.items()}
+    return total.transpose(2, 3, 0, 4, 1)

@@ -16,11 +16,11 @@ from scipy.spatial import cKDTree
 from flangeway._core import NotPositiveDefiniteError
 from flangeway.elements.quadrature import edge_shapes, gauss
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import chain_lengths
 from flangeway.materials import Elastic
 from flangeway.problems.harmonic import Harmonic, at_wavenumber
 from flangeway.solve.linear import cholesky
 from flangeway.space import InnerUnknowns, SymmetricMatrix
-from flangeway.system.disk_cache import content_key
 from flangeway.types import Bools, Floats, Ints
 
 SAME = 1e-9
@@ -102,8 +102,13 @@ class SurfaceCells:
     @cached_property
     def _stations(self) -> Floats:
         """Lengths at the ends of the edges, shape (n_edges + 1,)."""
-        points = self.problem.elasticity.space.mesh.points[self.edges]
-        return np.concatenate(([0.0], np.cumsum(np.linalg.norm(points[:, 1] - points[:, 0], axis=1))))
+        return chain_lengths(self.chain)
+
+    @cached_property
+    def chain(self) -> Floats:
+        """Corners of the mesh along the edges, shape (n_edges + 1, 2)."""
+        points = self.problem.elasticity.space.mesh.points
+        return np.concatenate((points[self.edges[:, 0]], points[self.edges[-1:, 1]]))
 
     @property
     def limits(self) -> Floats:
@@ -124,9 +129,7 @@ class SurfaceCells:
     @cached_property
     def ends(self) -> Floats:
         """Ends of the cells, shape (n_cells + 1, 2)."""
-        points = self.problem.elasticity.space.mesh.points
-        chain = np.concatenate((points[self.edges[:, 0]], points[self.edges[-1:, 1]]))
-        return np.stack([np.interp(self.limits, self._stations, chain[:, axis]) for axis in range(2)], axis=1)
+        return np.stack([np.interp(self.limits, self._stations, each) for each in self.chain.T], axis=1)
 
     @cached_property
     def widths(self) -> Floats:
@@ -145,8 +148,7 @@ class SurfaceCells:
         The tangent turns evenly from the middle of one straight piece of the mesh to that of the next, as that of the
         curve does which they are chords of: edges of dual polygons are straight in pairs.
         """
-        chords = np.diff(self.problem.elasticity.space.mesh.points[self.edges], axis=1)[:, 0]
-        angles = np.unwrap(np.angle(chords @ np.array([1.0, 1j])))
+        angles = np.unwrap(np.angle(np.diff(self.chain, axis=0) @ np.array([1.0, 1j])))
         first = np.flatnonzero(np.abs(np.diff(angles, prepend=np.inf)) > STRAIGHT)
         bounds = np.append(self._stations[first], self._stations[-1])
         at_cells = (self.limits[1:] + self.limits[:-1]) / 2.0
@@ -259,16 +261,15 @@ class SurfaceCells:
             ) from error
         return factor.schur() / -(mesh.scale**2), factor.peak_bytes
 
-    def key(self, *parts: object) -> str | None:
-        """Key of what determines the compliance, and of some parts, for a cache; None where there is none."""
+    @property
+    def content(self) -> tuple[object, ...]:
+        """What determines the compliance, for `flangeway.system.disk_cache.cached`."""
         problem, mesh = self.problem, self.problem.elasticity.space.mesh
         held = problem.held or {}
         names = {each.edges for each in problem.foundations} | {name for name in held if isinstance(name, str)}
-        return content_key(
-            "compliance",
+        return (
             (mesh.points, mesh.cell_offsets, mesh.cell_points, dict(mesh.cell_sets)),
             {name: mesh.edge_set(name) for name in sorted(names)},
             (problem.elasticity.space.element, problem.elasticity.material, tuple(problem.foundations), dict(held)),
             (self.edges, self.limits, WAVE_DEPTH, CUTS),
-            *parts,
         )

@@ -23,7 +23,7 @@ from flangeway.problems.harmonic import Harmonic, at_wavenumber
 from flangeway.solve.half_spaces import half_spaces_on
 from flangeway.solve.linear import cholesky
 from flangeway.solve.surface_cells import SAME, SurfaceCells
-from flangeway.system.disk_cache import Arrays, Cache
+from flangeway.system.disk_cache import Arrays, Cache, cached
 from flangeway.system.memory_limits import memory_left, refuse_beyond_memory
 from flangeway.types import Floats, Ints
 
@@ -113,8 +113,7 @@ class ComplianceTable:
         """
         material, limits = self.cells.material, self.cells.limits
         assert material is not None
-        ends = np.stack((limits[:-1], limits[1:]), axis=1)
-        exact = half_spaces_on((material,), ends, self.cells.frames, strip, last + 3, axes).transpose(2, 3, 0, 4, 1)
+        exact = half_spaces_on((material,), limits, self.cells.frames, strip, last + 3, axes)
         longitudinal = np.array(axes) == 2
         mixed = (longitudinal[:, None] != longitudinal)[:, None]
         growth = np.where(mixed, np.arange(last + 3)[:, None, None, None, None], 1.0)
@@ -164,11 +163,9 @@ def compliance_table(
         )
     if cells.problem.revolution:
         raise InputError("surface cells of a body of revolution", "a prism", "take the prism of its section")
-    key = cells.key(least, maximum, tolerance, (PER_DECADE, MOST_DOUBLINGS, HALVED)) if cache is not None else None
-    if cache is None or key is None:
-        found: Arrays = _computed(cells, least, maximum, tolerance, progress)
-    else:
-        found = cache.get(key, lambda: _computed(cells, least, maximum, tolerance, progress))
+    settings = least, maximum, tolerance
+    content = *cells.content, *settings, PER_DECADE, MOST_DOUBLINGS, HALVED
+    found = cached(cache, lambda: _computed(cells, *settings, progress), "compliance", *content)
     return ComplianceTable(cells, found["wavenumbers"], found["values"], float(found["error"]))
 
 

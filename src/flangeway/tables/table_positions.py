@@ -20,7 +20,7 @@ from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.solve import Status
-from flangeway.system.disk_cache import Cache, content_key
+from flangeway.system.disk_cache import Cache, cached
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_sampling import SampledPatch, random_points, refined
 from flangeway.tables.creep_table import FORMAT, OF_PATCH
@@ -67,11 +67,10 @@ def compute_position(task: PositionTask) -> Arrays:
         If there is no contact at the position that a table may have.
 
     """
-    cache = Cache.of_user()
     parts = task.own_case.model_dump_json(), task.kind, task.tolerance, task.n_points
     near = () if task.near is None else (task.near["side"], task.near["beyond"])
-    key = content_key("creep-position", FORMAT, *parts, *creep_sampling.AXES, creep_sampling.DIRECTIONS, *near)
-    return _computed(task) if cache is None or key is None else cache.get(key, lambda: _computed(task))
+    parts = *parts, *creep_sampling.AXES, creep_sampling.DIRECTIONS, *near
+    return cached(Cache.of_user(), lambda: _computed(task), "creep-position", FORMAT, *parts)
 
 
 @lru_cache(maxsize=1)

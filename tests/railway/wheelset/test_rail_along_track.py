@@ -14,7 +14,7 @@ from flangeway.mesh import dual, triangulate
 from flangeway.post.section_constants import section_constants
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import rail
-from flangeway.railway.wheelset.rail_along_track import RailAlongTrack, narrowest_web, rail_along_track
+from flangeway.railway.wheelset.rail_along_track import LoadedRail, RailAlongTrack, narrowest_web, rails_along_track
 from flangeway.railway.wheelset.supported_rail import (
     RailSupport,
     SupportedRail,
@@ -59,7 +59,8 @@ def loaded(
     """Rail under forces, each with the depth of its point on the gauge side of the head."""
     points = np.array([on_head(name, depth) for depth, *_ in forces])
     on_head_of = np.array([each for _, *each in forces])
-    return rail_along_track(rail_on(name, support).at(position), rail(name), points, on_head_of, z_mm=PLACES)
+    own = rail_on(name, replace(support, position=position))
+    return rails_along_track(own, rail(name), [LoadedRail(points, on_head_of)], z_mm=PLACES)[0]
 
 
 class Beam:
@@ -192,28 +193,19 @@ def test_what_sleepers_change_is_the_difference_of_both_rails() -> None:
     continuous = RailSupport("continuous")
     assert not sleeper_compliance(rail_on(name, continuous), points, np.stack((np.eye(3),) * 2)).any()
     for position in BETWEEN:
-        change = sleeper_compliance(rail_on(name).at(position), points, np.stack((np.eye(3),) * 2))
+        on_sleepers = rail_on(name, replace(USUAL, position=position))
+        change = sleeper_compliance(on_sleepers, points, np.stack((np.eye(3),) * 2))
         np.testing.assert_allclose(change, change.transpose(2, 3, 0, 1), rtol=0.0, atol=1e-9 * np.abs(change).max())
         frames = np.stack((turned, np.eye(3)))
-        in_frames = sleeper_compliance(rail_on(name).at(position), points, frames)
+        in_frames = sleeper_compliance(on_sleepers, points, frames)
         np.testing.assert_allclose(in_frames, np.einsum("nai,nimj,mbj->namb", frames, change, frames), atol=1e-15)
         for axis, load in ((0, (0.0, LATERAL, 0.0, 0.0)), (1, (0.0, 0.0, -LOAD, 0.0))):
             rails = [loaded((load,), name, position=position), loaded((load,), name, continuous)]
             middle = len(rails[0].z_mm) // 2
-            on_sleepers, spread = (each.head[middle, axis] for each in rails)
+            discrete, spread = (each.head[middle, axis] for each in rails)
             total = load[axis + 1]
-            assert change[0, axis, 0, axis] * total == pytest.approx(on_sleepers - spread, abs=0.015 * abs(spread))
+            assert change[0, axis, 0, axis] * total == pytest.approx(discrete - spread, abs=0.015 * abs(spread))
     assert change[0, 0, 0, 0] * LATERAL > 0.02 * abs(spread)  # between the sleepers it matters
-
-
-def test_a_position_of_the_wheel_uses_what_is_solved() -> None:
-    """A rail moved to another position gives what one made there does."""
-    fresh = supported_rail(rail("60E1"), Elastic(YOUNG, POISSON), RailSupport(position=0.3), SIZE)
-    points, frames = on_head("60E1")[None], np.eye(3)[None]
-    moved = rail_on().at(0.3)
-    assert moved.by_modes is rail_on().by_modes
-    one, other = (sleeper_compliance(each, points, frames) for each in (moved, fresh))
-    np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * np.abs(other).max())
 
 
 def test_gauge_widens_as_in_good_track_under_the_loads_of_the_measuring_car() -> None:
@@ -250,10 +242,9 @@ def test_the_other_side_of_the_track_is_its_mirror_image() -> None:
     name = "60E1"
     place = on_head(name, 14.0)[None]
     force = np.array([[LATERAL, 0.0, 0.0]])
-    right, left = (
-        rail_along_track(rail_on(name), rail(name), place, force, placement=each, z_mm=np.array([0.0, 300.0]))
-        for each in (Placement(-0.025, (750.0, -172.0)), Placement(0.025, (-750.0, -172.0), True))
-    )
+    placements = Placement(-0.025, (750.0, -172.0)), Placement(0.025, (-750.0, -172.0), True)
+    both = [LoadedRail(place, force, each) for each in placements]
+    right, left = rails_along_track(rail_on(name), rail(name), both, z_mm=np.array([0.0, 300.0]))
     np.testing.assert_allclose(left.gauge_outward_mm, right.gauge_outward_mm, rtol=1e-9)
     assert right.gauge_outward_mm[0] > right.gauge_outward_mm[1] > 0.5
 
@@ -261,10 +252,10 @@ def test_the_other_side_of_the_track_is_its_mirror_image() -> None:
 def test_points_off_the_rail_and_forces_that_do_not_fit_are_refused() -> None:
     """Both errors say what is needed."""
     with pytest.raises(InputError, match="surface"):
-        rail_along_track(rail_on(), rail("60E1"), np.array([[0.0, 100.0]]), np.zeros((1, 3)))
+        rails_along_track(rail_on(), rail("60E1"), [LoadedRail(np.array([[0.0, 100.0]]), np.zeros((1, 3)))])
     for points, forces in ((np.zeros((1, 3)), np.zeros((1, 3))), (np.zeros((1, 2)), np.full((1, 3), np.nan))):
         with pytest.raises(InputError, match="along x, y and z"):
-            rail_along_track(rail_on(), rail("60E1"), points, forces)
+            rails_along_track(rail_on(), rail("60E1"), [LoadedRail(points, forces)])
 
 
 @pytest.mark.parametrize("soft", [{"vertical_kN_per_mm": 0.1}, {"n_sleepers": 5}])

@@ -16,7 +16,7 @@ from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.solve import SurfaceCells, compliance_table
 from flangeway.solve.half_spaces import half_spaces_on
-from flangeway.system.disk_cache import Arrays, Cache
+from flangeway.system.disk_cache import Arrays, Cache, cached
 from flangeway.types import Floats, Ints
 
 LEAST_WAVENUMBER = 2e-5
@@ -141,8 +141,8 @@ def elastic_surface(
         progress(f"compliance of the {body}")
         return {"remainder": _remainder(cells, strip, numbers, tolerance)}
 
-    key = cells.key("remainder", numbers, tolerance, CORRECTED, LEAST_WAVENUMBER)
-    found = make() if cache is None or key is None else cache.get(key, make)
+    settings = numbers, tolerance, CORRECTED, LEAST_WAVENUMBER
+    found = cached(cache, make, "remainder", *cells.content, *settings)
     stations = (cells.limits[1:] + cells.limits[:-1]) / 2.0
     return ElasticSurface(
         cells.material, stations, cells.middles, cells.frames, strip * numbers.astype(np.float64), found["remainder"]
@@ -155,7 +155,5 @@ def _remainder(cells: SurfaceCells, strip: float, numbers: Ints, tolerance: floa
     n, n_strips = cells.n_cells, int(numbers[-1]) + 1
     table = compliance_table(cells, LEAST_WAVENUMBER, 2.0 * np.pi / strip, tolerance)
     own = table.influence(strip, n_strips, nearest=CORRECTED).reshape(n_strips, n, 3, n, 3)[numbers]
-    ends = np.stack((cells.limits[:-1], cells.limits[1:]), axis=1)
-    flat = half_spaces_on((cells.material,), ends, cells.frames, strip, n_strips)
-    own -= flat[:, :, numbers].transpose(2, 3, 0, 4, 1)
+    own -= half_spaces_on((cells.material,), cells.limits, cells.frames, strip, n_strips)[numbers]
     return np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)

@@ -7,7 +7,7 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement, Point, crossing_shares
-from flangeway.geometry.arrays import turned_right
+from flangeway.geometry.arrays import chain_lengths, turned_right
 from flangeway.problems import Harmonic
 from flangeway.types import Floats, Ints
 
@@ -115,11 +115,11 @@ class PatchBody:
     @property
     def length(self) -> float:
         """Length of the meshed surface."""
-        return float(stations_of(self.chain)[-1])
+        return float(chain_lengths(self.chain)[-1])
 
     def longest_edge(self, low: float, high: float) -> float:
         """Maximum length of the edges between two lengths along the chain."""
-        ends = stations_of(self.chain)
+        ends = chain_lengths(self.chain)
         return float(np.diff(ends)[(ends[1:] > low) & (ends[:-1] < high)].max())
 
     @cached_property
@@ -156,14 +156,9 @@ class PatchBody:
         return centre + along[:, None] * axis + radii[:, None] * turned
 
 
-def stations_of(chain: Floats) -> Floats:
-    """Lengths along a chain of points at each of them, shape (n,)."""
-    return np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(chain, axis=0), axis=1))))
-
-
 def points_along(chain: Floats, stations: Floats) -> tuple[Floats, Floats]:
     """Points and outward unit normals of a chain, body on its left, at lengths along it, each (n, 2)."""
-    chords, ends = np.diff(chain, axis=0), stations_of(chain)
+    chords, ends = np.diff(chain, axis=0), chain_lengths(chain)
     points = np.stack([np.interp(stations, ends, chain[:, axis]) for axis in range(2)], axis=1)
     # normals of the edges belong to their middles, between which they turn
     middles = (ends[1:] + ends[:-1]) / 2.0
@@ -180,5 +175,5 @@ def cast(points: Floats, normals: Floats, chain: Floats) -> tuple[Floats, Floats
     distance, share = crossing_shares(points[:, None], normals[:, None], chain[:-1], np.diff(chain, axis=0))
     distance = np.where((share >= 0.0) & (share <= 1.0), distance, np.inf)
     nearest = np.abs(distance).argmin(axis=1)
-    rows, ends = np.arange(len(points)), stations_of(np.nan_to_num(chain))
+    rows, ends = np.arange(len(points)), chain_lengths(np.nan_to_num(chain))
     return distance[rows, nearest], ends[nearest] + share[rows, nearest] * np.diff(ends)[nearest]

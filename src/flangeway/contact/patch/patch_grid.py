@@ -7,9 +7,10 @@ import numpy as np
 
 from flangeway.contact.patch.contact_ellipse import separate_patches
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
-from flangeway.contact.patch.patch_body import PatchBody, cast, points_along, stations_of
+from flangeway.contact.patch.patch_body import PatchBody, cast, points_along
 from flangeway.errors import InputError
 from flangeway.exact import contact_modulus, half_space_influence
+from flangeway.geometry.arrays import chain_lengths
 from flangeway.types import Bools, Floats
 
 LEAST_ACROSS = 20
@@ -326,7 +327,7 @@ def plane_modulus(body: PatchBody) -> float:
 
 def _apart(first: PatchBody, second: PatchBody) -> tuple[Floats, Floats]:
     """Lengths along the first body's surface, and the distances of the sections there along y, each (n,)."""
-    ends = stations_of(first.chain)
+    ends = chain_lengths(first.chain)
     stations = np.unique(np.concatenate((ends, np.linspace(0.0, ends[-1], 8 * COARSE))))
     points, normals = points_along(first.chain, stations)
     low, high = (cast(points, normals, body.drawn)[0] for body in (first, second))

@@ -346,7 +346,7 @@ def _solved(law: Linear, near: Linear, right: Floats, tolerance: float) -> Float
         for _ in range(2):  # twice is enough
             parts = new @ images.T
             new, direction = new - parts @ images, direction - parts @ directions
-        size = np.linalg.norm(new, axis=1)[:, None]
+        size = np.maximum(np.linalg.norm(new, axis=1), np.finfo(float).tiny)[:, None]
         new, direction = new / size, direction / size
         values, vectors = np.linalg.eigh(new @ new.T)
         apart = values > DEPENDENT

@@ -14,8 +14,8 @@ from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.friction_solver import SlipOperator, tangential_convolution
 from flangeway.errors import InputError
-from flangeway.exact import half_space_influence
 from flangeway.materials import Elastic
+from flangeway.solve.half_spaces import half_spaces_on
 from flangeway.types import Bools, Floats
 
 BEYOND = 2
@@ -323,12 +323,9 @@ def box_of(cells: Bools) -> tuple[slice, slice]:
 
 
 def _half_spaces(grid: PatchGrid, materials: tuple[Elastic, Elastic]) -> Floats:
-    first, second = (
-        half_space_influence(each.young, each.poisson, grid.bounds, grid.strip, grid.n_strips + 2 * BEYOND)
-        for each in materials
-    )
-    turned = np.tile([1.0, -1.0, 1.0], len(grid.widths))  # the second one's outward normal is -n
-    return first + turned[:, None] * second * turned
+    n_distances = grid.n_strips + 2 * BEYOND
+    found = half_spaces_on(materials, grid.bounds, None, grid.strip, n_distances)
+    return found.reshape(n_distances, 3 * len(grid.widths), -1)
 
 
 def _areas(grid: PatchGrid) -> Floats:

@@ -22,6 +22,7 @@ from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Segment, as_point
+from flangeway.geometry.arrays import chain_lengths
 
 ARC_TOLERANCE_MM = 2e-4  # maximum distance between the spline and the arcs that replace it
 
@@ -93,7 +94,7 @@ def noise_um(points: FloatArray) -> float:
     Each point and its four neighbours, less the cubic through them, leave noise alone; the median of all of them is
     not moved by corners or single bad points. Noise that neighbours share is not seen.
     """
-    s = _lengths(points)
+    s = chain_lengths(points)
     places = np.arange(2, len(points) - 2)[:, None] + np.arange(-2, 3)
     local = s[places]
     gaps = local[:, :, None] - local[:, None, :] + np.eye(5)
@@ -144,14 +145,14 @@ def smoothed(
     low, high = LIMITS_UM
     if limit_um is not None and not low <= limit_um <= high:
         raise InputError(f"--limit {limit_um:g}", f"{low:g} to {high:g} micrometres", "leave it out")
-    points = points[np.concatenate(([True], np.diff(_lengths(points)) > _SAME_MM))]
+    points = points[np.concatenate(([True], np.diff(chain_lengths(points)) > _SAME_MM))]
     if len(points) < MIN_POINTS:
         raise InputError(
             f"{len(points)} points", f"{MIN_POINTS} or more", "give the whole profile; hundreds of points are usual"
         )
     noise = noise_um(points)
     limit = max(USUAL_LIMIT_UM, 6.0 * noise) if limit_um is None else limit_um
-    s = _lengths(points)
+    s = chain_lengths(points)
     wavelength = wavelength_mm
     if wavelength is None:
         wavelength = usual_wavelength_mm(noise, float(np.median(np.diff(s)))) if noise > NOISE_UM else 0.0
@@ -250,10 +251,6 @@ def _distances(spline: BSpline, s: FloatArray, points: FloatArray) -> FloatArray
     to_the_left = tangent[:, 0] * apart[:, 1] - tangent[:, 1] * apart[:, 0]
     distances: FloatArray = 1e3 * np.copysign(np.hypot(*apart.T), to_the_left)
     return distances
-
-
-def _lengths(points: FloatArray) -> FloatArray:
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
 
 
 def biarcs(curve: Curve, breaks: FloatArray, tolerance: float) -> list[Segment]:

@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.solve import Status
-from flangeway.types import Bools, Floats
+from flangeway.types import Floats
 
 LATERAL_REFERENCE_N = 28.4e3
 """Reference of the lateral residual in both situations: the centrifugal force of the curve (Moherdaui 2021, 7.2.2)."""
@@ -63,9 +62,9 @@ class Reach:
         return Reach(limit, self.most, self.longest, math.copysign(BACK * limit, self.last))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class AxleLoads:
-    """Loads of one wheelset or of many, each shape (...).
+    """Load of a wheelset.
 
     - `along`, `onto`: force in the track's plane, to the right, and force onto it, in N; they act at the centre of
       gravity.
@@ -74,41 +73,20 @@ class AxleLoads:
     - `arm`: arm of the weight in the reference moment in mm: half of the distance between the wheels.
     """
 
-    along: Floats
-    onto: Floats
-    weight: Floats
+    along: float
+    onto: float
+    weight: float
     height: float
     arm: float
 
-    @classmethod
-    def of(cls, problem: WheelsetProblem, along: ArrayLike, onto: ArrayLike, weight: ArrayLike) -> "AxleLoads":
-        """Loads on the wheelset of a problem."""
-        wheelset = problem.wheelset
-        forces = [np.asarray(each, dtype=np.float64) for each in (along, onto, weight)]
-        return cls(
-            forces[0], forces[1], forces[2], wheelset.centre_of_gravity_height_mm, wheelset.back_to_back_mm / 2.0
-        )
-
-    def on_axle(self, roll: ArrayLike) -> Floats:
-        """Forces in the track's axes and moment about the axle's middle at a roll (...), shape (..., 3)."""
+    def on_axle(self, roll: float) -> Floats:
+        """Forces in the track's axes and moment about the axle's middle at a roll, shape (3,)."""
         x, y = -self.height * np.sin(roll), self.height * np.cos(roll)
-        return np.stack((self.along, -self.onto, -x * self.onto - y * self.along), axis=-1)
+        return np.array([self.along, -self.onto, -x * self.onto - y * self.along])
 
-    def moment_by_roll(self, roll: ArrayLike) -> Floats:
-        """Derivative of that moment, shape (...)."""
-        derivative: Floats = self.height * (np.cos(roll) * self.onto + np.sin(roll) * self.along)
-        return derivative
-
-    def relative(self, residual: Floats) -> Floats:
-        """Residual (..., 3) over its references."""
-        lateral = np.full_like(self.weight, LATERAL_REFERENCE_N)
-        return residual / np.stack((lateral, self.weight, self.weight * self.arm), axis=-1)
-
-
-def residual_norm(relative: Floats, free: Bools) -> Floats:
-    """Root of the sum of squares of what is free of a relative residual (..., 3), shape (...)."""
-    norm: Floats = np.sqrt(np.sum(np.where(free, relative, 0.0) ** 2, axis=-1))
-    return norm
+    def moment_by_roll(self, roll: float) -> float:
+        """Derivative of that moment."""
+        return self.height * float(np.cos(roll) * self.onto + np.sin(roll) * self.along)
 
 
 @dataclass(frozen=True)
@@ -136,13 +114,9 @@ class RelativeResiduals:
     @property
     def equilibrium_residual(self) -> float:
         """Root of the sum of squares of the residuals of what is free."""
-        found = self.norm_of(np.array(self.free))
-        return math.hypot(found, self.torque_residual, self.yaw_residual)
-
-    def norm_of(self, free: Bools) -> float:
-        """Root of the sum of squares of some, in the order of lateral and vertical displacement and roll."""
-        relative = np.array([self.lateral_residual, self.vertical_residual, self.moment_residual])
-        return float(residual_norm(relative, free))
+        relative = self.lateral_residual, self.vertical_residual, self.moment_residual
+        found = (each for each, free in zip(relative, self.free, strict=True) if free)
+        return math.hypot(*found, self.torque_residual, self.yaw_residual)
 
 
 def with_loads(
@@ -151,9 +125,9 @@ def with_loads(
     """Residual and relative residuals by the contact's force on the wheels and moment about the axle's middle (3,)."""
     loads = loads_of(problem)
     residual: Floats = on_axle + loads.on_axle(position.roll_rad)
-    lateral, vertical, moment = loads.relative(residual).tolist()
+    lateral, vertical, moment = residual / (LATERAL_REFERENCE_N, loads.weight, loads.weight * loads.arm)
     free = tuple(value is None for value in problem.prescribed.components)
-    return residual, RelativeResiduals(vertical, lateral, moment, (free[0], free[1], free[2]))
+    return residual, RelativeResiduals(float(vertical), float(lateral), float(moment), (free[0], free[1], free[2]))
 
 
 def is_stable(problem: WheelsetProblem, jacobian: Floats) -> bool:
@@ -170,7 +144,9 @@ def is_stable(problem: WheelsetProblem, jacobian: Floats) -> bool:
 
 def loads_of(problem: WheelsetProblem) -> AxleLoads:
     """Load of a problem."""
-    return AxleLoads.of(problem, *problem.load.in_track, problem.load.vertical_N)
+    wheelset, load = problem.wheelset, problem.load
+    arm = wheelset.back_to_back_mm / 2.0
+    return AxleLoads(*load.in_track, load.vertical_N, wheelset.centre_of_gravity_height_mm, arm)
 
 
 MAX_WAY = np.array([30.0, 30.0, 0.05])

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from flangeway.elements import Reconstruction
 from flangeway.errors import InputError
@@ -124,17 +125,28 @@ class RailAlongTrack:
     stresses: RailStresses
 
 
-def rail_along_track(
+class LoadedRail(NamedTuple):
+    """Forces on the head of a rail at z = 0.
+
+    - `points`: on its surface in its own frame, (n, 2).
+    - `forces`: there along x, y and z of that frame, (n, 3). They are spread over `LOADED_MM` along z: what is within a
+      few times that of them depends on it.
+    - `placement`: of the rail in the axes of the track, for the gauge; left out: upright, on the right.
+    """
+
+    points: Floats
+    forces: Floats
+    placement: Placement = Placement()
+
+
+def rails_along_track(
     rail: SupportedRail,
     profile: RailProfile,
-    points: Floats,
-    forces: Floats,
-    *,
-    placement: Placement | None = None,
+    loaded: Sequence[LoadedRail],
     gauge_depth_mm: float = GAUGE_DEPTH_MM,
     z_mm: Floats | None = None,
-) -> RailAlongTrack:
-    """Follow a rail along the track under forces on its head at z = 0.
+) -> list[RailAlongTrack]:
+    """Follow rails of one section and support, which share its factorisations, along the track under forces.
 
     Parameters
     ----------
@@ -142,13 +154,8 @@ def rail_along_track(
         The rail on its support.
     profile
         Its profile.
-    points
-        Points on its surface in its own frame, (n, 2).
-    forces
-        Forces there along x, y and z of that frame, (n, 3). They are spread over `LOADED_MM` along z: what is within a
-        few times that of them depends on it.
-    placement
-        Of the rail in the axes of the track, for the gauge; left out: upright, on the right.
+    loaded
+        Forces on each rail.
     gauge_depth_mm
         Depth of the gauge face below the top.
     z_mm
@@ -160,72 +167,30 @@ def rail_along_track(
         If points are off the surface, or arrays do not fit.
 
     """
-    (found,) = rails_along_track(
-        rail, profile, [LoadedRail(points, forces, placement or Placement())], gauge_depth_mm, z_mm
-    )
-    return found
-
-
-class LoadedRail(NamedTuple):
-    """Forces on a rail, see `rail_along_track`."""
-
-    points: Floats
-    forces: Floats
-    placement: Placement
-
-
-def rails_along_track(
-    rail: SupportedRail,
-    profile: RailProfile,
-    loaded: Sequence[LoadedRail],
-    gauge_depth_mm: float = GAUGE_DEPTH_MM,
-    z_mm: Floats | None = None,
-) -> list[RailAlongTrack]:
-    """`rail_along_track` of several rails of one section and support, which share its factorisations."""
     z = _usual_places() if z_mm is None else np.asarray(z_mm, dtype=np.float64)
-    heads = [_OnHead.of(rail, each) for each in loaded]
-    nodes = np.concatenate([each.nodes.ravel() for each in heads])
-    loads, first = np.zeros((len(nodes), 3, 2 * len(heads))), 0
-    for number, each in enumerate(heads):
-        loads[first : first + each.nodes.size, :, 2 * number : 2 * number + 2] = each.loads
-        first += each.nodes.size
-    fields = rail.released(rail.answers(nodes, loads))
+    nodes, loads, reactions = zip(*(_on_head(rail, each) for each in loaded), strict=True)
+    # each rail has two columns: by its forces in the section, and by those along z
+    columns = block_diag(*(each.reshape(-1, 2) for each in loads)).reshape(-1, 3, 2 * len(loaded))
+    fields = rail.released(rail.answers(np.concatenate(nodes), columns))
     return [
-        _along(rail, profile, z, gauge_depth_mm, each.placement, head.reactions, fields[..., 2 * i : 2 * i + 2])
-        for i, (each, head) in enumerate(zip(loaded, heads, strict=True))
+        _along(rail, profile, z, gauge_depth_mm, each.placement, of_seats, fields[..., 2 * i : 2 * i + 2])
+        for i, (each, of_seats) in enumerate(zip(loaded, reactions, strict=True))
     ]
 
 
-@dataclass(frozen=True, eq=False)
-class _OnHead:
-    """Forces on the nodes of a rail's surface.
-
-    - `nodes`: those of the edge of each point, (n, order + 1).
-    - `loads`: of forces in the section, and of those along z, (n (order + 1), 3, 2).
-    - `reactions`: see `SupportedRail.seat_forces`.
-    """
-
-    nodes: Ints
-    loads: Floats
-    reactions: Floats
-
-    @classmethod
-    def of(cls, rail: SupportedRail, loaded: LoadedRail) -> "_OnHead":
-        points, forces = (np.asarray(each, dtype=np.float64) for each in loaded[:2])
-        _check(points, forces)
-        nodes, shares = rail.on_surface(points)
-        along = np.array([0.0, 0.0, 1.0])
-        loads = np.einsum("np,nif->npif", shares, np.stack((forces * (1.0 - along), forces * along), axis=-1))
-        return cls(nodes, loads.reshape(-1, 3, 2), rail.seat_forces(nodes, shares, forces))
-
-
-def _check(points: Floats, forces: Floats) -> None:
+def _on_head(rail: SupportedRail, loaded: LoadedRail) -> tuple[Ints, Floats, Floats]:
+    """Nodes (m,) of the edges of a rail's points, their loads (m, 3, 2), and `SupportedRail.seat_forces`."""
+    points, forces = (np.asarray(each, dtype=np.float64) for each in loaded[:2])
     if points.shape[1:] != (2,) or forces.shape != (len(points), 3) or not np.isfinite(forces).all():
         raise InputError(
             f"points of shape {points.shape} and forces of shape {forces.shape}",
             "finite ones, (n, 2) and (n, 3)",
             "give forces along x, y and z at each point",
         )
+    nodes, shares = rail.on_surface(points)
+    along = np.array([0.0, 0.0, 1.0])
+    loads = np.einsum("np,nif->npif", shares, np.stack((forces * (1.0 - along), forces * along), axis=-1))
+    return nodes.ravel(), loads, rail.seat_forces(nodes, shares, forces)
 
 
 def _along(

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.contact.patch.elastic_surface import ElasticSurface, elastic_surface
-from flangeway.contact.patch.patch_body import stations_of
+from flangeway.geometry.arrays import chain_lengths
 from flangeway.mesh import Refinement
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
@@ -26,7 +26,7 @@ from flangeway.railway.wheelset.wheelset_mesh import mesh_outline
 from flangeway.railway.wheelset.whole_wheel import WheelDisc, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells
 from flangeway.space import Space
-from flangeway.system.disk_cache import Cache, content_key
+from flangeway.system.disk_cache import Cache, cached
 from flangeway.types import Floats
 
 CELL_MM = 2.0
@@ -87,22 +87,24 @@ def running_surfaces(
     alike = problem.track.is_symmetric and problem.wheelset.is_symmetric
     for side in SIDES[:1] if alike else SIDES:
         curves = RigidSide.of(problem.track, problem.wheelset, side)
-        wheel, rail = problem.wheelset.wheel_of(side), problem.track.rail_of(side)
-        radius = problem.wheelset.tape_radius_of(side)
-        of_wheel = wheel, radius, problem.material_of("wheel"), *given
-        of_rail = rail, 0.0, problem.material_of("rail"), *given
-        if of_wheel not in done:
-            done[of_wheel] = _wheel(problem, model, wheel, radius, cache, progress)
-        if of_rail not in done:
-            done[of_rail] = _rail(problem, model, rail, cache, progress)
+        rail, bodies = problem.track.rail_of(side), []
+        for profile, radius, material in (
+            (problem.wheelset.wheel_of(side), problem.wheelset.tape_radius_of(side), problem.material_of("wheel")),
+            (rail, 0.0, problem.material_of("rail")),
+        ):
+            key = profile, radius, material, *given
+            if key not in done:
+                done[key] = _elastic(problem, model, profile, radius, cache, progress)
+            bodies.append(done[key])
+        (wheel_elastic, on_wheel_mesh), (rail_elastic, on_rail_mesh) = bodies
         on_rail = RigidCurve.from_contour(rail.running_surface, curves.rail_frame, WALL_RAD)
         found[side] = SideSurfaces(
             curves.wheel,
             on_rail,
-            done[of_wheel][0],
-            done[of_rail][0],
-            _stations(curves.wheel, curves.wheel_frame.points(done[of_wheel][1])),
-            _stations(on_rail, curves.rail_frame.points(done[of_rail][1])),
+            wheel_elastic,
+            rail_elastic,
+            _stations(curves.wheel, curves.wheel_frame.points(on_wheel_mesh)),
+            _stations(on_rail, curves.rail_frame.points(on_rail_mesh)),
             curves.wheel_frame,
             curves.rail_frame,
         )
@@ -110,45 +112,32 @@ def running_surfaces(
     return dict.fromkeys(SIDES, found[SIDES[0]]) if alike else found
 
 
-def _wheel(
+def _elastic(
     problem: WheelsetProblem,
     model: SpatialModel,
-    profile: WheelProfile,
+    profile: WheelProfile | RailProfile,
     radius_mm: float,
     cache: Cache | None,
     progress: Callable[[str], None],
 ) -> tuple[ElasticSurface, Floats]:
+    """Compliance of a wheel of a radius or of a rail, and corners of its mesh along the running surface, (n, 2)."""
     cells = running_cells(problem, model, profile, cache)
-    corners = _corners(cells)
-    surface = elastic_surface(cells, cache=cache, progress=progress)
-    if model.disc is None:
-        return surface, corners
-    progress("harmonics of the whole wheel")
-    return surface.plus(wheel_correction(whole_wheel(profile, radius_mm, model.disc), radius_mm, cells, cache)), corners
+    surface, support, disc = elastic_surface(cells, cache=cache, progress=progress), model.support, model.disc
+    if isinstance(profile, WheelProfile):
+        if disc is not None:
+            progress("harmonics of the whole wheel")
+            surface = surface.plus(wheel_correction(whole_wheel(profile, radius_mm, disc), radius_mm, cells, cache))
+    elif support is not None and support.kind != "continuous":
+        material = problem.material_of("rail")
 
+        def make() -> dict[str, Floats]:
+            progress("sleepers")
+            rail = supported_rail(profile, material, support, cache=cache)
+            return {"added": sleeper_compliance(rail, surface.points, surface.frames)}
 
-def _rail(
-    problem: WheelsetProblem,
-    model: SpatialModel,
-    profile: RailProfile,
-    cache: Cache | None,
-    progress: Callable[[str], None],
-) -> tuple[ElasticSurface, Floats]:
-    material, support = problem.material_of("rail"), model.support
-    cells = running_cells(problem, model, profile, cache)
-    corners = _corners(cells)
-    surface = elastic_surface(cells, cache=cache, progress=progress)
-    if support is None or support.kind == "continuous":
-        return surface, corners
-    key = content_key("sleepers", profile.outline.segments, material, support, surface.points, surface.frames)
-
-    def make() -> dict[str, Floats]:
-        progress("sleepers")
-        rail = supported_rail(profile, material, support, cache=cache)
-        return {"added": sleeper_compliance(rail, surface.points, surface.frames)}
-
-    added = make() if cache is None or key is None else cache.get(key, make)
-    return surface.plus(added["added"]), corners
+        content = profile.outline.segments, material, support, surface.points, surface.frames
+        surface = surface.plus(cached(cache, make, "sleepers", *content)["added"])
+    return surface, cells.chain
 
 
 def _space(
@@ -192,12 +181,6 @@ def running_cells(
     return replace(cells, bounds=np.linspace(0.0, length, int(np.ceil(length / CELL_MM)) + 1))
 
 
-def _corners(cells: SurfaceCells) -> Floats:
-    """Corners of the mesh along the surface, (n, 2)."""
-    points, edges = cells.problem.elasticity.space.mesh.points, cells.edges
-    return np.concatenate((points[edges[:, 0]], points[edges[-1:, 1]]))
-
-
 def _stations(curve: RigidCurve, corners: Floats) -> Floats:
     """Lengths along a curve, and along the chain of its mesh's corners, at these, by rising lengths: (n, 2).
 
@@ -211,5 +194,5 @@ def _stations(curve: RigidCurve, corners: Floats) -> Floats:
     nearest = np.clip(nearest, 0.0, curve.length)  # a corner at an end may lie beyond it by round-off
     there = curve.at(nearest)
     on_curve = np.hypot(corners[:, 0] - there.x, corners[:, 1] - there.y) < ON_CURVE_MM
-    pairs = np.stack((nearest, stations_of(corners)), axis=1)[on_curve]
+    pairs = np.stack((nearest, chain_lengths(corners)), axis=1)[on_curve]
     return pairs if pairs[-1, 0] > pairs[0, 0] else pairs[::-1]

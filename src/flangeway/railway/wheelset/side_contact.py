@@ -387,7 +387,8 @@ class GriddedSide:
         """
         grid = self.grid
         materials = self.surfaces.rail_elastic.material, self.surfaces.wheel_elastic.material
-        total = half_spaces_on(materials, grid.cells[rows], self.frames[rows], grid.strip, n_distances, axes)
+        first, last = grid.cells[rows].T
+        total = half_spaces_on(materials, np.append(first, last[-1]), self.frames[rows], grid.strip, n_distances, axes)
         pairs = list(product(enumerate(axes), repeat=2))
         for elastic, weights, directions in zip(
             self._elastic, self._weights, self._directions(axes, rows), strict=True
@@ -404,9 +405,8 @@ class GriddedSide:
                     directions[:, i, x, None] * directions[:, j, y] * on_cells[x, y]
                     for x, y in product(SECTION_AXES[of], SECTION_AXES[by])
                 )
-                total[i, j] += np.tensordot(along, turned, axes=1)
-        size = total.shape[3] * len(axes)
-        return total.transpose(2, 3, 0, 4, 1).reshape(n_distances, size, size)
+                total[:, :, i, :, j] += np.tensordot(along, turned, axes=1)
+        return total.reshape(n_distances, len(first) * len(axes), -1)
 
     @cached_property
     def _bending(self) -> tuple[Floats, Floats]:

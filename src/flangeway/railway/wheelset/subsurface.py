@@ -8,6 +8,7 @@ from numpy.polynomial import Polynomial
 from flangeway.checks import check_positive
 from flangeway.errors import InputError, short
 from flangeway.geometry import Contour
+from flangeway.geometry.arrays import nearest_on_segments
 from flangeway.mesh import PolyMesh
 from flangeway.post import StressLine, stresses_along
 from flangeway.problems import ElasticField
@@ -110,8 +111,6 @@ def _place(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> tuple[C
 
 def closest_on_boundary(mesh: PolyMesh, point: Floats) -> Floats:
     """Closest point (2,) of the mesh's boundary to a point (2,): on chords of the profile, which this may leave."""
-    start, end = mesh.points[mesh.boundary_edges].swapaxes(0, 1)
-    along = end - start
-    share = np.clip(np.einsum("ni,ni->n", point - start, along) / np.sum(along**2, axis=1), 0.0, 1.0)
-    feet: Floats = start + share[:, None] * along
-    return feet[np.argmin(np.linalg.norm(feet - point, axis=1))]
+    starts, ends = mesh.points[mesh.boundary_edges].swapaxes(0, 1)
+    (nearest,), (share,), _ = nearest_on_segments(point[None], starts, ends)
+    return np.asarray(starts[nearest] + share * (ends - starts)[nearest])

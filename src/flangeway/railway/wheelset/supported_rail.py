@@ -8,7 +8,7 @@ The share that is left bounds the motion beyond the last sleepers, and changes t
 difference between sleepers and continuous support.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Literal
 
@@ -18,6 +18,7 @@ from flangeway.checks import check_integer, check_positive, is_finite, refused
 from flangeway.elements import Lagrange
 from flangeway.elements.quadrature import edge_shapes
 from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import nearest_on_segments
 from flangeway.materials import Elastic
 from flangeway.mesh import triangulate
 from flangeway.problems import Elasticity, Foundation, Harmonic
@@ -26,7 +27,7 @@ from flangeway.problems.harmonic import mean_and_rotation
 from flangeway.railway.profiles.bundled import RailProfile
 from flangeway.solve.surface_compliance import amplitudes, inverse_weights
 from flangeway.space import Space
-from flangeway.system.disk_cache import Cache, content_key
+from flangeway.system.disk_cache import Cache, cached
 from flangeway.types import Floats, Ints
 
 SAME = 1e-6
@@ -201,14 +202,13 @@ def _weights(
         even, odd = (np.concatenate(each) for each in zip(*parts, strict=True))
         return {"even": even, "odd": odd}
 
-    key = content_key("wave weights", at, distances, strip, averaged)
-    found = make() if cache is None or key is None else cache.get(key, make)
+    found = cached(cache, make, "wave weights", at, distances, strip, averaged)
     return found["even"], found["odd"]
 
 
 @dataclass(frozen=True, eq=False)
 class SupportedRail:
-    """A rail on its support, solved once for all positions of the wheel between the sleepers.
+    """A rail on its support.
 
     Parameters
     ----------
@@ -259,15 +259,12 @@ class SupportedRail:
         """Amplitudes by the base's modes on the continuous support, (n_k, n_dofs, 3, 3 modes)."""
         elasticity = self.problem.elasticity
         mesh, foundation = elasticity.space.mesh, self.problem.foundations[0]
-        key = content_key(
-            "supported rail",
+        content = (
             (mesh.points, mesh.cell_offsets, mesh.cell_points, mesh.edge_set(foundation.edges)),
             (elasticity.space.element, elasticity.material, foundation, WAVENUMBERS, PER_DECADE),
         )
-        if self.cache is None or key is None:
-            return self.answers(*self.base)
-        found: Floats = self.cache.get(key, lambda: {"amplitudes": self.answers(*self.base)})["amplitudes"]
-        return found
+        found = cached(self.cache, lambda: {"amplitudes": self.answers(*self.base)}, "supported rail", *content)
+        return found["amplitudes"]
 
     @cached_property
     def freedom(self) -> Floats:
@@ -316,24 +313,6 @@ class SupportedRail:
             )
         return found.reshape(n, 3, n, 3)
 
-    @cached_property
-    def at_place(self) -> Floats:
-        """Weights of cos kz at z = 0 by forces there, (n_k,)."""
-        return self.weights_at(np.zeros(1), self.support.pad_length_mm, 0)[0][0]
-
-    @cached_property
-    def from_seats(self) -> tuple[Floats, Floats]:
-        """Weights of cosine and sine at z = 0 by loads of the seats, each (n_sleepers, n_k)."""
-        return self.weights_at(-self.support.sleepers_mm, self.support.pad_length_mm, 1)
-
-    def at(self, position: float) -> "SupportedRail":
-        """The same rail with the wheel at another position between the sleepers, see `RailSupport`."""
-        moved = replace(self, support=replace(self.support, position=position))
-        if self.support.kind == "sleepers":
-            shared = ("base", "by_modes", "freedom", "by_seats", "seat_stiffness", "at_place")
-            moved.__dict__.update({name: getattr(self, name) for name in shared})
-        return moved
-
     def on_surface(self, points: Floats) -> tuple[Ints, Floats]:
         """Nodes of the boundary's edges nearest to points (n, 2), and their shares at the feet, each (n, order + 1).
 
@@ -342,19 +321,14 @@ class SupportedRail:
         """
         space = self.problem.elasticity.space
         edges = space.mesh.boundary_edges
-        start, chords = space.mesh.points[edges[:, 0]], np.diff(space.mesh.points[edges], axis=1)[:, 0]
-        squares = (chords**2).sum(axis=1)
-        apart = points[:, None] - start
-        share = np.clip(np.einsum("nei,ei->ne", apart, chords) / squares, 0.0, 1.0)
-        distances = np.linalg.norm(apart - share[..., None] * chords, axis=-1)
-        best, rows = distances.argmin(axis=1), np.arange(len(points))
-        if len(points) and (maximum := float(distances[rows, best].max())) > MAX_OFF_MM:
+        best, shares, distances = nearest_on_segments(points, *space.mesh.points[edges].swapaxes(0, 1))
+        if (maximum := float(distances.max(initial=0.0))) > MAX_OFF_MM:
             raise InputError(
                 f"points up to {maximum:.3g} mm from the surface of `{self.problem.elasticity.name}`",
                 "points on the surface, in the frame of the section",
                 "check the placement of the rail",
             )
-        return space.edge_nodes(edges)[best], edge_shapes(space.order, share[rows, best])
+        return space.edge_nodes(edges)[best].astype(np.int64), edge_shapes(space.order, shares)
 
     def seats_from(self, nodes: Ints, shares: Floats) -> Floats:
         """Displacements of points at z = 0 by unit loads of the seats: (n, 3, n_sleepers, 3).
@@ -362,7 +336,7 @@ class SupportedRail:
         By reciprocity they are also the displacements of the seats by unit forces at the points.
         """
         at_points = np.einsum("np,knpim->knim", shares, self.by_seats[:, nodes])
-        even, odd = self.from_seats
+        even, odd = self.weights_at(-self.support.sleepers_mm, self.support.pad_length_mm, 1)
         found = np.einsum("sk,knim->nism", even, at_points)
         found[:, 2] = np.einsum("sk,knm->nsm", odd, at_points[:, :, 2])
         return found
@@ -422,9 +396,8 @@ def sleeper_compliance(rail: SupportedRail, points: Floats, frames: Floats) -> F
     taken = in_axes @ rail.seat_stiffness.reshape(n_loads, n_loads) @ in_axes.T
     fields = np.einsum("nai,np,knpim->knam", frames, shares, rail.by_modes[:, nodes], optimize=True)
     fields = fields.reshape(len(fields), 3 * n, 3)
-    added = np.einsum("k,krm,kmj,kcj->rc", rail.at_place, fields, rail.freedom, fields, optimize=True).reshape(
-        n, 3, n, 3
-    )
+    at_place = rail.weights_at(np.zeros(1), rail.support.pad_length_mm, 0)[0][0]
+    added = np.einsum("k,krm,kmj,kcj->rc", at_place, fields, rail.freedom, fields, optimize=True).reshape(n, 3, n, 3)
     added[:, :2, :, 2] = added[:, 2, :, :2] = 0.0  # they vary as the sine
     change: Floats = added - taken.reshape(n, 3, n, 3)
     return change

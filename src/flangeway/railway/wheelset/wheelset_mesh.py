@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline
+from flangeway.geometry.arrays import chain_lengths
 from flangeway.mesh import PolyMesh, Refinement, dual, triangulate
 from flangeway.problems import Body
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import Side
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
-from flangeway.system.disk_cache import Arrays, Cache, content_key
+from flangeway.system.disk_cache import Arrays, Cache, cached
 from flangeway.types import Bools, Floats
 
 
@@ -48,8 +49,7 @@ class Zone:
         return np.stack((nodes[:-1], nodes[1:]), axis=1).astype(np.int32)
 
     def _inside(self, points: Floats) -> Bools:
-        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        along = np.concatenate(([0.0], np.cumsum(steps)))
+        along = chain_lengths(points)
         at = [along[np.argmin(np.linalg.norm(points - centre, axis=1))] for centre in self.centres]
         inside: Bools = (along >= min(at) - self.reach) & (along <= max(at) + self.reach)
         return inside
@@ -100,18 +100,9 @@ def mesh_outline(
         mesh = triangulate(outline, size=size, refinements=(refinement,))
         return _packed(dual(mesh) if polygons else mesh)
 
-    key = content_key(
-        "mesh",
-        outline.segments,
-        outline.names,
-        size,
-        refinement.points,
-        refinement.size,
-        refinement.growth,
-        polygons,
-        version("gmsh"),
-    )
-    return _unpacked(make() if cache is None or key is None else cache.get(key, make))
+    fine = refinement.points, refinement.size, refinement.growth
+    content = outline.segments, outline.names, size, *fine, polygons, version("gmsh")
+    return _unpacked(cached(cache, make, "mesh", *content))
 
 
 def _packed(mesh: PolyMesh) -> Arrays:

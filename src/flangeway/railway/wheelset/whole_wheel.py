@@ -14,13 +14,14 @@ from flangeway.checks import check_finite, check_positive
 from flangeway.elements import Lagrange
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Line, Outline, Placement, Segment, as_point
+from flangeway.geometry.arrays import chain_lengths, nearest_on_segments
 from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import WheelProfile
 from flangeway.solve import SurfaceCells
 from flangeway.solve.surface_compliance import compliances
 from flangeway.space import Space
-from flangeway.system.disk_cache import Arrays, Cache
+from flangeway.system.disk_cache import Cache, cached
 from flangeway.types import Floats
 
 ONE_BY_ONE = 8
@@ -207,13 +208,14 @@ def wheel_correction(whole: WheelProfile, radius_mm: float, cells: SurfaceCells,
         If the cells are not on the wheel's surface.
 
     """
-    key = cells.key("wheel", whole.outline.segments, whole.outline.names, radius_mm, _SETTINGS) if cache else None
-
-    def make() -> Arrays:
-        return {"values": _correction(revolved(whole, radius_mm, cells), cells)}
-
-    values = make() if cache is None or key is None else cache.get(key, make)
-    return values["values"]
+    found = cached(
+        cache,
+        lambda: {"values": _correction(revolved(whole, radius_mm, cells), cells)},
+        "wheel",
+        *cells.content,
+        (whole.outline.segments, whole.outline.names, radius_mm, _SETTINGS),
+    )
+    return found["values"]
 
 
 _SETTINGS = (ONE_BY_ONE, PER_DECADE, SHORTEST_MM, BODY_MM, EDGES_A_CELL, EDGES_A_WAVE, GROWTH)
@@ -239,12 +241,9 @@ def revolved(whole: WheelProfile, radius_mm: float, cells: SurfaceCells) -> Surf
     mesh = triangulate(whole.outline.transformed(turned), size=BODY_MM, refinements=[zone])
     chain = mesh.chain(*(name for name in dict.fromkeys(whole.outline.names) if name != "cut")).astype(np.int64)
     points, ends = mesh.points[chain], turned.points(cells.ends)
-    steps = np.diff(points, axis=0)
-    lengths = np.linalg.norm(steps, axis=1)
-    shares = np.clip(np.einsum("pec,ec->pe", ends[:, None] - points[:-1], steps) / lengths**2, 0.0, 1.0)
-    apart = np.linalg.norm(points[:-1] + shares[..., None] * steps - ends[:, None], axis=2)
-    nearest = apart.argmin(axis=1)
-    bounds = np.concatenate(([0.0], np.cumsum(lengths)))[nearest] + (shares * lengths)[np.arange(len(ends)), nearest]
+    lengths = chain_lengths(points)
+    nearest, shares, _ = nearest_on_segments(ends, points[:-1], points[1:])
+    bounds = lengths[nearest] + shares * np.diff(lengths)[nearest]
     material, name = replace(cells.material, hypothesis="axisymmetric"), cells.problem.elasticity.name
     problem = Harmonic(Elasticity(Space(mesh, Lagrange(2)), material, name=name), held={"cut": "xyz"})
     return SurfaceCells(problem, np.stack((chain[:-1], chain[1:]), axis=1), bounds)

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from flangeway.cases.profile.profile_run import ProfileRun
 from flangeway.geometry import Contour, Outline, Placement
+from flangeway.geometry.arrays import chain_lengths
 from flangeway.quantities import measured
 from flangeway.railway.profiles.formats.raw_profile import KINDS
 from flangeway.railway.profiles.joining import Joined
@@ -154,7 +155,7 @@ def deviations(reference: Contour, points: Floats) -> Floats:
 def _draw_residuals(axes: Axes, run: ProfileRun) -> None:
     smoothing, units = run.profile.smoothing, units_of(axes)
     assert smoothing is not None
-    lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(run.profile.points, axis=0).T))])
+    lengths = chain_lengths(run.profile.points)
     axes.plot(lengths, smoothing.deviations_um, ".", ms=2.5, color=INK)
     text = "curve through all points"
     if smoothing.wavelength_mm > 0.0:

@@ -18,6 +18,7 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
+from flangeway.geometry.arrays import chain_lengths
 from flangeway.railway.profiles.formats.raw_profile import Kind, RawProfile, leading_numbers
 
 SLICES: dict[str, Kind] = {".slcs": "rail", ".slcw": "wheel"}
@@ -206,18 +207,13 @@ def _waves(form: int, row: Callable, counted: Callable) -> FloatArray:  # type: 
     return table
 
 
-def _along(points: FloatArray) -> FloatArray:
-    """Lengths (n,) along points."""
-    return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-
-
 def _part(points: FloatArray, lengths: FloatArray, at: FloatArray) -> FloatArray:
     return np.column_stack([np.interp(at, lengths, column) for column in points.T])
 
 
 def _trimmed(raw: RawProfile, features: FloatArray) -> RawProfile:
     """A slice from its first to its last feature."""
-    lengths, known = _along(raw.points), features[features >= 0.0]
+    lengths, known = chain_lengths(raw.points), features[features >= 0.0]
     inside = (lengths >= known.min(initial=_WHOLE)) & (lengths <= known.max(initial=0.0))
     return replace(raw, points=raw.points[inside], lines=raw.lines[inside])
 
@@ -226,7 +222,7 @@ def _between(raws: list[RawProfile], features: FloatArray, part: float, which: s
     """Points between those of two slices at the same share of the length of each part that both have."""
     if len({(raw.upwards, raw.mirrored) for raw in raws}) > 1 or any(raw.unit != "mm" for raw in raws):
         raise InputError(f"{which} in different axes, or not in mm", "slices in mm", "convert them with --to")
-    lengths = [_along(raw.points) for raw in raws]
+    lengths = [chain_lengths(raw.points) for raw in raws]
     pieces: list[FloatArray] = []
     for number in range(features.shape[1] - 1):
         ends = features[:, number : number + 2]
