@@ -10,7 +10,6 @@ from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
 from flangeway.post import pressure_patches
-from flangeway.post.pressure import _pressures
 from flangeway.problems import Body, Part
 from flangeway.solve import CondensedBodies
 
@@ -64,15 +63,3 @@ def test_a_corner_just_beyond_a_node_has_no_pressure_without_limit() -> None:
         assert sum(patch.force for patch in patches) == pytest.approx(solution.forces[0])
         maximum.append(max(patch.pressures.max() for patch in patches))
     assert max(maximum) < 1.5 * min(maximum)
-
-
-def test_nodes_of_short_edges_count_with_their_neighbours() -> None:
-    """Small areas join the larger side, several at one place too; sums stay, and equal areas are left alone."""
-    forces = np.array([1.0, 4.0, 0.5, 0.5, 1.5, 3.0])
-    areas = np.array([1.0, 2.0, 1e-6, 3e-6, 1e-6, 2.0])
-    found = _pressures(forces, areas, areas, 0.2)
-    assert found[0] == 1.0
-    assert len(np.unique(found)) == 3
-    assert found @ areas == pytest.approx(forces.sum())
-    assert found.max() < 3.0
-    np.testing.assert_allclose(_pressures(forces[:2], areas[:2], areas[:2], 0.2), [1.0, 2.0])

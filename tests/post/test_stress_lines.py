@@ -1,4 +1,4 @@
-"""Fields at points, along lines and through cuts."""
+"""Stresses and displacements at points, along lines and through cuts, and what is derived from stresses."""
 
 import numpy as np
 import pytest
@@ -10,6 +10,8 @@ from flangeway.geometry import square
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
 from flangeway.post import (
+    Stresses,
+    cell_stresses,
     displacements_at,
     force_through_cut,
     locate,
@@ -64,11 +66,13 @@ def test_cells_that_are_not_convex_are_told_apart() -> None:
     ("mesh", "element"), [(triangulate(square(1.0), size=0.3), Lagrange(2)), (POLYGONS, Virtual(2))]
 )
 def test_pure_bending_everywhere(mesh: PolyMesh, element) -> None:
-    """Order 2 has the stresses and displacements of pure bending at any point, along a line, and at nodes."""
+    """Order 2 has the stresses and displacements of pure bending at points, on a line, at nodes, and cells' means."""
     solution = solved(Space(mesh, element), MATERIAL, quadratic)
     points = np.random.default_rng(2).uniform(-0.5, 0.5, (50, 2))
     assert stresses_at(solution, points).components == pytest.approx(bending_stress(points), abs=1e-9)
     assert displacements_at(solution, points) == pytest.approx(quadratic(points), abs=1e-12)
+    means = cell_stresses(solution.problem, solution.displacements).components
+    assert means == pytest.approx(bending_stress(mesh.cell_centroids), abs=1e-9)
     line = stresses_along(solution, (0.1, -0.5), (0.1, 0.7), 13)
     inside = line.points[:, 1] < 0.5 + 1e-12
     assert line.distances == pytest.approx(np.linspace(0.0, 1.2, 13))
@@ -105,3 +109,19 @@ def test_a_cut_of_a_ring_counts_the_circumference() -> None:
     )
     cut = force_through_cut(solve_elasticity(problem), (3.0, 0.4), (0.0, 0.4))
     assert cut.force[1] == pytest.approx(-2.0 * np.pi * 3.0)
+
+
+def test_invariants_of_known_states() -> None:
+    """Uniaxial tension, pure shear and hydrostatic pressure have the textbook's invariants."""
+    states = Stresses(np.array([[100.0, 0.0, 0.0, 0.0], [0.0, 0.0, 40.0, 0.0], [-7.0, -7.0, 0.0, -7.0]]))
+    assert states.von_mises == pytest.approx([100.0, 40.0 * np.sqrt(3.0), 0.0])
+    assert states.in_plane_shear == pytest.approx([50.0, 40.0, 0.0])
+    assert states.principal == pytest.approx(np.array([[100.0, 0.0, 0.0], [40.0, 0.0, -40.0], [-7.0, -7.0, -7.0]]))
+
+
+def test_principal_stresses_are_eigenvalues() -> None:
+    """For random states the principal stresses are the eigenvalues of the tensor, zz included."""
+    components = np.random.default_rng(0).normal(size=(50, 4))
+    for row, principal in zip(components, Stresses(components).principal, strict=True):
+        tensor = np.array([[row[0], row[2], 0.0], [row[2], row[1], 0.0], [0.0, 0.0, row[3]]])
+        assert np.linalg.eigvalsh(tensor)[::-1] == pytest.approx(principal)

@@ -13,7 +13,6 @@ from flangeway.problems import (
     BodyForce,
     Elasticity,
     Gravity,
-    PointForce,
     PrescribedDisplacement,
     Pressure,
     RigidHandle,
@@ -116,16 +115,6 @@ def test_traction_may_be_a_function() -> None:
     reaction = reactions(solve_elasticity(problem))[0]
     assert reaction.force == pytest.approx([0.0, -6.0], abs=1e-10)
     assert reaction.moment == pytest.approx(-8.0)
-
-
-def test_point_force_is_borne() -> None:
-    """The reaction balances a force at a node, with its moment."""
-    problem = Elasticity(
-        Space(block(), Lagrange(1)), STEEL, loads=[PointForce((2.0, 1.0), (3.0, -4.0))], supports=[fixed("left")]
-    )
-    reaction = reactions(solve_elasticity(problem))[0]
-    assert reaction.force == pytest.approx([-3.0, 4.0])
-    assert reaction.moment == pytest.approx(-(2.0 * -4.0 - 1.0 * 3.0))
 
 
 @pytest.mark.parametrize("hypothesis", ["plane_strain", "plane_stress", "axisymmetric"])

@@ -15,7 +15,7 @@ from flangeway.materials import Material
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.loads import Load, TemperatureChange
-from flangeway.problems.strains import STRAIN_PLACES, STRAINS, StrainOperators, strain_operators
+from flangeway.problems.strains import STRAINS, StrainOperators, add_consistency, strain_operators
 from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support, axes
 from flangeway.space import CellBatch, CondensedMatrix, Space, SymmetricMatrix, assemble_condensed
 from flangeway.types import Bools, Floats, Ints
@@ -224,57 +224,34 @@ class Elasticity:
         """Matrix of each material, shape (4, 4, n_materials)."""
         return np.stack([material.matrix for material in self.materials], axis=-1)
 
-    @cached_property
-    def _stabilisation_factors(self) -> Floats:
-        return np.array([material.stabilisation_factor for material in self.materials])
-
     def matrices(self, batch: CellBatch) -> Floats:
         """Stresses xx, yy, xy, zz per strain xx, yy, 2 xy, zz of cells, (4, 4, n_cells), or (4, 4, 1) if all alike."""
-        return self._of_cells(self._matrices, batch)
+        return self.of_cells(self._matrices, batch)
 
-    def _of_cells(self, values: Floats, batch: CellBatch) -> Floats:
+    def stabilisation_factors(self, batch: CellBatch) -> Floats:
+        """Factors of the stabilisation of cells, (n_cells,), or (1,) if all alike."""
+        return self.of_cells(np.array([material.stabilisation_factor for material in self.materials]), batch)
+
+    def of_cells(self, values: Floats, batch: CellBatch) -> Floats:
+        """Values of cells from those of the materials, which are on the last axis; kept if there is one material."""
         return values if len(self.materials) == 1 else values[..., self.cell_material[batch.cells]]
 
     def cell_stiffness(self, batch: CellBatch) -> Floats:
         """Stiffness of cells: consistency (Moherdaui 2021, 3.93) and stabilisation, (2 n_local, 2 n_local, n_cells)."""
-        result, stabilisation = self._cell_parts(batch)
+        reconstruction = batch.element.reconstruct(batch.outline)
+        strains = self.strains(batch, self.for_energy(reconstruction))
+        n, table = reconstruction.n_local, STRAINS[..., : strains.moments.shape[1]]
+        result = np.zeros((n, 2, n, 2, len(batch.cells)))
+        by_component = result.transpose(1, 3, 0, 2, 4)
+        # T_iajb = sum over strains s, t of B_sia D_st B_tjb
+        add_consistency(by_component, np.einsum("sia,ste,tjb->iajbe", table, self.matrices(batch), table), strains)
+        stabilisation = batch.element.stabilise(reconstruction, by_component)
         if stabilisation is not None:
-            by_component = result.transpose(1, 3, 0, 2, 4)
+            stabilisation *= self.stabilisation_factors(batch)
             by_component[0, 0] += stabilisation
             by_component[1, 1] += stabilisation
         result *= self._depth_factor
-        return result.reshape(2 * len(result), 2 * len(result), -1)
-
-    def _cell_parts(self, batch: CellBatch) -> tuple[Floats, Floats | None]:
-        """Consistency (n_local, 2, n_local, 2, n_cells), and stabilisation of a component (n_local, n_local, n_cells).
-
-        Both without the depth.
-        """
-        reconstruction = batch.element.reconstruct(batch.outline)
-        n = reconstruction.n_local
-        result = np.zeros((n, 2, n, 2, len(batch.cells)))
-        by_component = result.transpose(1, 3, 0, 2, 4)
-        self._add_consistency(by_component, self.strains(batch, self.for_energy(reconstruction)), self.matrices(batch))
-        stabilisation = batch.element.stabilise(reconstruction, by_component)
-        if stabilisation is not None:
-            stabilisation *= self._of_cells(self._stabilisation_factors, batch)
-        return result, stabilisation
-
-    def _add_consistency(self, by_component: Floats, strains: StrainOperators, matrices: Floats) -> None:
-        """Add the strain energy of the projected strains to the blocks (2, 2, n_local, n_local, n_cells)."""
-        n_slots = strains.moments.shape[1]
-        for first in range(n_slots):
-            for second in range(first, n_slots):
-                product = strains.products(first, second)
-                for i in range(2):
-                    for j in range(2):
-                        row, column = STRAIN_PLACES[i, first], STRAIN_PLACES[j, second]
-                        if row < 0 or column < 0 or not matrices[row, column].any():
-                            continue
-                        block = matrices[row, column] * product
-                        by_component[i, j] += block
-                        if first != second:
-                            by_component[j, i] += block.swapaxes(0, 1)
+        return result.reshape(2 * n, 2 * n, -1)
 
     # loads
 
@@ -301,7 +278,7 @@ class Elasticity:
             mass = self.strains(batch, reconstruction).mass
             moments = self.cell_temperature(batch, reconstruction, self.thermal_loads)
             squares = np.einsum("ae,ae->e", moments, batched.solve(mass, moments[:, None])[:, 0])
-            energy += 0.5 * self._depth_factor * float(np.sum(self._of_cells(self._thermal_energies, batch) * squares))
+            energy += 0.5 * self._depth_factor * float(np.sum(self.of_cells(self._thermal_energies, batch) * squares))
         return energy
 
     @property
@@ -349,7 +326,7 @@ class Elasticity:
     def _thermal_stress(self, batch: CellBatch) -> Floats:
         """Stress of cells per rise of temperature, shape (4, n_cells) or (4, 1); zero for unheated materials."""
         values = [material.thermal_stress if material else np.zeros(4) for material in self._heated]
-        return self._of_cells(np.stack(values, axis=-1), batch)
+        return self.of_cells(np.stack(values, axis=-1), batch)
 
     # stresses
 

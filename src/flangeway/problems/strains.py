@@ -56,6 +56,24 @@ class StrainOperators:
         return np.einsum("ame,ane->mne", left, right)
 
 
+def add_consistency(blocks: Floats, tensor: Floats, strains: StrainOperators) -> None:
+    """Add the integrals of ``sum_ab T_iajb d_a v d_b u`` for all local functions v and u.
+
+    - `blocks`: to which they are added, by components i and j, (m, m, n_local, n_local, n_cells).
+    - `tensor`: T, symmetric, for the derivatives a and b of `strains`, (m, n_slots, m, n_slots, n_cells or 1).
+    """
+    n_slots = tensor.shape[1]
+    for a in range(n_slots):
+        for b in range(a, n_slots):
+            used = np.argwhere(tensor[:, a, :, b].any(axis=-1)).tolist()
+            product = strains.products(a, b) if used else np.empty(0)
+            for i, j in used:
+                block = tensor[i, a, j, b] * product
+                blocks[i, j] += block
+                if a != b:
+                    blocks[j, i] += block.swapaxes(0, 1)
+
+
 def strain_operators(batch: CellBatch, reconstruction: Reconstruction, *, axisymmetric: bool) -> StrainOperators:
     """Strains of a batch of cells; x is the radius if ``axisymmetric``."""
     if axisymmetric:

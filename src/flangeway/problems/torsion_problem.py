@@ -15,7 +15,7 @@ import numpy as np
 from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
-from flangeway.elements.quadrature import edge_rule, gauss_lobatto
+from flangeway.elements.quadrature import edge_rule
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray, cross_product
 from flangeway.mesh.connectivity import first_connected, next_in_row
@@ -166,21 +166,12 @@ class Torsion:
         moduli = np.repeat(self.cell_moduli, mesh.cell_sizes)
         jumps = np.bincount(mesh.cell_edges, sign * moduli, minlength=mesh.n_edges)
         edges = np.flatnonzero(jumps)
-        pairs = mesh.edges[edges]
-        start = mesh.points[pairs[:, 0]] - self.centre
-        along = mesh.points[pairs[:, 1]] - mesh.points[pairs[:, 0]]
-        constant = np.einsum("ex,ex->e", start, along) * jumps[edges]
-        linear = np.einsum("ex,ex->e", along, along) * jumps[edges]
-        first, second = _edge_integrals(space.order)
-        local = constant[:, None] * first + linear[:, None] * second
-        if mesh.curves is not None and space.order > 1:
-            curved = np.flatnonzero(mesh.curve_rows[edges] >= 0)
-            own = space.nodes[space.edge_nodes(pairs[curved])] - self.centre
-            weights, shapes, slopes = edge_rule(space.order, 3 * space.order // 2 + 1)
-            along = np.einsum("eqx,eqx->eq", shapes @ own, slopes @ own)
-            local[curved] = jumps[edges[curved], None] * ((along * weights) @ shapes)
-        nodes = space.edge_nodes(pairs).ravel()
-        return np.asarray(np.bincount(nodes, local.ravel(), minlength=space.n_dofs), dtype=np.float64)
+        nodes = space.edge_nodes(mesh.edges[edges])
+        own = space.nodes[nodes] - self.centre
+        weights, shapes, slopes = edge_rule(space.order, 3 * space.order // 2 + 1)
+        along = np.einsum("eqx,eqx->eq", shapes @ own, slopes @ own)
+        local = jumps[edges, None] * ((along * weights) @ shapes)
+        return np.asarray(np.bincount(nodes.ravel(), local.ravel(), minlength=space.n_dofs), dtype=np.float64)
 
     def _prandtl_load(self) -> Floats:
         """Integrals ``2 int v`` in the reading chosen by ``load``."""
@@ -256,10 +247,3 @@ class Torsion:
         stress[0, :3] -= position[1]
         stress[1, :3] += position[0]
         return reconstruction, stress * self.cell_moduli[batch.cells]
-
-
-def _edge_integrals(order: int) -> tuple[Floats, Floats]:
-    """Integrals over [0, 1] of the Lagrange functions on Gauss-Lobatto points, and of these times t."""
-    points, weights = gauss_lobatto(order + 1)
-    powers = points ** np.arange(order + 1)[:, None]
-    return weights, np.asarray(np.linalg.solve(powers, 1.0 / np.arange(2, order + 3)))

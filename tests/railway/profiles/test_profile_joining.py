@@ -16,7 +16,7 @@ from flangeway.railway.profiles.joining import (
     on_plain_body,
 )
 from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
-from flangeway.railway.profiles.whole_outline import lengths_along, whole_profile
+from flangeway.railway.profiles.whole_outline import whole_profile
 
 
 def file_of(folder, points, kind, head="", name="m.txt"):
@@ -68,7 +68,6 @@ def test_the_rule_is_kept(tmp_path):
     found = joined(measured, "60E1")
     outline, nominal = found.profile.outline, found.nominal.outline
     assert outline.part(["measured"]).length == pytest.approx(measured.surface.length, rel=1e-9)
-    lengths = lengths_along(nominal)
     for joint, name in zip(found.joints, ("transition_field", "transition_gauge"), strict=True):
         (straight,) = outline.part([name]).segments
         ends = sorted([straight.start, straight.end])
@@ -76,14 +75,9 @@ def test_the_rule_is_kept(tmp_path):
         assert nominal.closest([joint.landing, joint.foot])[2].max() < 1e-9
         assert joint.gap_mm == pytest.approx(np.hypot(*np.subtract(joint.end, joint.foot)), abs=1e-9)
         blend = min(max(MIN_BLEND_MM, BLEND_FACTOR * joint.gap_mm), MAX_BLEND_MM)
-        places = [place_of(nominal, lengths, p) for p in (joint.foot, joint.landing)]
+        places = nominal.lengths_at([joint.foot, joint.landing])
         assert abs(places[1] - places[0]) == pytest.approx(blend, abs=1e-6)
     assert found.nominal.outline.area - outline.area > 10.0
-
-
-def place_of(outline, lengths, point):
-    number, parameter, _ = outline.closest([point])
-    return lengths[number[0]] + parameter[0] * outline.segments[number[0]].length
 
 
 def test_heads_that_count_from_the_base_are_placed_by_it(tmp_path):
