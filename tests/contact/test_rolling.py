@@ -179,7 +179,7 @@ def test_bad_inputs(circle) -> None:
         ),
     ):
         with pytest.raises(InputError, match=said):
-            given()
+            wrong()
 
 
 COSTLY = settings.get_profile("costly")
