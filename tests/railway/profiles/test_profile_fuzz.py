@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from flangeway.cases.profile.profile_run import run_profile
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import wheel
-from flangeway.railway.profiles.profile_file import FORMATS, MeasuredProfile, ReadOptions, profile_text, read_profile
+from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.profile_file import FORMATS, MeasuredProfile, profile_text, read_profile
 
 WORDS = (
     "header.begin", "header.end", "spline.begin", "spline.end", "point.begin", "point.end", "units.len.f = 1000",

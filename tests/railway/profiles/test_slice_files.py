@@ -8,7 +8,8 @@ import pytest
 from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.track.placements import Track
 
 
