@@ -14,7 +14,8 @@ from flangeway.cases.spatial.spatial_quantities import APPROACH, BODY, LOAD, MAX
 from flangeway.contact.patch.patch_body import points_along
 from flangeway.formats import write_vtu
 from flangeway.mesh import PolyMesh
-from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
+from flangeway.post.patch_stresses import SectionStresses
+from flangeway.post.stress import SpatialStresses
 from flangeway.report.figures.drawing import named, panels
 from flangeway.report.figures.series import collection
 from flangeway.report.page.case_text import run_record
