@@ -13,8 +13,8 @@ from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, PatchContact
 from flangeway.elements import Reconstruction
 from flangeway.exact.half_space_stresses import half_space_field, half_space_stresses
 from flangeway.post.lines import values_inside
-from flangeway.post.stress import SpatialStresses, corner_values
-from flangeway.problems.harmonic import Harmonic
+from flangeway.post.stress import corner_values, von_mises
+from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.surface_compliance import StripForces, wave_sums, waves
 from flangeway.space import CellBatch
 from flangeway.types import Bools, Floats
@@ -27,6 +27,57 @@ BELOW_BOUND = 1.0 - 1e-9
 """Part of a bound that counts as reaching it, for round-off."""
 ROUND_OFF = 1e-6
 """Part of the width of a cell that is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialStresses:
+    """Stresses in three dimensions.
+
+    Parameters
+    ----------
+    components
+        xx, yy, zz, xy, yz, xz in the common axes, tension positive, shape (n, 6).
+
+    """
+
+    components: Floats
+
+    def turned(self, turn: Floats) -> "SpatialStresses":
+        """In axes that are turned by a matrix, x and y by one of (2, 2), all by one of (3, 3)."""
+        whole = np.eye(3)
+        whole[: len(turn), : len(turn)] = turn
+        return SpatialStresses((whole @ self.tensors @ whole.T)[:, (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)])
+
+    @property
+    def tensors(self) -> Floats:
+        """The stresses as matrices, shape (n, 3, 3)."""
+        return self.components[:, ((0, 3, 5), (3, 1, 4), (5, 4, 2))]
+
+    @cached_property
+    def principal(self) -> Floats:
+        """Principal stresses, descending, shape (n, 3)."""
+        tensors = self.tensors
+        defined = np.isfinite(tensors).all(axis=(1, 2))
+        found = np.full((len(tensors), 3), np.nan)
+        found[defined] = np.linalg.eigvalsh(tensors[defined])[:, ::-1]
+        return found
+
+    @cached_property
+    def von_mises(self) -> Floats:
+        """Von Mises stress, shape (n,)."""
+        return von_mises(self.components)
+
+    @property
+    def by_name(self) -> dict[str, Floats]:
+        """Components, principal and equivalent stresses, each (n,), by the names of arrays in files."""
+        found = {f"stress_{name}_MPa": self.components[:, number] for number, name in enumerate(NAMES)}
+        found |= {f"principal_{number + 1}_MPa": self.principal[:, number] for number in range(3)}
+        return {"von_mises_MPa": self.von_mises, "tresca_MPa": self.tresca, **found}
+
+    @property
+    def tresca(self) -> Floats:
+        """Tresca's stress, twice the maximum shear stress: the first less the third principal stress, shape (n,)."""
+        return self.principal[:, 0] - self.principal[:, 2]
 
 
 def summed_stresses(problem: Harmonic, batch: CellBatch, even: Floats, odd: Floats) -> tuple[Reconstruction, Floats]:

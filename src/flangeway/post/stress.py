@@ -2,14 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from flangeway.elements import Reconstruction, monomials
 from flangeway.mesh import PolyMesh
 from flangeway.problems import ElasticField, Elasticity
-from flangeway.problems.harmonic import NAMES
 from flangeway.solve import TorsionSolution
 from flangeway.space import CellBatch, Space
 from flangeway.types import Floats
@@ -52,60 +50,14 @@ class Stresses:
     @property
     def von_mises(self) -> Floats:
         """Von Mises stress, the root of three times the second invariant of the deviator, shape (n,)."""
-        return SpatialStresses(self.tensors).von_mises
+        return von_mises(self.tensors)
 
 
-@dataclass(frozen=True, eq=False)
-class SpatialStresses:
-    """Stresses in three dimensions.
-
-    Parameters
-    ----------
-    components
-        xx, yy, zz, xy, yz, xz in the common axes, tension positive, shape (n, 6).
-
-    """
-
-    components: Floats
-
-    def turned(self, turn: Floats) -> "SpatialStresses":
-        """In axes that are turned by a matrix, x and y by one of (2, 2), all by one of (3, 3)."""
-        whole = np.eye(3)
-        whole[: len(turn), : len(turn)] = turn
-        return SpatialStresses((whole @ self.tensors @ whole.T)[:, (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)])
-
-    @property
-    def tensors(self) -> Floats:
-        """The stresses as matrices, shape (n, 3, 3)."""
-        return self.components[:, ((0, 3, 5), (3, 1, 4), (5, 4, 2))]
-
-    @cached_property
-    def principal(self) -> Floats:
-        """Principal stresses, descending, shape (n, 3)."""
-        tensors = self.tensors
-        defined = np.isfinite(tensors).all(axis=(1, 2))
-        found = np.full((len(tensors), 3), np.nan)
-        found[defined] = np.linalg.eigvalsh(tensors[defined])[:, ::-1]
-        return found
-
-    @cached_property
-    def von_mises(self) -> Floats:
-        """Von Mises stress, shape (n,)."""
-        xx, yy, zz, *shears = self.components.T
-        normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-        return np.sqrt(normal / 2.0 + 3.0 * np.sum(np.square(shears), axis=0))
-
-    @property
-    def by_name(self) -> dict[str, Floats]:
-        """Components, principal and equivalent stresses, each (n,), by the names of arrays in files."""
-        found = {f"stress_{name}_MPa": self.components[:, number] for number, name in enumerate(NAMES)}
-        found |= {f"principal_{number + 1}_MPa": self.principal[:, number] for number in range(3)}
-        return {"von_mises_MPa": self.von_mises, "tresca_MPa": self.tresca, **found}
-
-    @property
-    def tresca(self) -> Floats:
-        """Tresca's stress, twice the maximum shear stress: the first less the third principal stress, shape (n,)."""
-        return self.principal[:, 0] - self.principal[:, 2]
+def von_mises(tensors: Floats) -> Floats:
+    """Von Mises stress (n,) of stresses xx, yy, zz, xy, yz, xz, shape (n, 6)."""
+    xx, yy, zz, *shears = tensors.T
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.sqrt(normal / 2.0 + 3.0 * np.sum(np.square(shears), axis=0))
 
 
 def cell_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:

@@ -14,8 +14,7 @@ from flangeway.geometry import Outline, Placement
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.connectivity import ordered_pairs
 from flangeway.post.lines import polynomials_at
-from flangeway.post.patch_stresses import summed_stresses
-from flangeway.post.stress import SpatialStresses
+from flangeway.post.patch_stresses import SpatialStresses, summed_stresses
 from flangeway.railway.profiles.bundled import RailProfile
 from flangeway.railway.wheelset.supported_rail import SPREAD, SupportedRail
 from flangeway.space import CellBatch

@@ -8,8 +8,7 @@ import numpy as np
 from flangeway.contact.patch.patch_body import PatchBody
 from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
-from flangeway.post.patch_stresses import SectionStresses
-from flangeway.post.stress import SpatialStresses
+from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
 from flangeway.problems import Harmonic
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.track.discretisation import Role
