@@ -1,10 +1,12 @@
 """Quantities: one definition gives key, column, label and text, in metric and in US units."""
 
+import json
 from dataclasses import dataclass
 
 import pytest
 
 from flangeway.quantities import Quantity, columns, key_unit, reference, values
+from flangeway.report.damage.damage_record import row_quantities
 from flangeway.report.page.tables import About, table_across, table_of
 
 
@@ -60,3 +62,10 @@ def test_tables_for_people_keep_the_precision_of_the_metric_number():
 def test_the_reference_explains_every_key():
     """The page of keys is made from the same list."""
     assert reference(ALL)[1] == ("centre_mm", "mm", "centre of pressure: in track axes")
+
+
+def test_a_conicity_that_does_not_exist_is_no_number() -> None:
+    """A worn wheel may touch at places from which no conicity follows: the summary has null, and is written."""
+    row = {"position": 17000.0, "conicity": float("nan")}
+    values = {each.key: each.value(row) for each in row_quantities(["position", "conicity", "t_gamma_N"], "km")}
+    assert json.loads(json.dumps(values, allow_nan=False)) == {"position": 17000.0, "conicity": None, "t_gamma_N": None}

@@ -9,7 +9,7 @@ from flangeway.contact.patch.patch_contact import PatchContact, press_patch
 from flangeway.contact.patch.patch_grid import grid_about
 from flangeway.geometry import Contour, Placement
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between
+from flangeway.railway.profiles.whole_outline import pieces_between
 from flangeway.railway.track.placements import Track
 from flangeway.types import Floats
 from studies.spatial.patches import HERTZ_STEEL, calculix, closed, patch_body
@@ -54,10 +54,7 @@ def heights(surface: Contour, x: Floats) -> Floats:
 def _cut(surface: Contour) -> Contour:
     """The piece of a surface between -HALF and HALF."""
     places = np.array([[x, heights(surface, np.array([x]))[0]] for x in (-HALF, HALF)])
-    numbers, shares, _ = surface.closest(places)
-    lengths = lengths_along(surface)
-    ends = sorted(lengths[numbers] + shares * np.diff(lengths)[numbers])
-    segments = [segment for _, segment in pieces_between(surface, lengths, *ends)]
+    segments = [segment for _, segment in pieces_between(surface, *sorted(surface.lengths_at(places).tolist()))]
     return Contour.from_segments(segments, ["surface"] * len(segments))
 
 

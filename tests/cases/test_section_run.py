@@ -7,7 +7,6 @@ import pytest
 
 from flangeway.cases.section.section_run import TorsionCase, run_section, usual_size
 from flangeway.errors import InputError
-from flangeway.exact import Rectangle
 from flangeway.formats import DrawnSection, PartMaterial
 from flangeway.geometry import Region, Section, circle, polygon, rectangle, square
 
@@ -16,11 +15,8 @@ def drawn(region, **options):
     return DrawnSection("test", Section({"section": region}), "mm", **options)
 
 
-def test_both_formulations_bracket_a_square_and_a_hollow_square():
-    """Bounds of coarse triangles hold the exact J of a square, and that of a hollow square as finer ones narrow it."""
-    found = run_section(drawn(Region(square(10.0))), TorsionCase(size=1.0, order=1)).constants
-    assert found.bounds_certain
-    assert found.torsion_bounds[0] < Rectangle(10.0, 10.0).torsion_constant < found.torsion_bounds[1]
+def test_both_formulations_bracket_a_hollow_square():
+    """Bounds of coarse triangles hold the constant of a hollow square that finer ones narrow."""
     tube = drawn(Region(square(10.0), (square(6.0),)))
     coarse, fine = (run_section(tube, TorsionCase(size=size)).constants.torsion_bounds for size in (1.0, 0.15))
     assert coarse[0] < fine[0] < fine[1] < coarse[1]

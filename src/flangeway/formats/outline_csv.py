@@ -37,17 +37,11 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
     The unit is needed if the file names none; a mirrored outline is one half, from x = 0 to x = 0.
     """
     comments = [line.strip()[1:].strip() for line in text.splitlines() if line.strip().startswith("#")]
-    lines = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), 1)
-        if line.strip() and not line.strip().startswith("#")
-    ]
-    header, in_header = parse_header(lines)
+    rows, in_header = parse_table(text)
     in_comment = [match[1] for line in comments if (match := re.fullmatch(r"units?\s*[:=]?\s*(\w+)", line.lower()))]
     agreed = agreed_unit(in_header or next(iter(in_comment), None), unit, _HOW)
-    rows = parse_rows(header, lines)
     mirrored = mirrored or any(re.fullmatch(r"mirror(\s*[:=]?\s*(yes|true))?", line.lower()) for line in comments)
-    if "x" in header:
+    if "x" in rows[0][1]:
         loops = [drawn_polygon([_point(row, "x", "y", number) for number, row in rows])]
     else:
         loops = _loops([parse_segment(row, number) for number, row in rows])
@@ -64,7 +58,21 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
     return section_of(found, agreed)
 
 
-def parse_header(lines: Sequence[tuple[int, str]]) -> tuple[list[str], str | None]:
+def parse_table(text: str) -> tuple[list[tuple[int, dict[str, str]]], str | None]:
+    """Return the cells of a table by column, without units, behind the numbers of their lines; and the columns' unit.
+
+    An `InputError` if it has no rows, its columns are others than the module's, or a row has more cells than these.
+    """
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.strip().startswith("#")
+    ]
+    header, unit = _header(lines)
+    return _rows(header, lines), unit
+
+
+def _header(lines: Sequence[tuple[int, str]]) -> tuple[list[str], str | None]:
     """Return the names of columns in the first of numbered lines, without units, and the unit that they carry."""
     number, line = lines[0] if lines else (1, "")
     names = csv_cells(line, number, csv_separator(line))
@@ -84,7 +92,7 @@ def parse_header(lines: Sequence[tuple[int, str]]) -> tuple[list[str], str | Non
     return plain, next(iter(units), None)
 
 
-def parse_rows(header: Sequence[str], lines: Sequence[tuple[int, str]]) -> list[tuple[int, dict[str, str]]]:
+def _rows(header: Sequence[str], lines: Sequence[tuple[int, str]]) -> list[tuple[int, dict[str, str]]]:
     """Return the cells of lines after that of the header by column, with the number of each line."""
     rows, separator = [], csv_separator(lines[0][1])
     for number, line in lines[1:]:

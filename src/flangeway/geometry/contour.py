@@ -118,6 +118,11 @@ class Contour:
         """Length along the chain."""
         return sum(segment.length for segment in self.segments)
 
+    @cached_property
+    def offsets(self) -> Floats:
+        """Lengths along the chain at the starts of the segments and at the end, (n_segments + 1,)."""
+        return np.append(0.0, np.cumsum([segment.length for segment in self.segments]))
+
     def _named(self, names: Iterable[str] | None) -> list[int]:
         """Return the numbers of the segments with one of the names, all for None."""
         if names is None:
@@ -208,6 +213,20 @@ class Contour:
                 rows = rows[nearer]
                 best[rows], parameters[rows], distances[rows] = number, s[nearer], distance[nearer]
         return best, parameters, distances
+
+    def numbers_at(self, lengths: Floats) -> IntArray:
+        """Return the numbers of the segments at lengths along the chain, those at its ends beyond them."""
+        return np.clip(np.searchsorted(self.offsets, lengths, side="right") - 1, 0, self.n_segments - 1)
+
+    def curvatures_at(self, lengths: Floats) -> Floats:
+        """Return the curvatures of the segments at lengths along the chain, positive counter-clockwise."""
+        return np.array([segment.curvature for segment in self.segments])[self.numbers_at(lengths)]
+
+    def lengths_at(self, points: ArrayLike) -> Floats:
+        """Return the lengths along the chain (n,) of its points closest to points (n, 2)."""
+        numbers, parameters, _ = self.closest(points)
+        lengths: Floats = self.offsets[numbers] + parameters * np.diff(self.offsets)[numbers]
+        return lengths
 
     @cached_property
     def _reach(self) -> tuple[Floats, Floats]:

@@ -3,7 +3,7 @@
 import numpy as np
 import shapely
 
-from flangeway.geometry.arrays import chain_lengths, cross_product
+from flangeway.geometry.arrays import chain_lengths, cross_product, sides_of
 from flangeway.types import Bools, Floats
 
 HALVED = 0.55
@@ -54,7 +54,7 @@ def cut_polygon(corners: Floats, divisible: Bools) -> tuple[list[list[int]], Flo
             parts.append(ring)
             continue
         candidates: list[int] = []
-        for a, b in zip(ring, ring[1:] + ring[:1], strict=True):
+        for a, b in sides_of(ring):
             middle = middles.get((min(a, b), max(a, b)))
             candidates += [a] if middle is None else [a, middle]
         at_notch = np.isin(candidates, np.array(ring)[notches])
@@ -73,7 +73,7 @@ def cut_polygon(corners: Floats, divisible: Bools) -> tuple[list[list[int]], Flo
             points = np.vstack((points, points[list(edge)].mean(axis=0)))
     # a chord whose middle one of its parts has used has it in both
     for part in parts:
-        for a, b in list(zip(part, part[1:] + part[:1], strict=True)):
+        for a, b in list(sides_of(part)):
             middle = chords.get((min(a, b), max(a, b)))
             if middle in used:
                 part.insert(part.index(a) + 1, middle)

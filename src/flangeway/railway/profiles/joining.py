@@ -11,6 +11,7 @@ whose ends do not fit is moved sideways until its field side, which does not wea
 reports it; the gauge is measured on the head, so that nothing else depends on where the file's x = 0 is.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -35,7 +36,7 @@ from flangeway.railway.profiles.bundled import (
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin
 from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, extent, graphs_of
-from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between, point_at
+from flangeway.railway.profiles.whole_outline import pieces_between, point_at
 
 MIN_BLEND_MM = 1.0
 MAX_BLEND_MM = 12.0
@@ -433,13 +434,12 @@ def _joints(
     words = RAIL_SIDES if is_rail else WHEEL_SIDES
     names = ("transition_field", "transition_gauge") if is_rail else ("transition_back", "transition_rim")
     limits = (MAX_GAP_MM, MAX_GAP_MM if is_rail else MAX_RIM_GAP_MM)
-    lengths = lengths_along(nominal.outline)
-    total = float(lengths[-1])
+    total = float(nominal.outline.offsets[-1])
     places, joints = [], []
     for i, (end, sense) in enumerate(((surface.segments[0].start, -1.0), (surface.segments[-1].end, 1.0))):
-        segment, parameter, gap = (float(values[0]) for values in nominal.outline.closest([end]))
-        foot_place = lengths[int(segment)] + parameter * nominal.outline.segments[int(segment)].length
-        foot = point_at(nominal.outline, lengths, foot_place % total)
+        foot_place = float(nominal.outline.lengths_at([end])[0])
+        foot = point_at(nominal.outline, foot_place % total)
+        gap = math.dist(end, foot)
         limit = MAX_WEAR_MM if is_rail and i == 1 and end[0] > foot[0] else limits[i]
         if gap > limit:
             raise InputError(
@@ -452,7 +452,7 @@ def _joints(
         blend = min(max(MIN_BLEND_MM, BLEND_FACTOR * gap), MAX_BLEND_MM)
         place = (foot_place + sense * blend) % total
         places.append(place)
-        joints.append(Joint(end, foot, point_at(nominal.outline, lengths, place), gap, names[i]))
+        joints.append(Joint(end, foot, point_at(nominal.outline, place), gap, names[i]))
     return places, (joints[0], joints[1])
 
 
@@ -461,8 +461,7 @@ def _closed(
 ) -> tuple[Outline, tuple[Joint, Joint]]:
     """Return the outline of the measured surface, both transitions, and the remainder of the nominal outline."""
     places, joints = _joints(surface, nominal, where)
-    lengths = lengths_along(nominal.outline)
-    others = pieces_between(nominal.outline, lengths, places[1], places[0])
+    others = pieces_between(nominal.outline, places[1], places[0])
     chain: list[tuple[str, Segment]] = [
         (joints[0].name, Line(joints[0].landing, joints[0].end)),
         *((MEASURED, segment) for segment in surface.segments),

@@ -145,7 +145,7 @@ class RigidEquilibrium:
         return self.outcome
 
 
-def rigid_equilibrium(geometry: RigidGeometry, load: WheelsetLoad, *, reached_only: bool = False) -> RigidEquilibrium:
+def rigid_equilibrium(geometry: RigidGeometry, load: WheelsetLoad) -> RigidEquilibrium:
     """Find all equilibria under a load, and the one that is reached from the middle of the track.
 
     Parameters
@@ -154,8 +154,6 @@ def rigid_equilibrium(geometry: RigidGeometry, load: WheelsetLoad, *, reached_on
         Wheels and rails.
     load
         Forces at the centre of gravity.
-    reached_only
-        Whether only the one that is reached is looked for.
 
     Raises
     ------
@@ -167,9 +165,8 @@ def rigid_equilibrium(geometry: RigidGeometry, load: WheelsetLoad, *, reached_on
     derivative = _derivative(geometry, path, load) / onto
     candidates = _candidates(derivative)
     reached = _reached(derivative, int(np.argmin(np.abs(path.rail_level))), candidates)
-    chosen = candidates if not reached_only else [candidates[reached]] if reached is not None else []
-    positions = _positions(geometry, load, path, chosen)
-    position = None if reached is None else positions[0 if reached_only else reached]
+    positions = _positions(geometry, load, path, candidates)
+    position = None if reached is None else positions[reached]
     outcome: RigidPosition | InputError
     if position is None:
         outcome = _derailment(path, held_ratios(geometry, path), along / onto)

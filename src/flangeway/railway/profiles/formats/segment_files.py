@@ -41,9 +41,8 @@ def read_segment_csv(text: str) -> RawProfile:
     comments = [line if line.strip().startswith("#") else "#" for line in lines]
     # comments are checked there; the point is a placeholder
     stated = read_two_column("\n".join([*comments, "0 0"]))
-    rows = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.strip().startswith("#")]
-    header, unit = outline_csv.parse_header(rows)
-    drawn = [outline_csv.parse_segment(row, number) for number, row in outline_csv.parse_rows(header, rows)]
+    rows, unit = outline_csv.parse_table(text)
+    drawn = [outline_csv.parse_segment(row, number) for number, row in rows]
     if unit is not None and stated.unit is not None and unit != stated.unit:
         raise InputError(f"columns in {unit} under a comment with {stated.unit}", "one unit", "correct one of them")
     return _profile(drawn, unit or stated.unit, stated)

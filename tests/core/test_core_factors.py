@@ -1,4 +1,4 @@
-"""The Cholesky factor with trailing unknowns."""
+"""The Cholesky factor with trailing unknowns, and the factor of symmetric indefinite matrices."""
 
 from concurrent.futures import ThreadPoolExecutor
 
