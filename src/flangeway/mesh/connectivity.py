@@ -79,8 +79,8 @@ def number_edges(start: IntArray, end: IntArray, n_points: int) -> EdgeNumbers:
     edges: IntArray = numbers.astype(np.int32)
     edges.setflags(write=False)
     # two cells that fit together travel their edge in both directions
-    balance = np.bincount(numbers, np.where(start < end, 1, -1))
-    doubled = np.flatnonzero((counts > 2) | ((counts == 2) & (balance != 0)))
+    net = np.bincount(numbers, np.where(start < end, 1, -1))
+    doubled = np.flatnonzero((counts > 2) | ((counts == 2) & (net != 0)))
     return EdgeNumbers(keys, edges, np.sort(first[counts == 1]), doubled)
 
 
