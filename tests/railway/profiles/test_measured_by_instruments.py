@@ -16,7 +16,8 @@ from flangeway.materials import Elastic
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.joining import joined, on_plain_body
-from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.profiles.smoothing import smoothed, usual_wavelength_mm
 from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
