@@ -18,7 +18,7 @@ from flangeway.elements import Reconstruction, missed_mass, monomials
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray
 from flangeway.mesh import PolyMesh
-from flangeway.post.lines import OUTSIDE, locate, polynomials_at
+from flangeway.post.lines import cells_of, polynomials_at
 from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import cell_quadrature, quadrature_degree
@@ -109,11 +109,8 @@ class Field:
         return PointValues(value.reshape(-1, *self.dofs.shape[1:]))
 
     def _evaluated(self, points: ArrayLike, derivative: int, tail: tuple[int, ...]) -> Values:
-        cells = locate(self.space.mesh, points)
+        cells = cells_of(self.space.mesh, points, "the mesh")
         given = np.asarray(points, dtype=np.float64)
-        if (cells == OUTSIDE).any():
-            x, y = given[np.argmax(cells == OUTSIDE)]
-            raise InputError(f"the point ({x:g}, {y:g}) outside of the mesh", "points inside", "move the point")
         if np.iscomplexobj(self.dofs):
             real, imaginary = (Field(self.space, part) for part in (self.dofs.real, self.dofs.imag))
             return real._evaluated(points, derivative, tail) + 1j * imaginary._evaluated(points, derivative, tail)
