@@ -1,15 +1,19 @@
-"""Inputs of cases: defaults, ranges and the messages about wrong ones."""
+"""Inputs of cases: defaults, ranges, types, what follows from them, and the messages about wrong ones."""
 
 import math
 
 import numpy as np
 import pytest
 
+from flangeway.campaign import Campaign
 from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase
 from flangeway.cases.case import OF_REPORT, RENAMED
-from flangeway.cases.rigid.rigid_case import GeometryCase
+from flangeway.cases.rigid.rigid_case import GeometryCase, find_geometry_case
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
+from flangeway.exact.shakedown import ABOVE, shakedown_limits, shakedown_state
 from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.track.wheelset_load import superelevation_angle
 
 
 def test_defaults_are_the_published_measures():
@@ -125,3 +129,74 @@ def test_the_error_for_an_old_key_names_the_new_one(old, new):
         with pytest.raises(InputError) as caught:
             kind.from_values({old: 1.0})
         assert f"{old} is now {new}" in caught.value.advice
+
+
+def test_settings_are_read_by_the_type_of_their_input(call):
+    """``--set`` is text: numbers, truth values and lists are read where the input is one, and only there."""
+    for setting in ("size_mm=true", "order=true", "order=1.5", "order='1'", 'poisson="0.3"', "n_steps=1e0"):
+        status, _, err = call("check", "hertz", "--set", setting)
+        assert status == 2, setting
+        assert setting.partition("=")[0] in err
+    for setting in ("size_mm=0.5", "order=2", "poisson=1e-1", "lower=block"):
+        assert call("check", "hertz", "--set", setting)[0] == 0, setting
+    assert call("check", "torsion", "--set", "half=1")[0] == 2
+    assert call("check", "torsion", "--set", "half=false")[0] == 0
+
+
+def test_campaigns_are_strict(tmp_path):
+    """Lists under [vary] and values under [inputs] are typed; cells of a table are text, read by their input's type."""
+
+    def campaign(text):
+        (tmp_path / "c.toml").write_text('case = "cook"\n' + text, encoding="utf-8")
+        return Campaign.from_file(tmp_path / "c.toml")
+
+    for text in (
+        '[vary]\nlevel = ["1", "2"]\n',
+        "[vary]\npoisson = [true]\n",
+        '[inputs]\npoisson = "0.3"\n[vary]\nlevel = [1]\n',
+        "[inputs]\norder = true\n[vary]\nlevel = [1]\n",
+        'table = "t.csv"\n[inputs]\npoisson = "0.3"\n',
+    ):
+        (tmp_path / "t.csv").write_text("level,method\n1,fem\n2,vem\n", encoding="utf-8")
+        with pytest.raises(InputError):
+            campaign(text)
+    rows = campaign('table = "t.csv"\n').rows
+    assert [(row.case.level, row.case.method) for row in rows] == [(1, "fem"), (2, "vem")]
+    (tmp_path / "t.csv").write_text("level\ntrue\n", encoding="utf-8")
+    with pytest.raises(InputError, match="level = 'true'"):
+        campaign('table = "t.csv"\n')
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_superelevation_follows_the_curve(sign):
+    """60 mm raise the outer rail of both curves, -60 mm the inner one, with a warning that names the input."""
+    for height, warned in ((60.0, False), (-60.0, True)):
+        case = SpatialWheelsetCase.from_values(
+            {"speed_km_h": 80.0, "curve_radius_m": sign * 500.0, "superelevation_mm": height}
+        )
+        assert case.load().tilt_rad == pytest.approx(superelevation_angle(sign * height, 1500.0))
+        assert any("superelevation_mm" in each and "adverse" in each for each in case.warnings()) == warned
+    straight = SpatialWheelsetCase.from_values({"superelevation_mm": -60.0})
+    assert straight.load().tilt_rad == pytest.approx(superelevation_angle(-60.0, 1500.0))
+    assert straight.warnings() == []
+
+
+@pytest.mark.parametrize("name", ["wheelset", "s1002-60e1"])
+def test_geometry_and_run_have_one_default_wheelset(name):
+    """Profiles, gauge, wheels and load of `geometry` are those of `run wheelset`."""
+    own, main = find_geometry_case(name, {}), SpatialWheelsetCase()
+    for key in ("rail", "wheel", "gauge_mm", "wheel_radius_mm", "wheel_radius_at", "axle_load_kN", "rail_inclination"):
+        assert getattr(own, key) == getattr(main, key), key
+    assert own.load().vertical_N == main.load().vertical_N == 200e3
+
+
+@pytest.mark.parametrize("traction", [0.0, 0.3])
+def test_shakedown_states_change_at_the_limits(traction):
+    """From elastic to what no limit allows, at first yield, shakedown and shakedown with hardening of a circle."""
+    limits = shakedown_limits("point", traction)
+    first, plain, most = (float(each) for each in (limits.first_yield, limits.shakedown, limits.hardening))
+    assert shakedown_state(0.999 * first, traction) == "elastic"
+    assert shakedown_state(1.001 * first, traction) == shakedown_state(0.999 * plain, traction) == "shakedown"
+    assert shakedown_state(1.001 * max(plain, most), traction) == ABOVE
+    if plain < 0.99 * most:
+        assert shakedown_state(1.001 * plain, traction) == shakedown_state(0.999 * most, traction) == "hardening"

@@ -1,12 +1,23 @@
-"""What the machine does to a run: folders that cannot be written, full disks, no memory, interruption, kill."""
+"""What the machine, defects and hostile inputs do to a run: full disks, no memory, interruption, tracebacks."""
 
 import errno
 import os
+import signal
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
+from flangeway.campaign import Row
+from flangeway.campaign.chunk import Chunk, compute
+from flangeway.cases import find_case
+from flangeway.cases.case_file import read_case
+from flangeway.elements import Lagrange
+from flangeway.errors import InputError, UnforeseenError
+from flangeway.mesh import rectangle_grid
+from flangeway.space import Space
+from flangeway.system.own_process import in_own_process
 from tests.processes import MAIN, started
 
 RUN = ("run", "hertz", "--set", "size_mm=0.5", "--no-pictures")
@@ -99,3 +110,187 @@ def test_interruption_while_files_are_moved(call, monkeypatch, tmp_path, argumen
     assert "Report:" not in out
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
     assert list(tmp_path.glob(".flangeway-*")) == []
+
+
+def test_very_many_unknown_keys_are_refused_at_once(tmp_path):
+    """Of 10,000 unknown keys the first few are told, and how many more there are, within seconds of computing."""
+    rows = "".join(f"key{number} = 1\n" for number in range(10_000))
+    for text in (f'case = "hertz"\n{rows}', f'case = "two-bodies"\n[[bodies]]\nname = "a"\n{rows}'):
+        (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+        begun = time.process_time()
+        with pytest.raises(InputError) as caught:
+            read_case(tmp_path / "case.toml")
+        assert time.process_time() - begun < 20.0
+        assert "there is no input called 'key0'" in caught.value.given
+        assert caught.value.given.endswith("; and 9995 more")
+        assert len(str(caught.value)) < 4000
+
+
+@pytest.mark.parametrize("number", ["257", "many"])
+def test_far_too_many_threads_are_refused(number, call, monkeypatch):
+    """Numbers of threads that would take minutes to start, or are none, are refused by commands and by spaces."""
+    monkeypatch.setenv("RAYON_NUM_THREADS", number)
+    status, out, err = call("run", "hertz")
+    assert (status, out) == (2, "")
+    assert "RAYON_NUM_THREADS" in err
+    assert "a whole number from 0 up to 256" in err
+    with pytest.raises(InputError, match="RAYON_NUM_THREADS"):
+        Space(rectangle_grid(1.0, 1.0, 1, 1), Lagrange(1))
+
+
+PATIENT = """
+import builtins, signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
+find = builtins.__import__
+def slow(name, *rest):
+    if name == {module!r}:
+        builtins.__import__ = find
+        print("here", file=sys.stderr, flush=True)
+        time.sleep(30.0)
+    return find(name, *rest)
+builtins.__import__ = slow
+from flangeway.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize("module", ["typer", "numpy"])
+def test_an_early_interruption_is_told(module, tmp_path, interruptible):
+    """Ctrl-C while the program is still loading: status 130 and the usual words, no traceback."""
+    process = started(tmp_path, "run", "hertz", code=PATIENT.format(module=module))
+    assert process.stderr.readline() == "here\n"
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=300)
+    assert process.returncode in (130, -signal.SIGINT)  # the latter if Python's exec was interrupted; a shell says 130
+    assert err == "flangeway: interrupted; nothing was written\n"
+    assert out == ""
+
+
+def test_work_in_another_process_heeds_an_ignored_interruption(tmp_path):
+    """Begun in the background, where Ctrl-C is ignored, neither the program nor its mesher ends by it."""
+    code = (
+        "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+        "from flangeway.system.own_process import in_own_process\n"
+        "print(in_own_process(signal.raise_signal, signal.SIGINT))\n"
+    )
+    process = started(tmp_path, code=code)
+    out, err = process.communicate(timeout=300)
+    assert (process.returncode, out) == (0, "None\n"), err
+
+
+FORESEEN = ("foresaw", "Traceback")
+
+
+def defect(*_, **__):
+    raise ZeroDivisionError("one over nothing")
+
+
+def test_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call, monkeypatch, tmp_path):
+    """Each command ends with status 2 and one line; ``--debug``, before or behind the command, shows the traceback."""
+    for place in (
+        "flangeway.cases.bodies.cook.CookCase.run",
+        "flangeway.cases.rigid.rigid_run.run_geometry",
+        "flangeway.cases.section.section_run.run_section",
+        "flangeway.cases.profile.profile_run.run_profile",
+        "flangeway.campaign.Campaign.from_file",
+        "flangeway.cases.case_template.schema",
+        "studies.study.Study.compute",
+    ):
+        monkeypatch.setattr(place, defect)
+    commands = (
+        "run cook",
+        "geometry",
+        "section 136RE",
+        "profile S1002",
+        "campaign c.toml",
+        "schema",
+        "reproduce torsion",
+    )
+    (tmp_path / "c.toml").write_text('case = "hertz"\n')
+    for command in commands:
+        status, out, err = call(*command.split())
+        said = err.splitlines()[-1]
+        assert (status, out) == (2, ""), command
+        assert "Traceback" not in err
+        assert said.startswith("flangeway: an error that nobody foresaw, ZeroDivisionError (one over nothing) in ")
+        assert "please report it as an issue of the project flangeway" in said
+    for words in (("--debug", "run", "cook"), ("run", "cook", "--debug")):
+        assert "Traceback" in call(*words)[2]
+        assert "FLANGEWAY_DEBUG" not in os.environ
+
+
+def test_processes_that_work_for_others_tell_one_sentence(monkeypatch):
+    """A row of a campaign and a process of the mesher store or raise the same sentence, with the traceback if asked."""
+    monkeypatch.setattr("flangeway.cases.bodies.cook.CookCase.run", defect)
+    case = find_case("cook").from_values({})
+    (result,) = compute(Chunk((Row(1, {}, case),))).results
+    assert result.status == "failed"
+    assert result.message.startswith("an error that nobody foresaw, ZeroDivisionError (one over nothing) in ")
+    assert "\n" not in result.message
+    monkeypatch.setenv("FLANGEWAY_DEBUG", "1")
+    assert "Traceback" in compute(Chunk((Row(1, {}, case),))).results[0].message
+    monkeypatch.delenv("FLANGEWAY_DEBUG")
+    with pytest.raises(UnforeseenError) as caught:
+        in_own_process(divmod, 1, 0)
+    assert str(caught.value).startswith("an error that nobody foresaw, ZeroDivisionError (")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('case = "hertz"\n' + ".".join(["a"] * 3000) + " = 1\n", "lists or tables too deep inside of each other"),
+        (
+            'case = "two-bodies"\n[[bodies]]\nname = "a"\noutline = { points = ' + "[" * 60 + "]" * 60 + " }\n",
+            "too deep",
+        ),
+    ],
+)
+def test_deep_tables_are_refused(text, told, call, tmp_path):
+    """Tables and lists far inside of each other are refused by case files and by --set."""
+    (tmp_path / "deep.toml").write_text(text, encoding="utf-8")
+    status, out, err = call("check", "deep.toml")
+    assert (status, out) == (2, "")
+    assert told in err
+    assert not any(word in err for word in FORESEEN)
+    status, _, err = call("check", "hertz", "--set", ".".join(["a"] * 3000) + "=1")
+    assert status == 2
+    assert not any(word in err for word in FORESEEN)
+
+
+def test_names_that_no_file_can_have_are_refused(call, tmp_path):
+    """Folders and files with names of 300 letters, none at all, or no text in UTF-8 are refused; nothing is written."""
+    long = "x" * 300
+    for words in (
+        ("run", "cook", "--out", long),
+        ("init", "hertz", "--to", f"{long}.toml"),
+        ("schema", "--to", long),
+        ("section", "136RE", "--out", f"{long}/inner"),
+        ("run", "cook", "--out", ""),
+        ("init", "cook", "--to", " "),
+        ("run", "cook", "--out", "\udcff"),
+    ):
+        status, out, err = call(*words)
+        assert (status, out) == (2, ""), words
+        assert "allowed: " in err
+        assert not any(word in err for word in FORESEEN), err
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_a_wrong_backend_of_matplotlib_does_not_matter(tmp_path):
+    """Pictures go to files: a backend for windows that does not exist is not looked for."""
+    code = "import flangeway.cli, matplotlib.figure; matplotlib.figure.Figure().savefig('a.png')"
+    process = started(tmp_path, code=code, MPLBACKEND="nonsense")
+    _, err = process.communicate(timeout=300)
+    assert process.returncode == 0, err
+    assert (tmp_path / "a.png").exists()
+
+
+def test_a_reader_that_has_seen_enough_is_no_error(tmp_path):
+    """``flangeway cases | head -1`` ends without a word."""
+    process = started(tmp_path, "cases")
+    process.stdout.readline()
+    process.stdout.close()
+    assert process.stderr.read() == ""
+    process.stderr.close()
+    assert process.wait(timeout=300) in (0, 1)

@@ -2,16 +2,26 @@
 
 import csv
 import json
+import re
 
 import numpy as np
 import pytest
 from matplotlib.image import imread
 
+from flangeway.cases.profile.profile_folder import run_folder
 from flangeway.cases.profile.profile_run import run_profile
+from flangeway.cases.rigid.rigid_case import find_geometry_case
+from flangeway.cases.rigid.rigid_run import run_geometry
+from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.profiles.formats.two_column import write_two_column
+from flangeway.railway.profiles.measures import measures
+from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.report.profile.profile_figures import deviations
+from flangeway.report.profile.profile_outputs import folder_record
 
 FILES = {"profile.png", "curvature.png", "report.html", "profile.json"}
 
@@ -90,3 +100,106 @@ def test_a_worn_wheel_is_below_the_new_one_in_the_overlay(files):
     points = worn.sampled(spacing=0.25)
     apart = deviations(first, points)[np.abs(points[:, 0] - 30.0) < 10.0]
     assert apart == pytest.approx(-1.0, abs=0.02)
+
+
+FLANGE_MM, TREAD_MM, SIDE_MM, TOP_MM = 2.5, 1.5, 4.0, 3.0
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """New wheel and rail, a thin flange, a worn tread, a head narrowed and lowered, and a file of something else."""
+    tmp_path = tmp_path_factory.mktemp("worn")
+    tread = wheel("S1002").running_surface.sampled(spacing=0.25)
+    head = rail("60E1").running_surface.sampled(spacing=0.25) - [0.0, 172.0]
+    thin = tread - np.interp(tread[:, :1], (-62.0, -50.0, -37.0, -25.0), (0.0, 1.0, 1.0, 0.0)) * [FLANGE_MM, 0.0]
+    hollow = tread + np.interp(tread[:, :1], (-30.0, -15.0), (0.0, 1.0)) * [0.0, TREAD_MM]
+    narrow = head + np.clip(-head[:, :1] / 30.0, 0.0, 1.0) * [SIDE_MM, 0.0] - [0.0, TOP_MM]
+    for name, points in (("new", tread), ("thin", thin), ("hollow", hollow)):
+        text = write_miniprof(points, "wheel", name) if name == "new" else write_two_column(points, "wheel", name, 70.0)
+        (tmp_path / f"{name}.{'whl' if name == 'new' else 'txt'}").write_text(text)
+    (tmp_path / "head.ban").write_text(write_miniprof(head, "rail", "head"))
+    (tmp_path / "narrow.txt").write_text(write_two_column(narrow, "rail", "narrow"))
+    (tmp_path / "empty.txt").write_text("no profile\n")
+    (tmp_path / "notes.md").write_text("not read\n")
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def done(folder):
+    """What is found in the folder."""
+    return run_folder(folder)
+
+
+def test_wear_is_what_was_taken_away(done):
+    """Each wear is what the file was made with, 0 of new profiles, and the most worn comes first."""
+    rows = {row.file: row for row in done.profiles}
+    assert [row.file for row in done.profiles[:2]] == ["narrow.txt", "thin.txt"]
+    assert rows["new.whl"].wear_mm == pytest.approx({"tread_wear": 0.0, "flange_wear": 0.0}, abs=0.02)
+    assert rows["thin.txt"].wear_mm["flange_wear"] == pytest.approx(FLANGE_MM, abs=0.05)
+    assert rows["hollow.txt"].wear_mm["tread_wear"] == pytest.approx(TREAD_MM, abs=0.05)
+    assert rows["head.ban"].wear_mm["side_wear"] == pytest.approx(0.0, abs=0.02)
+    assert rows["narrow.txt"].wear_mm["side_wear"] == pytest.approx(SIDE_MM, abs=0.05)
+    assert rows["narrow.txt"].wear_mm["top_wear"] == pytest.approx(TOP_MM, abs=0.05)
+    (refused,) = done.refused
+    assert "empty.txt" in refused
+
+
+def test_conicity_is_that_of_the_geometry(done):
+    """A new wheel and a new rail have the conicity that `flangeway geometry` has of the pair, from their files."""
+    pair = run_geometry("s1002-60e1", find_geometry_case("s1002-60e1", {"step_mm": 0.1}))
+    wanted = pair.conicities.at_reference()["integration"]
+    for row in done.profiles:
+        if row.file in ("new.whl", "head.ban"):
+            assert row.conicity == pytest.approx(wanted, rel=0.02)
+
+
+def test_the_command_writes_table_picture_and_report(call, done, monkeypatch, folder, tmp_path):
+    """The table has a row for each profile that was read, the warnings the file that was not."""
+    monkeypatch.setattr("flangeway.cases.profile.profile_folder.run_folder", lambda *_, **__: done)
+    code, out, err = call("profiles", folder, "--out", tmp_path / "found")
+    assert code == 0, err
+    assert "empty.txt" in out
+    assert {path.name for path in (tmp_path / "found").iterdir()} == {
+        "profiles.csv",
+        "profiles.json",
+        "profiles.png",
+        "report.html",
+        *(f"worn-{kind}-{number}.png" for kind in ("rail", "wheel") for number in (1, 2)),
+    }
+    with (tmp_path / "found" / "profiles.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["file"] for row in rows][:1] == ["narrow.txt"]
+    assert len(rows) == 5
+    assert float(rows[0]["side_wear_mm"]) == pytest.approx(SIDE_MM, abs=0.05)
+    # what was assumed of a file is in the report, with its name, and in the file for programs
+    summary = json.loads((tmp_path / "found" / "profiles.json").read_text())
+    notices = {row["file"]: row["notices"] for row in summary["profiles"]}
+    (assumed,) = notices["hollow.txt"]
+    assert f"{TREAD_MM:.3f} mm" in assumed
+    report = (tmp_path / "found" / "report.html").read_text()
+    assert re.search(rf">[^<]*hollow\.txt[^<]*</th>\s*<td[^>]*>[^<]*{re.escape(assumed)}", report)
+
+
+def test_notices_are_in_us_units(done):
+    """What the report says of a file has the units of its tables."""
+    notices = dict(folder_record(done, "worn", "", "us").chapters["Notices"][0].rows)
+    assert f"{TREAD_MM / 25.4:.4g} in" in notices["hollow.txt"]
+
+
+def test_wear_is_of_the_given_nominal_profile(folder, tmp_path):
+    """Side wear against a given rail is how much narrower the head is than that rail's; wheels keep the nearest one."""
+    for name in ("head.ban", "thin.txt"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    rows = {row.file: row for row in run_folder(tmp_path, nominal="54E1").profiles}
+    widths = {name: measures(rail(name).running_surface, "rail")["head_width_mm"] for name in ("54E1", "60E1")}
+    assert rows["head.ban"].wear_mm["side_wear"] == pytest.approx(widths["54E1"] - widths["60E1"], abs=0.05)
+    assert (rows["head.ban"].nominal, rows["thin.txt"].nominal) == ("54E1", "S1002")
+    with pytest.raises(InputError, match="S1003"):
+        run_folder(tmp_path, nominal="S1003")
+
+
+def test_folders_without_profiles_are_refused(tmp_path):
+    """No folder, and a folder of other files, are refused by their name."""
+    for path in (tmp_path / "none", tmp_path):
+        with pytest.raises(InputError, match=str(path)):
+            run_folder(path)

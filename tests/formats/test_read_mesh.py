@@ -11,10 +11,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from flangeway.cases.bodies.bodies_shape import body_shape
+from flangeway.cases.bodies.bodies_tables import BodyTable
+from flangeway.elements import Virtual
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, write_vtu
-from flangeway.geometry import Placement
-from flangeway.mesh import PolyMesh, check, conforming, dual, rectangle_grid, refined
+from flangeway.geometry import Arc, Line, Placement
+from flangeway.mesh import PolyMesh, check, conforming, rectangle_grid, refined
+from flangeway.space import Space
 
 # two squares, the right one of two triangles; the left one is clockwise
 ABAQUS = """*Heading
@@ -150,17 +154,6 @@ def test_abaqus_second_order_and_lines_from_gmsh(two_parts, tmp_path):
     assert meshes[0].n_points == meshes[1].n_points
     np.testing.assert_array_equal(meshes[0].cell_points, meshes[1].cell_points)
     assert np.all(meshes[1].points[meshes[1].edge_set("held"), 0] == 0.0)
-
-
-def test_polygons_of_a_vtu_come_back(tmp_path):
-    """A refined mesh of polygons with hanging points is read as it was written, cells in their order."""
-    mesh = refined(dual(rectangle_grid(2.0, 1.0, 5, 4)), np.arange(7))
-    write_vtu(tmp_path / "cells.vtu", mesh)
-    read = read_mesh(tmp_path / "cells.vtu")
-    assert not read.notices
-    assert np.array_equal(read.mesh.points, mesh.points)
-    assert np.array_equal(read.mesh.cell_offsets, mesh.cell_offsets)
-    assert np.array_equal(read.mesh.cell_points, mesh.cell_points)
 
 
 def test_sides_of_cells_of_its_own_points_are_joined_or_not(tmp_path):
@@ -323,3 +316,70 @@ def test_damaged_meshes_are_read_or_refused(tmp_path, kind, changes):
         return
     assert np.isfinite(mesh.points).all()
     assert (mesh.cell_areas > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("make", "word"),
+    [
+        (lambda: Arc((1.0, 0.0), (0.0, 1.0), (0.0, 0.0)), "counter_clockwise"),
+        (lambda: Arc((1.0, 0.0), (0.0, 1.0), (0.0, 0.0), 1), "counter_clockwise"),
+        *((lambda p=p: Line(p, (5.0, 5.0)), "numbers") for p in [("0", "1"), (True, 1.0), (1j, 0.0)]),
+        *(
+            (lambda p=p: PolyMesh([p, (1.0, 0.0), (0.0, 1.0)], [0, 3], [0, 1, 2]), "numbers")
+            for p in [("0", "1"), (True, 1.0), (1j, 0.0)]
+        ),
+    ],
+)
+def test_arcs_have_a_direction_and_points_numbers(make, word):
+    """A direction left out, or no truth value; texts, truth values and complex numbers, in segments and in meshes."""
+    with pytest.raises(InputError, match=word):
+        make()
+
+
+@pytest.mark.parametrize(("row", "line"), [("4, 0.0, oops", 6), ("2, 0.0, 1.0", 6)])
+def test_a_wrong_node_is_named_with_its_own_line(tmp_path, row, line):
+    """A wrong entry of a block of nodes is found at its own line, comments counted."""
+    file = tmp_path / "a.inp"
+    rows = ["*NODE", "1, 0., 0.", "2, 1., 0.", "** corner", "3, 1., 1.", row, "*ELEMENT, TYPE=CPS4", "1, 1, 2, 3, 4"]
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    with pytest.raises(InputError, match=f"line {line} in the block of .NODE in line 1"):
+        read_mesh(file)
+    part = ["*PART, NAME=p", *rows, "*END PART", "*ASSEMBLY, NAME=a", "*INSTANCE, NAME=i, PART=p", "2., 0., 0."]
+    file.write_text("\n".join([*part, "*END INSTANCE", "*END ASSEMBLY"]) + "\n", encoding="utf-8")
+    with pytest.raises(InputError, match=f"line {line + 1} in the block of .NODE in line 2"):
+        read_mesh(file)
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-4])
+@pytest.mark.parametrize("gap", [0.0, 9e-7, -9e-7])
+def test_reading_joins_what_a_space_refuses(tmp_path, gap, size):
+    """Points that touch within the tolerance of the check are joined with a notice; those beyond it stay apart.
+
+    The tolerance is 1e-6 of the sides, and 1e-9 of the mesh where sides are short.
+    """
+    square = rectangle_grid(size, size, 2, 2)
+    for distance, n_points in ((0.5 * gap * size, 15), (max(4e-6 * size, 2.4e-8), 18)):
+        both = square.merged(square.placed(Placement(0.0, (size + distance, 0.3 * distance))))
+        far = rectangle_grid(1.0, 1.0, 1, 1).placed(Placement(0.0, (5.0, 0.0)))
+        write_vtu(tmp_path / "two.vtu", both.merged(far))
+        read = read_mesh(tmp_path / "two.vtu")
+        assert read.mesh.n_points == n_points + 4
+        assert ["made one" in notice for notice in read.notices] == [True] * (n_points == 15)
+        Space(read.mesh, Virtual(1))
+
+
+def test_cell_sets_of_one_body_are_joined(tmp_path):
+    """Blocks with points of their own at one place, named together as one body of a case, are one body."""
+    x, lines = [0.0, 1.0, 1.0 + 3e-7, 2.0], ["*NODE"]
+    lines += [f"{4 * j + i + 1}, {x[i]:.9f}, {j}.0" for j in (0, 1) for i in range(4)]
+    lines += ["*ELEMENT, TYPE=CPE4, ELSET=ONE", "1, 1, 2, 6, 5", "*ELEMENT, TYPE=CPE4, ELSET=OTHER", "2, 3, 4, 8, 7"]
+    lines += ["*NSET, NSET=BASE", "1, 2, 3, 4"]
+    (tmp_path / "a.inp").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    notices: list[str] = []
+    table = BodyTable(name="a", file=str(tmp_path / "a.inp"), cells=["ONE", "OTHER"], method="vem")
+    mesh = body_shape(table, "bodies.1", notices).mesh
+    assert (mesh.n_points, mesh.n_cells) == (6, 2)
+    assert len(mesh.edge_set("BASE")) == 2
+    assert set(mesh.cell_sets) == {"ONE", "OTHER"}
+    assert any("made one" in notice for notice in notices)
+    Space(mesh, Virtual(1))

@@ -138,20 +138,6 @@ def test_the_modes_of_a_membrane_are_the_known_ones(element, tolerance):
     assert not found[:, space.boundary_dofs()].any()
 
 
-def test_a_free_body_has_three_rigid_modes(polygons):
-    """Three eigenvalues of a free elastic body are zero; with the normal displacement of two sides fixed none is."""
-    space = Space(polygons, Virtual(2))
-    matrix, weight = stiffness(space, MATERIAL.stiffness), mass(space, np.eye(2))
-    values, found = modes(space, matrix, weight)
-    assert found.shape == (6, space.n_dofs, 2)
-    assert np.abs(values[:3]).max() < 1e-10
-    assert values[3] > 1.0
-    held = np.zeros((space.n_dofs, 2), dtype=bool)
-    held[space.boundary_dofs(lambda p: p[:, 0] < 1e-9), 0] = True
-    held[space.boundary_dofs("bottom"), 1] = True
-    assert modes(space, matrix, weight, 1, held)[0][0] > 0.1
-
-
 def test_the_boundary_is_found_by_name_and_by_place():
     """All boundary points, those of a side by name and by a function, corners included."""
     space = Space(rectangle_grid(1.0, 1.0, 3, 3), Lagrange(2))

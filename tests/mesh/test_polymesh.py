@@ -1,4 +1,4 @@
-"""PolyMesh on meshes small enough to count by hand."""
+"""PolyMesh and structured grids on meshes small enough to count by hand, and every fault that `check` looks for."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
-from flangeway.mesh import PolyMesh, check
+from flangeway.mesh import PolyMesh, check, rectangle_grid, refined
 
 # a unit square cut into a triangle and a quadrilateral, with a fifth point on its right side
 POINTS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [1.0, 1.0], [0.0, 1.0]])
@@ -152,3 +152,87 @@ def test_wrong_arrays_chains_and_names_are_refused(make, word):
     """Wrong shapes, types, index ranges, branching or interrupted edge sets, three cells at an edge, unknown names."""
     with pytest.raises(InputError, match=word):
         make()
+
+
+@pytest.mark.parametrize(("cells", "n_cells"), [("triangles", 12), ("quadrilaterals", 6)])
+def test_grid_fills_the_rectangle(cells, n_cells):
+    """A grid of 3 by 2 has 12 points, all cells of one area, and passes all checks."""
+    mesh = rectangle_grid(6.0, 1.0, 3, 2, cells=cells, origin=(-1.0, 5.0))
+    check(mesh, region_area=6.0)
+    assert (mesh.n_points, mesh.n_cells) == (12, n_cells)
+    np.testing.assert_allclose(mesh.cell_areas, 6.0 / n_cells, rtol=1e-14)
+    assert mesh.points.min(axis=0).tolist() == [-1.0, 5.0]
+
+
+def test_sides_run_counter_clockwise():
+    """The four sides make one closed chain with the body on the left, each on its own line."""
+    mesh = rectangle_grid(6.0, 1.0, 3, 2)
+    assert len(mesh.chain("bottom", "right", "top", "left")) == 11
+    assert mesh.points[mesh.chain("right")].tolist() == [[6.0, 0.0], [6.0, 0.5], [6.0, 1.0]]
+    assert mesh.points[mesh.chain("top")][:, 0].tolist() == [6.0, 4.0, 2.0, 0.0]
+
+
+def test_refined_cuts_every_triangle_into_four_equal_ones():
+    """Refined triangles have a quarter of the area, sets keep their area and sides their length."""
+    mesh = rectangle_grid(6.0, 1.0, 3, 2).with_cell_set("part", [1, 4])
+    fine = refined(mesh)
+    check(fine, region_area=6.0)
+    np.testing.assert_allclose(fine.cell_areas, np.repeat(mesh.cell_areas / 4, 4), rtol=1e-14)
+    assert fine.cell_sets["part"].tolist() == [4, 5, 6, 7, 16, 17, 18, 19]
+    middles = fine.points[fine.chain("top")][1::2, 0]
+    assert middles.tolist() == [5.0, 3.0, 1.0]
+
+
+SOUND = rectangle_grid(2.0, 2.0, 2, 2, cells="quadrilaterals", origin=(10.0, 0.0))
+
+
+def changed(**changes):
+    fields = ("points", "cell_offsets", "cell_points", "cell_sets", "edge_sets")
+    return PolyMesh(**{f: changes.get(f, getattr(SOUND, f)) for f in fields})
+
+
+def cell_points(cell, points):
+    given = SOUND.cell_points.copy()
+    given[4 * cell : 4 * cell + 4] = points
+    return given
+
+
+def moved(point, x, y):
+    points = SOUND.points.copy()
+    points[point] = (x, y)
+    return points
+
+
+def test_a_sound_mesh_passes():
+    """The mesh in which the faults are made has none."""
+    check(SOUND, region_area=4.0)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "message"),
+    [
+        (changed(points=np.vstack([SOUND.points, [(0.0, 7.0)]])), r"point 9 at \(0, 7\) of no"),
+        (changed(points=moved(5, 11.0, 1.0)), r"same place \(11, 1\)"),
+        (changed(cell_points=cell_points(0, [0, 3, 4, 1])), r"cell 0 near \(10.5, 0.5\) with area"),
+        (changed(points=moved(4, 13.0, 1.2)), r"cell \d near .* (with area|cross)"),
+        (changed(cell_points=cell_points(3, [4, 5, 8, 5])), "cell 3 near .* passes point 5 twice"),
+        (changed(cell_points=cell_points(1, [0, 1, 2, 4])), r"cells \[0, 1\] on the same side"),
+        (changed(edge_sets={"in": [[1, 4]]}), r"edge set 'in': \(1, 4\) near \(11, 0\)"),
+    ],
+    ids=["unused", "duplicate", "clockwise", "folded", "twice", "overlap", "inner"],
+)
+def test_faults_are_named_with_their_place(mesh, message):
+    """Each fault is refused, and the message names the cell or point and where it is."""
+    with pytest.raises(InputError, match=message):
+        check(mesh)
+
+
+def test_a_missing_cell_shows_in_the_area():
+    """A mesh with a hole is sound in itself, and refused against the region's area."""
+    grid = rectangle_grid(3.0, 3.0, 3, 3, cells="quadrilaterals")
+    rows = np.delete(grid.cell_points.reshape(-1, 4), 4, axis=0)
+    mesh = PolyMesh(grid.points, 4 * np.arange(9), rows.ravel())
+    check(mesh)
+    with pytest.raises(InputError, match="8 of area in a region of 9"):
+        check(mesh, region_area=9.0)
+    check(mesh, region_area=8.05, area_tolerance=0.01)

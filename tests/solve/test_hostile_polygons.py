@@ -123,8 +123,7 @@ def by_forms(points, element):
 def test_forms_say_an_error_above_1e_4():
     """The same of `forms.solve`, which warns or refuses."""
     warned = []
-    for name in ("V of 1e-3", "thin spiral", "star with thin rays"):
-        points = SHAPES[name]
+    for points in (vee(6e-4), SHAPES["thin spiral"], SHAPES["star with thin rays"]):
         for element in ELEMENTS:
             try:
                 error, said = by_forms(points, element)

@@ -1,6 +1,7 @@
 """Workbooks hold the same numbers as CSV files, a sheet each."""
 
 import csv
+import sys
 
 import openpyxl
 import pytest
@@ -55,7 +56,7 @@ def test_words_stay_words(tmp_path) -> None:
 
 def test_without_openpyxl_nothing_is_computed(call, tmp_path, monkeypatch) -> None:
     """The message has the command that installs it."""
-    monkeypatch.setattr(workbook.importlib, "import_module", lambda _: (_ for _ in ()).throw(ImportError))
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
     with pytest.raises(MissingLibraryError):
         workbook.spreadsheet_library()
     status, _, error = call(*PATCH, "--out", tmp_path / "out")

@@ -11,9 +11,8 @@ from flangeway.campaign.chunk import Chunk, Outcome, compute
 from flangeway.campaign.columns import RowResult
 from flangeway.campaign.database import WAITING, CampaignDatabase
 from flangeway.errors import InputError
-from flangeway.system.operating_system import number_of_cores
 from flangeway.system.versions import versions
-from flangeway.system.workers import ClusterWorkers, LocalWorkers, Workers, computed
+from flangeway.system.workers import ClusterWorkers, LocalWorkers, Workers, computed, n_processes
 
 
 @dataclass(frozen=True)
@@ -87,13 +86,12 @@ def run_campaign(
     """
     if workers is not None and scheduler is not None:
         raise InputError("workers and scheduler", "one of both", "a cluster's workers are started on its machines")
-    if workers is not None and workers < 1:  # before anything is written
-        raise InputError(f"workers = {workers}", "one worker or more", "leave it out to use all cores")
+    n_most = n_processes(workers)  # before anything is written
     with CampaignDatabase(Path(database), fresh=fresh) as store:
         store.begin(campaign)
         run = _Run(campaign, store, progress)
         if run.chunks:
-            n_workers = min(workers if workers is not None else number_of_cores(), len(run.chunks))
+            n_workers = min(n_most, len(run.chunks))
             held: Workers[Chunk, Outcome] = (
                 ClusterWorkers(scheduler, compute) if scheduler else LocalWorkers(n_workers, compute)
             )

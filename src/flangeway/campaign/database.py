@@ -18,11 +18,11 @@ from flangeway.campaign.columns import (
     Value,
     as_cell,
 )
-from flangeway.errors import InputError, MissingLibraryError
+from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
 from flangeway.results import Result, ResultTable
 from flangeway.system.file_content import path_of
-from flangeway.system.operating_system import lock_file
+from flangeway.system.operating_system import lock_file, optional_module
 from flangeway.system.versions import versions
 from flangeway.types import Floats
 from flangeway.units import Units, in_us_units
@@ -446,10 +446,4 @@ def _parquet_writer(library: Any, columns: Columns) -> Callable[[Path], None]:
 
 
 def _parquet() -> Any:
-    try:
-        return importlib.import_module("pyarrow.parquet")
-    except ImportError as reason:
-        raise MissingLibraryError(
-            "Parquet files need pyarrow, which is not installed\n  what to do: pip install 'flangeway[campaign]', or "
-            "take --export csv"
-        ) from reason
+    return optional_module("pyarrow.parquet", "Parquet files need pyarrow", ", or take --export csv")

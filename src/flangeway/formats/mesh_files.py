@@ -251,9 +251,7 @@ def write_vtu(
     if at_corners:
         at_points = {name: array[mesh.cell_points] for name, array in at_points.items()} | at_corners
         space = space[mesh.cell_points]
-        mesh = PolyMesh(
-            mesh.points[mesh.cell_points], mesh.cell_offsets, np.arange(len(mesh.cell_points), dtype=np.int32)
-        )
+        mesh = mesh.apart()
     batches = mesh.batches()
     blocks = [("triangle" if n == 3 else "polygon", mesh.batch_points(n, cells)) for n, cells in batches]
     values = {name: [array[cells] for _, cells in batches] for name, array in at_cells.items()}

@@ -12,6 +12,8 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from flangeway.errors import InputError
 from flangeway.formats.drawn_section import (
     UNITS,
@@ -19,10 +21,11 @@ from flangeway.formats.drawn_section import (
     DrawnSegment,
     agreed_unit,
     drawn_polygon,
+    reach_of,
     repaired_outline,
     section_of,
 )
-from flangeway.geometry.arrays import Point, point_text
+from flangeway.geometry.arrays import Point, cross_product, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE
 from flangeway.system.file_content import csv_cells, csv_separator
 
@@ -37,17 +40,11 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
     The unit is needed if the file names none; a mirrored outline is one half, from x = 0 to x = 0.
     """
     comments = [line.strip()[1:].strip() for line in text.splitlines() if line.strip().startswith("#")]
-    lines = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), 1)
-        if line.strip() and not line.strip().startswith("#")
-    ]
-    header, in_header = parse_header(lines)
+    rows, in_header = parse_table(text)
     in_comment = [match[1] for line in comments if (match := re.fullmatch(r"units?\s*[:=]?\s*(\w+)", line.lower()))]
     agreed = agreed_unit(in_header or next(iter(in_comment), None), unit, _HOW)
-    rows = parse_rows(header, lines)
     mirrored = mirrored or any(re.fullmatch(r"mirror(\s*[:=]?\s*(yes|true))?", line.lower()) for line in comments)
-    if "x" in header:
+    if "x" in rows[0][1]:
         loops = [drawn_polygon([_point(row, "x", "y", number) for number, row in rows])]
     else:
         loops = _loops([parse_segment(row, number) for number, row in rows])
@@ -64,7 +61,21 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
     return section_of(found, agreed)
 
 
-def parse_header(lines: Sequence[tuple[int, str]]) -> tuple[list[str], str | None]:
+def parse_table(text: str) -> tuple[list[tuple[int, dict[str, str]]], str | None]:
+    """Return the cells of a table by column, without units, behind the numbers of their lines; and the columns' unit.
+
+    An `InputError` if it has no rows, its columns are others than the module's, or a row has more cells than these.
+    """
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.strip().startswith("#")
+    ]
+    header, unit = _header(lines)
+    return _rows(header, lines), unit
+
+
+def _header(lines: Sequence[tuple[int, str]]) -> tuple[list[str], str | None]:
     """Return the names of columns in the first of numbered lines, without units, and the unit that they carry."""
     number, line = lines[0] if lines else (1, "")
     names = csv_cells(line, number, csv_separator(line))
@@ -84,7 +95,7 @@ def parse_header(lines: Sequence[tuple[int, str]]) -> tuple[list[str], str | Non
     return plain, next(iter(units), None)
 
 
-def parse_rows(header: Sequence[str], lines: Sequence[tuple[int, str]]) -> list[tuple[int, dict[str, str]]]:
+def _rows(header: Sequence[str], lines: Sequence[tuple[int, str]]) -> list[tuple[int, dict[str, str]]]:
     """Return the cells of lines after that of the header by column, with the number of each line."""
     rows, separator = [], csv_separator(lines[0][1])
     for number, line in lines[1:]:
@@ -123,7 +134,7 @@ def parse_segment(row: Mapping[str, str], number: int) -> DrawnSegment:
     if turn not in ("", "left", "right"):
         raise InputError(f"line {number}: turn = {turn!r}", "left or right, or nothing", "correct this cell")
     if not turn:
-        cross = (start[0] - centre[0]) * (end[1] - centre[1]) - (start[1] - centre[1]) * (end[0] - centre[0])
+        cross = float(cross_product(np.subtract(start, centre), np.subtract(end, centre)))
         if abs(cross) <= 1e-9 * math.dist(start, centre) ** 2:
             raise InputError(
                 f"line {number}: an arc of half a turn from {start} to {end}",
@@ -136,7 +147,7 @@ def parse_segment(row: Mapping[str, str], number: int) -> DrawnSegment:
 
 def _loops(segments: Sequence[DrawnSegment]) -> list[list[DrawnSegment]]:
     """Cut the rows where a loop has come back to its start."""
-    size = max(map(abs, itertools.chain.from_iterable((*s.start, *s.end) for s in segments)))
+    size = reach_of(segments)
     loops: list[list[DrawnSegment]] = [[]]
     for segment in segments:
         loop = loops[-1]
@@ -148,7 +159,7 @@ def _loops(segments: Sequence[DrawnSegment]) -> list[list[DrawnSegment]]:
 
 def _with_mirror_image(drawn: Sequence[DrawnSegment], what: str) -> list[DrawnSegment]:
     """Add the mirror image about x = 0 to a chain from x = 0 to x = 0, or to a loop with a line on x = 0 as its cut."""
-    size = max(abs(coordinate) for segment in drawn for coordinate in (*segment.start, *segment.end))
+    size = reach_of(drawn)
     half = _without_cut(drawn, JOINT_TOLERANCE * size)
     for word, point in (("starts", half[0].start), ("ends", half[-1].end)):
         if not abs(point[0]) <= JOINT_TOLERANCE * size:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from flangeway.elements import Function, Reconstruction
 from flangeway.errors import InputError
 from flangeway.forms.weak import FormRegion, PointValues, assembled_form, linear, products_round_off, value_products
-from flangeway.problems.strains import strain_operators
+from flangeway.problems.strains import add_consistency, strain_operators
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, FormMatrix, Space, load_vector
 from flangeway.space.functions import function_of
 from flangeway.types import Floats
@@ -55,13 +55,7 @@ def stiffness(space: Space, coefficient: Coefficient = 1.0, *, degree: int | Non
 
     def matrices(batch: CellBatch, reconstruction: Reconstruction, blocks: Floats) -> Floats | None:
         strains = strain_operators(batch, reconstruction.for_energy, axisymmetric=False)
-        tensor = given.at(batch, np.empty((1, 2, 0)))
-        for i, a, j, b in np.argwhere(np.abs(tensor).any(axis=(-2, -1))):
-            if (i, a) <= (j, b):
-                block = strains.products(a, b) * tensor[i, a, j, b, 0]
-                blocks[i, j] += block
-                if (i, a) != (j, b):
-                    blocks[j, i] += block.swapaxes(0, 1)
+        add_consistency(blocks, given.at(batch, np.empty((1, 2, 0)))[..., 0, :], strains)
         return batch.element.stabilise(reconstruction, blocks)
 
     matrix = _assembled(space, given.n_components, matrices)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, as_points, point_text
+from flangeway.geometry.arrays import IntArray, as_points, box_about, point_text
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import Arc, Segment, first_crossing
 from flangeway.types import Floats
@@ -86,6 +86,12 @@ class Contour:
         return cls(_joined(tuple(segments), closed=cls._closed), tuple(names))
 
     @classmethod
+    def named(cls, rows: Iterable[tuple[str, Segment]]) -> Self:
+        """Return the chain of segments behind their names."""
+        names, segments = zip(*rows, strict=True)
+        return cls.from_segments(segments, names)
+
+    @classmethod
     def _trusted(cls, segments: tuple[Segment, ...], names: tuple[str, ...]) -> Self:
         """Return a chain without checks, for changes that keep it valid."""
         chain = object.__new__(cls)
@@ -118,6 +124,11 @@ class Contour:
         """Length along the chain."""
         return sum(segment.length for segment in self.segments)
 
+    @cached_property
+    def offsets(self) -> Floats:
+        """Lengths along the chain at the starts of the segments and at the end, (n_segments + 1,)."""
+        return np.append(0.0, np.cumsum([segment.length for segment in self.segments]))
+
     def _named(self, names: Iterable[str] | None) -> list[int]:
         """Return the numbers of the segments with one of the names, all for None."""
         if names is None:
@@ -132,8 +143,7 @@ class Contour:
 
     def bounds(self, names: Iterable[str] | None = None) -> Floats:
         """Return the lower-left and upper-right corner (2, 2) of all or of the named segments."""
-        boxes = np.array([self.segments[i].bounds for i in self._named(names)])
-        return np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+        return box_about(self.segments[i].bounds for i in self._named(names))
 
     def part(self, names: Iterable[str]) -> "Contour":
         """Return the named segments as an open chain, in the direction of this one.
@@ -208,6 +218,20 @@ class Contour:
                 rows = rows[nearer]
                 best[rows], parameters[rows], distances[rows] = number, s[nearer], distance[nearer]
         return best, parameters, distances
+
+    def numbers_at(self, lengths: Floats) -> IntArray:
+        """Return the numbers of the segments at lengths along the chain, those at its ends beyond them."""
+        return np.clip(np.searchsorted(self.offsets, lengths, side="right") - 1, 0, self.n_segments - 1)
+
+    def curvatures_at(self, lengths: Floats) -> Floats:
+        """Return the curvatures of the segments at lengths along the chain, positive counter-clockwise."""
+        return np.array([segment.curvature for segment in self.segments])[self.numbers_at(lengths)]
+
+    def lengths_at(self, points: ArrayLike) -> Floats:
+        """Return the lengths along the chain (n,) of its points closest to points (n, 2)."""
+        numbers, parameters, _ = self.closest(points)
+        lengths: Floats = self.offsets[numbers] + parameters * np.diff(self.offsets)[numbers]
+        return lengths
 
     @cached_property
     def _reach(self) -> tuple[Floats, Floats]:

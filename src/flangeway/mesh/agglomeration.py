@@ -6,6 +6,7 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 
 from flangeway.checks import check_integer
+from flangeway.geometry.arrays import sides_of
 from flangeway.mesh.connectivity import next_in_row, places_among, row_numbers
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats
@@ -80,13 +81,13 @@ class _Joining:
     def neighbours(self, cell: int) -> set[int]:
         """Polygons on the other side of a polygon's sides."""
         row = self.rows[cell]
-        across = {self.left.get((end, start)) for start, end in zip(row, row[1:] + row[:1], strict=True)}
+        across = {self.left.get((end, start)) for start, end in sides_of(row)}
         return {other for other in across if other is not None and self.kind[other] == self.kind[cell]} - {cell}
 
     def united(self, cell: int, other: int) -> list[int] | None:
         """Points of both polygons in order; None if they do not meet in one piece."""
         row = self.rows[cell]
-        shared = [self.left.get((b, a)) == other for a, b in zip(row, row[1:] + row[:1], strict=True)]
+        shared = [self.left.get((b, a)) == other for a, b in sides_of(row)]
         starts = [place for place in range(len(row)) if shared[place] and not shared[place - 1]]
         if len(starts) != 1 or len(set(row) & set(self.rows[other])) != sum(shared) + 1:
             return None
@@ -112,10 +113,10 @@ class _Joining:
         row = self.united(cell, other)
         assert row is not None
         for gone in (self.rows.pop(cell), self.rows[other]):
-            for side in zip(gone, gone[1:] + gone[:1], strict=True):
+            for side in sides_of(gone):
                 del self.left[side]
         self.rows[other] = row
-        self.left |= dict.fromkeys(zip(row, row[1:] + row[:1], strict=True), other)
+        self.left |= dict.fromkeys(sides_of(row), other)
         self.areas[other] += self.areas.pop(cell)
 
 

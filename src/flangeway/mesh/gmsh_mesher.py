@@ -345,10 +345,8 @@ def _of_region(
             edges = np.searchsorted(used, nodes).reshape(-1, 2).astype(np.int32)
             # a hole has the body on its right
             pairs.setdefault(outline.names[number], []).append(edges[::-1, ::-1] if k else edges)
-    offsets = np.arange(len(triangles) + 1, dtype=np.int32) * 3
-    return PolyMesh(
-        points, offsets, triangles.ravel(), edge_sets={name: np.vstack(parts) for name, parts in pairs.items()}
-    )
+    edge_sets = {name: np.vstack(parts) for name, parts in pairs.items()}
+    return PolyMesh.from_cells(points, triangles, edge_sets=edge_sets)
 
 
 def _of_section(gmsh: Any, section: Section, surfaces: dict[str, list[int]]) -> PolyMesh:
@@ -359,8 +357,7 @@ def _of_section(gmsh: Any, section: Section, surfaces: dict[str, list[int]]) -> 
     for name, cells in cell_sets.items():
         if not len(cells):
             raise InputError(f"part {name}, in which Gmsh made no triangle", "a part", "reduce the size")
-    offsets = np.arange(len(triangles) + 1, dtype=np.int32) * 3
-    return _with_names(PolyMesh(points, offsets, triangles.ravel(), cell_sets), section)
+    return _with_names(PolyMesh.from_cells(points, triangles, cell_sets=cell_sets), section)
 
 
 def _with_names(mesh: PolyMesh, section: Section) -> PolyMesh:

@@ -145,11 +145,17 @@ class PolyMesh:
             object.__setattr__(self, name, value)
 
     @classmethod
-    def from_cells(cls, points: ArrayLike, cells: Iterable[Sequence[int]]) -> "PolyMesh":
-        """Return the mesh of points (n_points, 2) and of cells, each the numbers of its points counter-clockwise."""
+    def from_cells(cls, points: ArrayLike, cells: Iterable[Sequence[int]] | NDArray[Any], **named: Any) -> "PolyMesh":
+        """Return the mesh of points (n_points, 2) and of cells, each the numbers of its points counter-clockwise.
+
+        - `cells`: an array (n_cells, n) where all have n points.
+        - `named`: sets and curves, as of the class.
+        """
+        if isinstance(cells, np.ndarray):
+            return cls(np.asarray(points), cells.shape[1] * np.arange(len(cells) + 1), cells.ravel(), **named)
         rows = [list(cell) for cell in cells]
         numbers = [number for row in rows for number in row]
-        return cls(np.asarray(points), np.cumsum([0, *map(len, rows)]), np.asarray(numbers))
+        return cls(np.asarray(points), np.cumsum([0, *map(len, rows)]), np.asarray(numbers), **named)
 
     def __reduce__(self) -> tuple[Any, ...]:
         sets = (dict(self.cell_sets), dict(self.edge_sets))  # read-only views cannot be pickled
@@ -508,6 +514,12 @@ class PolyMesh:
         if curves is not None:
             curves = curves.taken(np.isin(self.edge_numbers(curves.pairs), self.cell_edges[entries]), number)
         return replace(bare, cell_sets=cell_sets, edge_sets=edge_sets, curves=curves)
+
+    def apart(self) -> "PolyMesh":
+        """Return the cells with points of their own, in the order of `cell_points`, without sets."""
+        return PolyMesh(
+            self.points[self.cell_points], self.cell_offsets, np.arange(len(self.cell_points), dtype=np.int32)
+        )
 
     def merged(self, other: "PolyMesh") -> "PolyMesh":
         """Return both meshes as one, without gluing: points and cells of `other` are added behind.

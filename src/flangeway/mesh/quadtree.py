@@ -78,7 +78,7 @@ def quadtree(
         refuse_large_mesh("the cells of a quadtree", BYTES_A_SQUARE * len(place))
     corners = np.concatenate([rows[:, None] + side * CORNERS for rows, side in done])
     points, cells = np.unique(corners.reshape(-1, 2), axis=0, return_inverse=True)
-    mesh = conforming(PolyMesh.from_cells(base + points * size, cells.reshape(-1, 4).tolist()))
+    mesh = conforming(PolyMesh.from_cells(base + points * size, cells.reshape(-1, 4)))
     last = np.array([nx, ny]) * 2**levels
     for name, axis, value in (("bottom", 1, 0), ("right", 0, last[0]), ("top", 1, last[1]), ("left", 0, 0)):
         ends = points[mesh.boundary_edges][..., axis]

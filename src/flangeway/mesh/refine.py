@@ -329,13 +329,12 @@ def _refined_triangles(mesh: PolyMesh) -> PolyMesh:
     (a, b, c), (ab, bc, ca) = corners.T, middles.T
     triangles = np.column_stack([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca]).reshape(-1, 3)
     split = np.ones(mesh.n_edges, dtype=bool)
-    return PolyMesh(
+    return PolyMesh.from_cells(
         np.vstack([mesh.points, mesh.edge_middles(np.arange(mesh.n_edges))]),
-        np.arange(len(triangles) + 1, dtype=np.int32) * 3,
-        triangles.astype(np.int32).ravel(),
-        {name: np.add.outer(4 * cells, np.arange(4)).ravel() for name, cells in mesh.cell_sets.items()},
-        _halved_sets(mesh, split),
-        _halved_curves(mesh, split),
+        triangles,
+        cell_sets={name: np.add.outer(4 * cells, np.arange(4)).ravel() for name, cells in mesh.cell_sets.items()},
+        edge_sets=_halved_sets(mesh, split),
+        curves=_halved_curves(mesh, split),
     )
 
 

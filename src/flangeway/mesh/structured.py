@@ -69,9 +69,5 @@ def rectangle_grid(
     else:
         raise InputError(f"cells = {short(cells)}", "'triangles' or 'quadrilaterals'", "choose one")
     sides = {"bottom": grid[0], "right": grid[:, -1], "top": grid[-1, ::-1], "left": grid[::-1, 0]}
-    return PolyMesh(
-        np.column_stack([x.ravel(), y.ravel()]),
-        np.arange(len(rows) + 1, dtype=np.int32) * rows.shape[1],
-        rows.ravel(),
-        edge_sets={name: np.column_stack([p[:-1], p[1:]]) for name, p in sides.items()},
-    )
+    edge_sets = {name: np.column_stack([p[:-1], p[1:]]) for name, p in sides.items()}
+    return PolyMesh.from_cells(np.column_stack([x.ravel(), y.ravel()]), rows, edge_sets=edge_sets)

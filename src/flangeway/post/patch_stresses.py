@@ -12,8 +12,8 @@ from flangeway.contact.patch.patch_body import PatchBody, points_along
 from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, PatchContact
 from flangeway.elements import Reconstruction
 from flangeway.exact.half_space_stresses import half_space_field, half_space_stresses
-from flangeway.post.lines import OUTSIDE, locate, polynomials_at
-from flangeway.post.stress import corner_values
+from flangeway.post.lines import values_inside
+from flangeway.post.stress import corner_values, von_mises
 from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.surface_compliance import StripForces, wave_sums, waves
 from flangeway.space import CellBatch
@@ -65,9 +65,7 @@ class SpatialStresses:
     @cached_property
     def von_mises(self) -> Floats:
         """Von Mises stress, shape (n,)."""
-        xx, yy, zz, *shears = self.components.T
-        normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-        return np.sqrt(normal / 2.0 + 3.0 * np.sum(np.square(shears), axis=0))
+        return von_mises(self.components)
 
     @property
     def by_name(self) -> dict[str, Floats]:
@@ -129,11 +127,7 @@ class SectionStresses:
     def at(self, points: Floats) -> SpatialStresses:
         """Stresses at points (n, 2) of the common axes; not-a-number outside of the body."""
         local = self.body.placement.inverse().points(points)
-        space = self.body.problem.elasticity.space
-        cells = locate(space.mesh, local)
-        components = np.full((len(local), 6), np.nan)
-        inside = cells != OUTSIDE
-        components[inside] = polynomials_at(space, local[inside], cells[inside], self.polynomials, 6)
+        components = values_inside(self.body.problem.elasticity.space, local, self.polynomials, 6)
         return SpatialStresses(components).turned(self.body.placement.matrix)
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.geometry.arrays import cross_product
-from flangeway.problems import ElasticField, RigidHandle, Spring, Support
+from flangeway.problems import ElasticField, Spring, Support
 from flangeway.solve import ElasticitySolution
-from flangeway.solve.constraints import RANK, HandleNodes, Rows
+from flangeway.solve.constraints import RANK
 from flangeway.types import Bools, Floats
 
 
@@ -31,12 +31,10 @@ def reactions(solution: ElasticitySolution) -> tuple[Reaction, ...]:
     direction, they share it equally. Together with the loads (applied forces of handles included) the reactions are in
     equilibrium.
     """
-    problem, constraints = solution.problem, solution.constraints
+    problem = solution.problem
     n_supports = len(problem.supports)
     forces, moments = np.zeros((n_supports, 2)), np.zeros(n_supports)
-    _add_nodes(solution, constraints.node_rows, forces, moments)
-    for handle in constraints.handles:
-        _add_handle(solution, handle, forces, moments)
+    _add_rows(solution, forces, moments)
     springs = iter(solution.spring_forces)
     for number, support in enumerate(problem.supports):
         if isinstance(support, Spring):
@@ -50,43 +48,24 @@ def reactions(solution: ElasticitySolution) -> tuple[Reaction, ...]:
     )
 
 
-def _add_nodes(solution: ElasticitySolution, rows: Rows, forces: Floats, moments: Floats) -> None:
-    """Share the reaction of each held node among the rows that hold it."""
-    nodes, place = np.unique(rows.nodes, return_inverse=True)
-    gram = np.zeros((len(nodes), 2, 2))
-    np.add.at(gram, place, rows.directions[:, :, None] * rows.directions[:, None])
-    values, vectors = np.linalg.eigh(gram)
-    inverse = np.where(values > RANK, 1.0 / np.where(values > RANK, values, 1.0), 0.0)
-    strain = np.einsum("nij,nj,nkj,nk->ni", vectors, inverse, vectors, solution.nodal_reactions[nodes])
-    share = np.einsum("ni,ni->n", rows.directions, strain[place])
-    _add(solution, rows, share[:, None] * rows.directions, forces, moments)
-
-
-def _add(solution: ElasticitySolution, rows: Rows, at_nodes: Floats, forces: Floats, moments: Floats) -> None:
-    """Add forces (n, 2) of rows with a node to those of their supports; the axis of revolution carries its own."""
-    own = rows.supports >= 0
-    supports = rows.supports[own]
-    np.add.at(forces, supports, at_nodes[own])
-    np.add.at(moments, supports, cross_product(solution.problem.space.nodes[rows.nodes[own]], at_nodes[own]))
-
-
-def _add_handle(solution: ElasticitySolution, handle: HandleNodes, forces: Floats, moments: Floats) -> None:
-    """Share the resultant on a handle among its prescribed motions and the supports on its nodes."""
-    support = solution.problem.supports[handle.support]
-    if not isinstance(support, RigidHandle):
-        return
-    resultant = np.einsum("nij,ni->j", handle.arms, solution.nodal_reactions[handle.nodes])
-    resultant -= np.array([*support.force, support.moment])
-    scale = np.array([1.0, 1.0, solution.problem.size])
-    scaled = handle.rows.directions / scale
-    share = scaled @ (np.linalg.pinv(scaled.T @ scaled, rcond=RANK, hermitian=True) @ (resultant / scale))
-    own = handle.rows.nodes < 0
-    mine = own & (handle.rows.supports == handle.support)
-    x, y, turn = share[mine] @ handle.rows.directions[mine]
-    forces[handle.support] += (x, y)
-    moments[handle.support] += turn + float(cross_product(handle.pivot, np.array([x, y])))
-    others = handle.rows.where(~own)
-    _add(solution, others, share[~own, None] * others.directions[:, :2], forces, moments)
+def _add_rows(solution: ElasticitySolution, forces: Floats, moments: Floats) -> None:
+    """Share the reaction of each held node, and that of the nodes of each handle, among the rows that hold them."""
+    problem, rows, handles = solution.problem, solution.constraints.rows, solution.constraints.handles
+    n_nodes, scale = problem.space.n_nodes, np.array([1.0, 1.0, problem.size])
+    on_groups, points = np.zeros((n_nodes + len(handles), 3)), problem.space.nodes[rows.nodes]
+    on_groups[:n_nodes, :2] = solution.nodal_reactions
+    for number, handle in enumerate(handles, n_nodes):
+        resultant = np.einsum("nij,ni->j", handle.arms, solution.nodal_reactions[handle.nodes])
+        on_groups[number] = resultant - np.array([*handle.support.force, handle.support.moment])
+        points[(rows.nodes < 0) & (rows.groups == number)] = handle.pivot
+    groups, place, scaled, products = rows.products(problem.size)
+    inverse = np.linalg.pinv(products, rcond=RANK, hermitian=True)
+    strain = np.einsum("gij,gj->gi", inverse, on_groups[groups] / scale)
+    parts = np.einsum("ni,ni->n", scaled, strain[place])[:, None] * rows.directions
+    turning = np.where(rows.nodes < 0, parts[:, 2], 0.0)  # of a node its arm from the pivot is not a support's own
+    own = rows.supports >= 0  # the axis of revolution carries its own
+    np.add.at(forces, rows.supports[own], parts[own, :2])
+    np.add.at(moments, rows.supports[own], (cross_product(points, parts[:, :2]) + turning)[own])
 
 
 def nodal_residual(field: ElasticField, forces: Floats) -> Floats:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -13,17 +14,23 @@ from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError, short
 from flangeway.materials import Material
 from flangeway.mesh.mesh_checks import set_numbers
-from flangeway.problems.edges import edge_quadrature
+from flangeway.problems.edges import edge_quadrature, entries_between
 from flangeway.problems.loads import Load, TemperatureChange
-from flangeway.problems.strains import STRAIN_PLACES, STRAINS, StrainOperators, strain_operators
+from flangeway.problems.strains import STRAINS, StrainOperators, add_consistency, strain_operators
 from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support, axes
 from flangeway.space import CellBatch, CondensedMatrix, Space, SymmetricMatrix, assemble_condensed
 from flangeway.types import Bools, Floats, Ints
+
+Kind = TypeVar("Kind")
 
 ON_AXIS = 1e-12
 """Radius over the size of the mesh below which a node lies on the axis."""
 SAME_PLACE = 1e-6
 """Distance over the size of the mesh within which a given point is a node."""
+
+
+def _of_kind(items: Sequence[Load | Support], kind: type[Kind]) -> tuple[Kind, ...]:
+    return tuple(item for item in items if isinstance(item, kind))
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +184,10 @@ class Elasticity:
 
     def support_nodes(self, support: Support) -> Ints:
         """Nodes of a support, each once, in rising order."""
-        where = support.edges if isinstance(support, RigidHandle) else support.where
+        return self.nodes_at(support.edges if isinstance(support, RigidHandle) else support.where)
+
+    def nodes_at(self, where: str | Sequence[float]) -> Ints:
+        """Nodes of an edge set, each once, in rising order, or the node at a given place."""
         if isinstance(where, str):
             return np.unique(self.space.edge_nodes(self.space.mesh.edge_set(where))).astype(np.int64)
         return np.array([self.node_at(where)])
@@ -196,20 +206,14 @@ class Elasticity:
         """Stiffness of a spring on the displacements at nodes, shape (2 n_nodes, 2 n_nodes)."""
         space, frame = self.space, axes(spring.angle)
         tensor = frame.T @ np.diag([spring.x, spring.y]) @ frame
+        nodes, mass = self.nodes_at(spring.where)[None], np.ones((1, 1, 1))
         if isinstance(spring.where, str):
             rule = edge_quadrature(space, space.mesh.edge_set(spring.where))
-            weights = rule.weights * self.depth(rule.points)
-            mass = np.einsum("eq,qm,qn->emn", weights, rule.shapes, rule.shapes)
-            blocks = np.einsum("emn,ij->eminj", mass, tensor)
-            unknowns = (2 * rule.nodes[:, :, None] + np.arange(2)).reshape(len(rule.nodes), -1)
-            n = unknowns.shape[1]
-            rows, columns = np.repeat(unknowns, n, axis=1), np.tile(unknowns, (1, n))
-        else:
-            blocks = tensor
-            at_point = 2 * self.node_at(spring.where) + np.arange(2)
-            rows, columns = np.meshgrid(at_point, at_point, indexing="ij")
-        entries = blocks.ravel(), (rows.ravel(), columns.ravel())
-        return sp.csc_array(sp.coo_array(entries, shape=(2 * space.n_nodes, 2 * space.n_nodes)))
+            nodes, mass = rule.nodes.astype(np.int64), rule.products(self.depth(rule.points))
+        unknowns = (2 * nodes[:, :, None] + np.arange(2)).reshape(len(nodes), -1)
+        blocks = np.einsum("emn,ij->eminj", mass, tensor).reshape(*unknowns.shape, -1)
+        rows, columns, entries = entries_between(unknowns, blocks)
+        return sp.csc_array(sp.coo_array((entries, (rows, columns)), shape=(2 * space.n_nodes, 2 * space.n_nodes)))
 
     def strains(self, batch: CellBatch, reconstruction: Reconstruction) -> StrainOperators:
         """Strains of cells as polynomials."""
@@ -224,90 +228,63 @@ class Elasticity:
         """Matrix of each material, shape (4, 4, n_materials)."""
         return np.stack([material.matrix for material in self.materials], axis=-1)
 
-    @cached_property
-    def _stabilisation_factors(self) -> Floats:
-        return np.array([material.stabilisation_factor for material in self.materials])
-
     def matrices(self, batch: CellBatch) -> Floats:
         """Stresses xx, yy, xy, zz per strain xx, yy, 2 xy, zz of cells, (4, 4, n_cells), or (4, 4, 1) if all alike."""
-        return self._of_cells(self._matrices, batch)
+        return self.of_cells(self._matrices, batch)
 
-    def _of_cells(self, values: Floats, batch: CellBatch) -> Floats:
+    def stabilisation_factors(self, batch: CellBatch) -> Floats:
+        """Factors of the stabilisation of cells, (n_cells,), or (1,) if all alike."""
+        return self.of_cells(np.array([material.stabilisation_factor for material in self.materials]), batch)
+
+    def of_cells(self, values: Floats, batch: CellBatch) -> Floats:
+        """Values of cells from those of the materials, which are on the last axis; kept if there is one material."""
         return values if len(self.materials) == 1 else values[..., self.cell_material[batch.cells]]
 
     def cell_stiffness(self, batch: CellBatch) -> Floats:
         """Stiffness of cells: consistency (Moherdaui 2021, 3.93) and stabilisation, (2 n_local, 2 n_local, n_cells)."""
-        result, stabilisation = self._cell_parts(batch)
+        reconstruction = batch.element.reconstruct(batch.outline)
+        strains = self.strains(batch, self.for_energy(reconstruction))
+        n, table = reconstruction.n_local, STRAINS[..., : strains.moments.shape[1]]
+        result = np.zeros((n, 2, n, 2, len(batch.cells)))
+        by_component = result.transpose(1, 3, 0, 2, 4)
+        # T_iajb = sum over strains s, t of B_sia D_st B_tjb
+        add_consistency(by_component, np.einsum("sia,ste,tjb->iajbe", table, self.matrices(batch), table), strains)
+        stabilisation = batch.element.stabilise(reconstruction, by_component)
         if stabilisation is not None:
-            by_component = result.transpose(1, 3, 0, 2, 4)
+            stabilisation *= self.stabilisation_factors(batch)
             by_component[0, 0] += stabilisation
             by_component[1, 1] += stabilisation
         result *= self._depth_factor
-        return result.reshape(2 * len(result), 2 * len(result), -1)
-
-    def _cell_parts(self, batch: CellBatch) -> tuple[Floats, Floats | None]:
-        """Consistency (n_local, 2, n_local, 2, n_cells), and stabilisation of a component (n_local, n_local, n_cells).
-
-        Both without the depth.
-        """
-        reconstruction = batch.element.reconstruct(batch.outline)
-        n = reconstruction.n_local
-        result = np.zeros((n, 2, n, 2, len(batch.cells)))
-        by_component = result.transpose(1, 3, 0, 2, 4)
-        self._add_consistency(by_component, self.strains(batch, self.for_energy(reconstruction)), self.matrices(batch))
-        stabilisation = batch.element.stabilise(reconstruction, by_component)
-        if stabilisation is not None:
-            stabilisation *= self._of_cells(self._stabilisation_factors, batch)
-        return result, stabilisation
-
-    def _add_consistency(self, by_component: Floats, strains: StrainOperators, matrices: Floats) -> None:
-        """Add the strain energy of the projected strains to the blocks (2, 2, n_local, n_local, n_cells)."""
-        n_slots = strains.moments.shape[1]
-        for first in range(n_slots):
-            for second in range(first, n_slots):
-                product = strains.products(first, second)
-                for i in range(2):
-                    for j in range(2):
-                        row, column = STRAIN_PLACES[i, first], STRAIN_PLACES[j, second]
-                        if row < 0 or column < 0 or not matrices[row, column].any():
-                            continue
-                        block = matrices[row, column] * product
-                        by_component[i, j] += block
-                        if first != second:
-                            by_component[j, i] += block.swapaxes(0, 1)
+        return result.reshape(2 * n, 2 * n, -1)
 
     # loads
 
     def load_vector(self) -> Floats:
         """Forces of all loads but changes of temperature on all unknowns, shape (n_dofs, 2)."""
-        total = np.zeros((self.space.n_dofs, 2))
-        for load in self.loads:
-            if not isinstance(load, TemperatureChange):
-                total += load.forces(self)
-        return total
+        return self._forces([load for load in self.loads if not isinstance(load, TemperatureChange)])
 
     def thermal_load_vector(self) -> Floats:
         """Forces of the stresses that would undo the thermal strains on all unknowns, shape (n_dofs, 2)."""
-        total = np.zeros((self.space.n_dofs, 2))
-        for load in self.thermal_loads:
-            total += load.forces(self)
-        return total
+        return self._forces(self.thermal_loads)
+
+    def _forces(self, loads: Sequence[Load]) -> Floats:
+        return sum((load.forces(self) for load in loads), np.zeros((self.space.n_dofs, 2)))
 
     def thermal_energy(self) -> float:
         """Strain energy of the held body's thermal stresses."""
         energy = 0.0
         for batch in self.space.batches() if self.thermal_loads else ():
-            reconstruction = batch.element.reconstruct(batch.outline)
+            reconstruction = batch.reconstruction
             mass = self.strains(batch, reconstruction).mass
             moments = self.cell_temperature(batch, reconstruction, self.thermal_loads)
             squares = np.einsum("ae,ae->e", moments, batched.solve(mass, moments[:, None])[:, 0])
-            energy += 0.5 * self._depth_factor * float(np.sum(self._of_cells(self._thermal_energies, batch) * squares))
+            energy += 0.5 * self._depth_factor * float(np.sum(self.of_cells(self._thermal_energies, batch) * squares))
         return energy
 
     @property
     def thermal_loads(self) -> tuple[TemperatureChange, ...]:
         """The changes of temperature among the loads."""
-        return tuple(load for load in self.loads if isinstance(load, TemperatureChange))
+        return _of_kind(self.loads, TemperatureChange)
 
     def cell_temperature(
         self, batch: CellBatch, reconstruction: Reconstruction, loads: Sequence[TemperatureChange]
@@ -349,7 +326,7 @@ class Elasticity:
     def _thermal_stress(self, batch: CellBatch) -> Floats:
         """Stress of cells per rise of temperature, shape (4, n_cells) or (4, 1); zero for unheated materials."""
         values = [material.thermal_stress if material else np.zeros(4) for material in self._heated]
-        return self._of_cells(np.stack(values, axis=-1), batch)
+        return self.of_cells(np.stack(values, axis=-1), batch)
 
     # stresses
 
@@ -385,14 +362,14 @@ class Elasticity:
     @property
     def springs(self) -> tuple[Spring, ...]:
         """The springs among the supports."""
-        return tuple(support for support in self.supports if isinstance(support, Spring))
+        return _of_kind(self.supports, Spring)
 
     @property
     def handles(self) -> tuple[RigidHandle, ...]:
         """The rigid handles among the supports."""
-        return tuple(support for support in self.supports if isinstance(support, RigidHandle))
+        return _of_kind(self.supports, RigidHandle)
 
     @property
     def prescribed(self) -> tuple[PrescribedDisplacement, ...]:
         """The prescribed displacements among the supports."""
-        return tuple(support for support in self.supports if isinstance(support, PrescribedDisplacement))
+        return _of_kind(self.supports, PrescribedDisplacement)

@@ -17,10 +17,10 @@ from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, batched, missed_mass, monomials
 from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError, short
-from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
-from flangeway.problems.elasticity_problem import ON_AXIS, Elasticity
+from flangeway.problems.edges import EdgeQuadrature, edge_quadrature, entries_between
+from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.problems.prescribed import Scalar, check_scalar, scalar_at
-from flangeway.problems.strains import strain_operators
+from flangeway.problems.strains import StrainOperators, add_consistency, strain_operators
 from flangeway.space import CellBatch, SymmetricMatrix
 from flangeway.types import Bools, Floats, Ints
 
@@ -189,9 +189,7 @@ class Harmonic:
 
     def matrices(self, batch: CellBatch) -> Floats:
         """Stresses per strain of cells, both as in `NAMES`, shape (6, 6, n_cells), or (6, 6, 1) if all are alike."""
-        if self._matrices.shape[-1] == 1:
-            return self._matrices
-        return self._matrices[..., self.elasticity.cell_material[batch.cells]]
+        return self.elasticity.of_cells(self._matrices, batch)
 
     def depth(self, points: Floats) -> Floats | float:
         """Radius at points (..., 2) of a body of revolution, 1 in a prism: what a plane load is multiplied with."""
@@ -219,20 +217,15 @@ class Harmonic:
         """Stiffness of all amplitudes at a wavenumber (prism, per length) or harmonic (revolution, per radian)."""
         return at_wavenumber(self.parts, wavenumber)
 
-    def slots(self, batch: CellBatch, reconstruction: Reconstruction) -> tuple[Floats, Floats]:
+    def slots(self, batch: CellBatch, reconstruction: Reconstruction) -> StrainOperators:
         """Derivatives by x and y and value (over r in a body of revolution) of one amplitude, as polynomials.
 
-        Returns
-        -------
-        tuple
-            Coefficients (n, 3, n_local, n_cells), and the integrals of products of the monomials (n, n, n_cells), with
-            the radius as weight in a body of revolution. A virtual element's value is taken to the degree of its
-            strains, k - 1, but to 1 for order 1, where a constant would leave motions without energy.
-
+        Coefficients have the shape (n, 3, n_local, n_cells); integrals have the radius as weight in a body of
+        revolution. A virtual element's value is taken to the degree of its strains, k - 1, but to 1 for order 1, where
+        a constant would leave motions without energy.
         """
         if self.revolution:
-            strains = strain_operators(batch, reconstruction, axisymmetric=True)
-            return strains.coefficients, strains.mass
+            return strain_operators(batch, reconstruction, axisymmetric=True)
         order = reconstruction.order
         degree = order if reconstruction.exact or order == 1 else order - 1
         mass = monomials.mass(degree, reconstruction.moments)
@@ -243,23 +236,19 @@ class Harmonic:
         result = np.zeros((len(mass), 3, *value.shape[1:]))
         result[: n_monomials(order - 1), :2] = reconstruction.gradient
         result[:, 2] = value
-        return result, mass
+        return StrainOperators(np.einsum("pqe,qbne->pbne", mass, result), mass, result)
 
     def _cell_parts(self, batch: CellBatch) -> tuple[Floats, Floats, Floats]:
         """K0, K1 and K2 of cells, each (3 n_local, 3 n_local, n_cells)."""
         reconstruction = batch.element.reconstruct(batch.outline)
-        coefficients, mass = self.slots(batch, reconstruction)
+        slots, stress = self.slots(batch, reconstruction), self.matrices(batch)
         n, n_cells = reconstruction.n_local, len(batch.cells)
-        # G_abmn = sum over monomials p, q of c_pam M_pq c_qbn
-        products = np.einsum("pame,pbne->abmne", coefficients, np.einsum("pqe,qbne->pbne", mass, coefficients))
-        stress = self.matrices(batch)
         b0, b1 = self._tables
         parts = np.zeros((3, n, 3, n, 3, n_cells))
         for power, pairs in enumerate((((b0, b0),), ((b0, b1), (b1, b0)), ((b1, b1),))):
-            # T_iajb = sum over strains s, t of B_sia D_st B_tjb, and K_minj = sum over slots a, b of T_iajb G_abmn
+            # T_iajb = sum over strains s, t of B_sia D_st B_tjb
             table = sum(np.einsum("sia,ste,tjb->iajbe", left, stress, right) for left, right in pairs)
-            for i, a, j, b in np.argwhere(np.abs(table).any(axis=-1)):
-                parts[power, :, i, :, j] += table[i, a, j, b] * products[a, b]
+            add_consistency(parts[power].transpose(1, 3, 0, 2, 4), np.asarray(table), slots)
         self._add_stabilisation(parts, batch, reconstruction)
         constant, linear, square = parts.reshape(3, 3 * n, 3 * n, n_cells)
         return constant, linear, square
@@ -271,9 +260,7 @@ class Harmonic:
         along = batch.element.stabilise(reconstruction, constant[2:, 2:])
         if in_plane is None or along is None:
             return
-        factors = np.array([material.stabilisation_factor for material in self.elasticity.materials])
-        if len(factors) > 1:
-            factors = factors[self.elasticity.cell_material[batch.cells]]
+        factors = self.elasticity.stabilisation_factors(batch)
         for i, added in enumerate((factors * in_plane, factors * in_plane, along)):
             parts[0, :, i, :, i] += added
         square = missed_mass(reconstruction)
@@ -290,20 +277,13 @@ class Harmonic:
         stiffnesses = np.array([foundation.x, foundation.y, foundation.z])
         if foundation.roll is None:
             nodes = rule.nodes.astype(np.int64)
-            mass = np.einsum("eq,qm,qn->emn", rule.weights * self.depth(rule.points), rule.shapes, rule.shapes)
-            matrices = stiffnesses[:, None, None, None] * mass
+            matrices = stiffnesses[:, None, None, None] * rule.products(self.depth(rule.points))
         else:
             numbers, (mean, slope), length = mean_and_rotation(rule)
             nodes = numbers[None]
             matrices = (length * stiffnesses)[:, None, None, None] * np.outer(mean, mean)
             matrices[1] += foundation.roll * np.outer(slope, slope)
-        rows, columns, entries = [], [], []
-        for component, matrix in enumerate(matrices):
-            unknowns = 3 * nodes + component
-            rows.append(np.broadcast_to(unknowns[:, :, None], matrix.shape).ravel())
-            columns.append(np.broadcast_to(unknowns[:, None, :], matrix.shape).ravel())
-            entries.append(matrix.ravel())
-        return np.concatenate(rows), np.concatenate(columns), np.concatenate(entries)
+        return entries_between(3 * nodes + np.arange(3)[:, None, None], matrices)
 
     # loads and supports
 
@@ -330,12 +310,8 @@ class Harmonic:
         space = self.elasticity.space
         free = np.ones((space.n_dofs, 3), dtype=bool)
         for where, components in (self.held or {}).items():
-            if isinstance(where, str):
-                nodes = np.unique(space.edge_nodes(space.mesh.edge_set(where)))
-            else:
-                nodes = np.array([self.elasticity.node_at(where)])
             for component in components:
-                free[nodes, "xyz".index(component)] = False
+                free[self.elasticity.nodes_at(where), "xyz".index(component)] = False
         if self.revolution:
             on_axis = self.axis_nodes
             free[on_axis, 1] &= wavenumber == 0
@@ -343,10 +319,10 @@ class Harmonic:
             free[on_axis, 2] = False
         return free
 
-    @cached_property
+    @property
     def axis_nodes(self) -> Ints:
         """Nodes on the axis of revolution."""
-        return np.flatnonzero(np.abs(self.elasticity.space.nodes[:, 0]) <= ON_AXIS * self.elasticity.size)
+        return self.elasticity.on_axis
 
     # stresses
 
@@ -370,7 +346,7 @@ class Harmonic:
 
         """
         reconstruction = batch.element.reconstruct(batch.outline)
-        coefficients, _ = self.slots(batch, reconstruction)
+        coefficients = self.slots(batch, reconstruction).coefficients
         b0, b1 = self._tables
         # e_sp = sum over amplitudes i, slots a and unknowns m of B_sia c_pam u_mi
         local = amplitudes[..., batch.dofs, :]

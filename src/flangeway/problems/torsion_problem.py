@@ -15,11 +15,12 @@ import numpy as np
 from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
-from flangeway.elements.quadrature import edge_rule, gauss_lobatto
+from flangeway.elements.quadrature import edge_rule
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray, cross_product
+from flangeway.geometry.arrays import IntArray
 from flangeway.mesh.connectivity import first_connected, next_in_row
 from flangeway.mesh.mesh_checks import set_numbers
+from flangeway.problems.edges import edge_quadrature
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 from flangeway.types import Floats
 
@@ -48,23 +49,15 @@ def boundary_of(space: Space) -> SectionBoundary:
     """Sort the boundary edges of a space's mesh into the outer boundary and holes, by the areas inside their edges."""
     mesh = space.mesh
     pairs = mesh.boundary_edges
-    weights, shapes, slopes = edge_rule(space.order, space.order)
-    labels = first_connected(pairs, mesh.n_points)[pairs[:, 0]]
-    outer, holes, areas = [], [], []
-    for label in np.unique(labels):
-        group = pairs[labels == label]
-        nodes = space.nodes[space.edge_nodes(group)]
-        nodes = nodes - nodes[0, 0]
-        # half the integral of position x tangent along the edges, polynomials of their order
-        area = float(np.sum(cross_product(shapes @ nodes, slopes @ nodes) @ weights)) / 2.0
-        if area > 0.0:
-            outer.append(group)
-        else:
-            holes.append(group)
-            areas.append(-area)
-    hole_areas = np.array(areas)
+    labels = np.unique(first_connected(pairs, mesh.n_points)[pairs[:, 0]], return_inverse=True)[1]
+    rule = edge_quadrature(space, pairs, space.order)
+    # half the integral of the position times the normal along the edges, polynomials of their order
+    places = rule.points - mesh.points.mean(axis=0)
+    areas = np.bincount(labels, np.einsum("eq,eqi,eqi->e", rule.weights, places, rule.normals)) / 2.0
+    holes = np.flatnonzero(areas <= 0.0)
+    hole_areas = -areas[holes]
     hole_areas.setflags(write=False)
-    return SectionBoundary(np.concatenate(outer), tuple(holes), hole_areas)
+    return SectionBoundary(pairs[areas[labels] > 0.0], tuple(pairs[labels == hole] for hole in holes), hole_areas)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,21 +159,12 @@ class Torsion:
         moduli = np.repeat(self.cell_moduli, mesh.cell_sizes)
         jumps = np.bincount(mesh.cell_edges, sign * moduli, minlength=mesh.n_edges)
         edges = np.flatnonzero(jumps)
-        pairs = mesh.edges[edges]
-        start = mesh.points[pairs[:, 0]] - self.centre
-        along = mesh.points[pairs[:, 1]] - mesh.points[pairs[:, 0]]
-        constant = np.einsum("ex,ex->e", start, along) * jumps[edges]
-        linear = np.einsum("ex,ex->e", along, along) * jumps[edges]
-        first, second = _edge_integrals(space.order)
-        local = constant[:, None] * first + linear[:, None] * second
-        if mesh.curves is not None and space.order > 1:
-            curved = np.flatnonzero(mesh.curve_rows[edges] >= 0)
-            own = space.nodes[space.edge_nodes(pairs[curved])] - self.centre
-            weights, shapes, slopes = edge_rule(space.order, 3 * space.order // 2 + 1)
-            along = np.einsum("eqx,eqx->eq", shapes @ own, slopes @ own)
-            local[curved] = jumps[edges[curved], None] * ((along * weights) @ shapes)
-        nodes = space.edge_nodes(pairs).ravel()
-        return np.asarray(np.bincount(nodes, local.ravel(), minlength=space.n_dofs), dtype=np.float64)
+        nodes = space.edge_nodes(mesh.edges[edges])
+        own = space.nodes[nodes] - self.centre
+        weights, shapes, slopes = edge_rule(space.order, 3 * space.order // 2 + 1)
+        along = np.einsum("eqx,eqx->eq", shapes @ own, slopes @ own)
+        local = jumps[edges, None] * ((along * weights) @ shapes)
+        return np.asarray(np.bincount(nodes.ravel(), local.ravel(), minlength=space.n_dofs), dtype=np.float64)
 
     def _prandtl_load(self) -> Floats:
         """Integrals ``2 int v`` in the reading chosen by ``load``."""
@@ -191,7 +175,7 @@ class Torsion:
                 areas = self.space.element_mesh.cell_areas[batch.cells]
                 local = np.broadcast_to(2.0 * areas / len(batch.dofs), batch.dofs.shape)
             else:
-                reconstruction = batch.element.reconstruct(batch.outline)
+                reconstruction = batch.reconstruction
                 value = reconstruction.projected_value
                 local = 2.0 * np.einsum("ae,ame->me", reconstruction.moments[: len(value)], value)
             load += np.bincount(batch.dofs.ravel(), local.ravel(), minlength=n_dofs)
@@ -256,10 +240,3 @@ class Torsion:
         stress[0, :3] -= position[1]
         stress[1, :3] += position[0]
         return reconstruction, stress * self.cell_moduli[batch.cells]
-
-
-def _edge_integrals(order: int) -> tuple[Floats, Floats]:
-    """Integrals over [0, 1] of the Lagrange functions on Gauss-Lobatto points, and of these times t."""
-    points, weights = gauss_lobatto(order + 1)
-    powers = points ** np.arange(order + 1)[:, None]
-    return weights, np.asarray(np.linalg.solve(powers, 1.0 / np.arange(2, order + 3)))

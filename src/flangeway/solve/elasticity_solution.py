@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from flangeway._core import NotPositiveDefiniteError
 from flangeway.errors import InputError
-from flangeway.problems import ElasticField, Elasticity, RigidHandle
+from flangeway.problems import ElasticField, Elasticity
 from flangeway.solve.constraints import SupportConstraints, find_constraints
 from flangeway.solve.free_motions import refuse_free_motions
 from flangeway.solve.linear import solve_linear
@@ -118,12 +118,9 @@ def forces_on_handles(problem: Elasticity, constraints: SupportConstraints) -> t
     """Forces applied to handles, on the free unknowns and as x, y and moment of each handle (n_handles, 3)."""
     applied = np.zeros(constraints.transform.shape[1])
     forces = np.zeros((len(constraints.handles), 3))
-    for number, handle in enumerate(constraints.handles):
-        support = problem.supports[handle.support]
-        if isinstance(support, RigidHandle):
-            forces[number] = (*support.force, support.moment)
-        columns = np.flatnonzero(constraints.groups == problem.space.n_nodes + number)
-        applied[columns] = handle.basis.T @ forces[number]
+    for number, (handle, basis) in enumerate(zip(constraints.handles, constraints.bases, strict=True)):
+        forces[number] = (*handle.support.force, handle.support.moment)
+        applied[constraints.groups == problem.space.n_nodes + number] = basis.T @ forces[number]
     return applied, forces
 
 

@@ -83,45 +83,31 @@ class SymmetricMatrix:
 
     def plus(self, added: sp.csc_array) -> "SymmetricMatrix":
         """Sum with another symmetric matrix, both triangles of which are given."""
-        total = sp.csc_array(self.lower + sp.tril(added, format="csc"))
-        total.sort_indices()
-        indptr, indices = total.indptr.astype(np.int64), total.indices.astype(np.int32)
-        return SymmetricMatrix(self.n, indptr, indices, total.data)
+        return SymmetricMatrix.of_lower(self.lower + sp.tril(added, format="csc"))
 
     def restricted(self, kept: Bools) -> "SymmetricMatrix":
         """Rows and columns where ``kept``, shape (n,), is true, in their order."""
-        columns = np.repeat(np.arange(self.n), np.diff(self.indptr))
-        stays = kept[columns] & kept[self.indices]
-        number = np.cumsum(kept, dtype=np.int32) - 1
-        counts = np.bincount(number[columns[stays]], minlength=int(kept.sum()))
-        return SymmetricMatrix(
-            int(kept.sum()),
-            np.concatenate(([0], np.cumsum(counts))).astype(np.int64),
-            number[self.indices[stays]].astype(np.int32),
-            self.values[stays],
-        )
+        numbers = np.flatnonzero(kept)
+        return SymmetricMatrix.of_lower(self.lower[:, numbers][numbers])
 
     def bordered(self, rows: sp.sparray) -> "SymmetricMatrix":
         """Take more rows (m, n) below, with their transpose and an explicit zero diagonal beside them."""
         m = rows.shape[0]
         zero = sp.csc_array((np.zeros(m), np.arange(m), np.arange(m + 1)), shape=(m, m))
-        lower = sp.csc_array(sp.block_array([[self.lower, None], [rows, zero]]))
-        lower.sort_indices()
-        return SymmetricMatrix(self.n + m, lower.indptr.astype(np.int64), lower.indices.astype(np.int32), lower.data)
+        return SymmetricMatrix.of_lower(sp.block_array([[self.lower, None], [rows, zero]]))
 
     @classmethod
     def from_full(cls, matrix: sp.sparray) -> "SymmetricMatrix":
-        """Take the lower triangle of a symmetric SciPy array, whose rows are its columns."""
-        columns = matrix if matrix.format == "csc" else sp.csr_array(matrix).T
-        if not columns.has_canonical_format:  # the caller's matrix stays as it is
-            columns = columns.copy()
-            columns.sum_duplicates()  # which sorts the rows too
-        n = columns.shape[0]
-        column = np.repeat(np.arange(n, dtype=np.int32), np.diff(columns.indptr))
-        kept = columns.indices >= column
-        indptr = np.concatenate(([0], np.cumsum(np.bincount(column[kept], minlength=n)))).astype(np.int64)
-        values = np.asarray(columns.data[kept], dtype=np.float64)
-        return cls(n, indptr, columns.indices[kept].astype(np.int32), values)
+        """Take the lower triangle of a symmetric SciPy array."""
+        return cls.of_lower(sp.tril(matrix))
+
+    @classmethod
+    def of_lower(cls, lower: sp.sparray) -> "SymmetricMatrix":
+        """Take a lower triangle, explicit zeros included."""
+        columns = sp.csc_array(lower)
+        columns.sum_duplicates()  # which sorts the rows too
+        indptr, indices = columns.indptr.astype(np.int64), columns.indices.astype(np.int32)
+        return cls(columns.shape[0], indptr, indices, columns.data.astype(np.float64, copy=False))
 
 
 def over_last_bit(forces: Floats, terms: Floats) -> Floats:

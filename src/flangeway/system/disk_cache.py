@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.system.memory_limits import size_of_variable
 from flangeway.system.operating_system import cache_parent
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -54,14 +54,7 @@ class Cache:
         if where.lower() == "off":
             return None
         limit = os.environ.get("FLANGEWAY_CACHE_MB", str(DEFAULT_MB))
-        try:
-            megabytes = float(limit)
-        except ValueError:
-            megabytes = -1.0
-        if not (np.isfinite(megabytes) and megabytes > 0.0):
-            raise InputError(
-                f"FLANGEWAY_CACHE_MB={limit}", "a positive number of megabytes", "correct it, or FLANGEWAY_CACHE=off"
-            )
+        megabytes = size_of_variable("FLANGEWAY_CACHE_MB", limit, "megabytes", "FLANGEWAY_CACHE=off")
         folder = Path(where).expanduser() if where else cache_parent() / "flangeway"
         return cls(folder, int(1e6 * megabytes))
 

@@ -139,8 +139,12 @@ def number_table(file: Path, columns: Sequence[str], what: str) -> Floats:
 
 def packaged_rows(package: str, name: str) -> list[dict[str, str]]:
     """Rows of a CSV file in a package's folder ``data`` by column; lines that begin with ``#`` state the source."""
-    text = (files(package) / "data" / name).read_text(encoding="utf-8")
-    return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    return list(csv.DictReader(line for line in packaged_text(package, name).splitlines() if not line.startswith("#")))
+
+
+def packaged_text(package: str, name: str) -> str:
+    """Text of a file in a package's folder ``data``."""
+    return (files(package) / "data" / name).read_text(encoding="utf-8")
 
 
 def toml_data(text: str, lines: str) -> dict[str, Any]:

@@ -69,7 +69,7 @@ def _bounds() -> Iterator[tuple[int, str]]:
     held = memory.rss
     given = os.environ.get(LIMIT, "")
     if given:
-        limit = _limit(given)
+        limit = int(GB * size_of_variable(LIMIT, given, "gigabytes", "leave it out"))
         yield limit - held, f"what {LIMIT} or --memory ({limit / GB:g} GB) leaves beside {_size(held)} in use"
     else:
         yield psutil.virtual_memory().available, "what this machine has left"
@@ -79,14 +79,19 @@ def _bounds() -> Iterator[tuple[int, str]]:
         yield int(most) - memory.vms, "what the limit of the address space (ulimit -v) leaves"
 
 
-def _limit(given: str) -> int:
+def size_of_variable(name: str, given: str, unit: str, otherwise: str) -> float:
+    """Number of a variable of the environment; an `InputError` if it is not positive.
+
+    - `given`: its text.
+    - `otherwise`: what to do instead of correcting it.
+    """
     try:
-        gigabytes = float(given)
+        size = float(given)
     except ValueError:
-        gigabytes = -1.0
-    if not (np.isfinite(gigabytes) and gigabytes > 0.0):
-        raise InputError(f"{LIMIT}={given}", "a positive number of gigabytes", "correct it, or leave it out")
-    return int(GB * gigabytes)
+        size = -1.0
+    if not (np.isfinite(size) and size > 0.0):
+        raise InputError(f"{name}={given}", f"a positive number of {unit}", f"correct it, or {otherwise}")
+    return size
 
 
 def _control_groups(root: Path) -> Iterator[int]:

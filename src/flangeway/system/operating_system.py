@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
 
+from flangeway.errors import MissingLibraryError
+
 INPUT_CAN_BE_WATCHED = sys.platform != "win32"
 """Whether a thread may wait for the standard input; on Windows a library that is loaded would wait for that thread."""
 
@@ -20,6 +22,20 @@ def system_module(name: str) -> Any:
         return importlib.import_module(name)
     except ImportError:
         return None
+
+
+def optional_module(name: str, need: str, remedy: str) -> Any:
+    """Return a module that is installed with the option ``campaign``, or raise a `MissingLibraryError`.
+
+    - `need`: what needs which library.
+    - `remedy`: what else the user can do.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError as reason:
+        raise MissingLibraryError(
+            f"{need}, which is not installed\n  what to do: pip install 'flangeway[campaign]'{remedy}"
+        ) from reason
 
 
 def lock_file(file: IO[bytes]) -> None:

@@ -1,13 +1,13 @@
 """Tables as a workbook (.xlsx) for spreadsheet programs: a sheet for each table."""
 
 import csv
-import importlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from flangeway.errors import InputError, MissingLibraryError
+from flangeway.errors import InputError
+from flangeway.system.operating_system import optional_module
 
 NUMBER = re.compile(r"-?(?:\d+\.?\d*|\.\d+)(?:e[-+]\d+)?")
 """Numbers as CSV files of flangeway have them; 60E1 is a rail."""
@@ -18,13 +18,8 @@ FORBIDDEN = re.compile(r"[\[\]:*?/\\]")
 
 def spreadsheet_library() -> Any:
     """Return the module openpyxl; a `MissingLibraryError` says how to install it."""
-    try:
-        return importlib.import_module("openpyxl")
-    except ImportError as reason:
-        raise MissingLibraryError(
-            "workbooks (.xlsx) need openpyxl, which is not installed\n  what to do: pip install 'flangeway[campaign]', "
-            "or leave --xlsx out: CSV files have the same tables"
-        ) from reason
+    remedy = ", or leave --xlsx out: CSV files have the same tables"
+    return optional_module("openpyxl", "workbooks (.xlsx) need openpyxl", remedy)
 
 
 def write_workbook(path: Path, tables: Mapping[str, Iterable[Sequence[Any]]]) -> None:

@@ -1,6 +1,5 @@
 """Workers: processes of this machine, or those of a cluster, reached through a scheduler of Dask."""
 
-import importlib
 import multiprocessing
 import os
 import signal
@@ -15,8 +14,8 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import wait as wait_for
 from typing import Any, Generic, TypeVar
 
-from flangeway.errors import FlangewayError, InputError, MissingLibraryError
-from flangeway.system.operating_system import interrupts_blocked, worker_start_method
+from flangeway.errors import FlangewayError, InputError
+from flangeway.system.operating_system import interrupts_blocked, number_of_cores, optional_module, worker_start_method
 
 Work = TypeVar("Work")
 Found = TypeVar("Found")
@@ -28,6 +27,13 @@ CLOSE_S = 2.0  # time to part from a scheduler
 POLL_S = 1.0  # time between two looks at a cluster, whose workers come and go
 CHUNKS_PER_THREAD = 2
 """Chunks that wait at each thread of a cluster, so that none is idle while the coordinator stores results."""
+
+
+def n_processes(workers: int | None) -> int:
+    """Number of processes to take: as many as cores if none is given; an `InputError` below one."""
+    if workers is not None and workers < 1:
+        raise InputError(f"workers = {workers}", "one worker or more", "leave it out to use all cores")
+    return workers or number_of_cores()
 
 
 class LostWorkerError(Exception):
@@ -270,10 +276,5 @@ class ClusterWorkers(Workers[Work, Found]):
 
 
 def _distributed() -> Any:
-    try:
-        return importlib.import_module("distributed")
-    except ImportError as reason:
-        raise MissingLibraryError(
-            "a campaign on a cluster needs dask.distributed, which is not installed\n"
-            "  what to do: pip install 'flangeway[campaign]'; without --scheduler processes of this machine compute"
-        ) from reason
+    remedy = "; without --scheduler processes of this machine compute"
+    return optional_module("distributed", "a campaign on a cluster needs dask.distributed", remedy)

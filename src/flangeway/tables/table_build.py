@@ -13,9 +13,8 @@ from flangeway.cases.wheelset.wheelset_inputs import CURVE_KEYS
 from flangeway.errors import InputError
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.system.disk_cache import Cache
-from flangeway.system.operating_system import number_of_cores
 from flangeway.system.versions import versions
-from flangeway.system.workers import LostWorkerError, computed_here
+from flangeway.system.workers import LostWorkerError, computed_here, n_processes
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_table import AXES, FORMAT, OF_PATCH, SIDES, CreepTable
 from flangeway.tables.table_positions import FRICTION, Arrays, PositionTask, compute_position
@@ -117,10 +116,8 @@ def make_table(request: TableRequest, *, workers: int | None = None, progress: P
         If a position has no contact on both wheels, or there is no worker.
 
     """
-    if workers is not None and workers < 1:
-        raise InputError(f"workers = {workers}", "one worker or more", "leave it out to use all cores")
     start = time.perf_counter()
-    n_workers, cache = workers or number_of_cores(), Cache.of_user()
+    n_workers, cache = n_processes(workers), Cache.of_user()
     if n_workers > 1 and cache is not None:  # once for all of them
         running_surfaces(request.case.problem(), request.case.spatial_model(), cache=cache, progress=progress)
     build = _Build(request, n_workers, progress)

@@ -172,7 +172,7 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
             'set method = "vem"',
         )
     factor = UNITS_MM[body.unit or "mm"]
-    return PolyMesh(mesh.points * factor, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets)
+    return replace(mesh, points=mesh.points * factor)
 
 
 def _in_mm(outline: Outline, factor: float) -> Outline:

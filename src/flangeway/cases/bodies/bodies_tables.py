@@ -104,7 +104,7 @@ class MaterialTable(Table):
     """thermal strain per kelvin, for temperature_K"""
 
 
-def elastic(table: "MaterialTable | BodyTable", hypothesis: HypothesisName) -> Elastic:
+def elastic(table: MaterialTable, hypothesis: HypothesisName) -> Elastic:
     """Material of a table under a hypothesis on the direction out of the plane."""
     density = None if table.density_kg_m3 is None else T_PER_MM3 * table.density_kg_m3
     return Elastic(
@@ -112,8 +112,8 @@ def elastic(table: "MaterialTable | BodyTable", hypothesis: HypothesisName) -> E
     )
 
 
-class BodyTable(Table):
-    """An elastic body: its shape, mesh, elements and material."""
+class ShapeTable(Table):
+    """A body's shape, mesh and elements."""
 
     name: str = Field(min_length=1, max_length=60)
     """name of the body, used by the other tables"""
@@ -145,14 +145,11 @@ class BodyTable(Table):
     """edge length of the triangles (default: a twentieth of the shape's diagonal)"""
     fine: list[FineTable] = Field([])
     """regions with smaller triangles"""
-    young_MPa: Positive = 210e3
-    """Young's modulus"""
-    poisson: float = Field(0.3, gt=-1.0, le=0.5)
-    """Poisson's ratio; 0.5 in plane stress only"""
-    density_kg_m3: Positive | None = None
-    """density, for gravity_m_s2"""
-    expansion_per_K: float | None = None
-    """thermal strain per kelvin, for temperature_K"""
+
+
+class BodyTable(MaterialTable, ShapeTable):
+    """An elastic body: its shape, mesh, elements and material."""
+
     materials: dict[str, MaterialTable] = Field({})
     """materials by the names of cell sets of the mesh"""
 

@@ -22,12 +22,12 @@ from flangeway.railway.profiles.bundled import (
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.joining import body_distance_mm, joined, nominal_profile, on_plain_body
+from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import (
     FIELD_WORN,
     MIRRORED,
     READABLE,
     MeasuredProfile,
-    ReadOptions,
     read_profile,
     side_notices,
 )
@@ -141,14 +141,13 @@ def _as_keys(text: str, key: str) -> str:
 def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProfile:
     """Read a file; where neither file nor shape shows whether it is a rail or a wheel, the key decides."""
     try:
-        measured = read_profile(name, options)
+        try:
+            measured = read_profile(name, options)
+        except InputError as reason:
+            if "--kind" not in reason.allowed:
+                raise
+            measured = read_profile(name, replace(options, kind=kind))
     except InputError as reason:
-        if "--kind" in reason.allowed:
-            try:
-                measured = read_profile(name, replace(options, kind=kind))
-                return replace(measured, notices=tuple(_as_keys(notice, key) for notice in measured.notices))
-            except InputError as second:
-                reason = second
         given, allowed, advice = (_as_keys(text, key) for text in (reason.given, reason.allowed, reason.advice))
         if "--" in f"{allowed} {advice}":
             advice += f": options of `flangeway profile {name}`, whose --to writes a file for {kind}"

@@ -102,11 +102,6 @@ class WornSurface:
         return np.asarray((self.bounds[1:] + self.bounds[:-1]) / 2.0)
 
     @cached_property
-    def _starts(self) -> Floats:
-        """Arc lengths of the starts of the segments and of the end, shape (n_segments + 1,)."""
-        return np.append(0.0, np.cumsum([each.length for each in self.surface.segments]))
-
-    @cached_property
     def _depth_at(self) -> CubicSpline:
         # a second derivative without jumps: contact feels curvatures of 1e-3 per mm
         s = np.concatenate((self.bounds[:1], self.middles, self.bounds[-1:]))
@@ -129,11 +124,11 @@ class WornSurface:
 
     def _new_at(self, lengths: Floats) -> tuple[Floats, Floats]:
         """Points and normals of the new surface at arc lengths (n,), shape (n, 2)."""
-        piece = np.clip(np.searchsorted(self._starts, lengths, side="right") - 1, 0, len(self.surface.segments) - 1)
+        piece = self.surface.numbers_at(lengths)
         points, normals = np.empty((2, len(lengths), 2))
         for number in np.unique(piece):
             rows, segment = piece == number, self.surface.segments[number]
-            s = (lengths[rows] - self._starts[number]) / segment.length
+            s = (lengths[rows] - self.surface.offsets[number]) / segment.length
             points[rows], normals[rows] = segment.point(s), segment.normal(s)
         return points, normals
 
@@ -149,7 +144,7 @@ class WornSurface:
         surface.
         """
         worn = np.append(0.0, np.cumsum(self.worn_lengths))
-        at = np.sort(self.arc_lengths(ends.reshape(-1, 2)).reshape(-1, 2), axis=1)
+        at = np.sort(self.surface.lengths_at(ends.reshape(-1, 2)).reshape(-1, 2), axis=1)
         first, last = np.interp(at, self.bounds, worn).T
         width = np.maximum(last - first, np.finfo(float).tiny)
         if (last - first < 1e-9).any() or first.min(initial=1.0) <= 0.0 or last.max(initial=0.0) >= worn[-1]:
@@ -161,11 +156,6 @@ class WornSurface:
         # fraction of each area before each bound, exact for uniform depths between the ends; then on each piece
         before = np.clip((worn[None] - first[:, None]) / width[:, None], 0.0, 1.0)
         return np.asarray(areas @ np.diff(before, axis=1) / self.worn_lengths)
-
-    def arc_lengths(self, points: Floats) -> Floats:
-        """Arc lengths (m,) of the new surface at points (m, 2) of the worn one, which lie on its normals."""
-        number, s, _ = self.surface.closest(points)
-        return np.asarray(self._starts[number] + s * np.diff(self._starts)[number])
 
     def filtered(self, increment: Floats, filter_mm: float = FILTER_MM) -> Floats:
         """Increment of the depth (n,) without short waves, of the same area.
@@ -184,19 +174,15 @@ class WornSurface:
     @cached_property
     def _inclination(self) -> Floats:
         """Depth along the new normal over that along the worn one, shape (n,)."""
-        stretch = np.diff(self.bounds) * (1.0 - self._curvatures(self.middles) * self.depth)
+        stretch = np.diff(self.bounds) * (1.0 - self.surface.curvatures_at(self.middles) * self.depth)
         return np.asarray(np.sqrt(1.0 + (np.diff(self._depth_at(self.bounds)) / stretch) ** 2))
-
-    def _curvatures(self, lengths: Floats) -> Floats:
-        curvatures = np.array([each.curvature for each in self.surface.segments])
-        return curvatures[np.clip(np.searchsorted(self._starts, lengths, side="right") - 1, 0, len(curvatures) - 1)]
 
     @property
     def worn_area_mm2(self) -> float:
         """Area between the new and the worn surface, ``integral of h - curvature h^2 / 2`` over the arc length."""
         s = np.linspace(0.0, self.surface.length, 20 * len(self.depth))
         h = self._depth_at(s)
-        return float(np.trapezoid(h - 0.5 * self._curvatures(s) * h**2, s))
+        return float(np.trapezoid(h - 0.5 * self.surface.curvatures_at(s) * h**2, s))
 
     @cached_property
     def worn(self) -> Profile:
@@ -206,7 +192,7 @@ class WornSurface:
         """
         if not self.depth.any():
             return self.new
-        contour = self._worn_contour(self.surface, self._starts)
+        contour = self._worn_contour(self.surface, self.surface.offsets)
         if isinstance(self.new, RailProfile):  # the gauge is that of the new head
             head = self.new.placing_head or self.surface
             return replace(self.new, fine=contour, placing_head=head)
@@ -220,8 +206,8 @@ class WornSurface:
         names = self.new.head_names if isinstance(self.new, RailProfile) else self.new.running_names
         drawn = self.new.outline.part(names)
         # the drawn surface and the one of contact have lengths that differ by round-off and tolerances of drawing
-        starts = np.append(0.0, np.cumsum([each.length for each in drawn.segments]))
-        part = self._worn_contour(drawn, starts * self.surface.length / starts[-1], BODY_TOLERANCE_MM)
+        scale = self.surface.length / drawn.offsets[-1]
+        part = self._worn_contour(drawn, drawn.offsets * scale, BODY_TOLERANCE_MM)
         rest = [
             pair for pair in zip(self.new.outline.segments, self.new.outline.names, strict=True) if pair[1] not in names
         ]
@@ -283,7 +269,7 @@ class WornSurface:
     def _refuse_too_deep(self) -> None:
         if self.depth[[0, -1]].any():
             raise self._too_deep("it reaches the end of the running surface")
-        if (1.0 - self._curvatures(self.middles) * self.depth < MIN_STRETCH).any():
+        if (1.0 - self.surface.curvatures_at(self.middles) * self.depth < MIN_STRETCH).any():
             raise self._too_deep("its surface folds where it is curved more")
         deep = self._at(self.middles)[self.depth > DEPTH_SEEN_MM]
         if len(deep) and not self.new.outline.contains(deep).all():

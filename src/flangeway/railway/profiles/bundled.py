@@ -9,8 +9,8 @@ from functools import cache
 
 from flangeway.errors import InputError
 from flangeway.formats import DrawnSection
+from flangeway.formats.outline_csv import parse_segment, parse_table
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, Region, Section, Segment
-from flangeway.geometry.arrays import Point
 from flangeway.railway.profiles.wheel_contours import (
     DATA,
     FINE_TOLERANCE_MM,
@@ -19,7 +19,7 @@ from flangeway.railway.profiles.wheel_contours import (
     reference_contour,
     s1002_contour,
 )
-from flangeway.system.file_content import packaged_rows
+from flangeway.system.file_content import packaged_text
 
 _RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
     "136RE": {10.0: "136RE_R10_A_arcs.csv", 8.0: "136RE_R8_A_arcs.csv", 14.0: "136RE_R14_arcs.csv"},
@@ -30,7 +30,6 @@ _RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
 _OTHER_NAMES = {"UIC60": "60E1", "60KG": "60E1", "UIC54": "54E1", "S49": "49E1", "RE136": "136RE", "136LB": "136RE"}
 """Other names of bundled rails, in capital letters without blanks and hyphens (EN 13674-1, table A.1)."""
 
-_WHEEL_FILES = {"AAR-1B": "AAR1B_wide_flange_DERIVED_arcs.csv"}
 WHEELS = ("AAR-1B", "S1002", "heavy-haul")  # names of the bundled wheels
 RAILS = tuple(_RAIL_FILES)  # names of the bundled rails
 REFERENCE_WHEELS = ("R-519-A", "R-519-B", "R-519-C", "R-519-H", "R-519-I")
@@ -48,17 +47,6 @@ SECTIONS = {
 """Rail and radius of its crown in inches by the name of the section; None for the usual one."""
 
 CUT_HEIGHT_MM = 50.0  # height above the tape line of the straight cut that closes a rim
-
-_RUNNING = (
-    "flange_back",
-    "flange_tip_land",
-    "flange_tip_front",
-    "flange_face_75deg",
-    "flange_root_R1",
-    "flange_root_R2",
-    "tread_1:20",
-    "rim_edge",
-)
 
 
 @dataclass(frozen=True)
@@ -178,7 +166,7 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
             f"one of {known}" if known else "no crown radius: this rail has one crown",
             "choose a radius that is there" if known else "leave it out",
         )
-    half = _read_segments(radii[radius], "x{}_mm", "y{}_mm")
+    half = _read_segments(radii[radius])
     below_crown = list(half)[1:]
     side = below_crown[: next(i for i, part in enumerate(below_crown, 1) if part.startswith("head_side"))]
     certainty, source = _EN_TEXTS if radius is None else _texts_136re(radius)
@@ -230,35 +218,12 @@ def wheel(name: str = "AAR-1B") -> WheelProfile:
         advice = _advice("wheel", name, (*WHEELS, *REFERENCE_WHEELS))
         known = ", ".join((*WHEELS, *REFERENCE_WHEELS))
         raise InputError(f"wheel '{name}'", f"one of {known}, or a file of a profile", advice)
-    if name not in _WHEEL_FILES:
-        if name in REFERENCE_WHEELS:
-            return _wheel_below(
-                reference_contour(name), title=name, certainty=_REFERENCE_CERTAINTY,
-                source=_REFERENCE_SOURCE,
-            )  # fmt: skip
-        return _s1002() if name == "S1002" else _heavy_haul()
-    # the file's axes point towards the flange and away from the axle: half a turn, without rounding
-    contour = _read_segments(_WHEEL_FILES[name], "y{}", "z{}", sign=-1.0)
-    outer, back = contour["outer_face"], contour["back_face"]
-    contour["outer_face"] = Line((outer.end[0], CUT_HEIGHT_MM), outer.end)
-    contour["back_face"] = Line(back.start, (back.start[0], CUT_HEIGHT_MM))
-    contour["cut"] = Line(contour["back_face"].end, contour["outer_face"].start)
-    outline = Outline.from_segments(contour.values(), contour.keys())
-    return WheelProfile(
-        title=f"{name} (approximate)",
-        outline=outline,
-        running_names=tuple(part for part in outline.names if part in _RUNNING),
-        flange_height_mm=-float(outline.bounds()[0, 1]),
-        flange_back_mm=-float(outline.bounds(["back_face"])[0, 0]),
-        certainty=(
-            "An approximation: taper, height, thickness and angle of the flange and width of the "
-            "rim agree with the standard's figures; the radii of the flange root and its junctions are "
-            "assumed."
-        ),
-        source=(
-            "AAR-1B wide flange: figures of the standard as quoted in public texts; no public source gives the drawing."
-        ),
-    )
+    if name in REFERENCE_WHEELS:
+        contour = reference_contour(name)
+        return _wheel_below(contour, title=name, certainty=_REFERENCE_CERTAINTY, source=_REFERENCE_SOURCE)
+    if name == "AAR-1B":
+        return _aar_1b()
+    return _s1002() if name == "S1002" else _heavy_haul()
 
 
 _REFERENCE_CERTAINTY = (
@@ -291,6 +256,25 @@ def _reference_rail() -> RailProfile:
     )
 
 
+def _aar_1b() -> WheelProfile:
+    running = _read_segments("AAR1B_wide_flange_DERIVED_arcs.csv")
+    profile = _wheel_below(
+        Contour.from_segments(running.values(), running.keys()).reversed(),
+        title="AAR-1B (approximate)",
+        certainty=(
+            "An approximation: taper, height, thickness and angle of the flange and width of the "
+            "rim agree with the standard's figures; the radii of the flange root and its junctions are "
+            "assumed."
+        ),
+        source=(
+            "AAR-1B wide flange: figures of the standard as quoted in public texts; no public source gives the drawing."
+        ),
+    )
+    # from its cut on: meshes depend a little on where an outline begins, and recorded positions are those of this one
+    segments, names = profile.outline.segments, profile.outline.names
+    return replace(profile, outline=Outline(segments[-2:] + segments[:-2], names[-2:] + names[:-2]))
+
+
 @cache
 def _s1002() -> WheelProfile:
     profile = _wheel_below(
@@ -320,9 +304,8 @@ def _heavy_haul() -> WheelProfile:
 def _wheel_below(running: Contour, *, title: str, certainty: str, source: str) -> WheelProfile:
     """Close a running surface by vertical faces and a straight cut."""
     back, outer = running.segments[0].start, running.segments[-1].end
-    high_back, high_outer = (back[0], CUT_HEIGHT_MM), (outer[0], CUT_HEIGHT_MM)
-    segments = [*running.segments, Line(outer, high_outer), Line(high_outer, high_back), Line(high_back, back)]
-    outline = Outline.from_segments(segments, [*running.names, "outer_face", "cut", "back_face"])
+    cut = [(outer[0], CUT_HEIGHT_MM), (back[0], CUT_HEIGHT_MM)]
+    outline = Outline.closed(running.segments, cut, [*running.names, "outer_face", "cut", "back_face"])
     return WheelProfile(
         title=title,
         outline=outline,
@@ -334,26 +317,10 @@ def _wheel_below(running: Contour, *, title: str, certainty: str, source: str) -
     )
 
 
-def _read_segments(file: str, first: str, second: str, *, sign: float = 1.0) -> dict[str, Segment]:
-    """Return the segments of a data file by name, in its order.
-
-    `first` and `second` are the names of the columns of both coordinates, with braces for 0, 1, c;
-    both are multiplied by `sign`.
-    """
-    return {row["name"]: _segment(row, first, second, sign) for row in packaged_rows(DATA, file)}
-
-
-def _segment(row: Mapping[str, str], first: str, second: str, sign: float) -> Segment:
-    def point(key: str) -> Point:
-        return sign * float(row[first.format(key)]), sign * float(row[second.format(key)])
-
-    start, end = point("0"), point("1")
-    if row["type"] == "line":
-        return Line(start, end)
-    centre = point("c")
-    # every arc is shorter than half a turn
-    turn = (start[0] - centre[0]) * (end[1] - centre[1]) - (start[1] - centre[1]) * (end[0] - centre[0])
-    return Arc(start, end, centre, turn > 0.0)
+def _read_segments(file: str) -> dict[str, Segment]:
+    """Return the segments of a data file by name, in its order."""
+    rows, _ = parse_table(packaged_text(DATA, file))
+    return {row["name"]: parse_segment(row, number).checked() for number, row in rows}
 
 
 def _mirrored_and_joined(field_side: Mapping[str, Segment]) -> Outline:
@@ -371,7 +338,7 @@ def _mirrored_and_joined(field_side: Mapping[str, Segment]) -> Outline:
         ("crown", Arc(crown.end, left_crown.end, (0.0, crown.centre[1]), True)),
         *((f"{part}_gauge", segment) for part, segment in gauge_side.items()),
     ]
-    return Outline.from_segments([s for _, s in chain], [part for part, _ in chain])
+    return Outline.named(chain)
 
 
 def bundled_section(name: str) -> DrawnSection:

@@ -11,6 +11,7 @@ whose ends do not fit is moved sideways until its field side, which does not wea
 reports it; the gauge is measured on the head, so that nothing else depends on where the file's x = 0 is.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -35,7 +36,7 @@ from flangeway.railway.profiles.bundled import (
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin
 from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, extent, graphs_of
-from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between, point_at
+from flangeway.railway.profiles.whole_outline import pieces_between, point_at
 
 MIN_BLEND_MM = 1.0
 MAX_BLEND_MM = 12.0
@@ -373,9 +374,9 @@ def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     start, end = surface.segments[0].start, surface.segments[-1].end
     (_, low), (_, top) = (measured.first_slice or surface).bounds()
     level = min(top - PLAIN_BASE_MM, low - 10.0) if is_rail else max(PLAIN_CUT_MM, start[1] + 10.0, end[1] + 10.0)
-    sides = [Line(end, (end[0], level)), Line((end[0], level), (start[0], level)), Line((start[0], level), start)]
     around = ("gauge_face", "base", "field_face") if is_rail else ("outer_face", "cut", "back_face")
-    outline = Outline.from_segments([*surface.segments, *sides], [*[MEASURED] * len(surface.segments), *around])
+    names = [*[MEASURED] * len(surface.segments), *around]
+    outline = Outline.closed(surface.segments, [(end[0], level), (start[0], level)], names)
     title, source = f"{measured.title} on a plain body", f"File: {measured.format}."
     certainty = f"Running surface as measured, on a block of steel with upright faces.{_tape_text(measured)}"
     notices = (*measured.notices, *clipped_notices(surface, measured))
@@ -433,13 +434,12 @@ def _joints(
     words = RAIL_SIDES if is_rail else WHEEL_SIDES
     names = ("transition_field", "transition_gauge") if is_rail else ("transition_back", "transition_rim")
     limits = (MAX_GAP_MM, MAX_GAP_MM if is_rail else MAX_RIM_GAP_MM)
-    lengths = lengths_along(nominal.outline)
-    total = float(lengths[-1])
+    total = float(nominal.outline.offsets[-1])
     places, joints = [], []
     for i, (end, sense) in enumerate(((surface.segments[0].start, -1.0), (surface.segments[-1].end, 1.0))):
-        segment, parameter, gap = (float(values[0]) for values in nominal.outline.closest([end]))
-        foot_place = lengths[int(segment)] + parameter * nominal.outline.segments[int(segment)].length
-        foot = point_at(nominal.outline, lengths, foot_place % total)
+        foot_place = float(nominal.outline.lengths_at([end])[0])
+        foot = point_at(nominal.outline, foot_place % total)
+        gap = math.dist(end, foot)
         limit = MAX_WEAR_MM if is_rail and i == 1 and end[0] > foot[0] else limits[i]
         if gap > limit:
             raise InputError(
@@ -452,7 +452,7 @@ def _joints(
         blend = min(max(MIN_BLEND_MM, BLEND_FACTOR * gap), MAX_BLEND_MM)
         place = (foot_place + sense * blend) % total
         places.append(place)
-        joints.append(Joint(end, foot, point_at(nominal.outline, lengths, place), gap, names[i]))
+        joints.append(Joint(end, foot, point_at(nominal.outline, place), gap, names[i]))
     return places, (joints[0], joints[1])
 
 
@@ -461,8 +461,7 @@ def _closed(
 ) -> tuple[Outline, tuple[Joint, Joint]]:
     """Return the outline of the measured surface, both transitions, and the remainder of the nominal outline."""
     places, joints = _joints(surface, nominal, where)
-    lengths = lengths_along(nominal.outline)
-    others = pieces_between(nominal.outline, lengths, places[1], places[0])
+    others = pieces_between(nominal.outline, places[1], places[0])
     chain: list[tuple[str, Segment]] = [
         (joints[0].name, Line(joints[0].landing, joints[0].end)),
         *((MEASURED, segment) for segment in surface.segments),
@@ -470,7 +469,7 @@ def _closed(
         *others,
     ]
     try:
-        outline = Outline.from_segments([segment for _, segment in chain], [name for name, _ in chain])
+        outline = Outline.named(chain)
     except InputError as reason:
         raise InputError(
             f"the measured surface on the nominal {nominal.title}: {reason.given}",

@@ -211,8 +211,11 @@ def conforming(
     along = np.concatenate([-along[::-1], along])
     # both surfaces have their steel at the left: one runs against the other
     of_wheel, of_rail = (
-        _curvatures(wheel.running_surface, wheel_point, along),
-        _curvatures(rail.running_surface, rail_point, -along),
+        curve.curvatures_at(curve.lengths_at(point) + lengths)
+        for curve, point, lengths in (
+            (wheel.running_surface, wheel_point, along),
+            (rail.running_surface, rail_point, -along),
+        )
     )
     if half_width_mm * max(np.abs(of_wheel).max(), np.abs(of_rail).max()) > MAX_WIDTH:
         return True
@@ -222,14 +225,3 @@ def conforming(
         float((weights * (of_wheel + of_rail))[side].sum() / weights[side].sum()) for side in (along < 0, along > 0)
     ]
     return not all(1.0 / MAX_CHANGE <= end / middle <= MAX_CHANGE for end in ends)
-
-
-def _curvatures(surface: Contour, point: ArrayLike, along: FloatArray) -> FloatArray:
-    """Curvatures (n,) of a surface at lengths (n,) along it from a point; those of its ends beyond them."""
-    lengths = np.cumsum([segment.length for segment in surface.segments])
-    numbers, parameters, _ = surface.closest(np.atleast_2d(point))
-    i = int(numbers[0])
-    start = lengths[i] - (1.0 - float(parameters[0])) * surface.segments[i].length
-    ends = np.minimum(np.searchsorted(lengths, start + along), len(lengths) - 1)
-    curvatures: FloatArray = np.array([segment.curvature for segment in surface.segments])[ends]
-    return curvatures

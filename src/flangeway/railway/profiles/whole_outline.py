@@ -47,24 +47,22 @@ def _rail(outline: Outline, title: str, certainty: str, source: str) -> RailProf
     shifted = outline.transformed(Placement(translation=(-middle, -float(low[1]))))
     named = _renamed(shifted, dict.fromkeys(base, "base"), "side")
     field, gauge = _widest(named, 1.0), _widest(named, -1.0)
-    lengths = lengths_along(named)
-    pieces = [("head", segment) for _, segment in pieces_between(named, lengths, field, gauge)]
-    pieces += pieces_between(named, lengths, gauge, field)
-    whole = Outline.from_segments([segment for _, segment in pieces], [name for name, _ in pieces])
+    pieces = [("head", segment) for _, segment in pieces_between(named, field, gauge)]
+    pieces += pieces_between(named, gauge, field)
+    whole = Outline.named(pieces)
     return RailProfile(title, whole, ("head",), ("base",), certainty, source)
 
 
 def _widest(outline: Outline, side: float) -> float:
     """Return the length along a rail's outline of the widest point of its head at a side, the lowest of several."""
     top = float(outline.bounds()[1, 1])
-    lengths = lengths_along(outline)
     best = (-np.inf, 0.0, 0.0)
     for i, segment in enumerate(outline.segments):
         parameters = np.linspace(0.0, 1.0, max(int(segment.length / _SPACING_MM), 2))
         points: FloatArray = segment.point(parameters)
         for (x, y), parameter in zip(points.tolist(), parameters.tolist(), strict=True):
             if y > _HEAD_SHARE * top:
-                best = max(best, (round(side * x, 6), -y, float(lengths[i] + parameter * segment.length)))
+                best = max(best, (round(side * x, 6), -y, float(outline.offsets[i] + parameter * segment.length)))
     return best[2]
 
 
@@ -95,25 +93,20 @@ def _renamed(outline: Outline, names: dict[int, str], other: str) -> Outline:
     return Outline.from_segments(outline.segments, [names.get(i, other) for i in range(outline.n_segments)])
 
 
-def lengths_along(outline: Contour) -> FloatArray:
-    """Return the lengths (n_segments + 1,) along an outline at the ends of its segments, from 0."""
-    return np.concatenate([[0.0], np.cumsum([segment.length for segment in outline.segments])])
-
-
-def point_at(outline: Outline, lengths: FloatArray, place: float) -> Point:
+def point_at(outline: Outline, place: float) -> Point:
     """Return the point at a length along an outline."""
-    i = min(int(np.searchsorted(lengths, place, side="right")) - 1, outline.n_segments - 1)
-    return as_point(outline.segments[i].point((place - lengths[i]) / outline.segments[i].length)[0])
+    i = int(outline.numbers_at(np.array(place)))
+    return as_point(outline.segments[i].point((place - outline.offsets[i]) / outline.segments[i].length)[0])
 
 
-def pieces_between(outline: Contour, lengths: FloatArray, first: float, last: float) -> list[tuple[str, Segment]]:
+def pieces_between(outline: Contour, first: float, last: float) -> list[tuple[str, Segment]]:
     """Return the named pieces of an outline from one length along it forwards to another."""
-    total = float(lengths[-1])
+    total = float(outline.offsets[-1])
     last = last if last > first else last + total
     pieces: list[tuple[str, Segment]] = []
     for lap in (0.0, total):
         for i, segment in enumerate(outline.segments):
-            low, high = lengths[i] + lap, lengths[i + 1] + lap
+            low, high = outline.offsets[i : i + 2] + lap
             start, end = max(first, low), min(last, high)
             if end - start <= _SAME:
                 continue

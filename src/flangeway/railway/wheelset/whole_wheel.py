@@ -13,8 +13,10 @@ from scipy.interpolate import CubicSpline
 from flangeway.checks import check_finite, check_positive
 from flangeway.elements import Lagrange
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, Line, Outline, Placement, Segment, as_point
+from flangeway.geometry import Outline, Placement
 from flangeway.geometry.arrays import chain_lengths, nearest_on_segments
+from flangeway.geometry.section_shapes import rounded_sides
+from flangeway.geometry.segments import segment_of
 from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import WheelProfile
@@ -39,6 +41,8 @@ GROWTH = 0.3
 OFF_MM = 0.5
 """Distance of cells from a wheel's outline that is more than a chord's."""
 FACES = ("outer_face", "cut", "back_face")
+RUNNING = "running surface"
+"""Side of the polygon of the parts in whose place the running surface is."""
 
 
 @dataclass(frozen=True)
@@ -137,17 +141,26 @@ def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WheelDisc | None 
         ((at_hub - high / 2.0, hub), "web", disc.fillet_mm),
         ((at_rim - low / 2.0, disc.rim_mm), "rim", disc.fillet_mm),
         ((back[0], disc.rim_mm), "back_face", 0.0),
-        (back, "", 0.0),
+        (back, RUNNING, 0.0),
     ]
-    places = np.array([corner for corner, _, _ in corners])
-    if (np.diff(places[[0, 1, 3, 5]], axis=0)[:, 1] <= 0.0).any() or back[1] >= disc.rim_mm:
+    places, names, radii = zip(*corners, strict=True)
+    heights = [places[i][1] for i in (0, 1, 3, 5)]
+    if (np.diff(heights) <= 0.0).any() or back[1] >= disc.rim_mm:
         raise InputError(
             f"a wheel of the radius {radius_mm:g} mm, its running surface up to {max(back[1], outer[1]):.4g} mm above "
             f"the tape line, its rim up to {disc.rim_mm:g} mm, its hub from {hub:.4g} to {bore:.4g} mm",
             "parts that follow each other",
             "correct the radii or the rim's thickness",
         )
-    kept += _rounded(places, [name for _, name, _ in corners[:-1]], [radius for _, _, radius in corners])
+    try:
+        sides = rounded_sides(places, radii, names)
+    except InputError as error:
+        raise InputError(
+            f"fillets of the web: {error.given}",
+            "fillets that fit between the rim and the hub",
+            "give a smaller fillet_mm, a thinner web, or another web_middle_mm",
+        ) from error
+    kept += [(each[4] if each[2] is None else "web", segment_of(*each[:4])) for each in sides if each[4] != RUNNING]
     outline = Outline.from_segments([segment for _, segment in kept], [name for name, _ in kept])
     return replace(
         profile,
@@ -155,32 +168,6 @@ def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WheelDisc | None 
         outline=outline,
         certainty=f"{profile.certainty} Rim, web and hub: dimensions as given, those by default assumed.",
     )
-
-
-def _rounded(corners: Floats, names: list[str], radii: list[float]) -> list[tuple[str, Segment]]:
-    """Return the named sides between corners (n, 2) and the fillets of some radii at them."""
-    steps = np.diff(corners, axis=0)
-    lengths = np.linalg.norm(steps, axis=1)
-    ways = steps / lengths[:, None]
-    turns = np.concatenate(([0.0], np.arctan2(ways[:-1, 0] * ways[1:, 1] - ways[:-1, 1] * ways[1:, 0],
-                                              (ways[:-1] * ways[1:]).sum(axis=1)), [0.0]))  # fmt: skip
-    cuts = np.array(radii) * np.tan(np.abs(turns) / 2.0)
-    if (cuts[:-1] + cuts[1:] >= lengths).any():
-        at = int(np.argmax(cuts[:-1] + cuts[1:] - lengths))
-        raise InputError(
-            f"fillets that take {cuts[at] + cuts[at + 1]:.4g} mm of {lengths[at]:.4g} mm of the {names[at]}",
-            "fillets that fit between the rim and the hub",
-            "give a smaller fillet_mm, a thinner web, or another web_middle_mm",
-        )
-    starts, ends = corners[:-1] + cuts[:-1, None] * ways, corners[1:] - cuts[1:, None] * ways
-    pieces: list[tuple[str, Segment]] = []
-    for i, name in enumerate(names):
-        pieces.append((name, Line(as_point(starts[i]), as_point(ends[i]))))
-        if cuts[i + 1] > 0.0:
-            left = np.sign(turns[i + 1])
-            centre = ends[i] + left * radii[i + 1] * np.array([-ways[i, 1], ways[i, 0]])
-            pieces.append(("web", Arc(as_point(ends[i]), as_point(starts[i + 1]), as_point(centre), bool(left > 0.0))))
-    return pieces
 
 
 def wheel_correction(whole: WheelProfile, radius_mm: float, cells: SurfaceCells, cache: Cache | None = None) -> Floats:

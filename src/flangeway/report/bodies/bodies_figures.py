@@ -12,6 +12,7 @@ from flangeway.report.figures.drawing import (
     INK,
     NODES,
     box,
+    framed,
     name_axes,
     panels,
 )
@@ -27,7 +28,7 @@ def stress_figure(run: BodiesRun) -> Figure:
     bodies = [DrawnBody(body.field, partial(_moved, body)) for body in run.bodies.values()]
     points = np.vstack([body.points for body in bodies])
     size = float(np.ptp(points, axis=0).max())
-    windows = [box([points], MARGIN * size)]
+    windows = [framed(points, MARGIN)]
     if run.patches:
         touched = np.vstack([patch.points for patch in run.patches])
         width = 3.0 * max(float(np.ptp(touched, axis=0).max()), 1e-3 * size)

@@ -195,12 +195,9 @@ def shown_cells(space: Space, pieces: int | None = None) -> ShownCells:
     mesh = space.mesh
     if pieces == 1 or (pieces is None and space.order == 1):
         used, places = np.unique(mesh.cell_points, return_inverse=True)
-        own = np.arange(len(places), dtype=np.int32)
-        corners = PolyMesh(mesh.points[mesh.cell_points], mesh.cell_offsets, own)
-        return ShownCells(corners, np.arange(mesh.n_cells), places, len(used), space, None)
+        return ShownCells(mesh.apart(), np.arange(mesh.n_cells), places, len(used), space, None)
     shown = display(space, pieces)
-    offsets = 3 * np.arange(len(shown.triangles) + 1, dtype=np.int32)
     numbers, places = np.unique(shown.places, return_inverse=True)
     n_rim = int(np.searchsorted(numbers, mesh.n_points + mesh.n_edges * (shown.pieces - 1)))
-    cut = PolyMesh(shown.points, offsets, shown.triangles.astype(np.int32).ravel())
+    cut = PolyMesh.from_cells(shown.points, shown.triangles)
     return ShownCells(cut, shown.cells[shown.triangles[:, 0]], places, n_rim, space, shown)

@@ -277,7 +277,12 @@ def box(points: Sequence[Floats], margin: float) -> Floats:
     return np.array([every.min(axis=0) - margin, every.max(axis=0) + margin])
 
 
+def framed(points: Floats, share: float) -> Floats:
+    """Return the box about points (n, 2), widened by a share of its longer side."""
+    return box([points], share * float(np.ptp(points, axis=0).max()))
+
+
 def cells_path(mesh: PolyMesh, points: Floats, cells: NDArray[np.integer]) -> Path:
     """One path about each of some cells (n,), the points of the mesh being drawn at `points` (n_points, 2)."""
-    polygons = [points[mesh.cell_points[mesh.cell_offsets[cell] : mesh.cell_offsets[cell + 1]]] for cell in cells]
+    polygons = [points[mesh.corners(cell)] for cell in cells]
     return Path.make_compound_path(*(Path(polygon, closed=False) for polygon in polygons))

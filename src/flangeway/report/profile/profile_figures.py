@@ -64,7 +64,7 @@ def curvature_figure(run: ProfileRun, units: Units = "metric") -> Figure:
     n_rows = 1 if smoothing is None else 2
     figure, rows = panels(8.5, 1.2 + 2.4 * n_rows, n_rows, 1, units, sharex=True)
     axes = rows[0, 0]
-    lengths = np.concatenate([[0.0], np.cumsum([segment.length for segment in surface.segments])])
+    lengths = surface.offsets
     curvatures = np.array([segment.curvature for segment in surface.segments])
     axes.stairs(curvatures, lengths, color=BLUE, lw=1.0, baseline=None)
     axes.axhline(0.0, color=GREY, lw=0.6)

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
 from flangeway.quantities import measured
-from flangeway.report.figures.drawing import COLOURS, INK, Style, colour_bar, name_axes, new_figure, units_of
+from flangeway.report.figures.drawing import COLOURS, INK, Style, colour_bar, framed, name_axes, new_figure, units_of
 from flangeway.report.spatial.patch_map import strip_ends
 from flangeway.report.viewer import ShownField
 from flangeway.types import Floats
@@ -66,7 +66,7 @@ class ShownRolling:
         """Corners (2, 2) of the cells under pressure, with a margin."""
         both = zip(self.edges, self.forces.contact.box, strict=True)
         found = np.stack([np.sort(edges[[cells.start, cells.stop]]) for edges, cells in both], axis=1)
-        return found + np.array([[-1.0], [1.0]]) * MARGIN * np.ptp(found, axis=0).max()
+        return framed(found, MARGIN)
 
     @property
     def tractions(self) -> Floats:

@@ -35,7 +35,7 @@ from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Figures, Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across
 from flangeway.report.rolling.rolling_maps import ShownRolling, cell_fields, rolling_figure, shown_fields
-from flangeway.report.spatial.patch_map import strip_ends, strip_mesh
+from flangeway.report.spatial.patch_map import at_corners, strip_ends, strip_mesh
 from flangeway.report.viewer import Scene, ShownPart
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
@@ -225,9 +225,7 @@ def _scene(run: RollingPatchRun) -> Scene:
 def _write_patch(run: RollingPatchRun, path: Path) -> None:
     part = _scene(run).parts[0]
     space = np.column_stack((part.mesh.points, np.zeros(part.mesh.n_points)))
-    values = {name: each.reshape(-1, *each.shape[2:]) for name, each in _fields(run).items()}
-    arrays = {name: np.repeat(each, 4, axis=0) for name, each in values.items()}
-    write_vtu(path, part.mesh, corner_data=arrays, positions=space)
+    write_vtu(path, part.mesh, corner_data=at_corners(_fields(run)), positions=space)
 
 
 def _cells_table(run: RollingPatchRun) -> str:

@@ -18,12 +18,12 @@ from flangeway.report.figures.drawing import (
     GREY,
     INK,
     Style,
-    box,
     cells_path,
     colour_bar,
     draw_lines,
     equal_axes,
     fill_triangles,
+    framed,
     legend_below,
     new_figure,
     shade_of,
@@ -154,7 +154,7 @@ def _new(run: SectionRun, units: Units) -> tuple[Figure, Axes]:
 def _frame(axes: Axes, run: SectionRun, *more: Floats) -> Floats:
     """Show the section, and further points (2,), with one scale and the unit; return the corners (2, 2) of the view."""
     points = np.vstack([run.space.mesh.points, *more])
-    corners = box([points], 0.06 * float(np.ptp(points, axis=0).max()))
+    corners = framed(points, 0.06)
     equal_axes(axes, corners, run.drawn.unit)
     return corners
 

@@ -1,6 +1,6 @@
 """Patches on the cells of a surface: pressures from above, along both axes, stresses below; the surface as a mesh."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -23,6 +23,7 @@ from flangeway.report.figures.drawing import (
     PURPLE,
     Style,
     colour_bar,
+    framed,
     name_axes,
     new_figure,
 )
@@ -62,9 +63,7 @@ class PatchMap:
 
     def centre(self, patch: ContactEllipse) -> Floats:
         """Centre of pressure of a patch as it is drawn, shape (2,)."""
-        forces = np.where(patch.inside, self.cells.forces, 0.0).sum(axis=1)
-        station: Floats = forces @ self.cells.across / forces.sum()
-        return np.array([self.across(station), patch.centre[2]])
+        return np.array([self.across(station_of(self.cells, patch)), patch.centre[2]])
 
     def tilt(self, patch: ContactEllipse) -> float:
         """Angle in radians from the right to the longer semi-axis as it is drawn."""
@@ -77,8 +76,7 @@ class PatchMap:
         cells, loaded = self.cells, self.cells.forces > 0.0
         rows, strips = (np.flatnonzero(loaded.any(axis=1 - axis)) if loaded.any() else [0, -1] for axis in (0, 1))
         ends = np.sort(self.across(cells.cells[[rows[0], rows[-1]], [0, 1]]))
-        corners = np.column_stack((ends, cells.z[[strips[0], strips[-1]]]))
-        return corners + np.array([[-1.0], [1.0]]) * MARGIN * np.ptp(corners, axis=0).max()
+        return framed(np.column_stack((ends, cells.z[[strips[0], strips[-1]]])), MARGIN)
 
     @property
     def runs(self) -> list[slice]:
@@ -87,6 +85,12 @@ class PatchMap:
         breaks = np.flatnonzero(ends[1:, 0] - ends[:-1, 1] > 1e-6 * np.ptp(ends)) + 1
         bounds = [0, *breaks.tolist(), len(ends)]
         return [slice(*pair) for pair in pairwise(bounds)]
+
+
+def station_of(cells: CellForces, patch: ContactEllipse) -> Floats:
+    """Length along the surface of the centre of pressure of a patch."""
+    forces = np.where(patch.inside, cells.forces, 0.0).sum(axis=1)
+    return np.asarray(forces @ cells.across / forces.sum())
 
 
 def draw_pressures(axes: Axes, shown: PatchMap, highest: float) -> ScalarMappable:
@@ -176,5 +180,9 @@ def strip_mesh(nodes: Floats, z: Floats, rows: Ints | None = None) -> PolyMesh:
         rows = np.stack((np.arange(len(nodes) - 1), np.arange(1, len(nodes))), axis=1)
     points = np.stack(np.meshgrid(nodes, z, indexing="ij"), axis=-1).reshape(-1, 2)
     first, last = (rows[:, end, None] * len(z) + np.arange(len(z) - 1) for end in (0, 1))
-    quads = np.stack((first, last, last + 1, first + 1), axis=-1).astype(np.int32)
-    return PolyMesh(points, 4 * np.arange(first.size + 1, dtype=np.int32), quads.ravel())
+    return PolyMesh.from_cells(points, np.stack((first, last, last + 1, first + 1), axis=-1).reshape(-1, 4))
+
+
+def at_corners(cells: Mapping[str, Floats]) -> dict[str, Floats]:
+    """Arrays of a mesh of quadrilaterals at the corners of its cells, from those of the cells (n, n_z, ...)."""
+    return {name: np.repeat(each.reshape(-1, *each.shape[2:]), 4, axis=0) for name, each in cells.items()}

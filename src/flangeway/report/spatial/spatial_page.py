@@ -20,7 +20,7 @@ from flangeway.report.figures.series import collection
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across, with_whole
-from flangeway.report.spatial.patch_map import PatchMap, draw_depths, maps_figure, surface_mesh
+from flangeway.report.spatial.patch_map import PatchMap, at_corners, draw_depths, maps_figure, station_of, surface_mesh
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.system.output_folder import Writer
 from flangeway.types import Ints
@@ -46,8 +46,7 @@ def depth_figure(run: SpatialRun) -> Figure:
 def _map(run: SpatialRun) -> PatchMap:
     """Patches with the first one's centre at zero."""
     contact = run.contact
-    forces = np.where(contact.patches[0].inside, contact.cells.forces, 0.0).sum(axis=1)
-    origin = float(forces @ contact.cells.across / forces.sum())
+    origin = float(station_of(contact.cells, contact.patches[0]))
     return PatchMap(contact.cells, [(patch, contact.hertz(patch)) for patch in contact.patches], origin)
 
 
@@ -75,7 +74,7 @@ def _write_surface(run: SpatialRun, path: Path) -> None:
     ends, _ = points_along(contact.pair.first.chain, nodes)
     space = np.column_stack((np.repeat(ends, len(z), axis=0), np.tile(z, len(nodes))))
     values = {"pressure_MPa": contact.pressures, "gap_mm": contact.contact.gaps}
-    write_vtu(path, mesh, corner_data={key: np.repeat(each, 4) for key, each in values.items()}, positions=space)
+    write_vtu(path, mesh, corner_data=at_corners(values), positions=space)
 
 
 def _write_section(section: SectionStresses, stresses: SpatialStresses, body_id: int, path: Path) -> None:
@@ -138,10 +137,9 @@ def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
     for section, stresses in zip(run.sections, corners, strict=True):
         mesh = _mesh(section)
         used, places = np.unique(mesh.cell_points, return_inverse=True)
-        own = PolyMesh(mesh.points[mesh.cell_points], mesh.cell_offsets, np.arange(len(places), dtype=np.int32))
         arrays = {name: values[:, None] for name, values in stresses.by_name.items()}
         numbers: Ints = places.astype(np.int64)
-        parts.append(ShownPart(section.body.name, own, arrays, places=numbers, n_rim_places=len(used)))
+        parts.append(ShownPart(section.body.name, mesh.apart(), arrays, places=numbers, n_rim_places=len(used)))
     fields = [ShownField(name, named(name)[0], "MPa", "Stresses", name, "value") for name in corners[0].by_name]
     patch = run.contact.patches[0]
     view = View("patch", (float(patch.centre[0]), float(patch.centre[1])), NEAR * patch.semi_axes[0])

@@ -91,7 +91,7 @@ def _part(
     corners = mesh.cell_points.reshape(-1, 4)[order]
     # lengths along the surface run to the gauge side: the cells of the right rail are turned over
     corners = corners if side == "left" else corners[:, [1, 0, 3, 2]]
-    mesh = PolyMesh(mesh.points, mesh.cell_offsets, corners.ravel())
+    mesh = PolyMesh.from_cells(mesh.points, corners)
     ordered = {name: values.reshape(-1, 1)[order] for name, values in arrays.items()}
     return ShownPart(f"rail-{side}", mesh, cell_arrays=ordered, side=side, heights=heights), fields
 

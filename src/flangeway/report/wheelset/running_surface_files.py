@@ -15,7 +15,7 @@ from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.whole_sections import WholeSection
 from flangeway.report.rolling.rolling_maps import cell_fields
-from flangeway.report.spatial.patch_map import surface_mesh
+from flangeway.report.spatial.patch_map import at_corners, surface_mesh
 from flangeway.report.wheelset.wheelset_patches import lines_below
 from flangeway.results import ResultTable
 from flangeway.types import Bools, Floats
@@ -43,12 +43,10 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     opposite = met.ravel()[corners].all(axis=1)
     chosen = opposite if role == "wheel" else np.ones_like(opposite)
     used, numbers = np.unique(corners[chosen], return_inverse=True)
-    offsets = 4 * np.arange(chosen.sum() + 1, dtype=np.int32)
-    mesh = PolyMesh(mesh.points[used], offsets, numbers.ravel().astype(np.int32))
+    mesh = PolyMesh.from_cells(mesh.points[used], numbers.reshape(-1, 4))
     gaps = np.where(opposite.reshape(state.gaps.shape), state.gaps, np.nan)
     values = {"pressure_MPa": state.cells.pressures, "gap_mm": gaps} | friction_fields(result, side, role)
-    cells = {key: each.reshape(opposite.size, *each.shape[2:])[chosen] for key, each in values.items()}
-    arrays = {key: np.repeat(each, 4, axis=0) for key, each in cells.items()}
+    arrays = {key: each[np.repeat(chosen, 4)] for key, each in at_corners(values).items()}
     write_vtu(path, mesh, corner_data=arrays, positions=places.reshape(-1, 3)[used], body_id=PARTS.index((side, role)))
 
 
