@@ -74,7 +74,7 @@ class SideNewton:
         self.total = found.gaps
         self.touching: Bools = self.forces > 0.0
         self.expected: Floats = self.total
-        """Gaps after the step before as far as they are linear, (n, n_z): they decide with the forces which cells touch."""
+        """Gaps after the step before as far as they are linear, (n, n_z): with the forces they decide what touches."""
         self._factor: tuple[Floats, bool] | None = None
         self.changed = True
         self.slopes: CreepSlopes | None = None

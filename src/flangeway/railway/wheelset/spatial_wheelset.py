@@ -93,6 +93,7 @@ class RollingPlace(NamedTuple):
 
 Placed: TypeAlias = tuple[dict[Side, GriddedSide], SpatialState]
 """Cells, and a contact to start from on them."""
+OUTSIDE = "wheel and rail touch outside of the cells that are fine enough for their patches; give more patch_cells"
 AT_END = "a contact reaches the end of the running surface; check the profiles and the load"
 
 
@@ -425,14 +426,18 @@ class _Cells:
             self.stage += bool(self.touching)
             self.touching = self.touching or state.sides
             return self.fine(state)
-        elif self.n_grids < MAX_GRIDS:
-            self.n_grids += 1
-            grids, _ = self.fine(state)
+        else:
+            more = self.n_grids < MAX_GRIDS
+            if more:
+                self.n_grids += 1
+                grids, _ = self.fine(state)
             beyond = self.wheelset.beyond(found, self.touching) if grids == state.grids and self.last else {}
-            if beyond:
+            if beyond and not more:
+                self.status = Status(False, OUTSIDE, found.status.iterations)
+            elif beyond:
                 self.touching = {**self.touching, **beyond}
                 grids, state = self.fine(SpatialState({**state.sides, **beyond}))
-        if grids == found.state.grids:
+        if grids == found.state.grids and self.status is None:
             if self.last:
                 lost = any(each.grid.leaves(each.forces) for each in state.sides.values())
                 self.status = Status(False, AT_END, found.status.iterations) if lost else found.status
