@@ -50,9 +50,10 @@ def measures(surface: Contour, kind: Kind) -> dict[str, float]:
     """Return those measures of a running surface in mm that it reaches far enough for.
 
     Wheels: ``flange_height_mm`` (Sh), ``flange_thickness_mm`` (Sd) and ``flange_slope_mm`` (qR), from the tread at the
-    tape line. Rails: ``head_width_mm`` at `GAUGE_DEPTH_MM` below the highest place; ``gauge_drop_mm`` and ``field_drop_mm``
-    below it at `SIDE_MM` from the head's middle, and ``gauge_half_width_mm`` and ``field_half_width_mm`` at `GAUGE_DEPTH_MM`
-    from that middle, which lies between the faces as far down as both are seen, where no wheel wears them.
+    tape line. Rails: ``head_width_mm`` at `GAUGE_DEPTH_MM` below the highest place; below it ``gauge_drop_mm`` and
+    ``field_drop_mm`` at `SIDE_MM` from the head's middle, and at `GAUGE_DEPTH_MM` ``gauge_half_width_mm`` and
+    ``field_half_width_mm`` from that middle, which lies between the faces as far down as both are seen, where no wheel
+    wears them.
 
     - `surface`: in this package's frame of a wheel or a rail.
     - `kind`: what it is.
