@@ -274,7 +274,7 @@ class Elasticity:
         """Strain energy of the held body's thermal stresses."""
         energy = 0.0
         for batch in self.space.batches() if self.thermal_loads else ():
-            reconstruction = batch.element.reconstruct(batch.outline)
+            reconstruction = batch.reconstruction
             mass = self.strains(batch, reconstruction).mass
             moments = self.cell_temperature(batch, reconstruction, self.thermal_loads)
             squares = np.einsum("ae,ae->e", moments, batched.solve(mass, moments[:, None])[:, 0])

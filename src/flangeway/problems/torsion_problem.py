@@ -182,7 +182,7 @@ class Torsion:
                 areas = self.space.element_mesh.cell_areas[batch.cells]
                 local = np.broadcast_to(2.0 * areas / len(batch.dofs), batch.dofs.shape)
             else:
-                reconstruction = batch.element.reconstruct(batch.outline)
+                reconstruction = batch.reconstruction
                 value = reconstruction.projected_value
                 local = 2.0 * np.einsum("ae,ame->me", reconstruction.moments[: len(value)], value)
             load += np.bincount(batch.dofs.ravel(), local.ravel(), minlength=n_dofs)

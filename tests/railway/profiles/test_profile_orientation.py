@@ -5,7 +5,8 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.profile_file import read_profile
 
 RAW = ReadOptions(smooth_mm=0.0)
 
