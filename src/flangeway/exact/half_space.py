@@ -17,6 +17,7 @@ from itertools import product
 import numpy as np
 
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import middles_of
 from flangeway.types import Floats
 
 Primitive = Callable[[Floats, Floats, Floats], Floats]
@@ -84,7 +85,7 @@ def half_space_blocks(
             "give the ends of the cells",
         )
     # differences of a primitive over the corners under load, and over those of the displaced cell for its mean
-    displaced = bounds if averaged else (bounds[1:] + bounds[:-1]) / 2.0
+    displaced = bounds if averaged else middles_of(bounds)
     times = 2 if averaged else 1
     apart = displaced[:, None] - bounds
     # even cells have few distances: each is evaluated once
