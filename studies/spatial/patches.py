@@ -1,6 +1,6 @@
 """Contact patches in three dimensions: Hertz's ellipses, and conforming bodies."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from flangeway.contact.patch.patch_contact import PatchContact, PatchPair, press
 from flangeway.contact.patch.patch_grid import grid_about
 from flangeway.elements import Lagrange
 from flangeway.exact import PointContact, contact_modulus, half_space_influence
-from flangeway.geometry import Arc, Line, Outline, Point, Segment
+from flangeway.geometry import Arc, Line, Outline
 from flangeway.materials import Elastic
 from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
@@ -106,15 +106,9 @@ def crowned(name: str, crown: float | None, turning: float | None = None) -> Pat
     drop = 0.0 if crown is None else float(np.sqrt(crown**2 - half**2)) - crown
     first, second, *others = (half * up, drop), (-half * up, drop), (-half * up, -DEPTH * up), (half * up, -DEPTH * up)
     top = Line(first, second) if crown is None else Arc(first, second, (0.0, -crown), counter_clockwise=True)
-    outline = closed([top], others, ["surface", "left", "held", "right"])
+    outline = Outline.closed([top], others, ["surface", "left", "held", "right"])
     zone = np.array([[-2.0 * SEMI_AXIS, 0.0], [2.0 * SEMI_AXIS, 0.0]])
     return patch_body(name, outline, HERTZ_STEEL, zone, HERTZ_SIZES, None if turning is None else Axis((0.0, turning)))
-
-
-def closed(segments: Sequence[Segment], others: Sequence[Point], names: Sequence[str]) -> Outline:
-    """Outline of segments and of lines from their end through other points to their start."""
-    corners = [segments[-1].end, *others, segments[0].start]
-    return Outline.from_segments([*segments, *map(Line, corners, corners[1:])], names)
 
 
 def patch_body(
@@ -187,12 +181,17 @@ def conforming_bodies() -> tuple[PatchBody, PatchBody]:
             else ([], ["held"])
         )
         names = ["surface before", "surface", "surface after", *names]
-        outline = closed([Line(far, right), arc, Line(left, other)], others, names)
-        angles = np.linspace(-ANGLE, ANGLE, 41)
-        zone = radius * np.stack((np.sin(angles), np.cos(angles) - 1.0), axis=1)
+        outline = Outline.closed([Line(far, right), arc, Line(left, other)], others, names)
+        zone = _top_of_circle(radius, ANGLE, 41)
         axis = Axis((-ROLLING * sine, ROLLING * cosine), (cosine, sine)) if upper else None
         bodies.append(patch_body(name, outline, STEEL, zone, CONFORMAL_SIZES, axis))
     return bodies[0], bodies[1]
+
+
+def _top_of_circle(radius: float, angle: float, n: int) -> Floats:
+    """Points (n, 2) of a circle below the origin, up to an angle to both sides of its top there."""
+    angles = np.linspace(-angle, angle, n)
+    return radius * np.stack((np.sin(angles), np.cos(angles) - 1.0), axis=1)
 
 
 def conforming_blocks() -> tuple[PatchBody, PatchBody]:
@@ -215,8 +214,7 @@ def conforming_blocks() -> tuple[PatchBody, PatchBody]:
         outline = Outline.from_segments(
             [top, Line(left, inside), bottom, Line(back, right)], ["surface", "left", "held", "right"]
         )
-        angles = np.linspace(-0.6, 0.6, 31)
-        zone = radius * np.stack((np.sin(angles), np.cos(angles) - 1.0), axis=1)
+        zone = _top_of_circle(radius, 0.6, 31)
         axis = Axis((0.0, BLOCK.rolling)) if upper else None
         bodies.append(patch_body(name, outline, STEEL, zone, BLOCK_SIZES, axis))
     return bodies[0], bodies[1]

@@ -12,7 +12,7 @@ from flangeway.elements import Lagrange, monomials
 from flangeway.geometry import polygon
 from flangeway.materials import Elastic
 from flangeway.mesh import Refinement, triangulate
-from flangeway.post import SectionConstants
+from flangeway.post import SectionConstants, Stresses
 from flangeway.problems import Elasticity, Foundation, Harmonic, LongitudinalTraction, Traction
 from flangeway.solve import HarmonicSolution, solve_harmonic
 from flangeway.space import Space
@@ -108,9 +108,7 @@ def square_numbers() -> Iterator[Row]:
             "s_yy": ((szz, ""),),
             "s_zz": ((syy, ""),),
             "s_xz": ((-sxy, "across"), (-other[4], "along")),
-            "von_Mises": (
-                (np.sqrt(((sxx - syy) ** 2 + (syy - szz) ** 2 + (szz - sxx) ** 2) / 2.0 + 3.0 * sxy**2), ""),
-            ),
+            "von_Mises": ((Stresses(np.array([[sxx, syy, sxy, szz]])).von_mises[0], ""),),
         }[name]
         for value, which in found:
             small = name.startswith("s_") and abs(exact) < normal_stress / 2.0

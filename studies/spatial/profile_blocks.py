@@ -7,12 +7,12 @@ import numpy as np
 from flangeway.contact.patch.patch_body import Axis, PatchBody
 from flangeway.contact.patch.patch_contact import PatchContact, press_patch
 from flangeway.contact.patch.patch_grid import grid_about
-from flangeway.geometry import Contour, Placement
+from flangeway.geometry import Contour, Outline, Placement
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.whole_outline import pieces_between
 from flangeway.railway.track.placements import Track
 from flangeway.types import Floats
-from studies.spatial.patches import HERTZ_STEEL, calculix, closed, patch_body
+from studies.spatial.patches import HERTZ_STEEL, calculix, patch_body
 from studies.study import Row
 
 GAUGE, GAUGE_DEPTH, INCLINATION, BACK_TO_BACK, RADIUS = 1435.0, 14.0, 1.0 / 40.0, 1360.0, 460.0
@@ -68,7 +68,8 @@ def profile_blocks() -> tuple[PatchBody, PatchBody]:
         points = surface.sampled(spacing=0.2)
         zone = points[np.abs(points[:, 0]) < WINDOW[0] / 2.0 + 1.0]
         axis = Axis((0.0, axle)) if level > 0.0 else None
-        bodies.append(patch_body(name, closed(surface.segments, corners, names), HERTZ_STEEL, zone, EDGES, axis))
+        outline = Outline.closed(surface.segments, corners, names)
+        bodies.append(patch_body(name, outline, HERTZ_STEEL, zone, EDGES, axis))
     return bodies[0], bodies[1]
 
 

@@ -1,4 +1,4 @@
-"""Paths through bodies, large strains, gaps under pressure, nodes that left their partners."""
+"""Paths through bodies, large strains, gaps under pressure, nodes that left their partners, a body on itself."""
 
 from dataclasses import replace
 
@@ -18,10 +18,11 @@ from flangeway.contact import (
     Surface,
     press,
 )
-from flangeway.elements import Lagrange
-from flangeway.geometry import Placement
+from flangeway.elements import Lagrange, Virtual
+from flangeway.errors import InputError
+from flangeway.geometry import Placement, polygon, rectangle
 from flangeway.materials import Elastic
-from flangeway.mesh import rectangle_grid
+from flangeway.mesh import PolyMesh, rectangle_grid, triangulate
 from flangeway.post import check_contact, pressure_patches
 from flangeway.problems import Body, Part
 
@@ -93,3 +94,88 @@ def test_nodes_that_left_their_partners_have_not_converged(slide: float, converg
     assert solution.status.converged == converged, solution.status.message
     if not converged:
         assert "match the boundaries" in solution.status.message
+
+
+DOWN = Placement(np.pi, mirrored=True)
+"""Reflection at the axis of the slit."""
+
+LEG = triangulate(
+    polygon(
+        [(0, 0), (4, 0), (4, 0.1), (12, 0.1), (20, 0.1), (20, 3), (16, 3), (0, 3)],
+        names=["root", "tip", "inner", "slit", "end", "pushed", "side", "left"],
+    ),
+    size=1.1,
+)
+LEGS = ("upper", "lower")
+PLATE = triangulate(rectangle(2.0, 1.0, (18.5, 3.5)), size=0.5)
+
+
+def hairpin() -> PolyMesh:
+    """Both legs as one mesh, the lower one the mirror image of the upper one."""
+    points, cells = LEG.points, LEG.batch_points(3, np.arange(LEG.n_cells))
+    off = points[:, 1] > 1e-9
+    lower = np.where(off, len(points) + np.cumsum(off) - 1, np.arange(len(points)))
+    mesh = PolyMesh.from_cells(np.vstack((points, points[off] * [1, -1])), [*cells, *lower[cells][:, ::-1]])
+    for name in ("slit", "inner", "pushed", "left"):
+        edges = LEG.edge_sets[name]
+        mesh = mesh.with_edge_set(f"upper {name}", edges).with_edge_set(f"lower {name}", lower[edges][:, ::-1])
+    return mesh.with_edge_set("left", np.concatenate((mesh.edge_sets["upper left"], mesh.edge_sets["lower left"])))
+
+
+def squeezed(legs: dict[str, Surface], pairing: Pairing, path: str | None = None) -> ContactSolution:
+    """Press two plates against the legs' outer sides and the legs' inner sides together."""
+    plates = [
+        Part(n, Body(n, PLATE, Lagrange(1), STEEL, held="top"), at) for n, at in (("a", Placement()), ("b", DOWN))
+    ]
+    pairs = [(legs["upper slit"], legs["lower slit"])]
+    pairs += [(Surface(p, PLATE.edge_sets["bottom"]), legs[f"{n} pushed"]) for p, n in zip(plates, LEGS, strict=True)]
+    moves = {plate: Placement(0.0, (0.0, y)) for plate, y in zip(plates, (-0.4, 0.4), strict=True)}
+    return press([Contact(*both, pairing, Multiplier()) for both in pairs], moves, path=path)
+
+
+def of_one_body(slit: str = "slit", element: Lagrange | Virtual | None = None) -> dict[str, Surface]:
+    """Surfaces of the hairpin as one body."""
+    mesh = hairpin()
+    pin = Part("pin", Body("pin", mesh, element or Lagrange(1), STEEL, held="left"))
+    names = {f"{leg} {each}": f"{leg} {at}" for leg in LEGS for each, at in (("slit", slit), ("pushed", "pushed"))}
+    return {name: Surface(pin, mesh.edge_sets[edges]) for name, edges in names.items()}
+
+
+def of_two_bodies() -> dict[str, Surface]:
+    """Surfaces of the legs as two bodies, which slide along the axis of symmetry where they were cut."""
+    surfaces = {}
+    for name, at in (("upper", Placement()), ("lower", DOWN)):
+        body = Body(name, LEG, Lagrange(1), STEEL, held={"left": "xy", "root": "y"})
+        part = Part(name, body, at)
+        surfaces |= {f"{name} {each}": Surface(part, LEG.edge_sets[each]) for each in ("slit", "pushed")}
+    return surfaces
+
+
+def test_one_body_is_in_equilibrium_with_itself_as_two_halves_are() -> None:
+    """Forces in the slit and at the plates are those of two halves cut at the axis of symmetry, to 1e-4."""
+    one, two = squeezed(of_one_body(), NodeToSegment()), squeezed(of_two_bodies(), NodeToSegment())
+    assert one.status.converged, one.status.message  # slender legs: to round-off, above the tolerance
+    assert two.status.converged, two.status.message
+    np.testing.assert_allclose(one.forces, two.forces, atol=1e-4 * np.abs(two.forces).max())
+    assert one.forces[0, 1] > 0.5 * one.forces[1, 1] > 0.0
+    np.testing.assert_allclose(one.resultants[0, 0], -one.resultants[0, 1], atol=1e-9 * np.abs(one.resultants).max())
+
+
+def test_a_body_that_overlaps_itself_elsewhere_is_no_solution() -> None:
+    """Where the edges that meet were not given, the body overlaps itself, and the status says so."""
+    found = squeezed(of_one_body("inner"), SegmentToSegment())
+    assert not found.status.converged
+    assert "pin overlaps itself by 0." in found.status.message
+
+
+def test_surfaces_that_meet_are_refused() -> None:
+    """Two surfaces of one part with a node in common are refused, as is a second contact of the same edges."""
+    legs = of_one_body()
+    part, mesh = legs["upper slit"].part, legs["upper slit"].part.body.mesh
+    inner = Surface(part, mesh.edge_sets["upper inner"])
+    with pytest.raises(InputError, match="with itself, whose surfaces have nodes in common"):
+        Contact(legs["upper slit"], inner, NodeToSegment(), Multiplier())
+    slits = legs["upper slit"], legs["lower slit"]
+    both = [Contact(*each, NodeToSegment(), Multiplier()) for each in (slits, slits[::-1])]
+    with pytest.raises(InputError, match="two contacts of 'pin' and 'pin' along the same edges"):
+        press(both, {})

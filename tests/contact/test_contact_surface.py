@@ -1,17 +1,26 @@
-"""Surfaces are one chain of boundary edges, however they are given."""
+"""Surfaces are one chain of boundary edges; long ones choose a path; their compliance is a half-space's and more."""
+
+import sys
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flangeway.contact import Surface
+from flangeway.contact import Multiplier, SegmentToSegment, Surface
+from flangeway.contact.patch.elastic_surface import elastic_surface
 from flangeway.elements import Lagrange
 from flangeway.errors import InputError
-from flangeway.geometry import Placement
+from flangeway.exact import half_space_influence
+from flangeway.geometry import Placement, circle
 from flangeway.materials import Elastic
-from flangeway.mesh import rectangle_grid
-from flangeway.problems import Body, Part
+from flangeway.mesh import rectangle_grid, triangulate
+from flangeway.problems import Body, Elasticity, Harmonic, Part
+from flangeway.solve import CondensedBodies, SparseBodies, SurfaceCells, compliance_table, condensed_bytes
+from flangeway.solve.half_spaces import half_spaces_on
+from flangeway.space import Space
+from tests.contact.steel_boxes import BoxDiscretisation, pressed_boxes
+from tests.contact.test_friction import blocks, pushed
 
 MESH = rectangle_grid(3.0, 2.0, 6, 4)
 BLOCK = Part("block", Body("block", MESH, Lagrange(2), Elastic(210e3, 0.3), "bottom"))
@@ -63,3 +72,96 @@ def test_what_is_no_chain_is_refused(edges: np.ndarray, message: str) -> None:
     """Edges inside the body, missing, doubled, interrupted or on two sides are refused with the reason."""
     with pytest.raises(InputError, match=message):
         Surface(BLOCK, edges)
+
+
+def test_the_path_that_is_chosen_has_the_same_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Condensed below the limit, sparse above it with few loads at a time: both agree to 1e-9."""
+    meshes = BoxDiscretisation(0.31, "fem", 2), BoxDiscretisation(0.23, "vem", 1)
+    case = pressed_boxes(*meshes, SegmentToSegment(), Multiplier(), rotation_rad=0.3)
+    condensed = case.solve()
+    assert isinstance(condensed.response, CondensedBodies)
+    needed = condensed_bytes(condensed.system.surface_nodes)
+    assert needed > 8 * 6 * max(2 * len(each.nodes) for each in condensed.system.surface_nodes) ** 2
+    monkeypatch.setattr(sys.modules["flangeway.contact.press"], "MOST_DENSE_BYTES", needed - 1)
+    monkeypatch.setattr("flangeway.solve.sparse.ENTRIES_AT_ONCE", 1000)
+    sparse = case.solve()
+    assert isinstance(sparse.response, SparseBodies)
+    assert sparse.status.converged
+    np.testing.assert_allclose(sparse.forces, condensed.forces, rtol=1e-9)
+    pressures = condensed.state.forces
+    np.testing.assert_allclose(sparse.state.forces, pressures, atol=1e-9 * pressures.max())
+
+
+def test_friction_without_a_dense_matrix_has_the_same_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Above the limits bodies and constraints are solved in one sparse factorisation: pressed and pushed to and fro."""
+
+    def solved():
+        path = (0.0, -0.01), (0.004, 0.0), (-0.003, 0.0)
+        return pushed(blocks(SegmentToSegment(), Multiplier(), order=2), *path)
+
+    dense = solved()
+    assert isinstance(dense.response, CondensedBodies)
+    monkeypatch.setattr(sys.modules["flangeway.contact.press"], "MOST_DENSE_BYTES", 1e4)
+    monkeypatch.setattr("flangeway.contact.newton.MOST_DENSE_EQUATIONS", 0)
+    monkeypatch.setattr("flangeway.solve.active_set.equations", None)  # which solves dense ones
+    sparse = solved()
+    assert isinstance(sparse.response, SparseBodies)
+    assert sparse.status.converged, sparse.status.message
+    assert dense.state.friction is not None
+    assert sparse.state.friction is not None
+    assert dense.state.friction.sticks.any()
+    assert dense.dissipated_work.any()
+    atol = 1e-9 * dense.state.forces.max()
+    np.testing.assert_allclose(sparse.state.forces, dense.state.forces, atol=atol)
+    np.testing.assert_allclose(sparse.state.friction.forces, dense.state.friction.forces, atol=atol)
+
+
+STEEL = Elastic(210e3, 0.3)
+
+
+@pytest.fixture(scope="module")
+def bar():
+    """A steel bar of the radius 20 mm, held at its lower half; and the edges of its upper half."""
+    mesh = triangulate(circle(20.0), size=1.5)
+    chain = mesh.chain(*sorted(mesh.edge_sets))[:-1]
+    points = mesh.points[chain]
+    start = int(np.flatnonzero((points[:, 1] > 0.0) & (np.roll(points[:, 1], 1) <= 0.0))[0])
+    chain = np.roll(chain, -start).astype(np.int64)
+    count = int((mesh.points[chain][:, 1] > 0.0).sum())
+    edges = np.stack((chain[:-1], chain[1:]), axis=1)
+    mesh = mesh.with_edge_set("below", edges[count + 2 :])
+    return Harmonic(Elasticity(Space(mesh, Lagrange(2)), STEEL), held={"below": "xyz"}), edges[: count - 1]
+
+
+def cells_of(bar, count):
+    problem, edges = bar
+    points = problem.elasticity.space.mesh.points
+    length = float(np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1).sum())
+    return SurfaceCells(problem, edges, np.linspace(0.0, length, count + 1))
+
+
+def test_cells_of_a_plane_have_the_coefficients_of_a_half_space() -> None:
+    """On a flat surface cells have the half-space's coefficients to round-off, with frames and without."""
+    limits = np.array([0.0, 0.4, 0.8, 2.0, 2.3])
+    expected = half_space_influence(210e3, 0.3, limits, 0.5, 4).reshape(4, 4, 3, 4, 3)
+    for frames in (np.tile(np.diag([1.0, -1.0, 1.0]), (4, 1, 1)), None):
+        assert half_spaces_on((STEEL,), limits, frames, 0.5, 4) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.ci
+def test_half_space_and_remainder_give_the_compliance_on_other_cells(bar) -> None:
+    """Interpolated to cells of half the width, they agree with the compliance of these cells to 2 % of the largest."""
+    surface = elastic_surface(cells_of(bar, 20))
+    fine = cells_of(bar, 40)
+    strip, n_strips = 1.5, 10
+    direct = compliance_table(fine, 2e-5, 2.0 * np.pi / strip).influence(strip, n_strips)
+    direct = direct.reshape(n_strips, 40, 3, 40, 3)
+    stations = (fine.limits[1:] + fine.limits[:-1]) / 2.0
+    across, along = surface.interpolation(stations), surface.along(strip * np.arange(n_strips))
+    remainder = np.einsum("zk,ia,xykab,jb->zixjy", along, across, surface.by_axes, across, optimize=True)
+    remainder = np.einsum("iax,zixjy,jby->ziajb", fine.frames, remainder, fine.frames, optimize=True)
+    total = half_spaces_on((STEEL,), fine.limits, fine.frames, strip, n_strips) + remainder
+    middle = slice(6, 34)
+    for axis in (0, 1):
+        expected = direct[:, middle, axis, middle, axis]
+        assert total[:, middle, axis, middle, axis] == pytest.approx(expected, abs=0.02 * expected.max())

@@ -99,11 +99,4 @@ def symmetric_product(left: Floats, right: Floats) -> Floats:
 
 def symmetrised_product(left: Floats, right: Floats) -> Floats:
     """Sums ``left^T right + right^T left``; arguments and result as in `symmetric_product`."""
-    n = left.shape[1]
-    product = np.empty((n, n, left.shape[2]))
-    for i in range(n):
-        row = product[i, : i + 1]
-        np.einsum("ae,aje->je", left[:, i], right[:, : i + 1], out=row)
-        row += np.einsum("ae,aje->je", right[:, i], left[:, : i + 1])
-        product[:i, i] = row[:i]
-    return product
+    return symmetric_product(np.concatenate((left, right)), np.concatenate((right, left)))

@@ -103,22 +103,23 @@ class Ellipse(TorsionSection):
         a, b = self.half_width, self.half_height
         return np.pi * (a * b) ** 3 / (a**2 + b**2) * (1.0 - self.hole_ratio**4)
 
+    def _terms(self, points: ArrayLike) -> tuple[Floats, Floats, float, float]:
+        """Coordinates of points, and squares of both semi-axes."""
+        return *_xy(points), self.half_width**2, self.half_height**2
+
     def stress_function(self, points: ArrayLike) -> Floats:
         """Prandtl's function; see `TorsionSection`."""
-        x, y = _xy(points)
-        a2, b2 = self.half_width**2, self.half_height**2
+        x, y, a2, b2 = self._terms(points)
         return a2 * b2 / (a2 + b2) * (1.0 - x**2 / a2 - y**2 / b2)
 
     def stress_function_gradient(self, points: ArrayLike) -> Floats:
         """Gradient of Prandtl's function; see `TorsionSection`."""
-        x, y = _xy(points)
-        a2, b2 = self.half_width**2, self.half_height**2
+        x, y, a2, b2 = self._terms(points)
         return np.column_stack((-2.0 * b2 * x, -2.0 * a2 * y)) / (a2 + b2)
 
     def warping(self, points: ArrayLike) -> Floats:
         """Warping function about the centre; see `TorsionSection`."""
-        x, y = _xy(points)
-        a2, b2 = self.half_width**2, self.half_height**2
+        x, y, a2, b2 = self._terms(points)
         return -(a2 - b2) / (a2 + b2) * x * y
 
 

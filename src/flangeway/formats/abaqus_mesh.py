@@ -276,25 +276,25 @@ def _drawn(model: _Model) -> DrawnMesh:
                 "add the node, or correct the element",
             )
     row_of = {number: row for row, number in enumerate(model.cells)}
-    cell_sets, edge_sets = {}, {}
+    cell_sets, found = {}, {}
     for name, members in model.element_sets.items():
         rows = [row_of[number] for number in members if number in row_of]
         pairs = [model.lines[number] for number in members if number in model.lines]
         if rows:
             cell_sets[name] = np.array(rows)
         if pairs:
-            edge_sets[name] = np.array([[place[a], place[b]] for a, b in pairs])
+            found[name] = pairs
     for name, entries in model.surfaces.items():
         pairs = [pair for where, face in entries for pair in _faces(model, where, face)]
         if pairs:
-            edge_sets[name] = np.array([[place[a], place[b]] for a, b in pairs])
+            found[name] = pairs
         else:
             model.notices.append(f"Surface '{name}': no edge of a plane element is in it; left out.")
     return DrawnMesh(
         np.array(list(model.nodes.values())),
         [np.array([place[node] for node in corners]) for corners in model.cells.values()],
         cell_sets,
-        edge_sets,
+        {name: np.array([[place[a], place[b]] for a, b in pairs]) for name, pairs in found.items()},
         {
             name: np.array([place[node] for node in members if node in place], dtype=np.int64)
             for name, members in model.node_sets.items()

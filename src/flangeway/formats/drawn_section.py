@@ -1,7 +1,7 @@
 """A section as a file or a catalogue gives it, and closed outlines from what it draws: small faults are repaired."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -136,6 +136,11 @@ def drawn_circle(centre: Point, radius: float, name: str = "circle") -> list[Dra
     x, y = centre
     ends = [(x + radius, y), (x, y + radius), (x - radius, y), (x, y - radius)]
     return [DrawnSegment(a, b, centre, counter_clockwise=True, name=name) for a, b in sides_of(ends)]
+
+
+def reach_of(drawn: Iterable[DrawnSegment]) -> float:
+    """Return the largest coordinate, in size, of the ends of segments."""
+    return max(abs(coordinate) for segment in drawn for coordinate in (*segment.start, *segment.end))
 
 
 def repaired_outline(

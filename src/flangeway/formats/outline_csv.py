@@ -12,6 +12,8 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from flangeway.errors import InputError
 from flangeway.formats.drawn_section import (
     UNITS,
@@ -19,10 +21,11 @@ from flangeway.formats.drawn_section import (
     DrawnSegment,
     agreed_unit,
     drawn_polygon,
+    reach_of,
     repaired_outline,
     section_of,
 )
-from flangeway.geometry.arrays import Point, point_text
+from flangeway.geometry.arrays import Point, cross_product, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE
 from flangeway.system.file_content import csv_cells, csv_separator
 
@@ -131,7 +134,7 @@ def parse_segment(row: Mapping[str, str], number: int) -> DrawnSegment:
     if turn not in ("", "left", "right"):
         raise InputError(f"line {number}: turn = {turn!r}", "left or right, or nothing", "correct this cell")
     if not turn:
-        cross = (start[0] - centre[0]) * (end[1] - centre[1]) - (start[1] - centre[1]) * (end[0] - centre[0])
+        cross = float(cross_product(np.subtract(start, centre), np.subtract(end, centre)))
         if abs(cross) <= 1e-9 * math.dist(start, centre) ** 2:
             raise InputError(
                 f"line {number}: an arc of half a turn from {start} to {end}",
@@ -144,7 +147,7 @@ def parse_segment(row: Mapping[str, str], number: int) -> DrawnSegment:
 
 def _loops(segments: Sequence[DrawnSegment]) -> list[list[DrawnSegment]]:
     """Cut the rows where a loop has come back to its start."""
-    size = max(map(abs, itertools.chain.from_iterable((*s.start, *s.end) for s in segments)))
+    size = reach_of(segments)
     loops: list[list[DrawnSegment]] = [[]]
     for segment in segments:
         loop = loops[-1]
@@ -156,7 +159,7 @@ def _loops(segments: Sequence[DrawnSegment]) -> list[list[DrawnSegment]]:
 
 def _with_mirror_image(drawn: Sequence[DrawnSegment], what: str) -> list[DrawnSegment]:
     """Add the mirror image about x = 0 to a chain from x = 0 to x = 0, or to a loop with a line on x = 0 as its cut."""
-    size = max(abs(coordinate) for segment in drawn for coordinate in (*segment.start, *segment.end))
+    size = reach_of(drawn)
     half = _without_cut(drawn, JOINT_TOLERANCE * size)
     for word, point in (("starts", half[0].start), ("ends", half[-1].end)):
         if not abs(point[0]) <= JOINT_TOLERANCE * size:

@@ -1,7 +1,7 @@
 """Array types, the one check that all points given by a user pass, and how messages write a point."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias, TypeVar
 
 import numpy as np
@@ -63,6 +63,12 @@ def sides_of(ring: Sequence[Item]) -> Iterator[tuple[Item, Item]]:
 def point_text(point: Point | Floats) -> str:
     """Write a point (2,) for a message, with nine digits."""
     return f"({point[0]:.9g}, {point[1]:.9g})"
+
+
+def box_about(boxes: Iterable[Floats]) -> Floats:
+    """Return the lower-left and upper-right corner (2, 2) of boxes given by theirs."""
+    corners = np.array(list(boxes))
+    return np.array([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
 
 
 def cross_product(a: Floats, b: Floats) -> Floats:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, as_points, point_text
+from flangeway.geometry.arrays import IntArray, as_points, box_about, point_text
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import Arc, Segment, first_crossing
 from flangeway.types import Floats
@@ -86,6 +86,12 @@ class Contour:
         return cls(_joined(tuple(segments), closed=cls._closed), tuple(names))
 
     @classmethod
+    def named(cls, rows: Iterable[tuple[str, Segment]]) -> Self:
+        """Return the chain of segments behind their names."""
+        names, segments = zip(*rows, strict=True)
+        return cls.from_segments(segments, names)
+
+    @classmethod
     def _trusted(cls, segments: tuple[Segment, ...], names: tuple[str, ...]) -> Self:
         """Return a chain without checks, for changes that keep it valid."""
         chain = object.__new__(cls)
@@ -137,8 +143,7 @@ class Contour:
 
     def bounds(self, names: Iterable[str] | None = None) -> Floats:
         """Return the lower-left and upper-right corner (2, 2) of all or of the named segments."""
-        boxes = np.array([self.segments[i].bounds for i in self._named(names)])
-        return np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+        return box_about(self.segments[i].bounds for i in self._named(names))
 
     def part(self, names: Iterable[str]) -> "Contour":
         """Return the named segments as an open chain, in the direction of this one.

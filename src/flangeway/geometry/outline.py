@@ -1,6 +1,6 @@
 """Closed, counter-clockwise outline of a region, with exact section properties."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -12,7 +12,7 @@ from flangeway.errors import InputError
 from flangeway.geometry.arrays import Point, as_points
 from flangeway.geometry.contour import Contour, _joined
 from flangeway.geometry.placement import Placement
-from flangeway.geometry.segments import Arc, Segment, halved
+from flangeway.geometry.segments import Arc, Line, Segment, halved
 from flangeway.types import Bools, Floats
 
 # x, y and their products along half a turn are trigonometric polynomials of degree 4 at most:
@@ -66,6 +66,12 @@ class Outline(Contour):
             joined = tuple(segment.reversed() for segment in joined[::-1])
             labels = labels[::-1]
         return cls(joined, labels)
+
+    @classmethod
+    def closed(cls, segments: Sequence[Segment], others: Sequence[Point], names: Iterable[str]) -> Self:
+        """Return the outline of segments, and of lines from their end through other points to their start."""
+        corners = [segments[-1].end, *others, segments[0].start]
+        return cls.from_segments([*segments, *map(Line, corners, corners[1:])], names)
 
     @cached_property
     def _gauss(self) -> tuple[Floats, Floats]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import Point, as_points, cross_product, point_text
+from flangeway.geometry.arrays import Point, as_points, box_about, cross_product, point_text
 from flangeway.geometry.contour import CROSSING_TOLERANCE
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
@@ -149,8 +149,7 @@ class Section:
 
     def bounds(self) -> Floats:
         """Lower-left and upper-right corner (2, 2)."""
-        boxes = np.array([region.bounds() for region in self.regions])
-        return np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+        return box_about(region.bounds() for region in self.regions)
 
     @property
     def size(self) -> float:

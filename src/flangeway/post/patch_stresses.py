@@ -13,7 +13,7 @@ from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, PatchContact
 from flangeway.elements import Reconstruction
 from flangeway.exact.half_space_stresses import half_space_field, half_space_stresses
 from flangeway.post.lines import OUTSIDE, locate, polynomials_at
-from flangeway.post.stress import corner_values
+from flangeway.post.stress import corner_values, von_mises
 from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.surface_compliance import StripForces, wave_sums, waves
 from flangeway.space import CellBatch
@@ -65,9 +65,7 @@ class SpatialStresses:
     @cached_property
     def von_mises(self) -> Floats:
         """Von Mises stress, shape (n,)."""
-        xx, yy, zz, *shears = self.components.T
-        normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-        return np.sqrt(normal / 2.0 + 3.0 * np.sum(np.square(shears), axis=0))
+        return von_mises(self.components)
 
     @property
     def by_name(self) -> dict[str, Floats]:

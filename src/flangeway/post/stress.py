@@ -50,9 +50,14 @@ class Stresses:
     @property
     def von_mises(self) -> Floats:
         """Von Mises stress, the root of three times the second invariant of the deviator, shape (n,)."""
-        xx, yy, xy, zz = self.components.T
-        squares = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-        return np.sqrt(squares / 2.0 + 3.0 * xy**2)
+        return von_mises(self.tensors)
+
+
+def von_mises(tensors: Floats) -> Floats:
+    """Von Mises stress (n,) of stresses xx, yy, zz, xy, yz, xz, shape (n, 6)."""
+    xx, yy, zz, *shears = tensors.T
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.sqrt(normal / 2.0 + 3.0 * np.sum(np.square(shears), axis=0))
 
 
 def cell_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:

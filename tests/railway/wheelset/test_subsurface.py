@@ -1,15 +1,19 @@
-"""Stresses below the contact, along the inward normal."""
+"""Stresses below the contact, along the inward normal, and warnings where they are not to be relied on."""
 
 import numpy as np
 import pytest
 
 from flangeway.cases import WheelsetTangentCase
+from flangeway.post import cell_stresses
+from flangeway.railway.profiles.measures import conforming
 from flangeway.railway.wheelset.subsurface import (
     maximum_on,
     maximum_shear,
     stresses_below,
 )
+from flangeway.railway.wheelset.wheelset_checks import below_contacts
 from flangeway.railway.wheelset.wheelset_result import solve_wheelset
+from flangeway.report.wheelset.wheelset_page import results_table
 
 
 @pytest.fixture(scope="module")
@@ -61,3 +65,75 @@ def test_a_cubic_finds_the_top_between_jumps():
     found = maximum_on(depths, middles - middles**2 / np.hypot(1.0, middles))
     assert found.value_MPa == pytest.approx(0.3003, rel=0.005)
     assert found.depth_mm == pytest.approx(0.7862, rel=0.03)
+
+
+@pytest.fixture(scope="module")
+def usual():
+    """Contacts of Hertz: 136RE and AAR-1B."""
+    return WheelsetTangentCase.from_values({"size_scale": 5.0}).run()
+
+
+@pytest.fixture(scope="module")
+def pushed():
+    """A wheel that runs at the gauge side of an upright head: the web is bent, and stressed more than the contact."""
+    return WheelsetTangentCase.from_values({"size_scale": 5.0, "rail_inclination": -0.05}).run()
+
+
+@pytest.fixture(scope="module")
+def conformed():
+    """S1002 on 60E1 at 1:40, which touch where the tread's curvature changes."""
+    values = {"size_scale": 5.0, "rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0, "back_to_back_mm": 1360.0}
+    return WheelsetTangentCase.from_values(values).run()
+
+
+def rail_stresses(run):
+    """Maximum von Mises stress of the rails' cells below the contacts, and anywhere."""
+    model, below, anywhere = run.result.model, 0.0, 0.0
+    for name in ("rail-left", "rail-right"):
+        mises = cell_stresses(model.parts[name].body.elasticity, run.result.displacements[name]).von_mises
+        below = max(below, mises[below_contacts(model, run.result.patches, name)].max())
+        anywhere = max(anywhere, mises.max())
+    return below, anywhere
+
+
+def test_yield_is_warned_of_by_the_stress_below_the_contact(pushed):
+    """The factor of the warning is that of cells within two half widths of a contact, not that of the web."""
+    strength = 510.0
+    (warning,) = [each for each in pushed.warnings if "exceed" in each]
+    assert "below the contacts" in warning
+    below, anywhere = rail_stresses(pushed)
+    assert f"{below / strength:.1f} times in the rail" in warning
+    assert anywhere > 1.2 * below
+    # below a contact of Hertz von Mises reaches 0.56 of the maximum pressure
+    pressure = max(each["max_pressure_MPa"] for each in pushed.summary["patches"])
+    assert below == pytest.approx(0.56 * pressure, rel=0.25)
+
+
+def test_hertz_is_left_out_where_profiles_conform(usual, conformed):
+    """Hertz's pressure stands beside a contact of constant curvature, not beside one that conforms."""
+    assert all(contact["hertz_pressure_MPa"] for contact in usual.summary["patches"])
+    assert all(contact["hertz_pressure_MPa"] is None for contact in conformed.summary["patches"])
+    rows = {row[0].strip(): row[1:] for row in results_table(conformed).rows}
+    assert set(rows["Hertz, MPa"]) == set(rows["Hertz, mm"]) == {"–"}
+    assert any("Hertz's theory is left out" in each for each in conformed.case.assumptions(conformed.result))
+    assert not any("Hertz" in each for each in usual.case.assumptions(usual.result))
+
+
+def test_the_criterion_follows_load_and_curvature(usual):
+    """A small contact on constant curvatures is one of Hertz's; a wide one, or one at a change, is not."""
+    patch, model = usual.result.patches[1], usual.result.model
+    wheel, rail = model.problem.wheelset.wheel_of("right"), model.problem.track.rail_of("right")
+    places = patch.wheel_point_mm, patch.rail_point_mm
+    found = [conforming(wheel, places[0], rail, places[1], width) for width in (0.1, 6.0, 40.0)]
+    assert found == [False, False, True]
+    # at the end of the crown its radius of 254 mm becomes one of 31.75 mm
+    end = np.array(rail.outline.part(["crown"]).segments[0].end)
+    assert conforming(wheel, places[0], rail, end, 6.0)
+
+
+def test_the_maximum_stress_below_a_wide_contact_is_not_that_of_the_web(conformed):
+    """The maximum shear and von Mises stresses below a contact are sought within two half widths."""
+    for contact in conformed.summary["patches"]:
+        for body in ("in_rail", "in_wheel"):
+            for name in ("max_in_plane_shear", "max_von_mises"):
+                assert contact[f"{body}_{name}_depth_mm"] <= 2.0 * contact["half_width_mm"] * (1.0 + 1e-9)

@@ -304,9 +304,8 @@ def _heavy_haul() -> WheelProfile:
 def _wheel_below(running: Contour, *, title: str, certainty: str, source: str) -> WheelProfile:
     """Close a running surface by vertical faces and a straight cut."""
     back, outer = running.segments[0].start, running.segments[-1].end
-    high_back, high_outer = (back[0], CUT_HEIGHT_MM), (outer[0], CUT_HEIGHT_MM)
-    segments = [*running.segments, Line(outer, high_outer), Line(high_outer, high_back), Line(high_back, back)]
-    outline = Outline.from_segments(segments, [*running.names, "outer_face", "cut", "back_face"])
+    cut = [(outer[0], CUT_HEIGHT_MM), (back[0], CUT_HEIGHT_MM)]
+    outline = Outline.closed(running.segments, cut, [*running.names, "outer_face", "cut", "back_face"])
     return WheelProfile(
         title=title,
         outline=outline,
@@ -339,7 +338,7 @@ def _mirrored_and_joined(field_side: Mapping[str, Segment]) -> Outline:
         ("crown", Arc(crown.end, left_crown.end, (0.0, crown.centre[1]), True)),
         *((f"{part}_gauge", segment) for part, segment in gauge_side.items()),
     ]
-    return Outline.from_segments([s for _, s in chain], [part for part, _ in chain])
+    return Outline.named(chain)
 
 
 def bundled_section(name: str) -> DrawnSection:

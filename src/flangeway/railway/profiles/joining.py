@@ -374,9 +374,9 @@ def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     start, end = surface.segments[0].start, surface.segments[-1].end
     (_, low), (_, top) = (measured.first_slice or surface).bounds()
     level = min(top - PLAIN_BASE_MM, low - 10.0) if is_rail else max(PLAIN_CUT_MM, start[1] + 10.0, end[1] + 10.0)
-    sides = [Line(end, (end[0], level)), Line((end[0], level), (start[0], level)), Line((start[0], level), start)]
     around = ("gauge_face", "base", "field_face") if is_rail else ("outer_face", "cut", "back_face")
-    outline = Outline.from_segments([*surface.segments, *sides], [*[MEASURED] * len(surface.segments), *around])
+    names = [*[MEASURED] * len(surface.segments), *around]
+    outline = Outline.closed(surface.segments, [(end[0], level), (start[0], level)], names)
     title, source = f"{measured.title} on a plain body", f"File: {measured.format}."
     certainty = f"Running surface as measured, on a block of steel with upright faces.{_tape_text(measured)}"
     notices = (*measured.notices, *clipped_notices(surface, measured))
@@ -469,7 +469,7 @@ def _closed(
         *others,
     ]
     try:
-        outline = Outline.from_segments([segment for _, segment in chain], [name for name, _ in chain])
+        outline = Outline.named(chain)
     except InputError as reason:
         raise InputError(
             f"the measured surface on the nominal {nominal.title}: {reason.given}",

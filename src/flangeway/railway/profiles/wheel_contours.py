@@ -58,7 +58,7 @@ def s1002_contour(tolerance_mm: float = POLYNOMIAL_TOLERANCE_MM) -> Contour:
         *_polynomial_pieces("tread", _TREAD, _Y["B"], _Y["A"], tolerance_mm),
         ("tread_1:15", Line(_on_polynomial(_TREAD, _Y["A"]), (_Y["rim"], _Y["rim"] / 15.0 - 1.364323640))),
     ]
-    return Contour.from_segments([segment for _, segment in rows], [name for name, _ in rows])
+    return Contour.named(rows)
 
 
 def _on_circle(name: str, y: float) -> Point:

@@ -49,7 +49,7 @@ def _rail(outline: Outline, title: str, certainty: str, source: str) -> RailProf
     field, gauge = _widest(named, 1.0), _widest(named, -1.0)
     pieces = [("head", segment) for _, segment in pieces_between(named, field, gauge)]
     pieces += pieces_between(named, gauge, field)
-    whole = Outline.from_segments([segment for _, segment in pieces], [name for name, _ in pieces])
+    whole = Outline.named(pieces)
     return RailProfile(title, whole, ("head",), ("base",), certainty, source)
 
 

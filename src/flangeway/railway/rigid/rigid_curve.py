@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement
 from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, STEEPEST_RAD, extent, graphs_of
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
 UPRIGHT = np.finfo(float).eps
 """Cosine of the angle of an upright tangent: its slope stays a number."""
@@ -123,8 +123,7 @@ class RigidCurve:
     def sampled(self, spacing_mm: float) -> CurvePoints:
         """Points along each piece, no farther apart than a spacing, both ends of each included, (n,)."""
         counts = np.ceil(self.lengths / spacing_mm).astype(np.int64) + 1
-        piece = np.repeat(np.arange(len(counts)), counts)
-        number = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
+        piece, number = _repeated(counts)
         return self._along(piece, self.lengths[piece] * number / (counts[piece] - 1))
 
     @cached_property
@@ -243,14 +242,19 @@ def on_profile(across: Floats, height: Floats, angle: Floats, yaw_rad: float) ->
     return along, radius, radius * sine / math.cos(yaw_rad)
 
 
+def _repeated(counts: Ints) -> tuple[Ints, Ints]:
+    """Numbers from 0, each as often as counted, and which time it is, from 0."""
+    rows = np.repeat(np.arange(len(counts)), counts)
+    return rows, np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
 def _with_edges(profile: RigidCurve) -> tuple[Floats, Floats, Floats]:
     """Dense points of a profile; at an edge with the angles between those of its sides."""
     points = profile.sampled(_SPACING_MM)
     turn = np.diff(points.angle)
     counts = np.where(np.hypot(np.diff(points.x), np.diff(points.y)) < _SAME_MM, turn / _EDGE_STEP_RAD, 0.0)
     repeats = np.append(1 + np.maximum(np.floor(counts), 0.0).astype(np.int64), 1)
-    source = np.repeat(np.arange(len(repeats)), repeats)
-    number = np.arange(len(source)) - np.repeat(np.cumsum(repeats) - repeats, repeats)
+    source, number = _repeated(repeats)
     angle = points.angle[source] + np.append(turn, 0.0)[source] * number / repeats[source]
     return points.x[source], points.y[source], angle
 

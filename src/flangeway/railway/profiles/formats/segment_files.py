@@ -10,7 +10,7 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.formats import outline_csv, outline_dxf
-from flangeway.formats.drawn_section import UNITS_MM, DrawnSegment
+from flangeway.formats.drawn_section import UNITS_MM, DrawnSegment, reach_of
 from flangeway.geometry import Arc, Contour, Outline, Point, Segment
 from flangeway.geometry.contour import JOINT_TOLERANCE
 from flangeway.railway.profiles.formats.raw_profile import RawProfile
@@ -75,7 +75,7 @@ def _profile(drawn: Sequence[DrawnSegment], unit: str | None, stated: RawProfile
     drawn, notices = closed_gaps(drawn, GAP_MM / UNITS_MM.get(unit or "mm", 1.0))
     segments = [segment.checked() for segment in drawn]
     names = [segment.name for segment in drawn]
-    size = max(abs(c) for s in drawn for p in (s.start, s.end) for c in p)
+    size = reach_of(drawn)
     closed = len(segments) > 1 and math.dist(segments[0].start, segments[-1].end) <= JOINT_TOLERANCE * size
     contour = Outline.from_segments(segments, names) if closed else Contour.from_segments(segments, names)
     points = contour.sampled(spacing=contour.length / _N_SAMPLES)
