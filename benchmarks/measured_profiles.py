@@ -16,7 +16,8 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_profiles import position_key, with_body
 from flangeway.errors import InputError
 from flangeway.railway.profiles.formats.slice_files import SLICES
-from flangeway.railway.profiles.profile_file import ReadOptions, sections_of
+from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.profile_file import sections_of
 
 ENDINGS = (".prr", ".prw", ".ban", ".whl", *SLICES)
 LATERAL_MM = (-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0)

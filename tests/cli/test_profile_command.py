@@ -18,7 +18,8 @@ from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.formats.two_column import write_two_column
 from flangeway.railway.profiles.measures import measures
-from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.report.profile.profile_figures import deviations
 from flangeway.report.profile.profile_outputs import folder_record
 

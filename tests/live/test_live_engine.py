@@ -1,6 +1,8 @@
-"""The live page's engine computes what the commands compute."""
+"""The live page's engine computes what the commands compute, and the page stands inside a notebook."""
 
+import re
 import threading
+import urllib.request
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from flangeway.errors import InputError
 from flangeway.live.engine import LiveEngine, SupersededError
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.report.wheelset.wheelset_page import results_table
+from tests.docs.conftest import blocks_of
 
 COARSE = {"size_scale": "6", "order": "1", "rail_support": "continuous", "wheel": "S1002", "rail": "60E1"}
 STATES = [
@@ -121,3 +124,22 @@ def test_a_bad_file_has_the_message_of_the_command(engine, tmp_path):
         engine.add_profile("bad.whl", content, {})
     assert str(given.value) == str(expected.value).replace(f"{tmp_path}/", "")
     assert "bad.whl" not in engine.files
+
+
+def test_the_cell_of_the_how_to_shows_the_page(profiles, monkeypatch):
+    """The code of `how-to/live-page.md` gives a value whose HTML is a frame with the page, which knows both files."""
+    code = next(block.text for block in blocks_of("how-to/live-page.md") if block.kind == "python")
+    imported, call = code.strip().split("\n\n")
+    monkeypatch.chdir(profiles)
+    names = {}
+    exec(imported, names)
+    widget = eval(call, names)
+    try:
+        address = re.search(r'src="([^"]+)"', widget._repr_html_())[1]
+        while not widget.server.server.started:
+            pass
+        with urllib.request.urlopen(address, timeout=60) as page:
+            assert "<title>flangeway live</title>" in page.read().decode()
+        assert widget.server.engine.form()["files"] == ["my-wheel.whl", "my-rail.ban"]
+    finally:
+        widget.close()

@@ -17,7 +17,8 @@ from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, EnergyLaw,
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import bundled_section, rail, wheel
 from flangeway.railway.profiles.joining import joined, on_plain_body
-from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.profiles.smoothing import smoothed
 from flangeway.railway.rigid.conicity import (
     RollingRadiusDifference,

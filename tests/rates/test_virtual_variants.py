@@ -1,4 +1,4 @@
-"""Orders of the variants of virtual elements, as data: Poisson's equation and elasticity on families of polygons."""
+"""Orders of the variants of virtual elements on families of polygons, and around a refined singularity."""
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ from flangeway.geometry import square
 from flangeway.mesh import PolyMesh, agglomerated, dual, rectangle_grid, triangulate, voronoi
 from flangeway.problems import Elasticity
 from flangeway.space import Space
+from studies.forms import LAST, OPTIMAL, corner_errors
 from tests.given_displacement import solved
 from tests.rates import test_elasticity_rates as elastic
 
@@ -147,3 +148,17 @@ def test_what_a_variant_does_not_have_is_refused(words):
     """Orders, lines and degrees that do not exist, or do not suffice for a cell, are errors that name them."""
     with pytest.raises(InputError, match=words):
         WRONG[words]()
+
+
+@pytest.mark.parametrize(
+    ("domain", "order"),
+    [
+        ("L-shape, not convex", 1),
+        *(pytest.param(*case, marks=pytest.mark.ci) for case in (("L-shape, duals", 4), ("slit, not convex", 3))),
+    ],
+)
+def test_errors_fall_with_the_unknowns_to_minus_half_the_order(domain, order):
+    """``r^a sin(a phi)``: the error of the gradient falls like ``n^(-k / 2)`` (order 2: `reproduce forms`)."""
+    sizes, errors = corner_errors(domain, order)
+    rate = np.polyfit(np.log(sizes[-LAST:]), np.log(errors[-LAST:]), 1)[0]
+    assert rate < -OPTIMAL * order / 2.0

@@ -1,6 +1,6 @@
-"""A flat punch pressed on a half-plane with friction: its integral equations, beside which the study is.
+"""Friction of the studies: a belt, a die that slides along a slab, and a flat punch beside its integral equations.
 
-Integrated once (K. L. Johnson, 1985, "Contact Mechanics", 2.25), with ``b = (1 - 2 nu) / (2 (1 - nu))``::
+The punch's, integrated once (K. L. Johnson, 1985, "Contact Mechanics", 2.25), ``b = (1 - 2 nu) / (2 (1 - nu))``::
 
     (1/pi) int p(s) ln|x - s| ds - b int_0^x q ds = constant           |x| < a
     (1/pi) int q(s) ln|x - s| ds + b int_0^x p ds = 0                  |x| < c
@@ -12,7 +12,7 @@ Left out of the first equation, b gives the equation ``K'(c/a) / K(c/a) = b / mu
 sqrt(a^2 - x^2)) exp(i g ln((a + x) / (a - x)))``, ``g = ln(3 - 4 nu) / 2 pi`` (N. I. Muskhelishvili, 1953).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -21,7 +21,9 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from flangeway.types import Floats
+from studies.friction import ironing
 from studies.friction.punch_with_friction import POISSON
+from studies.friction.sliding_bodies import BELT_STRAIN, belt_exponent, belt_tensions, turned_belt
 from studies.study import published_values
 
 COUPLING = (1.0 - 2.0 * POISSON) / (2.0 * (1.0 - POISSON))
@@ -137,3 +139,57 @@ def test_published_values_are_those_of_the_equations(friction: float) -> None:
     half = pressed_punch(friction)
     assert (known[f"{friction:g}", "stick"], known[f"{friction:g}", "pull"]) == pytest.approx((half.stick, half.pull))
     assert known["10", "pull"] == pytest.approx(sticking_pull())
+
+
+@pytest.mark.parametrize(("thickness", "cells", "pull", "mu"), [(1.0, 40, 100.0, 0.6), (2.0, 40, 100.0, 1.5)])
+def test_a_belt_that_is_pulled_hard_is_found_in_few_iterations(thickness, cells, pull, mu) -> None:
+    """10 and 100 times the pull, friction up to 1.5: at most 30 iterations a step, none halved, Eytelwein to 6 %.
+
+    Pressure on a curved surface makes the belt alone unstable, so that the matrix of the contact is indefinite.
+    """
+    belt = turned_belt(thickness, cells, pull * BELT_STRAIN, mu)
+    assert belt.status.converged, belt.status.message
+    assert [step.share for step in belt.steps] == [1.0, 1.5, 2.0]
+    assert max(step.state.status.iterations for step in belt.steps) <= 30
+    ratio = np.divide(*belt_tensions(belt))
+    assert ratio == pytest.approx(np.exp(belt_exponent(thickness, mu) * np.pi), rel=0.02 if mu < 1.0 else 0.06)
+
+
+def test_the_published_ratios_in_sliding_are_those_of_the_collection() -> None:
+    """Batistic, Cardiff and Tukovic (2022) give the ratio of both forces at time 1.5 for each curve, within 0.015."""
+    collected = {
+        "Poulios, Renard 2015": 0.30,
+        "Code_Aster SSNP153": 0.34,
+        "Hartmann et al. 2009": 0.38,
+        "Yastrebov 2011": 0.47,
+        "Fischer, Wriggers 2006": 0.53,
+    }
+    normal, tangential = (published_values("friction.csv", case) for case in ("normal", "tangential"))
+    assert normal.keys() == tangential.keys()
+    assert {name for _, name in normal} == set(collected)
+    for name, ratio in collected.items():
+        assert tangential["1.5", name] / normal["1.5", name] == pytest.approx(ratio, abs=0.015)
+        lowered = [value for (time, other), value in normal.items() if other == name and float(time) <= 1.04]
+        assert (np.diff(lowered) > 0.0).all()
+
+
+def test_a_coarse_die_slides_in_long_steps() -> None:
+    """Cells a third as fine in steps of 3/10 mm converge, to the forces of the fine mesh within 5 %."""
+    found = ironing.ironed_slab(cells=(40, 10), steps=(5, 20))
+    assert found.status.converged, found.status.message
+    assert max(step.state.status.iterations for step in found.steps) <= 30
+    shares = [step.share for step in found.steps]
+    forces = np.array([replace(found, state=step.state).forces[0] for step in found.steps])
+    # time 1.5 is half of 10 mm along, of which 6 are computed
+    x, y = (float(np.interp(1.0 + 5.0 / 6.0, shares, force)) for force in forces.T)
+    assert (y, -x) == pytest.approx((367.0, 144.4), rel=0.05)
+
+
+@pytest.mark.ci
+def test_a_surface_that_folds_is_named(monkeypatch) -> None:
+    """With friction 1.5 the slab folds before the die: the message names the bodies and the node."""
+    monkeypatch.setattr(ironing, "MU", 1.5)
+    found = ironing.ironed_slab(cells=(40, 10), steps=(5, 20))
+    assert not found.status.converged
+    assert "'slab'" in found.status.message
+    assert "at node" in found.status.message

@@ -1,12 +1,18 @@
-"""Each study computed again: it passes, and its numbers are those of the page of validation."""
+"""Each study computed again: it passes with the numbers of the page; closed forms and meshes of studies."""
 
 import csv
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from flangeway.cases.bodies.cook import CookCode
+from studies.elasticity import patch_space
 from studies.registry import STUDIES
+from studies.spatial.cosine_loads import exact_bar
+from studies.spatial.patches import published_gaps
+from studies.spatial.profile_blocks import HALF, RADIUS, cut_surfaces, heights
 
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -49,3 +55,43 @@ def test_a_study_passes_with_the_numbers_of_the_page(name):
         assert NUMBER.split(line) == NUMBER.split(new)
         for number, value in zip(NUMBER.findall(line), NUMBER.findall(new), strict=True):
             assert abs(float(value) - float(number)) <= last_digit(number) + ROUND_OFF, f"{line}\n{new}"
+
+
+def test_the_bar_has_its_limits() -> None:
+    """Long waves stretch the bar freely, short ones meet a half-space."""
+    bars = exact_bar()
+    assert bars[0.01][0] == pytest.approx(-(1.0 - 0.3), rel=1e-6)
+    assert bars[40.0][0] == pytest.approx(-2.0 * (1.0 - 0.3**2) / 40.0, rel=0.02)
+
+
+def test_gaps_of_the_conformal_contact() -> None:
+    """The gaps of the published contact, whose force and pressure are in the study, are those of its circles."""
+    bounds, along = np.linspace(-5.0, 5.0, 11), np.array([-6.0, 0.0, 6.0])
+    gaps, shares = published_gaps(bounds, along, "half-space")
+    np.testing.assert_allclose(gaps, gaps[::-1], rtol=1e-12)
+    assert gaps[0, 1] == pytest.approx(0.2 * (1.0 - np.cos(0.45)), rel=0.02)
+    assert shares[0, 0] == pytest.approx(np.cos(0.45))
+
+
+def test_the_cut_profiles_touch_first_at_the_origin() -> None:
+    """The gap is least there and nothing, and on the rail two arcs of the crown meet within the patch."""
+    low, high, axle = cut_surfaces()
+    x = np.linspace(-HALF + 0.1, HALF - 0.1, 2001)
+    gap = heights(high, x) - heights(low, x)
+    assert gap.min() == pytest.approx(0.0, abs=1e-6)
+    assert abs(x[gap.argmin()]) < 0.02
+    curvatures = [np.polyfit(x[near], gap[near], 2)[0] * 2.0 for near in (abs(x + 1.5) < 0.8, abs(x - 4.0) < 0.8)]
+    assert curvatures[0] > 3.0 * curvatures[1]
+    assert axle == pytest.approx(RADIUS, abs=1.0)
+
+
+@pytest.mark.parametrize("space", [CookCode("H", 1, 2).space(), patch_space("HE", 2)], ids=["membrane", "patch"])
+def test_mixed_configurations_have_both_methods(space):
+    """Codes with H and HE use virtual elements for all cells at the boundary and Lagrange triangles inside."""
+    mesh = space.mesh
+    outer = np.zeros(mesh.n_edges, dtype=bool)
+    outer[mesh.edge_numbers(mesh.boundary_edges)] = True
+    at_rim = np.add.reduceat(outer[mesh.cell_edges], mesh.cell_offsets[:-1]) > 0
+    assert np.array_equal(np.flatnonzero(at_rim), np.sort(mesh.cell_sets["polygons"]))
+    assert np.array_equal(np.flatnonzero(~at_rim), np.sort(mesh.cell_sets["triangles"]))
+    assert {type(batch.element).__name__ for batch in space.batches()} == {"Lagrange", "Virtual"}

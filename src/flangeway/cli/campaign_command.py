@@ -9,14 +9,12 @@ import typer
 
 from flangeway.cli.app import app
 from flangeway.cli.common import (
-    INTERRUPTED,
     Fresh,
     Out,
     Progress,
     Show,
     choices,
     command_typed,
-    complain,
     completion,
     results_folder,
     shows_results,
@@ -84,13 +82,9 @@ def campaign(
     database = folder / DATABASE
     had_all = not fresh and database.is_file() and results(database).is_done
     begun = time.perf_counter()
-    try:
-        with show.progress() as progress:
-            shown = _rows_shown(progress)
-            end = run_campaign(wanted, database, workers=workers, scheduler=scheduler, fresh=fresh, progress=shown)
-    except KeyboardInterrupt:
-        complain(f"interrupted; what is done is kept in {database}, and the same command goes on from there")
-        raise typer.Exit(INTERRUPTED) from None
+    with show.progress(f"what is done is kept in {database}") as progress:
+        shown = _rows_shown(progress)
+        end = run_campaign(wanted, database, workers=workers, scheduler=scheduler, fresh=fresh, progress=shown)
     table = results(database)
     seconds = time.perf_counter() - begun
     record = campaign_record(end, table, export or "csv", command_typed(), seconds, wanted.units)

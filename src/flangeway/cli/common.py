@@ -176,12 +176,12 @@ def errors_as_exit_status() -> Iterator[None]:
 
 
 @contextmanager
-def interruption_reported() -> Iterator[None]:
+def interruption_reported(message: str = NOTHING_WRITTEN) -> Iterator[None]:
     """Turn Ctrl-C into a message and an exit status."""
     try:
         yield
     except KeyboardInterrupt:
-        complain(NOTHING_WRITTEN)
+        complain(message)
         raise typer.Exit(INTERRUPTED) from None
 
 
@@ -227,14 +227,19 @@ class Show:
     marks_s: list[float] = field(default_factory=lambda: [STARTED_S])
 
     @contextmanager
-    def progress(self) -> Iterator[Progress]:
-        """Show sentences on stderr, unless it is quiet."""
+    def progress(self, kept: str = "") -> Iterator[Progress]:
+        """Show sentences on stderr, unless it is quiet.
+
+        - `kept`: what is kept when it is interrupted, and where.
+        """
         self.marks_s.append(time.perf_counter())
-        if self.quiet:
-            yield lambda _: None
-            return
-        with progress_shown() as progress:
-            yield progress
+        goes_on = f"interrupted; {kept}, and the same command goes on from there"
+        with interruption_reported(goes_on if kept else NOTHING_WRITTEN):
+            if self.quiet:
+                yield lambda _: None
+                return
+            with progress_shown() as progress:
+                yield progress
 
     def record(
         self, record: "Record", folder: Path, others: Callable[[], Sequence[Path]] = tuple, *, last: bool = True

@@ -7,11 +7,9 @@ import typer
 
 from flangeway.cli.app import app
 from flangeway.cli.common import (
-    INTERRUPTED,
     Out,
     Show,
     command_typed,
-    complain,
     complete_setting,
     completion,
     results_folder,
@@ -78,12 +76,8 @@ def creep_table(
     if fmu:
         refuse_without_compiler()
     folder = results_folder(out, f"creep-table-{Path(case).stem}")
-    try:
-        with show.progress() as progress:
-            table = make_table(request, workers=workers, progress=progress)
-    except KeyboardInterrupt:
-        complain("interrupted; positions that are done are kept in the cache, and the same command goes on from there")
-        raise typer.Exit(INTERRUPTED) from None
+    with show.progress("positions that are done are kept in the cache") as progress:
+        table = make_table(request, workers=workers, progress=progress)
     return show.record(creep_table_record(table, request, command_typed(), table_writers(table, fmu=fmu)), folder)
 
 

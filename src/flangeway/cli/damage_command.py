@@ -9,12 +9,10 @@ import typer
 
 from flangeway.cli.app import app
 from flangeway.cli.common import (
-    INTERRUPTED,
     Fresh,
     Out,
     Show,
     command_typed,
-    complain,
     completion,
     results_folder,
     shows_results,
@@ -60,12 +58,8 @@ def run_strategies(strategies: "dict[str, DamageInputs]", folder: Path, show: Sh
         if fresh:
             store.unlink(missing_ok=True)
         begun = time.perf_counter()
-        try:
-            with show.progress() as progress:
-                steps = inputs.evolution.run(store, progress)
-        except KeyboardInterrupt:
-            complain(f"interrupted; what is done is kept in {store}, and the same command goes on from there")
-            raise typer.Exit(INTERRUPTED) from None
+        with show.progress(f"what is done is kept in {store}") as progress:
+            steps = inputs.evolution.run(store, progress)
         record = damage_record(inputs, steps, command_typed(), time.perf_counter() - begun, units)
         show.record(record, into, partial(list, [store]), last=len(strategies) == 1)
         runs[name] = steps, record

@@ -244,7 +244,7 @@ def profile(
 ) -> bool:
     """Read a rail or wheel profile: checks, pictures, curvature, conversion, joint to a body (out/profile-NAME)."""
     from flangeway.cases.profile.profile_run import run_profiles  # noqa: PLC0415
-    from flangeway.railway.profiles.profile_file import ReadOptions  # noqa: PLC0415
+    from flangeway.railway.profiles.orientation import ReadOptions  # noqa: PLC0415
     from flangeway.report.profile.profile_outputs import (  # noqa: PLC0415
         checked_conversion,
         profile_record,

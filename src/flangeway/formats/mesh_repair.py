@@ -8,20 +8,20 @@ from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, cross_product
-from flangeway.mesh.connectivity import first_connected, next_in_row, offsets_of, places_among
+from flangeway.mesh.connectivity import (
+    first_connected,
+    next_in_row,
+    offsets_of,
+    places_among,
+    row_numbers,
+    rows_reversed,
+)
 from flangeway.mesh.meeting import touching_distance
 from flangeway.mesh.mesh_checks import check, conforming, hanging_points
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints
 
 FLAT = 1e-9  # range of the third coordinate, over the size of the mesh, up to which a mesh is plane
-
-_FAULTS = {
-    "short": "with one point several times in a row: the repetitions are left out",
-    "flat": "with fewer than three different points left out",
-    "turned": "clockwise: turned",
-    "twice": "given a second time: left out, its sets kept",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,49 +170,34 @@ def _first_of_equal(points: Floats, cells: list[Ints], notices: list[str]) -> In
 
 def _sound_cells(points: Floats, cells: list[Ints], notices: list[str]) -> tuple[list[Ints], Ints]:
     """Counter-clockwise cells without repeated points, each once; and the new number of each cell."""
-    counts = dict.fromkeys(_FAULTS, 0)
-    sound: list[tuple[Ints, bytes] | None] = [None] * len(cells)
-    sizes = np.array([len(cell) for cell in cells])
-    for size in np.unique(sizes).tolist():
-        mine = np.flatnonzero(sizes == size)
-        rows = np.array([cells[number] for number in mine.tolist()])
-        short = (rows == np.roll(rows, 1, axis=1)).any(axis=1)
-        for row in np.flatnonzero(short).tolist():
-            cell = rows[row][rows[row] != np.roll(rows[row], 1)]
-            counts["flat" if len(cell) < 3 else "short"] += 1
-            if len(cell) >= 3:
-                turned, keys, n_turned = _turned(points, cell[None])
-                sound[mine[row]] = (turned[0], keys[0].tobytes())
-                counts["turned"] += n_turned
-        turned, keys, n_turned = _turned(points, rows[~short])
-        counts["turned"] += n_turned
-        for number, cell, key in zip(mine[~short].tolist(), turned, keys, strict=True):
-            sound[number] = (cell, key.tobytes())
-    result: list[Ints] = []
-    known: dict[bytes, int] = {}
-    numbers = np.full(len(cells), -1, dtype=np.int64)
-    for number, found in enumerate(sound):
-        if found is None:
-            continue
-        place = known.setdefault(found[1], len(result))
-        counts["twice"] += place < len(result)
-        if place == len(result):
-            result.append(found[0])
-        numbers[number] = place
-    notices += [f"{_many(counts[fault], 'cell')} {sentence}." for fault, sentence in _FAULTS.items() if counts[fault]]
-    if not result:
+    lengths = np.array([len(cell) for cell in cells])
+    given, offsets = np.concatenate(cells), offsets_of(lengths)
+    single, owner = given != given[next_in_row(offsets)], row_numbers(offsets)
+    sizes = np.bincount(owner[single], minlength=len(cells))
+    sound = np.flatnonzero(sizes >= 3)
+    if not len(sound):
         raise InputError("cells without area", "triangles, quadrilaterals or polygons", "look at the file")
+    corners, offsets = given[single & (sizes >= 3)[owner]], offsets_of(sizes[sound])
+    places = points[corners] - np.repeat(points[corners[offsets[:-1]]], sizes[sound], axis=0)
+    clockwise = np.add.reduceat(cross_product(places, places[next_in_row(offsets)]), offsets[:-1]) < 0.0
+    corners = np.where(np.repeat(clockwise, sizes[sound]), corners[rows_reversed(offsets)], corners)
+    result: list[Ints] = []
+    known: dict[tuple[int, ...], int] = {}
+    numbers = np.full(len(cells), -1, dtype=np.int64)
+    for number, cell in zip(sound.tolist(), np.split(corners, offsets[1:-1]), strict=True):
+        row = cell.tolist()
+        first = row.index(min(row))  # a cell may be given from any of its points on
+        numbers[number] = known.setdefault((*row[first:], *row[:first]), len(result))
+        if numbers[number] == len(result):
+            result.append(cell)
+    faults = {
+        "with one point several times in a row: the repetitions are left out": int((sizes < lengths)[sound].sum()),
+        "with fewer than three different points left out": len(cells) - len(sound),
+        "clockwise: turned": int(clockwise.sum()),
+        "given a second time: left out, its sets kept": len(sound) - len(result),
+    }
+    notices += [f"{_many(count, 'cell')} {fault}." for fault, count in faults.items() if count]
     return result, numbers
-
-
-def _turned(points: Floats, rows: Ints) -> tuple[Ints, Ints, int]:
-    """Cells (n, size) counter-clockwise, also each from its lowest point number on, and how many were clockwise."""
-    corners = points[rows] - points[rows[:, :1]]
-    after = np.roll(corners, -1, axis=1)
-    clockwise = np.sum(cross_product(corners, after), axis=1) < 0.0
-    rows = np.where(clockwise[:, None], rows[:, ::-1], rows)
-    places = (rows.argmin(axis=1)[:, None] + np.arange(rows.shape[1])) % rows.shape[1]
-    return rows, np.take_along_axis(rows, places, axis=1), int(clockwise.sum())
 
 
 def _with_edges(mesh: PolyMesh, name: str, pairs: Ints, notices: list[str]) -> PolyMesh:

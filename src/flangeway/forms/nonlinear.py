@@ -168,7 +168,7 @@ class _Problem:
 
             def vector(w: SimpleNamespace, form: Form = form, n_jets: int = region.n_jets) -> Values:
                 n = len(w.points)
-                tests = unit_fields(n, self.m, n_jets, self.m == 1)
+                tests = unit_fields(n, self.m, n_jets)
                 return np.array([integrand(form(getattr(w, UNKNOWN), v, w), n) for v in tests])
 
             total = total + assembled_vector(region, vector, self.m)
@@ -198,7 +198,7 @@ class _Problem:
         def tensor(w: SimpleNamespace) -> Values:
             n = len(w.points)
             u = getattr(w, UNKNOWN)
-            units = unit_fields(n, self.m, region.n_jets, self.m == 1)
+            units = unit_fields(n, self.m, region.n_jets)
             rows = []
             for unit in units:
                 moved = PointValues(

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from flangeway.checks import check_integer, check_positive, is_finite, refused
+from flangeway.checks import check_between, check_integer, check_positive
 from flangeway.errors import InputError
 from flangeway.forms.weak import Values
 from flangeway.solve.factor import Factor
@@ -55,8 +55,7 @@ def theta_steps(
 
     """
     (u,), m = _checked(step, number, mass, start)
-    if not (is_finite(theta) and 0.5 <= theta <= 1.0):
-        raise refused("theta_steps", "theta", theta, "0.5 to 1", "take 0.5 for second order")
+    check_between("theta_steps", "theta", theta, 0.5, 1.0, advice="take 0.5 for second order")
     factor = Factor(mass + theta * step * stiffness, fixed, m)
     explicit = sp.csr_array(mass - (1.0 - theta) * step * stiffness)
     before = _at(load, 0.0, u)
@@ -111,8 +110,8 @@ def newmark_steps(
 
     """
     (u, v), m = _checked(step, number, mass, start, velocity)
-    if radius is not None and not (is_finite(radius) and 0.0 <= radius <= 1.0):
-        raise refused("newmark_steps", "radius", radius, "0 to 1", "leave it out for Newmark's method")
+    if radius is not None:
+        check_between("newmark_steps", "radius", radius, 0.0, 1.0, advice="leave it out for Newmark's method")
     of_mass, of_rest = (0.0, 0.0) if radius is None else ((2 * radius - 1) / (radius + 1), radius / (radius + 1))
     gamma, beta = 0.5 - of_mass + of_rest, 0.25 * (1.0 - of_mass + of_rest) ** 2
     shape = u.shape

@@ -18,7 +18,7 @@ from flangeway.elements import Reconstruction, missed_mass, monomials
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray
 from flangeway.mesh import PolyMesh
-from flangeway.post.lines import OUTSIDE, locate, polynomials_at
+from flangeway.post.lines import cells_of, polynomials_at
 from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import cell_quadrature, quadrature_degree
@@ -103,17 +103,14 @@ class Field:
         return _point_values(jets.reshape(JETS, -1, jets.shape[-1]), self.dofs.ndim == 1)
 
     def along(self, pairs: Indices, n_points: int) -> PointValues:
-        """Values at Gauss points of edges, edge by edge."""
+        """Values at Gauss points of edges, points of one number on all edges after each other."""
         rule = edge_quadrature(self.space, pairs, n_points)
-        value = np.einsum("qm,em...->eq...", rule.shapes, self.dofs[rule.nodes])
+        value = np.einsum("qm,em...->qe...", rule.shapes, self.dofs[rule.nodes])
         return PointValues(value.reshape(-1, *self.dofs.shape[1:]))
 
     def _evaluated(self, points: ArrayLike, derivative: int, tail: tuple[int, ...]) -> Values:
-        cells = locate(self.space.mesh, points)
+        cells = cells_of(self.space.mesh, points, "the mesh")
         given = np.asarray(points, dtype=np.float64)
-        if (cells == OUTSIDE).any():
-            x, y = given[np.argmax(cells == OUTSIDE)]
-            raise InputError(f"the point ({x:g}, {y:g}) outside of the mesh", "points inside", "move the point")
         if np.iscomplexobj(self.dofs):
             real, imaginary = (Field(self.space, part) for part in (self.dofs.real, self.dofs.imag))
             return real._evaluated(points, derivative, tail) + 1j * imaginary._evaluated(points, derivative, tail)
@@ -214,14 +211,14 @@ def products_round_off(reconstruction: Reconstruction, products: Floats, constan
     return over_last_bit(errors, np.einsum("mne,ne->me", np.abs(products), np.abs(constant)))
 
 
-def unit_fields(n: int, m: int, n_jets: int, scalar: bool) -> list[PointValues]:
+def unit_fields(n: int, m: int, n_jets: int) -> list[PointValues]:
     """Fields at n points whose value or derivative of one component is one, the others zero; component by component."""
     result = []
     for component in range(m):
         for jet in range(n_jets):
             jets = np.zeros((JETS, n, m))
             jets[jet, :, component] = 1.0
-            whole = _point_values(jets, scalar)
+            whole = _point_values(jets, m == 1)
             result.append(whole if n_jets == JETS else PointValues(whole.value))
     return result
 
@@ -271,10 +268,9 @@ class FormRegion:
             n_points = self.degree // 2 + 1
             rules = [edge_quadrature(space, pairs, n_points) for space in self.spaces]
             given = {name: field.along(pairs, n_points) for name, field in self.fields.items()}
-            points, normals = (array.reshape(-1, 2) for array in (rules[0].points, rules[0].normals))
+            points, normals = (a.swapaxes(0, 1).reshape(-1, 2) for a in (rules[0].points, rules[0].normals))
             w = SimpleNamespace(points=points, normals=normals, **given)
-            # arrays over edges come before those over points here: (e, q) is turned to (q, e) by `_turned`
-            yield w, rules[0].weights.T, [_edge_functions(rule) for rule in rules], None, True
+            yield w, rules[0].weights.T, [_edge_functions(rule) for rule in rules], None
             return
         for batch in trial.batches():
             degree = self.degree if self.chosen else max(self.degree, _energy_degree(batch))
@@ -285,7 +281,7 @@ class FormRegion:
             )
             batches = [batch] if test is trial else [batch, test.batch_like(batch)]
             functions = [(local_functions(batch, points), batch.dofs) for batch in batches]
-            yield w, weights, (functions * 2)[:2], batch, False
+            yield w, weights, (functions * 2)[:2], batch
 
 
 def _energy_degree(batch: CellBatch) -> int:
@@ -297,12 +293,6 @@ def _edge_functions(rule: EdgeQuadrature) -> tuple[Functions, IntArray]:
     n, n_edges = rule.shapes.shape[1], len(rule.nodes)
     at = np.broadcast_to(rule.shapes.T[:, :, None], (*rule.shapes.T.shape, n_edges))
     return [(at, np.broadcast_to(np.eye(n)[:, :, None], (n, n, n_edges)))], rule.nodes.T
-
-
-def _turned(values: Values, weights: Floats, by_edges: bool) -> Values:
-    """Integrand (n,) times weights, shape (q, e)."""
-    n_points, n_cells = weights.shape
-    return (values.reshape(n_cells, n_points).T if by_edges else values.reshape(n_points, n_cells)) * weights
 
 
 def bilinear(
@@ -365,10 +355,8 @@ def bilinear(
 
     def tensor(w: SimpleNamespace) -> Values:
         n = len(w.points)
-        tests = unit_fields(n, m_test, region.n_jets, m_test == 1)
-        return np.array(
-            [[integrand(form(u, v, w), n) for v in tests] for u in unit_fields(n, m, region.n_jets, m == 1)]
-        ).transpose(1, 0, 2)
+        trials, tests = (unit_fields(n, number, region.n_jets) for number in (m, m_test))
+        return np.array([[integrand(form(u, v, w), n) for u in trials] for v in tests])
 
     return assembled_form(region, tensor, m, m_test, stabilise)
 
@@ -381,9 +369,8 @@ def assembled_form(
     jets, parts = region.n_jets, []
     forces = np.zeros((test.n_dofs, m_test))  # maximum ones of the gradients of constants, which are round-off
     least = np.ones((test.n_dofs, m_test))  # round-off of products of values
-    for w, weights, ((functions, dofs), (tests, test_dofs)), batch, by_edges in region.parts():
-        weighted = np.array([[_turned(entry, weights, by_edges) for entry in row] for row in tensor(w)])
-        weighted = weighted.reshape(m_test, jets, m, jets, *weights.shape)
+    for w, weights, ((functions, dofs), (tests, test_dofs)), batch in region.parts():
+        weighted = tensor(w).reshape(m_test, jets, m, jets, *weights.shape) * weights
         local = _products(tests, weighted, functions)
         constant = trial.constant[dofs]
         slopes = evaluated(functions, constant[..., None])[1:, ..., 0]
@@ -463,7 +450,7 @@ def linear(
 
     def vector(w: SimpleNamespace) -> Values:
         n = len(w.points)
-        return np.array([integrand(form(v, w), n) for v in unit_fields(n, components, region.n_jets, components == 1)])
+        return np.array([integrand(form(v, w), n) for v in unit_fields(n, components, region.n_jets)])
 
     return assembled_vector(region, vector, components)
 
@@ -471,9 +458,8 @@ def linear(
 def assembled_vector(region: FormRegion, vector: Callable[[SimpleNamespace], Values], m: int) -> Values:
     """Assemble what multiplies the numbers of v at each point, (3 m, n)."""
     result: Values | None = None
-    for w, weights, (_, (functions, dofs)), _, by_edges in region.parts():
-        weighted = np.array([_turned(entry, weights, by_edges) for entry in vector(w)])
-        fields = weighted.reshape(m, region.n_jets, *weights.shape)
+    for w, weights, (_, (functions, dofs)), _ in region.parts():
+        fields = vector(w).reshape(m, region.n_jets, *weights.shape) * weights
         local = np.stack([integrals(functions, each) for each in fields], axis=-1)
         if result is None or (np.iscomplexobj(local) and not np.iscomplexobj(result)):
             result = np.zeros((region.spaces[1].n_dofs, m), dtype=local.dtype) + (0.0 if result is None else result)

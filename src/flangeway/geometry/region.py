@@ -66,6 +66,11 @@ class Region:
         return (self.outer, *self.holes)
 
     @property
+    def signed_loops(self) -> list[tuple[float, Outline]]:
+        """Outer boundary with 1, then the holes with -1."""
+        return [(1.0, self.outer), *((-1.0, hole) for hole in self.holes)]
+
+    @property
     def size(self) -> float:
         """Diagonal of the bounding box."""
         return self.outer.size
@@ -87,20 +92,19 @@ class Region:
     @cached_property
     def centroid(self) -> Point:
         """Centroid, exact for lines and arcs."""
-        return _centroid([(1.0, self.outer), *((-1.0, hole) for hole in self.holes)])
+        return _centroid(self.signed_loops)
 
     @cached_property
     def second_moments(self) -> tuple[float, float, float]:
         """``Ixx = int y^2``, ``Iyy = int x^2``, ``Ixy = int x y`` about the centroid, exact."""
-        return _second_moments([(1.0, self.outer), *((-1.0, hole) for hole in self.holes)], self.centroid)
+        return _second_moments(self.signed_loops, self.centroid)
 
     def reentrant_corners(self, angle_rad: float = 0.02) -> Floats:
         """Return the corners (n, 2) where the material fills more than half a turn, by more than an angle."""
         corners = []
-        for turn, loop in ((-1.0, self.outer), *((1.0, hole) for hole in self.holes)):
+        for sign, loop in self.signed_loops:
             for before, after in zip((loop.segments[-1], *loop.segments), loop.segments, strict=False):
-                into, out = before.tangent(1.0)[0], after.tangent(0.0)[0]
-                if turn * cross_product(into, out) > np.sin(angle_rad):
+                if -sign * cross_product(before.tangent(1.0)[0], after.tangent(0.0)[0]) > np.sin(angle_rad):
                     corners.append(after.start)
         return np.array(corners).reshape(-1, 2)
 
@@ -183,7 +187,7 @@ class Section:
         return [
             (sign * (1.0 if weights is None else weights[name]), loop)
             for name, region in self.parts.items()
-            for sign, loop in ((1.0, region.outer), *((-1.0, hole) for hole in region.holes))
+            for sign, loop in region.signed_loops
         ]
 
 

@@ -22,7 +22,8 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.errors import FlangewayError, InputError
 from flangeway.railway.profiles.bundled import REFERENCE_RAIL, REFERENCE_WHEELS, SECTIONS, WHEELS
-from flangeway.railway.profiles.profile_file import READABLE, ReadOptions, read_profile
+from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.profile_file import READABLE, read_profile
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES

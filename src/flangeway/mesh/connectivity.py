@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from flangeway.errors import InputError
@@ -74,35 +74,14 @@ class EdgeNumbers:
 
 def number_edges(start: IntArray, end: IntArray, n_points: int) -> EdgeNumbers:
     """Number the edges of sides given by their start and end (n_sides,)."""
-    forward = start < end
-    low, high = np.where(forward, start, end), np.where(forward, end, start)
-    order = _counting_sort(high, n_points)
-    order = order[_counting_sort(low[order], n_points)]
-    low, high = low[order], high[order]
-    new = np.ones(len(order), dtype=bool)
-    new[1:] = (low[1:] != low[:-1]) | (high[1:] != high[:-1])
-    first = np.flatnonzero(new)
-    numbers = np.empty(len(order), dtype=np.int32)
-    numbers[order] = np.cumsum(new, dtype=np.int32) - 1
-    numbers.setflags(write=False)
-    counts = np.diff(first, append=len(order))
-    forward = forward[order]
-    doubled = counts > 2
-    two = np.flatnonzero(counts == 2)
-    doubled[two] = forward[first[two]] == forward[first[two] + 1]
-    return EdgeNumbers(
-        low[first].astype(np.int64) * n_points + high[first],
-        numbers,
-        np.sort(order[first[counts == 1]]).astype(np.int64),
-        np.flatnonzero(doubled),
-    )
-
-
-def _counting_sort(values: IntArray, n_values: int) -> IntArray:
-    """Stable order of integers in [0, n_values), which a change of sparse storage finds."""
-    n = len(values)
-    one_a_row = csr_array((np.empty(n, dtype=np.int8), values, np.arange(n + 1, dtype=np.int32)), shape=(n, n_values))
-    return one_a_row.tocsc().indices
+    keys = np.minimum(start, end).astype(np.int64) * n_points + np.maximum(start, end)
+    keys, first, numbers, counts = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
+    edges: IntArray = numbers.astype(np.int32)
+    edges.setflags(write=False)
+    # two cells that fit together travel their edge in both directions
+    net = np.bincount(numbers, np.where(start < end, 1, -1))
+    doubled = np.flatnonzero((counts > 2) | ((counts == 2) & (net != 0)))
+    return EdgeNumbers(keys, edges, np.sort(first[counts == 1]), doubled)
 
 
 def edge_places(edges: Indices, others: Indices, n_points: int) -> tuple[Ints, Bools]:

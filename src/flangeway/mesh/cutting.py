@@ -1,9 +1,10 @@
 """Cutting of polygons of any shape along chords, until their diameters are halved and their notches are gone."""
 
 import numpy as np
+import shapely
 
 from flangeway.geometry.arrays import chain_lengths, cross_product, sides_of
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Bools, Floats
 
 HALVED = 0.55
 """Diameter of a part, relative to that of the whole polygon, that counts as half of it."""
@@ -39,7 +40,7 @@ def cut_polygon(corners: Floats, divisible: Bools) -> tuple[list[list[int]], Flo
 
     """
     points = np.vstack((corners, 0.5 * (corners + np.roll(corners, -1, axis=0))))
-    n, whole = len(corners), _diameter(corners)
+    n, whole = len(corners), diameter(corners)
     # middle of each edge (a, b), a < b, that may be divided
     middles = {tuple(sorted((i, (i + 1) % n))): n + i for i in np.flatnonzero(divisible).tolist()}
     middles = {edge: middle for edge, middle in middles.items() if _length(points, edge) > MIN_PART * whole}
@@ -48,7 +49,7 @@ def cut_polygon(corners: Floats, divisible: Bools) -> tuple[list[list[int]], Flo
     open_parts, parts = [list(range(n))], []
     while open_parts:
         ring = open_parts.pop()
-        size, notches = _diameter(points[ring]), _notches(points[ring])
+        size, notches = diameter(points[ring]), _notches(points[ring])
         if size <= MIN_PART * whole or (size <= HALVED * whole and not notches.any()):
             parts.append(ring)
             continue
@@ -83,7 +84,8 @@ def _length(points: Floats, edge: tuple[int, ...]) -> float:
     return float(np.hypot(*(points[edge[0]] - points[edge[1]])))
 
 
-def _diameter(corners: Floats) -> float:
+def diameter(corners: Floats) -> float:
+    """Maximum distance of two corners (n, 2)."""
     return float(np.hypot(*(corners[:, None] - corners).T).max())
 
 
@@ -99,7 +101,7 @@ def _notches(corners: Floats) -> Bools:
     result = np.zeros(len(corners), dtype=bool)
     if not reflex.any():
         return result
-    closed, reach = np.vstack((corners, corners[:1])), NOTCH_REACH * _diameter(corners)
+    closed, reach = np.vstack((corners, corners[:1])), NOTCH_REACH * diameter(corners)
     along = chain_lengths(closed)
     for i in np.flatnonzero(reflex):
         sides = []
@@ -140,11 +142,15 @@ def best_chord(x: Floats, at_notch: Bools) -> tuple[int, int] | None:
     score = score * np.clip(opening / GOOD_ANGLE, 0.0, 1.0)
     score[small <= MIN_AREA * area] = 0.0
     score = np.where(cuts_notch, score + 1.0, score) * (score > 0.0)
+    ring = shapely.linearrings(x)
+    shapely.prepare(ring)
     for pair in np.argsort(-score, kind="stable"):
         if score[pair] <= 0.0:
             break
-        if _clear(x, int(i[pair]), int(j[pair])):
-            return int(i[pair]), int(j[pair])
+        ends = int(i[pair]), int(j[pair])
+        # the inside of the chord meets no point of the boundary
+        if shapely.relate_pattern(shapely.linestrings(x[list(ends)]), ring, "F********"):
+            return ends
     return None
 
 
@@ -158,15 +164,3 @@ def _part_diameters(x: Floats) -> Floats:
         ends = distances[every, (every + length) % n]
         result[:, length] = np.maximum(np.maximum(shorter, np.roll(shorter, -1)), ends)
     return result
-
-
-def _clear(x: Floats, i: int, j: int) -> bool:
-    """Whether the chord from i to j meets no edge but those at its ends."""
-    n = len(x)
-    starts: Ints = np.array([k for k in range(n) if k not in (i, j, (i - 1) % n, (j - 1) % n)], dtype=np.int64)
-    if not len(starts):
-        return True
-    a, b, p, q = x[i], x[j], x[starts], x[(starts + 1) % n]
-    of_p, of_q = cross_product(b - a, p - a), cross_product(b - a, q - a)
-    of_a, of_b = cross_product(q - p, a - p), cross_product(q - p, b - p)
-    return not bool(((of_p * of_q <= 0.0) & (of_a * of_b <= 0.0)).any())

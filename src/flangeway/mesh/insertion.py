@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, as_points, cross_product, point_text
+from flangeway.geometry.arrays import IntArray, as_point, as_points, cross_product, point_text
+from flangeway.geometry.segments import Line
 from flangeway.mesh.connectivity import edge_places, offsets_of, ordered_pairs, row_numbers, shortest_edges
 from flangeway.mesh.edge_curves import EdgeCurves, united
 from flangeway.mesh.polymesh import PolyMesh
@@ -137,19 +138,17 @@ def insert_nodes(mesh: PolyMesh, edges: Edges, points: ArrayLike) -> PolyMesh:
     on_curve = mesh.curve_rows[mesh.edge_numbers(mesh.boundary_edges[rows])]
     for row, bent in zip(rows.tolist(), on_curve.tolist(), strict=True):
         start, end = mesh.points[mesh.boundary_edges[row]]
-        chord = end - start
-        place = np.clip((given - start) @ chord / (chord @ chord), 0.0, 1.0)
-        foot = start + place[:, None] * chord
-        if bent >= 0:
+        if bent < 0:
+            place, distance = Line(as_point(start), as_point(end)).closest(given)
+        else:
             assert mesh.curves is not None
             curve, ends = mesh.curves.curves[mesh.curves.number[bent]], mesh.curves.ends[bent]
             parameters = curve.closest(given)[0]
             parameters = parameters - np.round(parameters - ends.mean()) * getattr(curve, "closed", False)
             place = np.clip((parameters - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0)
-            foot = curve.point(ends[0] + place * (ends[1] - ends[0]))
+            distance = np.hypot(*(given - curve.point(ends[0] + place * (ends[1] - ends[0]))).T)
             if mesh.curves.pairs[bent, 0] != mesh.boundary_edges[row, 0]:
                 place = 1.0 - place
-        distance = np.hypot(*(given - foot).T)
         nearer = distance < distances
         distances[nearer], places[nearer], nearest[nearer] = distance[nearer], place[nearer], row
     new = np.minimum(places, 1.0 - places) > MERGE

@@ -1,11 +1,12 @@
 """Points from which a polygon is seen whole, and the cutting of polygons that have none."""
 
 import numpy as np
+import shapely
 from scipy.optimize import linprog
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, cross_product, point_text
-from flangeway.mesh.cutting import best_chord
+from flangeway.mesh.cutting import best_chord, diameter
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Floats
 
@@ -71,13 +72,10 @@ def star_parts(polygon: IntArray, points: Floats) -> list[IntArray]:
     An `InputError` if no diagonal is inside, as when the polygon crosses itself.
     """
     corners = points[polygon]
-    steps = np.roll(corners, -1, axis=0) - corners
-    area = 0.5 * float(np.sum(cross_product(corners, steps)))
-    diameter = float(np.hypot(*(corners[:, None] - corners).T).max())
-    if kernel_centre(corners)[1] > MIN_KERNEL * area / diameter:
+    if kernel_centre(corners)[1] > MIN_KERNEL * shapely.area(shapely.Polygon(corners)) / diameter(corners):
         return [polygon]
-    steps_before = np.roll(steps, 1, axis=0)
-    chord = best_chord(corners, cross_product(steps_before, steps) < 0.0)
+    steps = np.roll(corners, -1, axis=0) - corners
+    chord = best_chord(corners, cross_product(np.roll(steps, 1, axis=0), steps) < 0.0)
     if chord is None:
         raise InputError(
             f"a cell near {point_text(corners.mean(axis=0))} that no diagonal divides",

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from flangeway.geometry.arrays import IntArray, cross_product
+from flangeway.geometry.arrays import IntArray
 from flangeway.types import Floats, Ints
 
 TOUCHING = 1e-6
@@ -43,27 +43,15 @@ def meeting(points: Floats, segments: IntArray) -> Meeting:
     reach = touching_distance(np.hypot(*(points[segments[:, 1]] - points[segments[:, 0]]).T), points)
     lines = shapely.linestrings(points[segments])
     i, j = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=reach)
-    return _examined(points, segments, reach, *np.sort((i, j), axis=0)[:, i != j])
-
-
-def _examined(points: Floats, segments: IntArray, reach: Floats, i: Ints, j: Ints) -> Meeting:
-    """Touches and crossings of pairs (i, j), i < j, each of which may be given twice."""
-    i, j = np.unique(np.column_stack((i, j)), axis=0).T
-    (a, b), (c, d) = segments[i].T, segments[j].T
-    u, v = points[b] - points[a], points[d] - points[c]
-    nearest = np.minimum(reach[i], reach[j])
-    touched = np.zeros(len(i), dtype=bool)
-    touching = []
-    turns = []
-    for on, of, p, start, end, step in ((i, j, c, a, b, u), (i, j, d, a, b, u), (j, i, a, c, d, v), (j, i, b, c, d, v)):
-        away = points[p] - points[start]
-        turns.append(cross_product(step, away))
-        along = np.einsum("ni,ni->n", away, step) / np.maximum(np.einsum("ni,ni->n", step, step), 1e-300)
-        off = away - np.clip(along, 0.0, 1.0)[:, None] * step
-        touches = (np.hypot(*off.T) <= nearest) & (p != start) & (p != end)
-        touched |= touches
-        touching.append((on[touches], of[touches], p[touches]))
-    shared = (a == c) | (a == d) | (b == c) | (b == d)
-    crosses = (turns[0] * turns[1] < 0.0) & (turns[2] * turns[3] < 0.0) & ~touched & ~shared
+    i, j = np.stack((i, j))[:, i < j]
+    touched, touching = np.zeros(len(i), dtype=bool), []
+    for on, of in ((i, j), (j, i)):
+        for p in segments[of].T:
+            distances = shapely.distance(lines[on], shapely.points(points[p]))
+            touches = (distances <= np.minimum(reach[i], reach[j])) & (segments[on] != p[:, None]).all(axis=1)
+            touched |= touches
+            touching.append((on[touches], of[touches], p[touches]))
+    shared = (segments[i][:, :, None] == segments[j][:, None]).any(axis=(1, 2))
+    crosses = shapely.crosses(lines[i], lines[j]) & ~touched & ~shared
     on, of, met = (np.concatenate(part).astype(np.int64) for part in zip(*touching, strict=True))
     return Meeting(on, of, met, np.column_stack([i[crosses], j[crosses]]))

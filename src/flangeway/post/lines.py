@@ -72,10 +72,7 @@ def stresses_at(solution: ElasticField, points: ArrayLike) -> Stresses:
     InputError
         If a point lies outside of the body.
     """
-    given = np.asarray(points, dtype=np.float64)
-    return Stresses(
-        polynomials_at(solution.problem.space, given, _cells_of(solution, given), stress_polynomials(solution), 4)
-    )
+    return Stresses(_at_points(solution, points, stress_polynomials(solution), 4))
 
 
 def displacements_at(solution: ElasticField, points: ArrayLike) -> Floats:
@@ -83,8 +80,7 @@ def displacements_at(solution: ElasticField, points: ArrayLike) -> Floats:
 
     An `InputError` if a point lies outside of the body.
     """
-    given, values = np.asarray(points, dtype=np.float64), value_polynomials(solution.displacements)
-    return polynomials_at(solution.problem.space, given, _cells_of(solution, given), values, 2)
+    return _at_points(solution, points, value_polynomials(solution.displacements), 2)
 
 
 def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: int = 101) -> StressLine:
@@ -99,14 +95,9 @@ def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: i
     check_integer("stresses_along", "n_points", n_points, 2, advice="leave the default")
     share = np.linspace(0.0, 1.0, n_points)
     points = first + share[:, None] * along
-    cells = locate(solution.problem.space.mesh, points)
-    inside = cells != OUTSIDE
-    if not inside.any():
+    components = values_inside(solution.problem.space, points, stress_polynomials(solution), 4)
+    if np.isnan(components).all():
         raise _no_body("a line", start, end)
-    components = np.full((n_points, 4), np.nan)
-    components[inside] = polynomials_at(
-        solution.problem.space, points[inside], cells[inside], stress_polynomials(solution), 4
-    )
     return StressLine(points, share * float(np.linalg.norm(along)), Stresses(components))
 
 
@@ -138,6 +129,12 @@ def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutFo
     return CutForce(forces.sum(axis=0), moment, float(shares.sum()) * length)
 
 
+def _at_points(solution: ElasticField, points: ArrayLike, polynomials: Polynomials, n_components: int) -> Floats:
+    given, space = np.asarray(points, dtype=np.float64), solution.problem.space
+    cells = cells_of(space.mesh, given, f"body `{solution.problem.name}`")
+    return polynomials_at(space, given, cells, polynomials, n_components)
+
+
 def _line(start: Point, end: Point) -> tuple[Floats, Floats]:
     ends = np.array([start, end], dtype=np.float64)
     if ends.shape != (2, 2) or not np.isfinite(ends).all() or (ends[0] == ends[1]).all():
@@ -164,14 +161,21 @@ def _crossings(solution: ElasticField, first: Floats, along: Floats) -> Floats:
     return shares[kept]
 
 
-def _cells_of(solution: ElasticField, points: Floats) -> Ints:
-    cells = locate(solution.problem.space.mesh, points)
+def cells_of(mesh: PolyMesh, points: ArrayLike, what: str) -> Ints:
+    """Cell of each point (n, 2), shape (n,); an `InputError` if one is outside of the mesh, which is called `what`."""
+    cells = locate(mesh, points)
     if (cells == OUTSIDE).any():
-        x, y = points[np.argmax(cells == OUTSIDE)]
-        raise InputError(
-            f"the point ({x:g}, {y:g}) outside of body `{solution.problem.name}`", "points inside", "move the point"
-        )
+        x, y = np.asarray(points)[np.argmax(cells == OUTSIDE)]
+        raise InputError(f"the point ({x:g}, {y:g}) outside of {what}", "points inside", "move the point")
     return cells
+
+
+def values_inside(space: Space, points: Floats, polynomials: Polynomials, n_components: int) -> Floats:
+    """Values (n, n_components) of polynomials at points (n, 2); not-a-number outside of the mesh."""
+    cells = locate(space.mesh, points)
+    values, inside = np.full((len(points), n_components), np.nan), cells != OUTSIDE
+    values[inside] = polynomials_at(space, points[inside], cells[inside], polynomials, n_components)
+    return values
 
 
 def value_polynomials(dofs: Floats) -> Polynomials:

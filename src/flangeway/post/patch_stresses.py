@@ -12,7 +12,7 @@ from flangeway.contact.patch.patch_body import PatchBody, points_along
 from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, PatchContact
 from flangeway.elements import Reconstruction
 from flangeway.exact.half_space_stresses import half_space_field, half_space_stresses
-from flangeway.post.lines import OUTSIDE, locate, polynomials_at
+from flangeway.post.lines import values_inside
 from flangeway.post.stress import corner_values, von_mises
 from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.surface_compliance import StripForces, wave_sums, waves
@@ -127,11 +127,7 @@ class SectionStresses:
     def at(self, points: Floats) -> SpatialStresses:
         """Stresses at points (n, 2) of the common axes; not-a-number outside of the body."""
         local = self.body.placement.inverse().points(points)
-        space = self.body.problem.elasticity.space
-        cells = locate(space.mesh, local)
-        components = np.full((len(local), 6), np.nan)
-        inside = cells != OUTSIDE
-        components[inside] = polynomials_at(space, local[inside], cells[inside], self.polynomials, 6)
+        components = values_inside(self.body.problem.elasticity.space, local, self.polynomials, 6)
         return SpatialStresses(components).turned(self.body.placement.matrix)
 
 

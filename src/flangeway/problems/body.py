@@ -185,12 +185,8 @@ class Body(LinearBody):
         """See `LinearBody.supported`."""
         held = np.zeros((self.space.n_nodes, 2), dtype=bool)
         for where, components in self.supports.items():
-            if isinstance(where, str):
-                nodes = self.space.edge_nodes(self.mesh.edge_sets[where]).ravel()
-            else:
-                nodes = np.array([self.elasticity.node_at(where)], dtype=np.int32)
             for component in components:
-                held[nodes, "xy".index(component)] = True
+                held[self.elasticity.nodes_at(where), "xy".index(component)] = True
         if self.axisymmetric:
             held[self.elasticity.on_axis, 0] = True
         return held

@@ -4,10 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.elements.quadrature import edge_rule, edge_shapes, gauss
+from flangeway.elements.quadrature import edge_rule
 from flangeway.geometry.arrays import IntArray, turned_right
 from flangeway.space import Space
-from flangeway.types import Floats, Indices
+from flangeway.types import Floats, Indices, Ints
+
+
+def entries_between(unknowns: Indices, matrices: Floats) -> tuple[Ints, Ints, Floats]:
+    """Rows, columns and entries, each (m,), of symmetric matrices (..., n, n) between unknowns (..., n)."""
+    rows, columns, entries = np.broadcast_arrays(unknowns[..., None], unknowns[..., None, :], matrices)
+    return rows.ravel().astype(np.int64), columns.ravel().astype(np.int64), entries.ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +26,10 @@ class EdgeQuadrature:
     shapes: Floats  # values of the nodes' functions at the points, the same on every edge, (n_points, order + 1)
     normals: Floats  # outward unit normals, (n_edges, n_points, 2)
 
+    def products(self, depth: Floats | float) -> Floats:
+        """Integrals of products of the nodes' functions times a depth (n_edges, n_points), (n_edges, n, n)."""
+        return np.einsum("eq,qm,qn->emn", self.weights * depth, self.shapes, self.shapes)
+
 
 def edge_quadrature(space: Space, pairs: Indices, n_points: int | None = None) -> EdgeQuadrature:
     """Quadrature on edges given as pairs of points (n, 2), body on the left.
@@ -28,21 +38,11 @@ def edge_quadrature(space: Space, pairs: Indices, n_points: int | None = None) -
 
     On curved edges that is the degree along the edge of the integrand times its length or normal.
     """
-    abscissae, weights = gauss(space.order + 2 if n_points is None else n_points)
-    start, end = space.mesh.points[pairs[:, 0]], space.mesh.points[pairs[:, 1]]
-    along = end - start
-    lengths = np.linalg.norm(along, axis=1)
-    normals = turned_right(along) / lengths[:, None]
-    points = start[:, None] + abscissae[:, None] * along[:, None]
-    shapes = edge_shapes(space.order, abscissae)
-    normals = np.repeat(normals[:, None], len(abscissae), axis=1)
-    nodes, sizes = space.edge_nodes(pairs), lengths[:, None] * weights
-    if space.mesh.curves is not None:
-        curved = np.flatnonzero(space.mesh.curve_rows[space.mesh.edge_numbers(pairs)] >= 0)
-        _, _, slopes = edge_rule(space.order, len(abscissae))
-        own = space.nodes[nodes[curved]]
-        points[curved], along = shapes @ own, slopes @ own
-        lengths = np.linalg.norm(along, axis=2)
-        normals[curved] = turned_right(along) / lengths[..., None]
-        sizes[curved] = lengths * weights
-    return EdgeQuadrature(nodes, points, sizes, shapes, normals)
+    weights, shapes, slopes = edge_rule(space.order, space.order + 2 if n_points is None else n_points)
+    nodes = space.edge_nodes(pairs)
+    start = space.nodes[nodes[:, :1]]
+    local = space.nodes[nodes] - start  # no digits are lost far from the origin
+    along = slopes @ local
+    lengths = np.linalg.norm(along, axis=2)
+    normals = turned_right(along) / lengths[..., None]
+    return EdgeQuadrature(nodes, start + shapes @ local, lengths * weights, shapes, normals)

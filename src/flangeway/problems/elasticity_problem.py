@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -13,17 +14,23 @@ from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError, short
 from flangeway.materials import Material
 from flangeway.mesh.mesh_checks import set_numbers
-from flangeway.problems.edges import edge_quadrature
+from flangeway.problems.edges import edge_quadrature, entries_between
 from flangeway.problems.loads import Load, TemperatureChange
 from flangeway.problems.strains import STRAINS, StrainOperators, add_consistency, strain_operators
 from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support, axes
 from flangeway.space import CellBatch, CondensedMatrix, Space, SymmetricMatrix, assemble_condensed
 from flangeway.types import Bools, Floats, Ints
 
+Kind = TypeVar("Kind")
+
 ON_AXIS = 1e-12
 """Radius over the size of the mesh below which a node lies on the axis."""
 SAME_PLACE = 1e-6
 """Distance over the size of the mesh within which a given point is a node."""
+
+
+def _of_kind(items: Sequence[Load | Support], kind: type[Kind]) -> tuple[Kind, ...]:
+    return tuple(item for item in items if isinstance(item, kind))
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +184,10 @@ class Elasticity:
 
     def support_nodes(self, support: Support) -> Ints:
         """Nodes of a support, each once, in rising order."""
-        where = support.edges if isinstance(support, RigidHandle) else support.where
+        return self.nodes_at(support.edges if isinstance(support, RigidHandle) else support.where)
+
+    def nodes_at(self, where: str | Sequence[float]) -> Ints:
+        """Nodes of an edge set, each once, in rising order, or the node at a given place."""
         if isinstance(where, str):
             return np.unique(self.space.edge_nodes(self.space.mesh.edge_set(where))).astype(np.int64)
         return np.array([self.node_at(where)])
@@ -196,20 +206,14 @@ class Elasticity:
         """Stiffness of a spring on the displacements at nodes, shape (2 n_nodes, 2 n_nodes)."""
         space, frame = self.space, axes(spring.angle)
         tensor = frame.T @ np.diag([spring.x, spring.y]) @ frame
+        nodes, mass = self.nodes_at(spring.where)[None], np.ones((1, 1, 1))
         if isinstance(spring.where, str):
             rule = edge_quadrature(space, space.mesh.edge_set(spring.where))
-            weights = rule.weights * self.depth(rule.points)
-            mass = np.einsum("eq,qm,qn->emn", weights, rule.shapes, rule.shapes)
-            blocks = np.einsum("emn,ij->eminj", mass, tensor)
-            unknowns = (2 * rule.nodes[:, :, None] + np.arange(2)).reshape(len(rule.nodes), -1)
-            n = unknowns.shape[1]
-            rows, columns = np.repeat(unknowns, n, axis=1), np.tile(unknowns, (1, n))
-        else:
-            blocks = tensor
-            at_point = 2 * self.node_at(spring.where) + np.arange(2)
-            rows, columns = np.meshgrid(at_point, at_point, indexing="ij")
-        entries = blocks.ravel(), (rows.ravel(), columns.ravel())
-        return sp.csc_array(sp.coo_array(entries, shape=(2 * space.n_nodes, 2 * space.n_nodes)))
+            nodes, mass = rule.nodes.astype(np.int64), rule.products(self.depth(rule.points))
+        unknowns = (2 * nodes[:, :, None] + np.arange(2)).reshape(len(nodes), -1)
+        blocks = np.einsum("emn,ij->eminj", mass, tensor).reshape(*unknowns.shape, -1)
+        rows, columns, entries = entries_between(unknowns, blocks)
+        return sp.csc_array(sp.coo_array((entries, (rows, columns)), shape=(2 * space.n_nodes, 2 * space.n_nodes)))
 
     def strains(self, batch: CellBatch, reconstruction: Reconstruction) -> StrainOperators:
         """Strains of cells as polynomials."""
@@ -257,24 +261,20 @@ class Elasticity:
 
     def load_vector(self) -> Floats:
         """Forces of all loads but changes of temperature on all unknowns, shape (n_dofs, 2)."""
-        total = np.zeros((self.space.n_dofs, 2))
-        for load in self.loads:
-            if not isinstance(load, TemperatureChange):
-                total += load.forces(self)
-        return total
+        return self._forces([load for load in self.loads if not isinstance(load, TemperatureChange)])
 
     def thermal_load_vector(self) -> Floats:
         """Forces of the stresses that would undo the thermal strains on all unknowns, shape (n_dofs, 2)."""
-        total = np.zeros((self.space.n_dofs, 2))
-        for load in self.thermal_loads:
-            total += load.forces(self)
-        return total
+        return self._forces(self.thermal_loads)
+
+    def _forces(self, loads: Sequence[Load]) -> Floats:
+        return sum((load.forces(self) for load in loads), np.zeros((self.space.n_dofs, 2)))
 
     def thermal_energy(self) -> float:
         """Strain energy of the held body's thermal stresses."""
         energy = 0.0
         for batch in self.space.batches() if self.thermal_loads else ():
-            reconstruction = batch.element.reconstruct(batch.outline)
+            reconstruction = batch.reconstruction
             mass = self.strains(batch, reconstruction).mass
             moments = self.cell_temperature(batch, reconstruction, self.thermal_loads)
             squares = np.einsum("ae,ae->e", moments, batched.solve(mass, moments[:, None])[:, 0])
@@ -284,7 +284,7 @@ class Elasticity:
     @property
     def thermal_loads(self) -> tuple[TemperatureChange, ...]:
         """The changes of temperature among the loads."""
-        return tuple(load for load in self.loads if isinstance(load, TemperatureChange))
+        return _of_kind(self.loads, TemperatureChange)
 
     def cell_temperature(
         self, batch: CellBatch, reconstruction: Reconstruction, loads: Sequence[TemperatureChange]
@@ -362,14 +362,14 @@ class Elasticity:
     @property
     def springs(self) -> tuple[Spring, ...]:
         """The springs among the supports."""
-        return tuple(support for support in self.supports if isinstance(support, Spring))
+        return _of_kind(self.supports, Spring)
 
     @property
     def handles(self) -> tuple[RigidHandle, ...]:
         """The rigid handles among the supports."""
-        return tuple(support for support in self.supports if isinstance(support, RigidHandle))
+        return _of_kind(self.supports, RigidHandle)
 
     @property
     def prescribed(self) -> tuple[PrescribedDisplacement, ...]:
         """The prescribed displacements among the supports."""
-        return tuple(support for support in self.supports if isinstance(support, PrescribedDisplacement))
+        return _of_kind(self.supports, PrescribedDisplacement)

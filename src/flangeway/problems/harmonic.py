@@ -17,7 +17,7 @@ from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, batched, missed_mass, monomials
 from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError, short
-from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
+from flangeway.problems.edges import EdgeQuadrature, edge_quadrature, entries_between
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.problems.prescribed import Scalar, check_scalar, scalar_at
 from flangeway.problems.strains import StrainOperators, add_consistency, strain_operators
@@ -277,20 +277,13 @@ class Harmonic:
         stiffnesses = np.array([foundation.x, foundation.y, foundation.z])
         if foundation.roll is None:
             nodes = rule.nodes.astype(np.int64)
-            mass = np.einsum("eq,qm,qn->emn", rule.weights * self.depth(rule.points), rule.shapes, rule.shapes)
-            matrices = stiffnesses[:, None, None, None] * mass
+            matrices = stiffnesses[:, None, None, None] * rule.products(self.depth(rule.points))
         else:
             numbers, (mean, slope), length = mean_and_rotation(rule)
             nodes = numbers[None]
             matrices = (length * stiffnesses)[:, None, None, None] * np.outer(mean, mean)
             matrices[1] += foundation.roll * np.outer(slope, slope)
-        rows, columns, entries = [], [], []
-        for component, matrix in enumerate(matrices):
-            unknowns = 3 * nodes + component
-            rows.append(np.broadcast_to(unknowns[:, :, None], matrix.shape).ravel())
-            columns.append(np.broadcast_to(unknowns[:, None, :], matrix.shape).ravel())
-            entries.append(matrix.ravel())
-        return np.concatenate(rows), np.concatenate(columns), np.concatenate(entries)
+        return entries_between(3 * nodes + np.arange(3)[:, None, None], matrices)
 
     # loads and supports
 
@@ -317,12 +310,8 @@ class Harmonic:
         space = self.elasticity.space
         free = np.ones((space.n_dofs, 3), dtype=bool)
         for where, components in (self.held or {}).items():
-            if isinstance(where, str):
-                nodes = np.unique(space.edge_nodes(space.mesh.edge_set(where)))
-            else:
-                nodes = np.array([self.elasticity.node_at(where)])
             for component in components:
-                free[nodes, "xyz".index(component)] = False
+                free[self.elasticity.nodes_at(where), "xyz".index(component)] = False
         if self.revolution:
             on_axis = self.axis_nodes
             free[on_axis, 1] &= wavenumber == 0

@@ -258,7 +258,7 @@ def _volume_forces(problem: LoadedProblem, value: Vector, factors: Floats) -> Fl
         here = factors[batch.cells]
         if not here.any():
             continue
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruction
         points, weights = polygon_quadrature(batch.outline, degree)
         rows = points.swapaxes(1, 2)
         values = vector_at("a force per volume", value, rows.reshape(-1, 2)).reshape(rows.shape)
@@ -302,7 +302,7 @@ class TemperatureChange(Load):
         """See `Load.forces`."""
         forces = np.zeros((problem.space.n_dofs, 2))
         for batch in problem.space.batches():
-            reconstruction = batch.element.reconstruct(batch.outline)
+            reconstruction = batch.reconstruction
             local = problem.thermal_forces(batch, reconstruction, [self])
             _add(forces, batch, local)
         return forces

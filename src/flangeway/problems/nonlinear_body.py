@@ -136,7 +136,7 @@ class NonlinearBody:
 
     @staticmethod
     def _batch_points(batch: CellBatch, numbers: np.ndarray) -> _Points:
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruction
         energetic = reconstruction.for_energy
         degree = energetic.order - 1
         if degree == 0:  # constant strains: one point stands for the cell

@@ -8,7 +8,7 @@ import numpy as np
 from flangeway.elements import Reconstruction, batched, monomials
 from flangeway.elements.monomials import exponents, index, n_monomials
 from flangeway.elements.polygon_quadrature import edge_points
-from flangeway.elements.quadrature import edge_rule, edge_unknowns, gauss
+from flangeway.elements.quadrature import edge_rule, edge_unknowns, gauss_lobatto
 from flangeway.space import CellBatch
 from flangeway.types import Floats
 
@@ -127,25 +127,20 @@ def _times_radius(moments: Floats, degree: int, radius: Floats) -> Floats:
 
 def _boundary_moments(batch: CellBatch, reconstruction: Reconstruction) -> Floats:
     """Integrals of r times monomials of degree k - 1 times traces times the normal, (n, 2, n_local, n_cells)."""
-    order, vertices, curved = reconstruction.order, batch.vertices, batch.outline.ndim == 4
+    order, vertices, outline = reconstruction.order, batch.vertices, batch.outline
     n_vertices, _, n_cells = vertices.shape
     # degree k of r, k - 1 of the normal, k of the trace, and k - 1 times k of the monomials
-    n_points = (order * (order + 2) + 1) // 2 if curved else order + 1
-    places, (weights, shapes, slopes) = gauss(n_points)[0], edge_rule(order, n_points)
-    along = np.roll(vertices, -1, axis=0) - vertices
-    normals = batched.turned_right(along)
+    n_points = (order * (order + 2) + 1) // 2
+    if outline.ndim == 3:
+        n_points, along = order + 1, np.roll(vertices, -1, axis=0) - vertices
+        outline = vertices[:, None] + gauss_lobatto(order + 1)[0][:-1, None, None] * along[:, None]
+    weights, shapes, slopes = edge_rule(order, n_points)
     result = np.zeros((n_monomials(order - 1), 2, reconstruction.n_local, n_cells))
     for edge, local in enumerate(edge_unknowns(order, n_vertices)):
-        points = vertices[edge] + places[:, None, None] * along[edge]
-        if curved:
-            nodes = edge_points(batch.outline)[edge]
-            points, tangents = (np.einsum("qj,jie->qie", each, nodes) for each in (shapes, slopes))
+        nodes = edge_points(outline)[edge] - vertices[edge]
+        points, tangents = (np.einsum("qj,jie->qie", table, nodes) for table in (shapes, slopes))
+        points += vertices[edge]
         values = monomials.evaluate(order - 1, reconstruction.frame.local(points))
-        if curved:
-            right = batched.turned_right(tangents) * weights[:, None, None]
-            traces = np.einsum("aqe,qe,qie,qn->aine", values, points[:, 0], right, shapes, optimize=True)
-        else:
-            traces = np.einsum("aqe,qe,q,qn->ane", values, points[:, 0], weights, shapes)
-            traces = traces[:, None] * normals[edge][None, :, None]
-        result[:, :, local] += traces
+        right = batched.turned_right(tangents) * weights[:, None, None]
+        result[:, :, local] += np.einsum("aqe,qe,qie,qn->aine", values, points[:, 0], right, shapes, optimize=True)
     return result

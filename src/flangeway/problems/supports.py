@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.checks import are_finite, is_finite
+from flangeway.checks import are_finite, check_finite, is_finite
 from flangeway.errors import InputError, short
 from flangeway.problems.prescribed import Scalar, check_scalar, check_vector
 from flangeway.types import Floats
@@ -15,11 +15,6 @@ Point = tuple[float, float]
 def _check_place(owner: str, where: str | Point) -> None:
     if not isinstance(where, str) and not are_finite(where, 2):
         raise InputError(f"{owner} at {short(where)}", "the name of an edge set, or a point (x, y)", "correct it")
-
-
-def _check_angle(owner: str, angle: float) -> None:
-    if not is_finite(angle):
-        raise InputError(f"{owner}: angle={short(angle)}", "a finite angle in radians", "correct it")
 
 
 def axes(angle: float) -> Floats:
@@ -55,7 +50,7 @@ class PrescribedDisplacement:
     def __post_init__(self) -> None:
         owner = f"PrescribedDisplacement({short(self.where)})"
         _check_place(owner, self.where)
-        _check_angle(owner, self.angle)
+        check_finite(owner, "angle", self.angle, "a finite angle in radians", "correct it")
         for name, value in (("x", self.x), ("y", self.y)):
             if value is not None:
                 check_scalar(f"{owner}: {name}", value)
@@ -92,7 +87,7 @@ class Spring:
     def __post_init__(self) -> None:
         owner = f"Spring({short(self.where)})"
         _check_place(owner, self.where)
-        _check_angle(owner, self.angle)
+        check_finite(owner, "angle", self.angle, "a finite angle in radians", "correct it")
         if not all(is_finite(k) and k >= 0.0 for k in (self.x, self.y)) or self.x == self.y == 0.0:
             raise InputError(
                 f"{owner}: stiffnesses x={self.x}, y={self.y}",

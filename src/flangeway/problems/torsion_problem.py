@@ -17,9 +17,10 @@ from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import edge_rule
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray, cross_product
+from flangeway.geometry.arrays import IntArray
 from flangeway.mesh.connectivity import first_connected, next_in_row
 from flangeway.mesh.mesh_checks import set_numbers
+from flangeway.problems.edges import edge_quadrature
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 from flangeway.types import Floats
 
@@ -48,23 +49,15 @@ def boundary_of(space: Space) -> SectionBoundary:
     """Sort the boundary edges of a space's mesh into the outer boundary and holes, by the areas inside their edges."""
     mesh = space.mesh
     pairs = mesh.boundary_edges
-    weights, shapes, slopes = edge_rule(space.order, space.order)
-    labels = first_connected(pairs, mesh.n_points)[pairs[:, 0]]
-    outer, holes, areas = [], [], []
-    for label in np.unique(labels):
-        group = pairs[labels == label]
-        nodes = space.nodes[space.edge_nodes(group)]
-        nodes = nodes - nodes[0, 0]
-        # half the integral of position x tangent along the edges, polynomials of their order
-        area = float(np.sum(cross_product(shapes @ nodes, slopes @ nodes) @ weights)) / 2.0
-        if area > 0.0:
-            outer.append(group)
-        else:
-            holes.append(group)
-            areas.append(-area)
-    hole_areas = np.array(areas)
+    labels = np.unique(first_connected(pairs, mesh.n_points)[pairs[:, 0]], return_inverse=True)[1]
+    rule = edge_quadrature(space, pairs, space.order)
+    # half the integral of the position times the normal along the edges, polynomials of their order
+    places = rule.points - mesh.points.mean(axis=0)
+    areas = np.bincount(labels, np.einsum("eq,eqi,eqi->e", rule.weights, places, rule.normals)) / 2.0
+    holes = np.flatnonzero(areas <= 0.0)
+    hole_areas = -areas[holes]
     hole_areas.setflags(write=False)
-    return SectionBoundary(np.concatenate(outer), tuple(holes), hole_areas)
+    return SectionBoundary(pairs[areas[labels] > 0.0], tuple(pairs[labels == hole] for hole in holes), hole_areas)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +175,7 @@ class Torsion:
                 areas = self.space.element_mesh.cell_areas[batch.cells]
                 local = np.broadcast_to(2.0 * areas / len(batch.dofs), batch.dofs.shape)
             else:
-                reconstruction = batch.element.reconstruct(batch.outline)
+                reconstruction = batch.reconstruction
                 value = reconstruction.projected_value
                 local = 2.0 * np.einsum("ae,ame->me", reconstruction.moments[: len(value)], value)
             load += np.bincount(batch.dofs.ravel(), local.ravel(), minlength=n_dofs)

@@ -1,7 +1,7 @@
 from .profiles.bundled import rail as rail
 from .profiles.bundled import wheel as wheel
 from .profiles.joining import joined as joined
-from .profiles.profile_file import ReadOptions as ReadOptions
+from .profiles.orientation import ReadOptions as ReadOptions
 from .profiles.profile_file import read_profile as read_profile
 from .rigid.conicity import RollingRadiusDifference as RollingRadiusDifference
 from .rigid.conicity import conicity_by_regression as conicity_by_regression

@@ -137,7 +137,7 @@ def load_vector(space: Space, function: Function, degree: int | None = None) -> 
     degree = quadrature_degree(space) if degree is None else degree
     load = None
     for batch in space.batches():
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruction
         points, weights = cell_quadrature(batch, degree)
         weighted = at_points(function, points) * weights
         products = np.einsum("aqe,...qe->...ae", reconstruction.at(points), weighted)

@@ -17,7 +17,8 @@ from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.formats.segment_files import write_segment_csv
 from flangeway.railway.profiles.formats.simpack import write_simpack
-from flangeway.railway.profiles.profile_file import FORMATS, MeasuredProfile, ReadOptions, profile_text, read_profile
+from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.profile_file import FORMATS, MeasuredProfile, profile_text, read_profile
 
 NANOMETRE = 1e-6  # in mm
 

@@ -18,7 +18,8 @@ from flangeway.railway.profiles.joining import (
     nominal_profile,
     on_plain_body,
 )
-from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.railway.track.placements import Track
 

@@ -1,4 +1,4 @@
-"""Values read from the viewer of fields: where they are, and that the picture has their colours."""
+"""Values read from the viewer of fields: where they are, in the picture's colours, in front where heights differ."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,11 @@ from matplotlib.path import Path as Outline
 
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses
+from flangeway.report.viewer import Scene, ShownField
 from flangeway.report.viewer.scene_model import DISPLACEMENT, ShownPart
+from flangeway.types import Floats
+
+from .conftest import write_page
 
 
 def test_coordinates_are_those_of_the_pointer(opened, runs):
@@ -71,4 +75,51 @@ def test_a_notch_belongs_to_no_cell(open_page, page_of):
         if inside:
             assert np.allclose((found["x"], found["y"]), place, atol=2.0 * pixel)
             assert found["value"] == pytest.approx(stresses.von_mises[0], rel=1e-6)
+    assert opened.errors() == []
+
+
+FIELD = "pressure_MPa"
+
+
+def plate(name, low, high, height, value):
+    """A square cell at a height."""
+    points: Floats = np.array([[low, low], [high, low], [high, high], [low, high]], dtype=float)
+    mesh = PolyMesh(points, np.array([0, 4], dtype=np.int32), np.arange(4, dtype=np.int32))
+    return ShownPart(name, mesh, cell_arrays={FIELD: np.array([[value]])}, heights=np.full(4, height))
+
+
+@pytest.fixture
+def opened(open_page, tmp_path):
+    """A small plate 20 mm above a large one."""
+    scene = Scene(
+        [plate("above", 40.0, 60.0, 20.0, 700.0), plate("below", 0.0, 100.0, 0.0, 5.0)],
+        [ShownField(FIELD, "contact pressure", "MPa", "Contact", FIELD, "value")],
+        axes=("x", "z", "y"),
+    )
+    return open_page(write_page(tmp_path / "page.html", scene))
+
+
+def test_what_is_in_front_is_read_from_above_and_tilted(opened):
+    """Tilted, the upper plate stands higher in the picture than from above; each view reads the plate in front."""
+    box = opened.canvas.bounding_box()
+    middle = box["width"] / 2, box["height"] / 2
+
+    def heights_of_the_upper():
+        rows = [middle[1] + step for step in range(-200, 201, 4)]
+        found = [opened.point(middle[0], row) for row in rows]
+        return [row for row, each in zip(rows, found, strict=True) if each.get("part") == "above"], found
+
+    tilted, found = heights_of_the_upper()
+    assert {each["value"] for each in found if each.get("part") == "above"} == {700.0}
+    assert {round(each["y"], 6) for each in found if each.get("part") == "below"} == {0.0}
+    before = opened.shot()
+    opened.page.get_by_role("button", name="from above").click()
+    assert opened.changed(before) > 0.05
+    above, _ = heights_of_the_upper()
+    assert np.mean(tilted) < np.mean(above) - 20.0
+    assert np.mean(above) == pytest.approx(middle[1], abs=4.0)
+    read = opened.point(*middle)
+    assert (read["part"], read["x"], read["z"], read["y"]) == pytest.approx(("above", 50.0, 50.0, 20.0), abs=0.3)
+    opened.canvas.press("t")
+    assert opened.page.get_by_role("button", name="from above").is_visible()
     assert opened.errors() == []

@@ -17,11 +17,10 @@ from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.joining import BUNDLED_NAMES, Joined, joined, nominal_profile
 from flangeway.railway.profiles.measures import measures, only_face, worn_side
-from flangeway.railway.profiles.orientation import Orientation
+from flangeway.railway.profiles.orientation import Orientation, ReadOptions
 from flangeway.railway.profiles.profile_file import (
     READABLE,
     MeasuredProfile,
-    ReadOptions,
     frame_origin,
     profile_text,
     read_profile,

@@ -13,7 +13,7 @@ from flangeway.cases.wheelset.wheelset_quantities import MOTION, PLANE_PATCH_ROW
 from flangeway.errors import InputError
 from flangeway.quantities import Quantity, column_names, numbers
 from flangeway.railway.profiles.formats.raw_profile import Kind
-from flangeway.railway.profiles.profile_file import ReadOptions
+from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.track.placements import USUAL_GAUGES, Track, Wheelset, usual_gauge
 from flangeway.railway.track.wheelset_load import (
     GRAVITY_M_S2,

@@ -22,12 +22,12 @@ from flangeway.railway.profiles.bundled import (
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.joining import body_distance_mm, joined, nominal_profile, on_plain_body
+from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import (
     FIELD_WORN,
     MIRRORED,
     READABLE,
     MeasuredProfile,
-    ReadOptions,
     read_profile,
     side_notices,
 )

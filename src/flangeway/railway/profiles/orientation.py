@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flangeway.checks import is_number, refused
 from flangeway.errors import InputError
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.geometry import FloatArray
@@ -28,6 +29,51 @@ _TREAD_DROP_MM = 12.0
 _FLANGE_WIDTHS_MM = (12.0, 45.0)
 _HEAD_WIDTHS_MM = (45.0, 120.0)
 _FAR_MM = 150.0  # the rim of a wheel is at most this far from its flange's back; half of a gauge is further
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """Options of the user for a file; None leaves them to the file and its shape.
+
+    Parameters
+    ----------
+    unit
+        Unit of length.
+    kind
+        ``"rail"`` or ``"wheel"``.
+    mirror
+        Whether to reverse the first coordinate: the file holds the profile of a left-hand side. None: a wheel's flange
+        shows it, and a rail's head where one side is clearly worn more, or only one is measured.
+    flip
+        Whether to reverse the second coordinate.
+    origin
+        Where the file's (0, 0) lies: ``"top"``, ``"base"`` or ``"gauge"`` of a rail, ``"tape"`` or ``"flange-back"`` of
+        a wheel; or ``"X,Y"``, the place in the file of a rail's top or of a wheel's tread at the tape line.
+    tape_mm
+        Distance of a wheel's tape line from the flange's back.
+    smooth_mm
+        Wavelength to smooth by; 0 for none. See `flangeway.railway.profiles.smoothing.smoothed`.
+    limit_um
+        Maximum distance that smoothing may move a point.
+    position
+        Position of the section in a file of slices: mm along the track, degrees around a wheel.
+    """
+
+    unit: str | None = None
+    kind: str | None = None
+    mirror: bool | None = None
+    flip: bool = False
+    origin: str | None = None
+    tape_mm: float | None = None
+    smooth_mm: float | None = None
+    limit_um: float | None = None
+    position: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("tape_mm", "smooth_mm", "limit_um", "position"):
+            value = getattr(self, name)
+            if not (value is None or is_number(value)):
+                raise refused("ReadOptions", name, value, "a number", "leave it out, or give a number")
 
 
 @dataclass(frozen=True)
@@ -80,26 +126,12 @@ class _Shape:
     flange_side: float
 
 
-def orientation(
-    raw: RawProfile,
-    *,
-    unit: str | None = None,
-    kind: str | None = None,
-    mirror: bool = False,
-    flip: bool = False,
-    origin: str | None = None,
-    tape_mm: float | None = None,
-) -> tuple[Orientation, list[str]]:
+def orientation(raw: RawProfile, options: ReadOptions) -> tuple[Orientation, list[str]]:
     """Return the interpretation of a file, and notices of what was assumed or is unusual.
 
     An `InputError` if the user, the file and the shape contradict each other, or something that is needed is missing.
-
-    - `unit`, `kind`, `origin`, `tape_mm`: options of the user; see `Orientation`. The origin may be two numbers as
-      well, ``"X,Y"``: the place, in the file's axes and unit, of the top's middle (rails) or of the tread at the tape
-      line (wheels).
-    - `mirror`: whether to reverse the first coordinate.
-    - `flip`: whether to reverse the second coordinate of the file.
     """
+    unit, kind, origin = options.unit, options.kind, options.origin
     how: dict[str, str] = {}
     in_unit = agreed_unit(raw, unit)
     how["unit"] = "given" if unit else "assumed"
@@ -118,8 +150,8 @@ def orientation(
     if shape is not None and shape.kind != agreed_kind:
         notices.append(f"The shape is that of a {shape.kind}; it is taken as a {agreed_kind} nevertheless.")
         shape = None
-    upwards = _upwards(raw, agreed_kind, shape, flip, how, notices)
-    mirrored = _mirrored(raw, agreed_kind, shape, mirror, how)
+    upwards = _upwards(raw, agreed_kind, shape, options.flip, how, notices)
+    mirrored = _mirrored(raw, agreed_kind, shape, bool(options.mirror), how)
     x_sign, y_sign = (-1.0 if mirrored else 1.0), (1.0 if upwards else -1.0)
     placed = points * [x_sign, y_sign]
     outwards = float(placed[-1, 0] - placed[0, 0])
@@ -135,7 +167,7 @@ def orientation(
         label = at_origin
         shift = (0.0, 0.0)
     if agreed_kind == "wheel":
-        tape = _tape(raw, tape_mm, label == "flange-back", how)
+        tape = _tape(raw, options.tape_mm, label == "flange-back", how)
         if label == "flange-back" and tape is not None:
             shift = (-tape, 0.0)
         shift = _on_tread(placed, shift, notices)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
 from flangeway.geometry.arrays import cross_product
-from flangeway.railway.profiles.smoothing import MIN_POINTS, noise_um
+from flangeway.railway.profiles.smoothing import MIN_POINTS, noise_um, refuse_few
 
 SAME_MM = 0.01  # neighbours nearer than this are one point given twice
 MERGED_NOISES = 8.0
@@ -43,23 +43,16 @@ def checked_points(points: FloatArray, lines: Lines, *, unit_is_sure: bool) -> t
     - `lines`: line of the file of each.
     - `unit_is_sure`: whether the unit was named; lengths of a profile in an assumed unit have to be usual ones.
     """
-    _refuse_few(points)
+    refuse_few(points)
     refuse_length(points, unit_is_sure)
     points, lines, notices = _merged(points, lines)
     points, lines, more = _without_outliers(points, lines)
     notices += more
-    _refuse_few(points)
+    refuse_few(points)
     points, lines, folds = _without_folds(points, lines)
     notices += folds
-    _refuse_few(points)
+    refuse_few(points)
     return points, lines, notices + _gaps(points, lines)
-
-
-def _refuse_few(points: FloatArray) -> None:
-    if len(points) < MIN_POINTS:
-        raise InputError(
-            f"{len(points)} points", f"{MIN_POINTS} or more", "give the whole profile; hundreds of points are usual"
-        )
 
 
 def refuse_length(points: FloatArray, unit_is_sure: bool) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flangeway.checks import check_kind, is_number, refused
+from flangeway.checks import check_kind
 from flangeway.errors import InputError, located
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Segment, as_point
@@ -26,7 +26,7 @@ from flangeway.railway.profiles.formats.simpack import read_simpack, write_simpa
 from flangeway.railway.profiles.formats.slice_files import SLICES, UNITS, read_slices
 from flangeway.railway.profiles.formats.two_column import one_line, read_two_column, write_two_column
 from flangeway.railway.profiles.measures import left_hand, seen_back_mm, worn_side
-from flangeway.railway.profiles.orientation import Orientation, agreed_unit, orientation
+from flangeway.railway.profiles.orientation import Orientation, ReadOptions, agreed_unit, orientation
 from flangeway.railway.profiles.profile_checks import checked_points, refuse_length
 from flangeway.railway.profiles.smoothing import USUAL_WAVELENGTH_MM, Smoothing, smoothed
 from flangeway.system.file_content import file_content, path_of
@@ -56,51 +56,6 @@ FIELD_WORN = "The head is worn more at the field side"
 """MIRRORED, FIELD_WORN: beginnings of notices of which results warn."""
 BACK_OFF_MM = 0.5
 """Difference of a measured flange back from the tape distance of the file above which there is a notice."""
-
-
-@dataclass(frozen=True)
-class ReadOptions:
-    """Options of the user for a file; None leaves them to the file and its shape.
-
-    Parameters
-    ----------
-    unit
-        Unit of length.
-    kind
-        ``"rail"`` or ``"wheel"``.
-    mirror
-        Whether to reverse the first coordinate: the file holds the profile of a left-hand side. None: a wheel's flange
-        shows it, and a rail's head where one side is clearly worn more, or only one is measured.
-    flip
-        Whether to reverse the second coordinate.
-    origin
-        Where the file's (0, 0) lies: ``"top"``, ``"base"`` or ``"gauge"`` of a rail, ``"tape"`` or ``"flange-back"`` of
-        a wheel; or ``"X,Y"``, the place in the file of a rail's top or of a wheel's tread at the tape line.
-    tape_mm
-        Distance of a wheel's tape line from the flange's back.
-    smooth_mm
-        Wavelength to smooth by; 0 for none. See `flangeway.railway.profiles.smoothing.smoothed`.
-    limit_um
-        Maximum distance that smoothing may move a point.
-    position
-        Position of the section in a file of slices: mm along the track, degrees around a wheel.
-    """
-
-    unit: str | None = None
-    kind: str | None = None
-    mirror: bool | None = None
-    flip: bool = False
-    origin: str | None = None
-    tape_mm: float | None = None
-    smooth_mm: float | None = None
-    limit_um: float | None = None
-    position: float | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("tape_mm", "smooth_mm", "limit_um", "position"):
-            value = getattr(self, name)
-            if not (value is None or is_number(value)):
-                raise refused("ReadOptions", name, value, "a number", "leave it out, or give a number")
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,21 +189,12 @@ def _profile(
     else:
         points, lines, more = checked_points(raw.points * scale, raw.lines, unit_is_sure=sure)
         raw = replace(raw, points=points / scale, lines=lines)
-    oriented = partial(
-        orientation,
-        first or raw,
-        unit=options.unit,
-        kind=options.kind,
-        flip=options.flip,
-        origin=options.origin,
-        tape_mm=options.tape_mm,
-    )
-    taken, notices = oriented(mirror=bool(options.mirror))
+    taken, notices = orientation(first or raw, options)
     # crossings, and what was drawn, may be unlike on both sides
     if taken.kind == "rail" and options.mirror is None and not raw.mirrored and first is None and raw.contour is None:
         why = left_hand(taken.applied(raw.points))
         if why is not None:
-            taken, notices = oriented(mirror=True)
+            taken, notices = orientation(raw, replace(options, mirror=True))
             taken = replace(taken, how={**taken.how, "side": "from the worn side"})
             more.append(f"{MIRRORED}: read as a right-hand one, {why}. --no-mirror keeps it as it is.")
     if options.mirror is False:

@@ -22,7 +22,7 @@ from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Segment, as_point
-from flangeway.geometry.arrays import chain_lengths
+from flangeway.geometry.arrays import chain_lengths, cross_product
 
 ARC_TOLERANCE_MM = 2e-4  # maximum distance between the spline and the arcs that replace it
 
@@ -88,6 +88,14 @@ class Smoothing:
         return float(np.abs(self.deviations_um).max())
 
 
+def refuse_few(points: FloatArray) -> None:
+    """Refuse fewer points (n, 2) than `MIN_POINTS`, as an `InputError`."""
+    if len(points) < MIN_POINTS:
+        raise InputError(
+            f"{len(points)} points", f"{MIN_POINTS} or more", "give the whole profile; hundreds of points are usual"
+        )
+
+
 def noise_um(points: FloatArray) -> float:
     """Estimate the standard deviation of the noise across a curve from neighbouring points (n, 2) in mm.
 
@@ -102,7 +110,7 @@ def noise_um(points: FloatArray) -> float:
     weights /= np.sqrt((weights**2).sum(axis=1))[:, None]
     residuals = np.einsum("ij,ijk->ik", weights, points[places])
     along = points[places[:, -1]] - points[places[:, 0]]
-    across = residuals[:, 0] * along[:, 1] - residuals[:, 1] * along[:, 0]
+    across = cross_product(residuals, along)
     return 1.4826e3 * float(np.median(np.abs(across / np.hypot(*along.T))))
 
 
@@ -146,10 +154,7 @@ def smoothed(
     if limit_um is not None and not low <= limit_um <= high:
         raise InputError(f"--limit {limit_um:g}", f"{low:g} to {high:g} micrometres", "leave it out")
     points = points[np.concatenate(([True], np.diff(chain_lengths(points)) > _SAME_MM))]
-    if len(points) < MIN_POINTS:
-        raise InputError(
-            f"{len(points)} points", f"{MIN_POINTS} or more", "give the whole profile; hundreds of points are usual"
-        )
+    refuse_few(points)
     noise = noise_um(points)
     limit = max(USUAL_LIMIT_UM, 6.0 * noise) if limit_um is None else limit_um
     s = chain_lengths(points)
@@ -248,8 +253,7 @@ def _distances(spline: BSpline, s: FloatArray, points: FloatArray) -> FloatArray
         if not nearer.any():
             break
     tangent = velocity(foot)
-    to_the_left = tangent[:, 0] * apart[:, 1] - tangent[:, 1] * apart[:, 0]
-    distances: FloatArray = 1e3 * np.copysign(np.hypot(*apart.T), to_the_left)
+    distances: FloatArray = 1e3 * np.copysign(np.hypot(*apart.T), cross_product(tangent, apart))
     return distances
 
 
@@ -308,7 +312,7 @@ def _pair(curve: Curve, low: float, high: float) -> tuple[list[Segment], float]:
 def _tangent_piece(start: FloatArray, end: FloatArray, tangent: FloatArray) -> Segment:
     """Return the arc between two points with a tangent at its start."""
     chord = end - start
-    turn = 2.0 * float(tangent[0] * chord[1] - tangent[1] * chord[0]) / float(chord @ chord)
+    turn = 2.0 * float(cross_product(tangent, chord)) / float(chord @ chord)
     if abs(turn) < max(_FLAT_CURVATURE, 8.0 * _FLAT_SAGITTA / float(chord @ chord)):
         return Line(as_point(start), as_point(end))
     centre = start + np.array([-tangent[1], tangent[0]]) / turn

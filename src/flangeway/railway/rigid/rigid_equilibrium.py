@@ -15,7 +15,7 @@ from scipy.optimize import nnls
 
 from flangeway.errors import InputError
 from flangeway.exact import LineContact
-from flangeway.railway.rigid.rigid_geometry import PATH_STEP_MM, Intervals, RigidGeometry, TouchingPositions
+from flangeway.railway.rigid.rigid_geometry import PATH_STEP_MM, Intervals, RigidGeometry, TouchingPositions, levers
 from flangeway.railway.rigid.rigid_locus import ContactLocus
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition, lateral_over_vertical
 from flangeway.railway.track.wheelset_load import WheelsetLoad
@@ -234,21 +234,11 @@ def _positions(
     ]
 
 
-def _slopes(geometry: RigidGeometry, path: TouchingPositions) -> tuple[Floats, Floats]:
-    """Vertical displacement and roll per lateral displacement at the rails' height, along the path."""
-    height = path.lift - geometry.reference_height_mm * np.cos(path.roll)
-    slopes, arms = [], []
-    for touches, sign in ((path.right, 1.0), (path.left, -1.0)):
-        slope = sign * np.tan(touches.angle[:, 0])
-        slopes.append(slope)
-        arms.append(sign * touches.x[:, 0] - path.rail_level + slope * (touches.y[:, 0] - height))
-    roll = (slopes[0] - slopes[1]) / (arms[0] - arms[1])
-    return slopes[0] - roll * arms[0], roll
-
-
 def _work(geometry: RigidGeometry, path: TouchingPositions) -> tuple[Floats, Floats]:
     """Lift and lateral displacement of the centre of gravity per lateral displacement at the rails' height."""
-    vertical, roll = _slopes(geometry, path)
+    slopes, arms = levers(geometry.reference_height_mm, path)
+    roll = (slopes[0] - slopes[1]) / (arms[0] - arms[1])
+    vertical = slopes[0] - roll * arms[0]
     height = geometry.reference_height_mm + geometry.centre_of_gravity_height_mm
     return vertical - roll * height * np.sin(path.roll), 1.0 - roll * height * np.cos(path.roll)
 

@@ -414,7 +414,8 @@ class RigidGeometry:
             offset = lateral - target[active] if at_axle else np.zeros(len(active))
             remainder = np.maximum(np.abs(height), np.abs(offset))
             done = remainder < _ROUNDING_MM
-            arm, slope = _levers(radius, level, turned, left, right)
+            slopes, arms = levers(radius, TouchingPositions(level, turned, left, right))
+            slope, arm = slopes[0] - slopes[1], arms[0] - arms[1]
             swing = radius * np.cos(turned)
             turn = (height - slope * offset) / (arm - slope * swing) if at_axle else height / arm
             new = turned + np.clip(turn, -_MAX_TURN_RAD, _MAX_TURN_RAD)
@@ -446,14 +447,20 @@ class RigidGeometry:
         return path.part(part), lateral[part]
 
 
-def _levers(radius: float, rail_level: Floats, roll: Floats, left: Touches, right: Touches) -> tuple[Floats, Floats]:
-    """Sum of both touches' lever arms about the point at the rails' height, and sum of their slopes."""
-    slopes = np.tan(right.angle[:, 0]), np.tan(left.angle[:, 0])
-    arms = [
-        touch.x[:, 0] - sign * rail_level + slope * (touch.y[:, 0] - touch.lift[:, 0] + radius * np.cos(roll))
-        for touch, sign, slope in zip((right, left), (1.0, -1.0), slopes, strict=True)
-    ]
-    return arms[0] + arms[1], slopes[0] + slopes[1]
+def levers(radius: float, positions: TouchingPositions) -> tuple[Floats, Floats]:
+    """Return slopes of both touches, up to the right, and their arms about the point at the rails' height, (2, n) each.
+
+    The right side is first; arms are lateral distances along which a roll lifts a wheel over its slope.
+
+    - `radius`: height of the axle's middle over that point.
+    """
+    slopes, arms = [], []
+    for touch, sign in ((positions.right, 1.0), (positions.left, -1.0)):
+        slope = sign * np.tan(touch.angle[:, 0])
+        below = touch.y[:, 0] - touch.lift[:, 0] + radius * np.cos(positions.roll)
+        slopes.append(slope)
+        arms.append(sign * touch.x[:, 0] - positions.rail_level + slope * below)
+    return np.array(slopes), np.array(arms)
 
 
 def _run_about(flags: NDArray[np.bool_], middle: int) -> slice:

@@ -19,6 +19,7 @@ from flangeway.contact.patch.patch_grid import PatchGrid, at_edge
 from flangeway.exact import contact_modulus
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import turned_right
+from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.solve import Status
 from flangeway.solve.half_spaces import half_spaces_on
@@ -115,8 +116,6 @@ def wheel_gap(
 
 SECTION_AXES = ((0, 1), (0, 1), (2,))
 """Axes of a section in which those of the frames of cells lie: tangent, normal and z."""
-GAUGE_DEPTH_MM = 14.0
-"""Depth below the rail's top at which the gauge is measured (EN 13848-1)."""
 RANK = 1e-4
 """Singular value over the first one below which modes of bending are left out."""
 

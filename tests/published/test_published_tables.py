@@ -1,7 +1,7 @@
-"""Frequencies of square plates with clamped, simply supported and free sides (Leissa, 1973, J. Sound Vib. 31).
+"""Published tables: frequencies of square plates (Leissa, 1973, J. Sound Vib. 31), torsion (Moherdaui, 2021, 4 to 7).
 
-``omega a^2 sqrt(m / D)``, nu = 0.3. With two opposite sides simply supported they are exact; the others are upper
-bounds by Ritz's method with 36 products of beam functions, up to 1 % high with free sides.
+Leissa's ``omega a^2 sqrt(m / D)`` are exact with two opposite sides simply supported; the others are upper bounds by
+Ritz's method with 36 products of beam functions, up to 1 % high with free sides.
 """
 
 import numpy as np
@@ -10,6 +10,7 @@ import pytest
 from flangeway.forms import Plate, modes
 from flangeway.geometry import square
 from flangeway.mesh import PolyMesh, dual, triangulate
+from studies.torsion import SECTIONS, solve_code
 
 TRIANGLES = triangulate(square(1.0, (0.5, 0.5)), size=1.0 / 8.0)
 TURN = np.array([[0.8, -0.6], [0.6, 0.8]])
@@ -42,3 +43,11 @@ def test_frequencies_are_leissas(sides, cells, turned):
     assert (ratio > 1.0 + low).all()
     assert (ratio < 1.0 + high).all()
     assert np.abs(squares[published == 0.0]).max(initial=0.0) < 1e-5
+
+
+@pytest.mark.parametrize(("level", "error", "published"), [(1, 9.35e-3, 0.0152), (4, 6.29e-4, 0.00102)])
+def test_projected_load_is_more_accurate_than_the_published_reading(level, error, published):
+    """With the load as written in (3.81), VVSO1 of Prandtl's function has 0.6 times the published error."""
+    constant = solve_code(f"VVSM{level}O1", "prandtl").torsion_constant
+    assert abs(constant / SECTIONS["S"][1].torsion_constant - 1.0) == pytest.approx(error, rel=0.05)
+    assert error < 0.7 * published
