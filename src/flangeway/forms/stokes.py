@@ -26,6 +26,7 @@ from flangeway.elements.quadrature import edge_shapes, edge_unknowns, gauss
 from flangeway.errors import InputError
 from flangeway.forms.assembled import load
 from flangeway.forms.weak import scattered
+from flangeway.geometry.arrays import steps_around
 from flangeway.mesh import PolyMesh
 from flangeway.solve.factor import Factor
 from flangeway.space import CellBatch, FormMatrix, Space
@@ -70,7 +71,7 @@ def _flux(order: int, cells: Polygons) -> Floats:
     """
     abscissae, weights = gauss(order + 1)
     shapes = edge_shapes(order, abscissae)
-    along = np.roll(cells.local, -1, axis=0) - cells.local
+    along = steps_around(cells.local)
     at = monomials.evaluate(order + 1, cells.local[:, None] + abscissae[:, None, None] * along[:, None])
     on_edges = np.einsum("avqe,q,qs->avse", at, weights, shapes)
     with_normals = np.einsum("avse,vje->jvsae", on_edges, cells.normals)

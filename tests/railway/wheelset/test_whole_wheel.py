@@ -1,4 +1,4 @@
-"""Whole wheels as bodies of revolution, beside plane rings, plates and the prism."""
+"""Whole wheels as bodies of revolution beside plane rings, plates and the prism; axles beside beams."""
 
 from dataclasses import replace
 from functools import cache as kept
@@ -15,6 +15,7 @@ from flangeway.railway.profiles.bundled import WHEELS, WheelProfile, wheel
 from flangeway.railway.profiles.formats.segment_files import write_segment_csv
 from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.profiles.whole_outline import whole_profile
+from flangeway.railway.wheelset.axle import Axle
 from flangeway.railway.wheelset.whole_wheel import WheelDisc, revolved, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells
 from flangeway.space import Space
@@ -203,3 +204,45 @@ def test_a_whole_section_comes_from_a_file(tmp_path) -> None:
     found = whole_profile(read_profile(file))
     assert found.outline.area == pytest.approx(whole.outline.area, rel=1e-9)
     assert found.outline.bounds(["cut"]) == pytest.approx(whole.outline.bounds(["cut"]))
+
+
+PLACES = np.array([-750.0, 750.0])
+DIAMETER = 173.0
+RIGIDITY = YOUNG * np.pi * DIAMETER**4 / 64.0
+UNIFORM = Axle(2000.0, ((0.0, DIAMETER), (1100.0, DIAMETER)), YOUNG)
+
+
+def test_outside_journals_bend_the_middle_up() -> None:
+    """Equal wheel forces: bending Q (L - b) / 2 between the wheels, whose lower parts come closer."""
+    force = 112.5e3
+    expected = force * 250.0 * 750.0 / RIGIDITY
+    found = UNIFORM.tilts(PLACES, np.array([[force, 0.0], [force, 0.0]]))
+    np.testing.assert_allclose(found, [expected, -expected], rtol=1e-12)
+
+
+def test_inside_journals_bend_the_middle_down() -> None:
+    """Four-point bending: the slope at the ends is Q a (b - a) / (2 E I) with a from the wheel to the journal."""
+    inside = Axle(1100.0, UNIFORM.diameters_mm, YOUNG)
+    force, arm = 100e3, 200.0
+    expected = force * arm * (1500.0 - arm) / 2.0 / RIGIDITY
+    found = inside.tilts(PLACES, np.array([[force, 0.0], [force, 0.0]]))
+    np.testing.assert_allclose(found, [-expected, expected], rtol=1e-10)
+
+
+def test_a_moment_on_one_wheel_bends_a_supported_beam() -> None:
+    """A moment at the end of a beam whose journals are in the wheels: M l / 3 E I there, - M l / 6 E I at the other."""
+    found = Axle(1500.0, UNIFORM.diameters_mm, YOUNG).tilts(PLACES, np.array([[0.0, 0.0], [0.0, 20e6]]))
+    slope = 20e6 * 1500.0 / RIGIDITY
+    np.testing.assert_allclose(found, [-slope / 6.0, slope / 3.0], rtol=1e-10)
+
+
+def test_forces_superpose_and_mirror() -> None:
+    """Tilts are linear in the forces; exchanged sides exchange them with the sign of rotations."""
+    rng = np.random.default_rng(3)
+    one, two = rng.normal(size=(2, 2, 2)) * [1e5, 1e7]
+    axle = Axle()
+    np.testing.assert_allclose(
+        axle.tilts(PLACES, 2.0 * one - two), 2.0 * axle.tilts(PLACES, one) - axle.tilts(PLACES, two), rtol=1e-10
+    )
+    mirrored = axle.tilts(PLACES, one[::-1] * [1.0, -1.0])
+    np.testing.assert_allclose(mirrored, -axle.tilts(PLACES, one)[::-1], rtol=1e-10)
