@@ -249,7 +249,7 @@ def _reference_rail() -> RailProfile:
     return replace(
         nominal,
         title=REFERENCE_RAIL,
-        outline=Outline.from_segments(pieces.values(), pieces.keys()),
+        outline=Outline.named(pieces.items()),
         certainty=f"{_REFERENCE_CERTAINTY} With rail_inclination = {_REFERENCE_SLOPE:g} the head is inclined as there; "
         "the body is that of a 60E1.",
         source=_REFERENCE_SOURCE,
@@ -259,7 +259,7 @@ def _reference_rail() -> RailProfile:
 def _aar_1b() -> WheelProfile:
     running = _read_segments("AAR1B_wide_flange_DERIVED_arcs.csv")
     profile = _wheel_below(
-        Contour.from_segments(running.values(), running.keys()).reversed(),
+        Contour.named(running.items()).reversed(),
         title="AAR-1B (approximate)",
         certainty=(
             "An approximation: taper, height, thickness and angle of the flange and width of the "

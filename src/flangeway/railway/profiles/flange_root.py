@@ -68,7 +68,7 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
                 _moved(narrow.end, moved), as_point(foot), as_point(centre), wide.counter_clockwise
             )
             parts["tread_1:20"] = Line(as_point(foot), tread.end)
-            return replace(profile, outline=Outline.from_segments(parts.values(), parts.keys()))
+            return replace(profile, outline=Outline.named(parts.items()))
     raise InputError(
         f"a wide arc of {wide_radius_mm:g} mm in the flange root of {profile.title}",
         "a radius, such as 30 to 60 mm, with which the flange keeps its height, thickness and angle",
@@ -108,7 +108,7 @@ def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfi
     parts["flange_root_R1"] = Arc(narrow.start, joint, narrow.centre, narrow.counter_clockwise)
     parts["flange_root_R2"] = Arc(joint, as_point(foot), as_point(centre), wide.counter_clockwise)
     parts["tread_1:20"] = Line(as_point(foot), tread.end)
-    return replace(profile, outline=Outline.from_segments(parts.values(), parts.keys()))
+    return replace(profile, outline=Outline.named(parts.items()))
 
 
 def identified_wheel() -> WheelProfile:
