@@ -16,7 +16,7 @@ import shapely
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import Point, as_point, as_points, cross_product
+from flangeway.geometry.arrays import Point, angles_of, as_point, as_points, cross_product
 from flangeway.geometry.placement import Placement
 from flangeway.types import Floats, Ints
 
@@ -251,7 +251,7 @@ class Arc:
         """
         given = as_points(points)
         rays = given - np.array(self.centre)
-        angle = np.arctan2(rays[:, 1], rays[:, 0]) - self.start_angle
+        angle = angles_of(rays) - self.start_angle
         angle = np.mod(math.copysign(1.0, self.sweep) * angle, 2.0 * math.pi)
         opening = abs(self.sweep)
         # beyond the end: the nearer of both ends, divided at the middle of the gap

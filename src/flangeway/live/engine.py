@@ -257,9 +257,9 @@ def _patches(run: WheelsetRun) -> dict[str, Any]:
         tractions = run.space.tractions_of(side)
         below = stresses_below(run.space, side)
         found[side] = {
-            "across": _rounded(shown.across(cells.cells[part[0]])),
-            "along": _rounded(cells.z[part[1]]),
-            "strip": cells.strip,
+            "across": _rounded(shown.across(cells.grid.cells[part[0]])),
+            "along": _rounded(cells.grid.along[part[1]]),
+            "strip": cells.grid.strip,
             "pressures": _rounded(cells.pressures[part], 1),
             "stresses": {each.name: _rounded(below[each.array][part], 1) for each in below_fields(run.case.units)},
             # along the rail's surface to the right, and ahead

@@ -12,7 +12,7 @@ from flangeway.elements import Reconstruction, monomials
 from flangeway.elements.monomials import Frame
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product
+from flangeway.geometry.arrays import cross_product, middles_of
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.curved import as_polylines
 from flangeway.post.stress import Polynomials, Stresses
@@ -110,7 +110,7 @@ def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutFo
     first, along = _line(start, end)
     length = float(np.linalg.norm(along))
     breaks = _crossings(solution, first, along)
-    middles = first + ((breaks[1:] + breaks[:-1]) / 2.0)[:, None] * along
+    middles = first + middles_of(breaks)[:, None] * along
     cells = locate(solution.problem.space.mesh, middles)
     inside = cells != OUTSIDE
     if not inside.any():

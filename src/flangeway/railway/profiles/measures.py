@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.geometry import Contour, FloatArray
+from flangeway.geometry.arrays import angles_of
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
 
@@ -92,7 +93,7 @@ def flange_angle_rad(surface: Contour) -> float:
     """
     front = _front(surface.sampled(spacing=_CHORD_MM))
     along = np.diff(front[front[:, 0] <= 0.0], axis=0)
-    return float(np.arctan2(along[:, 1], along[:, 0]).max())
+    return float(angles_of(along).max())
 
 
 def _rail(points: FloatArray) -> dict[str, float]:
