@@ -13,6 +13,7 @@ from flangeway.cli.common import (
     Out,
     Progress,
     Show,
+    Workers,
     choices,
     command_typed,
     completion,
@@ -37,10 +38,7 @@ def campaign(
         typer.Argument(metavar="FILE", help="A campaign's file (.toml).", autocompletion=completion(list, ".toml")),
     ],
     out: Out = None,
-    workers: Annotated[
-        int | None,
-        typer.Option("--workers", metavar="N", help="Processes here; as many as cores if left out."),
-    ] = None,
+    workers: Workers = None,
     scheduler: Annotated[
         str | None,
         typer.Option(
