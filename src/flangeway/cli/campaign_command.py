@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -115,8 +116,6 @@ def _left(now: "CampaignProgress") -> str:
     elif now.seconds_left is None:
         words.append("time left not known yet")
     else:
-        hours, seconds = divmod(round(now.seconds_left), 3600)
-        minutes, seconds = divmod(seconds, 60)
-        words.append(f"{hours}:{minutes:02}:{seconds:02} left")
+        words.append(f"{timedelta(seconds=round(now.seconds_left))} left")
     words += [f"{now.counts[status]} {status}" for status in ("not converged", "failed") if now.counts.get(status)]
     return ", ".join(words)
