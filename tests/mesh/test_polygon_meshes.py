@@ -68,7 +68,7 @@ SLOTTED = polygon([(0, 0), (3, 0), (3, 4), (2, 4), (2, 1), (1, 1), (1, 4), (0, 4
 
 @pytest.mark.parametrize("iterations", [0, 8])
 def test_voronoi_cells_fill_an_outline_with_reentrant_corners(iterations):
-    """The area is the outline's, sides have its names, and each cell's vertices are nearest to its point."""
+    """The area is the outline's, sides have its names, and the mesh is of one piece without holes."""
     mesh = voronoi(SLOTTED, 40, iterations=iterations)
     check(mesh, region_area=SLOTTED.area, area_tolerance=1e-12)
     assert len(mesh.edge_sets) == 8

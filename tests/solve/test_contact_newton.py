@@ -42,26 +42,6 @@ def solved(press, way=CondensedBodies, depth=DEPTH, **motion):
     return response, state
 
 
-@pytest.mark.parametrize("primary", ["block", "disc"])
-@pytest.mark.parametrize("method", ["fem", "vem"])
-def test_condensed_and_sparse_agree(press, method: str, primary: str) -> None:
-    """Forces, surface displacements and fields of the condensed and the full path agree to 1e-9."""
-    problem = press(method, primary=primary)
-    condensed, first = solved(problem, CondensedBodies)
-    sparse, second = solved(problem, SparseBodies)
-    scale = first.forces.max()
-    assert (first.forces > 0).sum() > 5
-    assert np.abs(first.nodal_forces - second.nodal_forces).max() < 1e-9 * scale
-    assert np.abs(first.displacements - second.displacements).max() < 1e-9 * DEPTH
-    fields = [
-        way.fields(way.rotations(state.placements), state.nodal_forces)
-        for way, state in ((condensed, first), (sparse, second))
-    ]
-    for one, other in zip(*fields, strict=True):
-        assert np.abs(one - other).max() < 1e-9 * DEPTH
-    assert sparse.n_unknowns > 5 * condensed.n_unknowns
-
-
 @pytest.mark.parametrize("way", [CondensedBodies, SparseBodies])
 def test_the_last_iteration_takes_the_derivatives_of_the_one_before(press, monkeypatch, way) -> None:
     """Bodies answer once less in as many iterations, and the forces are those of iterations with their own."""

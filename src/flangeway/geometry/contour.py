@@ -114,6 +114,11 @@ class Contour:
         """Number of segments."""
         return len(self.segments)
 
+    @property
+    def by_name(self) -> dict[str, Segment]:
+        """Segments by their names; of several of one name the last."""
+        return dict(zip(self.names, self.segments, strict=True))
+
     @cached_property
     def size(self) -> float:
         """Diagonal of the bounding box."""
