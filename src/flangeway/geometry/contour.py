@@ -235,8 +235,7 @@ class Contour:
     def lengths_at(self, points: ArrayLike) -> Floats:
         """Return the lengths along the chain (n,) of its points closest to points (n, 2)."""
         numbers, parameters, _ = self.closest(points)
-        lengths: Floats = self.offsets[numbers] + parameters * np.diff(self.offsets)[numbers]
-        return lengths
+        return self.offsets[numbers] + parameters * np.diff(self.offsets)[numbers]
 
     @cached_property
     def _reach(self) -> tuple[Floats, Floats]:
