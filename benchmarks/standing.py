@@ -18,13 +18,14 @@ import numpy as np
 
 from benchmarks.measurement import NO_PEER, Measurement
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RAILS, REFERENCE_WHEELS, WHEELS
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
-from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces
 from flangeway.railway.wheelset.side_newton import transferred, transferred_creep
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
@@ -145,15 +146,15 @@ def _overlap(state: SideState) -> float:
     inner, surfaces = state.grid.grid, state.grid.surfaces
     low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
     ends = np.linspace(low, high, int((high - low) / CELL_MM) + 1)
-    strips = np.arange(*(int(np.floor(z / STRIP_MM)) for z in (inner.z[0] - REACH_MM, inner.z[-1] + REACH_MM)))
-    whole = GriddedSide(surfaces, SideGrid(np.stack((ends[:-1], ends[1:]), axis=1), STRIP_MM, strips), state.pose)
+    first, last = (int(np.floor(z / STRIP_MM)) for z in (inner.along[0] - REACH_MM, inner.along[-1] + REACH_MM))
+    whole = GriddedSide(surfaces, PatchGrid.on_planes(ends, STRIP_MM, first, last - 1), state.pose)
     forces = transferred(state, whole)
     creep = transferred_creep(state, whole)
     values = whole.deformed(state.pose, forces, None, None if creep is None else creep[:, 0])[3]
     gaps = values + whole.influence(forces)
     cells = whole.grid.cells[:, None]
     across = ((cells[..., 1] > inner.cells[:, 0]) & (cells[..., 0] < inner.cells[:, 1])).any(axis=1)
-    along = (whole.grid.z > inner.z[0] - STRIP_MM) & (whole.grid.z < inner.z[-1] + STRIP_MM)
+    along = (whole.grid.along > inner.along[0] - STRIP_MM) & (whole.grid.along < inner.along[-1] + STRIP_MM)
     outside = ~np.outer(across, along)
     return max(0.0, -float(gaps[outside].min(initial=0.0)))
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from flangeway.elements import Element, Lagrange, Reconstruction, Virtual
 from flangeway.geometry import polygon
+from flangeway.geometry.arrays import middles_of
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, dual, rectangle_grid, triangulate
 from flangeway.post.lines import locate, polynomials_at
@@ -136,7 +137,7 @@ def _disc_numbers() -> Iterator[Row]:
     # alternating series: means of neighbouring partial sums
     sums = np.cumsum(grown)
     for _ in range(AVERAGES):
-        sums = (sums[1:] + sums[:-1]) / 2.0
+        sums = middles_of(sums)
     plane_young, plane_poisson = 1.0 / (1.0 - POISSON**2), POISSON / (1.0 - POISSON)
     exact = (4.0 - np.pi + plane_poisson * np.pi) / (np.pi * plane_young)
     yield Row("Disc", "t=90", "growth of the diameter across", "P/E", sums[-1], exact, 1e-4)

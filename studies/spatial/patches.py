@@ -12,6 +12,7 @@ from flangeway.contact.patch.patch_grid import grid_about
 from flangeway.elements import Lagrange
 from flangeway.exact import PointContact, contact_modulus, half_space_influence
 from flangeway.geometry import Arc, Line, Outline
+from flangeway.geometry.arrays import middles_of
 from flangeway.materials import Elastic
 from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
@@ -152,7 +153,7 @@ def published_gaps(bounds: Floats, along: Floats, gap: str) -> tuple[Floats, Flo
         have. The wheel's is smaller on one side, where its surface is steeper.
 
     """
-    places = (bounds[1:] + bounds[:-1]) / 2.0
+    places = middles_of(bounds)
     if gap == "parabolic":
         across = places**2 * (1.0 / CONVEX - 1.0 / CONCAVE) / 2.0
         return across[:, None] + along**2 * np.cos(ANGLE) / ROLLING / 2.0, np.ones((len(places), 1))

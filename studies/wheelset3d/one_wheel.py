@@ -7,11 +7,12 @@ import numpy as np
 
 from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.contact.patch.elastic_surface import ElasticSurface
+from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDE_SIGN, Side, WheelsetPosition
 from flangeway.railway.wheelset.fine_cells import finer
 from flangeway.railway.wheelset.running_surfaces import SpatialModel
-from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces, wheel_gap
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
 from flangeway.railway.wheelset.side_newton import solve_side
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheelset_newton import pose_of
@@ -73,8 +74,8 @@ class PressedWheel:
         Position along the axle, length along the rail's surface, and z.
         """
         surfaces, grid, pose = self.state.grid.surfaces, self.state.grid.grid, self.state.pose
-        stations: Floats = np.arange(grid.cells[0, 0] - REACH_MM[0], grid.cells[-1, 1] + REACH_MM[0], SPACING_MM)
-        z: Floats = np.arange(grid.z[0] - REACH_MM[1], grid.z[-1] + REACH_MM[1], SPACING_MM)
+        stations: Floats = np.arange(grid.bounds[0] - REACH_MM[0], grid.bounds[-1] + REACH_MM[0], SPACING_MM)
+        z: Floats = np.arange(grid.along[0] - REACH_MM[1], grid.along[-1] + REACH_MM[1], SPACING_MM)
         gap = wheel_gap(surfaces.wheel, pose.middle, pose.axis, *surfaces.rail_points(stations), z)
         weights = np.maximum(-gap.gaps, 0.0) ** 2
         weights /= weights.sum()
@@ -105,18 +106,16 @@ def pressed_wheel(
     """
     sign = SIDE_SIGN[side]
     touch = wheelset.geometry.side(side).touches(np.array([sign * lateral_mm]), np.array([sign * roll_rad]))
-    surfaces, first = wheelset.surfaces[side], touch.lift[0, 0] - wheelset.problem.wheelset.tape_radius_mm
-    position = WheelsetPosition(lateral_mm, first - FIRST_MM, roll_rad)
+    surfaces, lift = wheelset.surfaces[side], touch.lift[0, 0] - wheelset.problem.wheelset.tape_radius_mm
+    position = WheelsetPosition(lateral_mm, lift - FIRST_MM, roll_rad)
     # the yaw moves the wheel along the track
     along = touch.x[0, 0] * pose_of(wheelset.problem, position, side, wheelset.model.yaw_rad).axis[2]
-    planes = np.arange(*np.round((along + np.array([-1.0, 1.0]) * REACH_MM[1]) / CELL_MM).astype(int))
+    first, last = np.round((along + np.array([-1.0, 1.0]) * REACH_MM[1]) / CELL_MM).astype(int).tolist()
     low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
     ends: Floats = np.arange(low, high, CELL_MM)
     ends = ends[np.abs(surfaces.rail_points(ends)[0][:, 0] - touch.x[0, 0]) < REACH_MM[0]]
-    cells = np.stack((ends[:-1], ends[1:]), axis=1)
-    grid = GriddedSide(
-        surfaces, SideGrid(cells, CELL_MM, planes), pose_of(wheelset.problem, position, side, wheelset.model.yaw_rad)
-    )
+    cells = PatchGrid.on_planes(ends, CELL_MM, first, last - 1)
+    grid = GriddedSide(surfaces, cells, pose_of(wheelset.problem, position, side, wheelset.model.yaw_rad))
     while True:
         position, state = _pressed(wheelset, side, grid, position, force)
         new = finer(state)
@@ -128,10 +127,10 @@ def pressed_wheel(
 def on_square_cells(found: PressedWheel, cell_mm: float) -> PressedWheel:
     """Press the same wheel on even square cells."""
     old, grid = found.state.grid, found.state.grid.grid
-    first, last = np.floor(grid.cells[0, 0] / cell_mm), np.ceil(grid.cells[-1, 1] / cell_mm)
+    first, last = np.floor(grid.bounds[0] / cell_mm), np.ceil(grid.bounds[-1] / cell_mm)
     ends: Floats = cell_mm * np.arange(first, last + 1.0)
-    planes = np.arange(int(np.floor(grid.z[0] / cell_mm)), int(np.ceil(grid.z[-1] / cell_mm)) + 1)
-    cells = SideGrid(np.stack((ends[:-1], ends[1:]), axis=1), cell_mm, planes)
+    planes = int(np.floor(grid.along[0] / cell_mm)), int(np.ceil(grid.along[-1] / cell_mm))
+    cells = PatchGrid.on_planes(ends, cell_mm, *planes)
     force = float(found.state.resultant[1])
     position, state = _pressed(
         found.wheelset, found.side, GriddedSide(old.surfaces, cells, old.pose), found.position, force

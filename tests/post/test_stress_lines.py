@@ -214,7 +214,7 @@ def test_a_wheelset_prints_the_maximum_below_a_patch_with_two_peaks() -> None:
     grid, found = patch.state.grid.grid, patch.field("rail").max_von_mises
     s, depth, along = found.position
     near = [(s + 0.1 * i, along) for i in range(-2, 3)]
-    values = by_cells(grid.cells, grid.z, patch.state.cells.pressures, near, depth + 0.1 * np.arange(-2, 3), 0.3)[0]
+    values = by_cells(grid.cells, grid.along, patch.state.cells.pressures, near, depth + 0.1 * np.arange(-2, 3), 0.3)[0]
     assert found.value == pytest.approx(values.max(), rel=0.01)
     assert isinstance(numbers, PatchResult)
     highest, _, rail = numbers.maximum("rail", "max_von_mises")

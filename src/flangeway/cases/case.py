@@ -533,14 +533,13 @@ def _input_error(
             continue
         last = next((item for item in reversed(key) if isinstance(item, str)), "")
         unit = table.input_named(last)[1]
-        if error["type"] == "missing" and field is not None:
-            unit = us_key(last) if values.get("units") == "us" else None
-            last = unit.name if unit else last
-            text = f"{where(key[:-1])}no {key_text((*key[:-1], last))}"
-            faults[key] = text, f"{last} is {allowed(field, unit)}", _advice(last, field, unit)
-        elif field is not None:
-            value = error["input"] if given is None else given
-            text = f"{where(key)}{key_text(key)} = {short(value)}"
+        if field is not None:
+            if error["type"] == "missing":
+                unit = us_key(last) if values.get("units") == "us" else None
+                last = unit.name if unit else last
+                text = f"{where(key[:-1])}no {key_text((*key[:-1], last))}"
+            else:
+                text = f"{where(key)}{key_text(key)} = {short(error['input'] if given is None else given)}"
             faults[key] = text, f"{last} is {allowed(field, unit)}", _advice(last, field, unit)
         elif unit is not None:
             text = f"{where(key)}{key_text(key)}, and the same quantity in another unit"

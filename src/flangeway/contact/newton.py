@@ -36,6 +36,7 @@ that it had let back before.
 """
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -210,17 +211,6 @@ _Step = tuple[Floats, Floats, Floats, Floats]
 """New contact forces, tangential ones, nodal forces in equilibrium with them, and rigid motions."""
 
 
-class _Here(NamedTuple):
-    """State of a run from which steps are taken; see `ContactState`."""
-
-    motions: Floats
-    displacements: Floats
-    current: ContactLinearisation
-    forces: Floats
-    tangential: Floats
-    applied: Floats
-
-
 class _Equations(NamedTuple):
     """Linear complementarity problem of an iteration.
 
@@ -371,7 +361,7 @@ class _Run:
                     "not converged: the contact laws of a linearised step have no solution; take smaller steps, a "
                     "finer mesh or a softer penalty"
                 )
-            here, fraction, settle = self._here(), 1.0, len(self.history) >= MEMORY
+            here, fraction, settle = copy(self), 1.0, len(self.history) >= MEMORY
             limit = MAX_GROWTH * max((each.residual for each in self.history[-MEMORY:]), default=np.inf)
             taken = self._take(here, step, fraction, settle=settle)
             while taken.residual > limit and fraction > MIN_FRACTION:
@@ -387,11 +377,8 @@ class _Run:
                 return None
         return self._explain()
 
-    def _here(self) -> "_Here":
-        return _Here(self.motions, self.displacements, self.current, self.forces, self.tangential, self.applied)
-
-    def _take(self, here: "_Here", step: "_Step", share: float, *, settle: bool) -> Iteration:
-        """Go a share of a step from a state; what that did."""
+    def _take(self, here: "_Run", step: "_Step", share: float, *, settle: bool) -> Iteration:
+        """Go a share of a step from a state, a copy of this run; what that did."""
         new_forces, new_tangential, applied, motion = step
         nodes, before = here.current.nodes, (here.forces, here.tangential)
         if self.parts.n:

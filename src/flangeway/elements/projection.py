@@ -7,6 +7,7 @@ import numpy as np
 from flangeway.elements import batched, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import gauss_lobatto
+from flangeway.geometry.arrays import steps_around
 from flangeway.types import Floats
 
 
@@ -25,7 +26,7 @@ class Polygons:
     def of(cls, vertices: Floats, order: int, frame: Frame) -> "Polygons":
         """Polygons with counter-clockwise vertices (n_vertices, 2, n_cells)."""
         local = frame.local(vertices)
-        normals = batched.turned_right(np.roll(vertices, -1, axis=0) - vertices)
+        normals = batched.turned_right(steps_around(vertices))
         moments = monomials.integrals(2 * order, local, 1.0 / frame.determinant)
         return cls(order, frame, local, normals, moments)
 

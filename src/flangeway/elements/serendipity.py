@@ -11,6 +11,7 @@ from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.elements.stabilisation import Stabilisation
 from flangeway.elements.virtual import HIGHEST_ORDER, Virtual
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import steps_around
 from flangeway.types import Floats, Ints
 
 ONE_LINE = 1e-6
@@ -149,7 +150,7 @@ def _place(full: Reconstruction, cell: int) -> str:
 
 def distinct_lines(vertices: Floats) -> Ints:
     """Numbers of different lines on which the sides of polygons (n_vertices, 2, n_cells) lie, shape (n_cells,)."""
-    along = np.roll(vertices, -1, axis=0) - vertices
+    along = steps_around(vertices)
     along = along / np.sqrt((along**2).sum(axis=1, keepdims=True))
     counts = np.zeros(vertices.shape[-1], dtype=np.int64)
     size = np.ptp(vertices, axis=0).max(axis=0)

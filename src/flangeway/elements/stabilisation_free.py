@@ -12,6 +12,7 @@ from flangeway.elements.quadrature import edge_shapes, edge_unknowns, gauss
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.elements.virtual import Virtual
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import steps_around
 from flangeway.types import Floats, Ints
 
 HIGHEST_ORDER = 3
@@ -201,7 +202,7 @@ def _moments(cells: Polygons, plain: Reconstruction, degree: int) -> Floats:
         result -= np.einsum("abie,bme->aime", derivatives, values, optimize=True)
     places, weights = gauss((order + degree) // 2 + 1)
     shapes = edge_shapes(order, places)
-    along = np.roll(cells.local, -1, axis=0) - cells.local
+    along = steps_around(cells.local)
     for edge, local in enumerate(edge_unknowns(order, n_vertices)):
         points = cells.local[edge] + places[:, None, None] * along[edge]
         traces = np.einsum("aqe,q,qn->ane", monomials.evaluate(degree, points), weights, shapes)

@@ -8,7 +8,7 @@ With the distance ``r^2 = x^2 + z^2`` and the axes x, n (outwards) and z, unit p
 
 (Johnson, 1985, "Contact Mechanics", 3.2 and 3.6), and alike by one along z. Every kernel is ``z^2 / r^3``,
 ``x z / r^3`` or ``x / r^2`` with x and z in either order. They are integrated in closed form, over the rectangle under
-load and, for a mean displacement, over the other one as well.
+load and, for the mean displacement, over the other one.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,10 +29,8 @@ def half_space_influence(
     strip: float,
     n_strips: int,
     axes: Sequence[int] = (0, 1, 2),
-    *,
-    averaged: bool = True,
 ) -> Floats:
-    """Displacements of cells by unit forces, spread evenly, on cells of strips at distances along z.
+    """Mean displacements of cells by unit forces, spread evenly, on cells of strips at distances along z.
 
     Parameters
     ----------
@@ -46,8 +44,6 @@ def half_space_influence(
         Number of distances 0, dz, 2 dz, ...
     axes
         Which of x, n, z.
-    averaged
-        Mean displacements of the cells, or those of their middles.
 
     Returns
     -------
@@ -57,7 +53,7 @@ def half_space_influence(
 
     """
     pairs = list(product(axes, repeat=2))
-    blocks = half_space_blocks(young, poisson, bounds, strip, n_strips, pairs, averaged=averaged)
+    blocks = half_space_blocks(young, poisson, bounds, strip, n_strips, pairs)
     n_cells, m = len(bounds) - 1, len(axes)
     result = np.empty((n_strips, n_cells, m, n_cells, m))
     for (i, of), (j, by) in product(enumerate(axes), repeat=2):
@@ -72,8 +68,6 @@ def half_space_blocks(
     strip: float,
     n_strips: int,
     pairs: Sequence[tuple[int, ...]],
-    *,
-    averaged: bool = True,
 ) -> dict[tuple[int, ...], Floats]:
     """As `half_space_influence`, by some pairs of axes of displacement and force, (n_strips, n_cells, n_cells) each."""
     bounds = np.asarray(bounds, dtype=np.float64)
@@ -84,25 +78,20 @@ def half_space_blocks(
             "give the ends of the cells",
         )
     # differences of a primitive over the corners under load, and over those of the displaced cell for its mean
-    displaced = bounds if averaged else (bounds[1:] + bounds[:-1]) / 2.0
-    times = 2 if averaged else 1
-    apart = displaced[:, None] - bounds
+    apart = bounds[:, None] - bounds
     # even cells have few distances: each is evaluated once
     _, first, places = np.unique(np.round(apart / np.ptp(bounds), 12), return_index=True, return_inverse=True)
     x = apart.ravel()[first]
-    z = strip * (np.arange(n_strips + times, dtype=np.float64) - times / 2.0)[:, None]
+    z = strip * np.arange(-1.0, n_strips + 1.0)[:, None]
     x, z = np.broadcast_arrays(x, z)
     r = np.hypot(x, z)
-    over = np.diff(bounds) * strip * (np.diff(bounds)[:, None] * strip if averaged else 1.0)
-    square, mixed, odd = _AVERAGED if averaged else _AT_POINTS
+    over = np.diff(bounds) * strip * (np.diff(bounds)[:, None] * strip)
+    square, mixed, odd = _PRIMITIVES
 
     def integrated(primitive: Primitive, *, swapped: bool) -> Floats:
-        corners = np.diff(primitive(z, x, r) if swapped else primitive(x, z, r), n=times, axis=0)
-        corners = corners[:, places.reshape(apart.shape)]
-        for axis in (1, 2) if averaged else (2,):
-            corners = np.diff(corners, axis=axis)
-        found: Floats = -corners / over
-        return found
+        corners = np.diff(primitive(z, x, r) if swapped else primitive(x, z, r), n=2, axis=0)
+        corners = np.diff(np.diff(corners[:, places.reshape(apart.shape)], axis=1), axis=2)
+        return -corners / over
 
     xx_zz = integrated(square, swapped=True), integrated(square, swapped=False)  # of x^2 / r^3 and z^2 / r^3
     inverse = (1.0 - poisson) * (xx_zz[0] + xx_zz[1])
@@ -132,21 +121,14 @@ def _sum(x: Floats, r: Floats, other: Floats) -> Floats:
     return np.where(x >= 0.0, r + x, other**2 / np.where(x < 0.0, r - x, 1.0))
 
 
-_AT_POINTS: tuple[Primitive, Primitive, Primitive] = (
-    lambda x, z, r: _times_log(x, _sum(z, r, x)),
-    lambda _x, _z, r: -r,
-    lambda x, z, r: _times_log(z, r) + x * _arctan(z, x),
-)
-"""Functions whose ``d2 / dx dz`` are z^2 / r^3, x z / r^3 and x / r^2."""
-
-_AVERAGED: tuple[Primitive, Primitive, Primitive] = (
+_PRIMITIVES: tuple[Primitive, Primitive, Primitive] = (
     lambda x, z, r: r**3 / 6.0 - x**2 * r / 2.0 + _times_log(x**2 * z, _sum(z, r, x)) / 2.0,
     lambda x, z, r: -(x * z * r + (_times_log(x**3, _sum(z, r, x)) + _times_log(z**3, _sum(x, r, z))) / 2.0) / 3.0,
     lambda x, z, r: (
         _times_log(x * (3.0 * z**2 - x**2) / 6.0, r) + z**3 * _arctan(x, z) / 6.0 + x**2 * z * _arctan(z, x) / 2.0
     ),
 )
-"""Functions whose ``d4 / dx^2 dz^2`` are these."""
+"""Functions whose ``d4 / dx^2 dz^2`` are z^2 / r^3, x z / r^3 and x / r^2."""
 
 
 def _arctan(y: Floats, x: Floats) -> Floats:

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, cross_product
+from flangeway.geometry.arrays import IntArray, cross_product, extent
 from flangeway.mesh.connectivity import (
     first_connected,
     next_in_row,
@@ -133,7 +133,7 @@ def _plane(points: Floats, notices: list[str]) -> Floats:
         raise InputError(f"point {row} at {points[row].tolist()}", "finite coordinates", "repair the file")
     if points.shape[1] == 3:
         height = points[:, 2]
-        if np.ptp(height) > FLAT * float(np.ptp(points, axis=0).max()):
+        if np.ptp(height) > FLAT * extent(points):
             raise InputError(
                 f"a mesh with z from {height.min():.6g} to {height.max():.6g}",
                 "a plane mesh in x and y, with one z for all points",

@@ -21,6 +21,7 @@ from flangeway.elements.projection import principal_frame
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError
 from flangeway.forms.weak import scattered
+from flangeway.geometry.arrays import steps_around
 from flangeway.mesh import PolyMesh
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import at_points, cell_quadrature, function_of
@@ -161,7 +162,7 @@ class Plate:
     def _reconstruct(self, batch: CellBatch) -> PlateCells:
         k, vertices, corners = self.order, batch.vertices, batch.dofs
         frame, n, n_cells = principal_frame(vertices), len(vertices), vertices.shape[-1]
-        along = np.roll(vertices, -1, axis=0) - vertices
+        along = steps_around(vertices)
         lengths = np.sqrt((along**2).sum(axis=1))
         normals = batched.turned_right(along) / lengths[:, None]
         moments = monomials.integrals(2 * k, frame.local(vertices), 1.0 / frame.determinant)

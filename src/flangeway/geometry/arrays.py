@@ -71,6 +71,31 @@ def box_about(boxes: Iterable[Floats]) -> Floats:
     return np.array([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
 
 
+def extent(points: Floats) -> float:
+    """Return the longer side of the box about points (n, 2)."""
+    return float(np.ptp(points, axis=0).max())
+
+
+def steps_around(vertices: Floats) -> Floats:
+    """Return the steps from each vertex of polygons (n_vertices, ...) to the next one, of the same shape."""
+    return np.roll(vertices, -1, axis=0) - vertices
+
+
+def angles_of(vectors: Floats) -> Floats:
+    """Return the angles of vectors (..., 2) from x, counter-clockwise, in (-pi, pi]."""
+    return np.asarray(np.arctan2(vectors[..., 1], vectors[..., 0]))
+
+
+def step_lengths(points: Floats) -> Floats:
+    """Return the distances (n - 1,) from each of points (n, 2) to the next one."""
+    return np.asarray(np.hypot(*np.diff(points, axis=0).T))
+
+
+def middles_of(ends: Floats) -> Floats:
+    """Return the middles (n - 1, ...) of neighbours among values (n, ...)."""
+    return (ends[1:] + ends[:-1]) / 2.0
+
+
 def cross_product(a: Floats, b: Floats) -> Floats:
     """Return the component out of the plane of the cross products of vectors (..., 2), positive if b is left of a."""
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
@@ -83,7 +108,7 @@ def turned_right(vectors: Floats) -> Floats:
 
 def chain_lengths(points: Floats) -> Floats:
     """Lengths along a chain of points (n, 2) at each of them, from 0, shape (n,)."""
-    return np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    return np.append(0.0, np.cumsum(step_lengths(points)))
 
 
 def nearest_on_segments(points: Floats, starts: Floats, ends: Floats) -> tuple[Ints, Floats, Floats]:

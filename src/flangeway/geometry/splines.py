@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import as_points, chain_lengths
+from flangeway.geometry.arrays import as_points, chain_lengths, step_lengths
 from flangeway.geometry.placement import Placement
 from flangeway.types import Floats
 
@@ -43,7 +43,7 @@ class Spline:
         points = as_points(self.points, "points of a spline").copy()
         if len(points) < 4:
             raise InputError(f"a spline through {len(points)} points", "4 points or more", "add points, or take an Arc")
-        if (np.hypot(*np.diff(points, axis=0).T) <= 1e-14 * np.abs(points).max()).any():
+        if (step_lengths(points) <= 1e-14 * np.abs(points).max()).any():
             raise InputError("a spline that has a point twice in a row", "neighbours that differ", "remove one")
         if np.abs(points[-1] - points[0]).max() <= CLOSED * np.abs(points).max():
             points[-1] = points[0]

@@ -216,10 +216,8 @@ class LiveEngine:
 def _geometry(case: SpatialWheelsetCase) -> dict[str, Any]:
     track, wheelset = case.track(), case.wheelset()
     rigid = RigidGeometry.of(track, wheelset, 1e-3 * case.yaw_mrad)
-    low, high = rigid.limits(LATERAL_MM)
-    first, last = np.ceil(max(low, -LATERAL_MM) / STEP_MM), np.floor(min(high, LATERAL_MM) / STEP_MM)
-    lateral = STEP_MM * np.arange(first, last + 1.0)
-    locus = rigid.locus(lateral)
+    locus = rigid.scanned(LATERAL_MM, STEP_MM)
+    lateral = np.round(locus.lateral_mm, 9)
     reach = min(-lateral[0], lateral[-1])
     amplitudes = AMPLITUDES_MM[reach > AMPLITUDES_MM]
     conicity = equivalent_conicity(RollingRadiusDifference.of(locus), amplitudes) if len(amplitudes) else amplitudes
@@ -259,9 +257,9 @@ def _patches(run: WheelsetRun) -> dict[str, Any]:
         tractions = run.space.tractions_of(side)
         below = stresses_below(run.space, side)
         found[side] = {
-            "across": _rounded(shown.across(cells.cells[part[0]])),
-            "along": _rounded(cells.z[part[1]]),
-            "strip": cells.strip,
+            "across": _rounded(shown.across(cells.grid.cells[part[0]])),
+            "along": _rounded(cells.grid.along[part[1]]),
+            "strip": cells.grid.strip,
             "pressures": _rounded(cells.pressures[part], 1),
             "stresses": {each.name: _rounded(below[each.array][part], 1) for each in below_fields(run.case.units)},
             # along the rail's surface to the right, and ahead

@@ -3,7 +3,7 @@
 import numpy as np
 import shapely
 
-from flangeway.geometry.arrays import chain_lengths, cross_product, sides_of
+from flangeway.geometry.arrays import angles_of, chain_lengths, cross_product, sides_of, steps_around
 from flangeway.types import Bools, Floats
 
 HALVED = 0.55
@@ -96,7 +96,7 @@ def has_notch(corners: Floats) -> bool:
 
 def _notches(corners: Floats) -> Bools:
     """Corners with an interior angle that is reflex also at the scale of the polygon, (n,)."""
-    steps = np.roll(corners, -1, axis=0) - corners
+    steps = steps_around(corners)
     reflex = cross_product(np.roll(steps, 1, axis=0), steps) < 0.0
     result = np.zeros(len(corners), dtype=bool)
     if not reflex.any():
@@ -114,7 +114,7 @@ def _notches(corners: Floats) -> Bools:
 
 def _angle(forward: Floats, back: Floats) -> Floats:
     """Counter-clockwise angle from one direction to another, 0 to 2 pi."""
-    turn = np.arctan2(back[..., 1], back[..., 0]) - np.arctan2(forward[..., 1], forward[..., 0])
+    turn = angles_of(back) - angles_of(forward)
     return np.mod(turn, 2.0 * np.pi)
 
 
@@ -127,7 +127,7 @@ def best_chord(x: Floats, at_notch: Bools) -> tuple[int, int] | None:
     area = 0.5 * sums[-1]
     first = 0.5 * (sums[j] - sums[i] + cross_product(x[j], x[i]))
     small = np.minimum(first, area - first)
-    forward, back = np.roll(x, -1, axis=0) - x, np.roll(x, 1, axis=0) - x
+    forward, back = steps_around(x), np.roll(x, 1, axis=0) - x
     total, opening = _angle(forward, back), np.full(len(i), np.inf)
     cuts_notch = np.zeros(len(i), dtype=bool)
     for start, end in ((i, j), (j, i)):

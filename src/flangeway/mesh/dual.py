@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, cross_product, point_text
+from flangeway.geometry.arrays import IntArray, angles_of, cross_product, extent, point_text
 from flangeway.mesh.connectivity import first_connected, next_in_row, offsets_of, places_among, row_numbers
 from flangeway.mesh.curved import Curves, curved
 from flangeway.mesh.insertion import divided
@@ -114,10 +114,10 @@ def _rings(mesh: PolyMesh, centroids: Floats, rim: IntArray, leaving: Ints) -> t
     about = mesh.cell_points.astype(np.int64)
     triangles = row_numbers(mesh.cell_offsets)
     rays = centroids[triangles] - mesh.points[about]
-    angles = np.arctan2(rays[:, 1], rays[:, 0])
+    angles = angles_of(rays)
     edges = mesh.points[rim[:, 1]] - mesh.points[rim[:, 0]]
     first = np.zeros(mesh.n_points)
-    first[rim[:, 0]] = np.arctan2(edges[:, 1], edges[:, 0])
+    first[rim[:, 0]] = angles_of(edges)
     order = np.lexsort((np.mod(angles - first[about], 2.0 * np.pi), about))
     rings = offsets_of(np.bincount(about, minlength=mesh.n_points))
     rays = rays[order]
@@ -168,7 +168,7 @@ def dual_section(mesh: PolyMesh) -> PolyMesh:
     if len(mesh.cell_sets) == 1:
         return dual(mesh)
     parts = [dual(mesh.part(cells)) for cells in mesh.cell_sets.values()]
-    glued = _glued(functools.reduce(PolyMesh.merged, parts), 1e-9 * float(np.ptp(mesh.points, axis=0).max()))
+    glued = _glued(functools.reduce(PolyMesh.merged, parts), 1e-9 * extent(mesh.points))
     middles = glued.points[glued.boundary_edges].mean(axis=1)
     for name, pairs in mesh.edge_sets.items():
         start, end = mesh.points[pairs].swapaxes(0, 1)

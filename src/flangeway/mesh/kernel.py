@@ -5,7 +5,7 @@ import shapely
 from scipy.optimize import linprog
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, cross_product, point_text
+from flangeway.geometry.arrays import IntArray, cross_product, extent, point_text, steps_around
 from flangeway.mesh.cutting import best_chord, diameter
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Floats
@@ -51,9 +51,9 @@ def kernel_centre(polygon: Floats) -> tuple[Floats, float]:
     The kernel is the set of points that see the whole polygon, the intersection of the half planes to the left of its
     sides; its centre is found by linear programming. A distance of zero or less means that there is no kernel.
     """
-    origin, size = polygon.mean(axis=0), float(np.ptp(polygon, axis=0).max())
+    origin, size = polygon.mean(axis=0), extent(polygon)
     local = (polygon - origin) / size
-    steps = np.roll(local, -1, axis=0) - local
+    steps = steps_around(local)
     normals = np.column_stack([-steps[:, 1], steps[:, 0]]) / np.hypot(*steps.T)[:, None]
     solution = linprog(
         [0.0, 0.0, -1.0],
@@ -74,7 +74,7 @@ def star_parts(polygon: IntArray, points: Floats) -> list[IntArray]:
     corners = points[polygon]
     if kernel_centre(corners)[1] > MIN_KERNEL * shapely.area(shapely.Polygon(corners)) / diameter(corners):
         return [polygon]
-    steps = np.roll(corners, -1, axis=0) - corners
+    steps = steps_around(corners)
     chord = best_chord(corners, cross_product(np.roll(steps, 1, axis=0), steps) < 0.0)
     if chord is None:
         raise InputError(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from flangeway.geometry.arrays import IntArray
+from flangeway.geometry.arrays import IntArray, extent
 from flangeway.types import Floats, Ints
 
 TOUCHING = 1e-6
@@ -17,7 +17,7 @@ ROUNDING = 1e-9
 
 def touching_distance(lengths: Floats, points: Floats) -> Floats:
     """Distance up to which segments of some lengths (n,) touch in a mesh of points (n_points, 2)."""
-    rounding = ROUNDING * float(np.ptp(points, axis=0).max())
+    rounding = ROUNDING * extent(points)
     return np.clip(rounding, TOUCHING * lengths, 0.01 * lengths)
 
 

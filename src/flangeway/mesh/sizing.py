@@ -11,7 +11,7 @@ import numpy as np
 
 from flangeway.checks import check_positive, is_finite
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import as_points
+from flangeway.geometry.arrays import as_points, extent, step_lengths
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region
 from flangeway.mesh.polymesh import PolyMesh
@@ -74,7 +74,7 @@ class Refinement:
     @property
     def _pieces(self) -> Floats:
         """Number of seeds on each segment: between neighbours the distance to the nearest errs below 2 % of size."""
-        lengths = np.hypot(*np.diff(self.points, axis=0).T)
+        lengths = step_lengths(self.points)
         return np.maximum(np.ceil(lengths / (self.size * min(1.0, 0.04 / self.growth))), 1.0)
 
     @property
@@ -110,12 +110,12 @@ def mesh_bound(regions: Sequence[Region], size: float, refinements: Sequence[Ref
     fine = [refinement for refinement in refinements if refinement.size < size]
     n_seeds = sum(refinement.n_seeds for refinement in refinements)
     # a part that is smaller than the size is meshed with its extent
-    parts = [(region, min(size, float(np.ptp(region.bounds(), axis=0).max()))) for region in regions]
+    parts = [(region, min(size, extent(region.bounds()))) for region in regions]
     area = sum(region.area / local**2 for region, local in parts)
     sides = np.array([side.length / h for part, h in parts for loop in part.loops for side in loop.segments])
     whole, added = sum(region.area for region in regions), 0.0
     for r in fine:
-        length, ratio = float(np.hypot(*np.diff(r.points, axis=0).T).sum()), size / r.size
+        length, ratio = float(step_lengths(r.points).sum()), size / r.size
         strip = 2.0 * length * (1.0 / r.size - 1.0 / size) / r.growth
         ends = 2.0 * math.pi * (math.log(ratio) - 1.0 + 1.0 / ratio) / r.growth**2
         area += min(strip + ends, whole / r.size**2)

@@ -9,6 +9,7 @@ from flangeway.elements import Reconstruction, batched, monomials
 from flangeway.elements.monomials import exponents, index, n_monomials
 from flangeway.elements.polygon_quadrature import edge_points
 from flangeway.elements.quadrature import edge_rule, edge_unknowns, gauss_lobatto
+from flangeway.geometry.arrays import steps_around
 from flangeway.space import CellBatch
 from flangeway.types import Floats
 
@@ -132,7 +133,7 @@ def _boundary_moments(batch: CellBatch, reconstruction: Reconstruction) -> Float
     # degree k of r, k - 1 of the normal, k of the trace, and k - 1 times k of the monomials
     n_points = (order * (order + 2) + 1) // 2
     if outline.ndim == 3:
-        n_points, along = order + 1, np.roll(vertices, -1, axis=0) - vertices
+        n_points, along = order + 1, steps_around(vertices)
         outline = vertices[:, None] + gauss_lobatto(order + 1)[0][:-1, None, None] * along[:, None]
     weights, shapes, slopes = edge_rule(order, n_points)
     result = np.zeros((n_monomials(order - 1), 2, reconstruction.n_local, n_cells))

@@ -12,6 +12,7 @@ from flangeway.contact.rolling.exact_rolling import derivatives, roll
 from flangeway.contact.rolling.fastsim import fastsim_forces
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
+from flangeway.geometry.arrays import angles_of
 from flangeway.tables.creep_table import SATURATED, ForceAxes, direction
 from flangeway.types import Floats
 
@@ -270,7 +271,7 @@ def random_points(number: int, random: np.random.Generator) -> Floats:
     """Reduced creepages, even over slip and over all directions: (n, 3)."""
     unit = random.normal(size=(number, 3))
     unit /= np.linalg.norm(unit, axis=1, keepdims=True)
-    creep = np.arctan2(unit[:, 1], unit[:, 0])
+    creep = angles_of(unit)
     return np.stack((random.uniform(0.0, 1.0, number), np.arcsin(unit[:, 2]), creep), axis=1)
 
 

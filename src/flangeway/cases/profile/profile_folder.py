@@ -96,8 +96,8 @@ WEAR: dict[Kind, dict[str, str]] = {
 
 Wheels, by the measures of EN 15313: what the flange is higher than the nominal one, which is the wear of the tread at
 the tape line, and what it is thinner. Rails: what the top is lower than the nominal one, if the file counts from the
-base or from the top of the new rail; and what the head is narrower than the nominal one `HEAD_MM` below its top, where
-gauges are measured (EN 13848-1).
+base or from the top of the new rail; and what the head is narrower than the nominal one at the depth below its top at
+which gauges are measured (EN 13848-1).
 """
 FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("file", "file", "file"),

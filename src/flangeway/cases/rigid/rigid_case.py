@@ -12,6 +12,7 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.errors import InputError, short
+from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM
 from flangeway.railway.rigid.rigid_curve import MAX_YAW_RAD
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import RUNNING_CIRCLES_MM
@@ -53,7 +54,7 @@ def _main_inputs() -> dict[str, Any]:
 
 
 _STANDARD = {
-    "gauge_depth_mm": 14.0,
+    "gauge_depth_mm": GAUGE_DEPTH_MM,
     "back_to_back_mm": 1360.0,
     "wheel_radius_mm": 460.0,
     "wheel_radius_at": "tape-line",

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.ndimage
 
+from flangeway.contact.patch.patch_grid import PatchGrid, separate_patches
 from flangeway.exact import PointContact
 from flangeway.types import Bools, Floats
 
@@ -66,14 +66,10 @@ class CellForces:
     ----------
     forces
         Shape (n_cells, n_strips).
-    cells
-        Ends of the cells as lengths along the surface, shape (n_cells, 2).
+    grid
+        The cells.
     points, normals
         Middles of the cells and outward normals, each (n_cells, 2).
-    z
-        Middles of the strips, shape (n_strips,).
-    strip
-        Width of the strips.
     gaps
         Of the deformed surfaces, shape as the forces.
     modulus
@@ -82,23 +78,16 @@ class CellForces:
     """
 
     forces: Floats
-    cells: Floats
+    grid: PatchGrid
     points: Floats
     normals: Floats
-    z: Floats
-    strip: float
     gaps: Floats
     modulus: float
 
     @property
-    def across(self) -> Floats:
-        """Middles of the cells along the surface, shape (n_cells,)."""
-        return self.cells.mean(axis=1)
-
-    @property
     def pressures(self) -> Floats:
         """Mean pressures of the cells, shape (n_cells, n_strips)."""
-        return self.forces / (np.diff(self.cells, axis=1) * self.strip)
+        return self.forces / self.grid.areas
 
     def patches(self, insides: Sequence[Bools] | None = None) -> list[ContactEllipse]:
         """Separate patches, or those of given cells, by falling force."""
@@ -107,15 +96,14 @@ class CellForces:
         return sorted(found, key=lambda each: -float(np.linalg.norm(each.force)))
 
     def _ellipse(self, inside: Bools) -> ContactEllipse:
-        forces = np.where(inside, self.forces, 0.0)
-        widths = np.diff(self.cells, axis=1)[:, 0]
+        forces, grid = np.where(inside, self.forces, 0.0), self.grid
         total = float(forces.sum())
         by_cell, by_strip = forces.sum(axis=1) / total, forces.sum(axis=0) / total
-        s, z = self.across - by_cell @ self.across, self.z - by_strip @ self.z
+        s, z = grid.stations - by_cell @ grid.stations, grid.along - by_strip @ grid.along
         # a cell's own second moments are those of its area
         mixed = float(s @ forces @ z) / total
         moments = np.array(
-            [[by_strip @ z**2 + self.strip**2 / 12.0, mixed], [mixed, by_cell @ (s**2 + widths**2 / 12.0)]]
+            [[by_strip @ z**2 + grid.strip**2 / 12.0, mixed], [mixed, by_cell @ (s**2 + grid.widths**2 / 12.0)]]
         )
         values, vectors = np.linalg.eigh(moments)
         # the cosine is not negative; where it is round-off, the sine is positive
@@ -124,7 +112,7 @@ class CellForces:
         direction = direction * (1.0 if direction[int(across)] >= 0.0 else -1.0)
         return ContactEllipse(
             forces.sum(axis=1) @ self.normals,
-            np.append(by_cell @ self.points, by_strip @ self.z),
+            np.append(by_cell @ self.points, by_strip @ grid.along),
             (float(np.sqrt(5.0 * values[1])), float(np.sqrt(5.0 * values[0]))),
             float(np.arctan2(direction[1], direction[0])),
             float(self.pressures[inside].max()),
@@ -135,16 +123,16 @@ class CellForces:
 
     def _area(self, inside: Bools) -> float:
         """Area of the polygon through the points at which the edge of a patch crosses the lines between middles."""
-        steps, pressures = np.diff(self.across)[:, None], self.pressures
+        steps, pressures = np.diff(self.grid.stations)[:, None], self.pressures
         across = covered(inside, pressures, self.gaps, self.modulus / steps)
-        along = covered(inside.T, pressures.T, self.gaps.T, self.modulus / self.strip).T
+        along = covered(inside.T, pressures.T, self.gaps.T, self.modulus / self.grid.strip).T
         # rectangles between four middles: corners inside, and the covered parts a and b of the sides that meet there
         low, high = slice(None, -1), slice(1, None)
         corners = [(inside[i, j], across[:, j], along[i]) for i in (low, high) for j in (low, high)]
         number = sum(corner.astype(int) for corner, _, _ in corners)
         triangle = sum(corner * a * b for corner, a, b in corners) / 2.0
         cut = sum(~corner * (1.0 - a) * (1.0 - b) for corner, a, b in corners) / 2.0
-        return float((np.where(number > 1, 1.0 - cut, triangle) * steps).sum() * self.strip)
+        return float((np.where(number > 1, 1.0 - cut, triangle) * steps).sum() * self.grid.strip)
 
     def hertz(self, patch: ContactEllipse, gaps: Floats, approach: float) -> PointContact | None:
         """Hertz's contact for the force of a patch and the curvatures of its gap; None where these vary too much.
@@ -161,7 +149,8 @@ class CellForces:
             The gaps may be a share of it, `PARABOLIC`, off the paraboloid.
 
         """
-        z, s = (each[patch.inside] for each in np.meshgrid(self.z - patch.centre[2], self.across - self.across.mean()))
+        across, along = self.grid.middles
+        z, s = (each[patch.inside] for each in np.meshgrid(along - patch.centre[2], across - across.mean()))
         values = gaps[patch.inside]
         terms = np.stack((np.ones(len(s)), s, z, s**2, s * z, z**2), axis=1)
         fit, *_ = np.linalg.lstsq(terms, values)
@@ -191,9 +180,3 @@ def covered(inside: Bools, pressures: Floats, gaps: Floats, stiffness: Floats | 
     # u + u^3 = ratio with u^2 = t / (1 - t)
     u = np.sqrt(4.0 / 3.0) * np.sinh(np.arcsinh(np.sqrt(6.75) * ratio) / 3.0)
     return np.where(low & high, 1.0, np.where(low | high, u**2 / (1.0 + u**2), 0.0))
-
-
-def separate_patches(loaded: Bools) -> list[Bools]:
-    """Cells of each patch of loaded cells (n_cells, n_strips); cells that meet at a corner are of one patch."""
-    labels, count = scipy.ndimage.label(loaded, structure=np.ones((3, 3)))
-    return [labels == number for number in range(1, count + 1)]

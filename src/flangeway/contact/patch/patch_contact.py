@@ -14,6 +14,7 @@ from flangeway.contact.patch.patch_grid import (
     USUAL_ACROSS,
     GridGaps,
     PatchGrid,
+    at_edge,
     gaps_of,
     grid_of,
     plane_modulus,
@@ -69,11 +70,8 @@ class PatchContact:
     def cells(self) -> CellForces:
         """Forces on the cells."""
         grid, gaps = self.pair.grid, self.pair.gaps
-        ends = np.stack((grid.bounds[:-1], grid.bounds[1:]), axis=1)
         modulus = contact_modulus(plane_modulus(self.pair.first), plane_modulus(self.pair.second))
-        return CellForces(
-            self.contact.forces, ends, gaps.points, gaps.normals, grid.along, grid.strip, self.contact.gaps, modulus
-        )
+        return CellForces(self.contact.forces, grid, gaps.points, gaps.normals, self.contact.gaps, modulus)
 
     @property
     def pressures(self) -> Floats:
@@ -296,26 +294,21 @@ def press_patch(
         found = PatchPair(first, second, chosen, tolerance, progress, cache).press(force=force, approach=approach)
         if not found.loaded.any():
             raise InputError("bodies that do not touch", "an approach that closes the gap", "give a larger one")
-        at_edge = _at_edge(found.loaded)
+        edges = at_edge(found.loaded)
         across = min(min(each.cells) for each in found.patches)
-        if not at_edge.any() and across >= LEAST_ACROSS:
+        if not edges.any() and across >= LEAST_ACROSS:
             break
-        better = chosen.changed(np.where(at_edge, 1.5, 1.0), min(across / USUAL_ACROSS, 1.0), first.length)
+        better = chosen.changed(np.where(edges, 1.5, 1.0), min(across / USUAL_ACROSS, 1.0), first.length)
         if grid is not None or attempt == MOST_GRIDS - 1:
-            _refuse(chosen, at_edge, across)
-        progress("a larger window" if at_edge.any() else "smaller cells")
+            _refuse(chosen, edges, across)
+        progress("a larger window" if edges.any() else "smaller cells")
         chosen = better
     return found
 
 
-def _at_edge(loaded: Bools) -> Bools:
-    """Whether a patch reaches the edge of the window across, and along z, shape (2,)."""
-    return np.array([loaded[[0, -1]].any(), loaded[:, [0, -1]].any()])
-
-
-def _refuse(grid: PatchGrid, at_edge: Bools, across: int) -> None:
+def _refuse(grid: PatchGrid, edges: Bools, across: int) -> None:
     cell = min(float(grid.widths.min()), grid.strip)
-    if at_edge.any():
+    if edges.any():
         raise InputError(
             f"a contact patch that reaches the edge of its window of {np.ptp(grid.bounds):.4g} by "
             f"{grid.strip * grid.n_strips:.4g}",

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.ndimage
 
-from flangeway.contact.patch.contact_ellipse import separate_patches
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
 from flangeway.contact.patch.patch_body import PatchBody, cast, points_along
 from flangeway.errors import InputError
@@ -59,6 +59,11 @@ class PatchGrid:
     n_strips: int
     middle: float = 0.0
 
+    @classmethod
+    def on_planes(cls, bounds: Floats, strip: float, first: int, last: int) -> "PatchGrid":
+        """Strips whose middles are the multiples of their width from a first to a last one."""
+        return cls(bounds, strip, last - first + 1, strip * (first + last) / 2.0)
+
     def __post_init__(self) -> None:
         bounds = np.asarray(self.bounds)
         n_strips = self.n_strips
@@ -81,14 +86,40 @@ class PatchGrid:
         return self.middle + self.strip * (np.arange(self.n_strips, dtype=np.float64) - (self.n_strips - 1) / 2.0)
 
     @property
+    def stations(self) -> Floats:
+        """Middles of the cells along the surface, shape (n_cells,)."""
+        return (self.bounds[1:] + self.bounds[:-1]) / 2.0
+
+    @property
     def middles(self) -> tuple[Floats, Floats]:
-        """Middles of the cells across and of the strips."""
-        return (self.bounds[1:] + self.bounds[:-1]) / 2.0, self.along
+        """`stations` and `along`."""
+        return self.stations, self.along
 
     @property
     def widths(self) -> Floats:
         """Widths of the cells across, shape (n_cells,)."""
         return np.diff(self.bounds)
+
+    @property
+    def areas(self) -> Floats:
+        """Areas of the cells, shape (n_cells, 1)."""
+        return self.widths[:, None] * self.strip
+
+    @property
+    def strip_bounds(self) -> Floats:
+        """Ends of the strips, shape (n_strips + 1,)."""
+        return self.middle + self.strip * (np.arange(self.n_strips + 1, dtype=np.float64) - self.n_strips / 2.0)
+
+    @property
+    def cells(self) -> Floats:
+        """Both ends of each cell across, shape (n_cells, 2)."""
+        return pairs_of(self.bounds)
+
+    def covers(self, other: "PatchGrid") -> bool:
+        """Whether another grid of the same cells and strips reaches nowhere farther."""
+        near = self.strip / 2.0 - np.array([self.along[0] - other.along[0], other.along[-1] - self.along[-1]])
+        across = self.bounds[0] <= other.bounds[0] and self.bounds[-1] >= other.bounds[-1]
+        return bool(across and (near > 0.0).all())
 
     def changed(self, larger: Floats, finer: float, length: float) -> "PatchGrid":
         """Even cells in a window larger by factors (2,) on a surface of a length, with cells smaller by one factor."""
@@ -100,6 +131,22 @@ class PatchGrid:
         return PatchGrid(
             np.linspace(low, high, int(np.ceil((high - low) / cell - 1e-9)) + 1), strip, n_strips, self.middle
         )
+
+
+def pairs_of(bounds: Floats) -> Floats:
+    """Both ends of each interval between neighbouring ones of bounds (n + 1,), shape (n, 2)."""
+    return np.stack((bounds[:-1], bounds[1:]), axis=1)
+
+
+def separate_patches(loaded: Bools) -> list[Bools]:
+    """Cells of each patch of loaded cells (n_cells, n_strips); cells that meet at a corner are of one patch."""
+    labels, count = scipy.ndimage.label(loaded, structure=np.ones((3, 3)))
+    return [labels == number for number in range(1, count + 1)]
+
+
+def at_edge(loaded: Bools) -> Bools:
+    """Whether loaded cells (n_cells, n_strips) reach the edge of their grid across, and along z, shape (2,)."""
+    return np.array([loaded[[0, -1]].any(), loaded[:, [0, -1]].any()])
 
 
 @dataclass(frozen=True, eq=False)

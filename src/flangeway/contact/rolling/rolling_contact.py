@@ -114,7 +114,7 @@ class RollingContact:
         grid = PatchGrid(across * np.linspace(-1.0, 1.0, n_rows + 1), 2.0 * along / n_strips, n_strips)
         s = np.linspace(-1.0, 1.0, 2 * n_rows + 1)[1::2]
         pressures = np.sqrt(np.maximum(1.0 - s[:, None] ** 2 - (grid.along / along) ** 2, 0.0))
-        pressures *= force / float((pressures * _areas(grid)).sum())
+        pressures *= force / float((pressures * grid.areas).sum())
         return cls.between_half_spaces(grid, pressures, friction, materials)
 
     @classmethod
@@ -145,7 +145,7 @@ class RollingContact:
             )
 
         forces = pressed(np.zeros(given.shape), None).forces
-        return cls(grid, forces / _areas(grid), friction, materials, coefficients, pressed)
+        return cls(grid, forces / grid.areas, friction, materials, coefficients, pressed)
 
     @classmethod
     def of_bodies(cls, found: PatchContact, friction: Friction) -> "RollingContact":
@@ -188,7 +188,7 @@ class RollingContact:
     @cached_property
     def areas(self) -> Floats:
         """Areas of the cells, shape (n_cells, 1)."""
-        return _areas(self.grid)
+        return self.grid.areas
 
     @cached_property
     def normal_forces(self) -> Floats:
@@ -208,8 +208,7 @@ class RollingContact:
     @cached_property
     def places(self) -> tuple[Floats, Floats]:
         """Lengths s (n_cells,) and z (n_strips,) of the cells from the origin."""
-        across = (self.grid.bounds[1:] + self.grid.bounds[:-1]) / 2.0
-        along, forces = self.grid.along, self.normal_forces
+        (across, along), forces = self.grid.middles, self.normal_forces
         s, z = self.origin or (forces.sum(axis=1) @ across / self.force, forces.sum(axis=0) @ along / self.force)
         return across - s, along - z
 
@@ -326,10 +325,6 @@ def _half_spaces(grid: PatchGrid, materials: tuple[Elastic, Elastic]) -> Floats:
     n_distances = grid.n_strips + 2 * BEYOND
     found = half_spaces_on(materials, grid.bounds, None, grid.strip, n_distances)
     return found.reshape(n_distances, 3 * len(grid.widths), -1)
-
-
-def _areas(grid: PatchGrid) -> Floats:
-    return grid.widths[:, None] * grid.strip
 
 
 def _isotropic(material: object) -> Elastic:

@@ -9,7 +9,7 @@ from flangeway.checks import is_finite
 from flangeway.errors import InputError
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import WheelProfile
-from flangeway.railway.profiles.measures import HEAD_MM, measures
+from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM, measures
 from flangeway.railway.track.discretisation import Role
 from flangeway.types import Floats
 
@@ -55,7 +55,7 @@ def worn_measures(surface: WornSurface) -> dict[str, float]:
         hollow = float((tread[:, 1] - rim).max())
         return found | {"tread_wear_mm": surface.radius_loss_mm, "hollow_mm": hollow} | _cut(surface)
     new = surface.surface.sampled(spacing=0.1, max_deviation=1e-4)
-    level = float(new[:, 1].max()) - HEAD_MM
+    level = float(new[:, 1].max()) - GAUGE_DEPTH_MM
     heights, faces = ([_at(each, axis, at) for each in (new, worn)] for axis, at in ((0, 0.0), (1, level)))
     return {"top_wear_mm": heights[0] - heights[1], "side_wear_mm": faces[1] - faces[0]} | _cut(surface)
 

@@ -237,19 +237,19 @@ def _reference_rail() -> RailProfile:
     """Put the reference head, upright, on the body of a 60E1; the lines at its sides reach to its ends."""
     nominal = rail("60E1")
     head = reference_contour(REFERENCE_RAIL).transformed(Placement(-math.atan(_REFERENCE_SLOPE))).reversed()
-    pieces = dict(zip(nominal.outline.names, nominal.outline.segments, strict=True))
-    crown, old = dict(zip(head.names, head.segments, strict=True))["crown"], pieces["crown"]
+    pieces = nominal.outline.by_name
+    crown, old = head.by_name["crown"], pieces["crown"]
     if not (isinstance(crown, Arc) and isinstance(old, Arc)):
         raise TypeError("crowns are arcs")
     head = head.transformed(Placement(0.0, (-crown.centre[0], old.centre[1] - crown.centre[1])))
-    pieces |= dict(zip(head.names, head.segments, strict=True))
+    pieces |= head.by_name
     first, last = nominal.head_names[-1], nominal.head_names[0]
     pieces[first] = Line(pieces[first].start, head.segments[0].start)
     pieces[last] = Line(head.segments[-1].end, pieces[last].end)
     return replace(
         nominal,
         title=REFERENCE_RAIL,
-        outline=Outline.from_segments(pieces.values(), pieces.keys()),
+        outline=Outline.named(pieces.items()),
         certainty=f"{_REFERENCE_CERTAINTY} With rail_inclination = {_REFERENCE_SLOPE:g} the head is inclined as there; "
         "the body is that of a 60E1.",
         source=_REFERENCE_SOURCE,
@@ -259,7 +259,7 @@ def _reference_rail() -> RailProfile:
 def _aar_1b() -> WheelProfile:
     running = _read_segments("AAR1B_wide_flange_DERIVED_arcs.csv")
     profile = _wheel_below(
-        Contour.from_segments(running.values(), running.keys()).reversed(),
+        Contour.named(running.items()).reversed(),
         title="AAR-1B (approximate)",
         certainty=(
             "An approximation: taper, height, thickness and angle of the flange and width of the "

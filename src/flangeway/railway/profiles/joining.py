@@ -34,6 +34,7 @@ from flangeway.railway.profiles.bundled import (
     wheel,
 )
 from flangeway.railway.profiles.formats.raw_profile import Kind
+from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM
 from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin
 from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, extent, graphs_of
 from flangeway.railway.profiles.whole_outline import pieces_between, point_at
@@ -64,9 +65,6 @@ HEIGHTS_MM = (-30.0, 1.0)
 
 BELOW_HEAD_MM = 3.0  # depth below the nominal head from where a file shows the web, which the body has
 HALF_HEAD_MM = 36.0  # distance of a head's middle from its gauge face
-GAUGE_DEPTH_MM = 14.0
-"""Depth below the top at which the face of a rail's head is at x = 0 if the file counts from the gauge face."""
-
 TIP_OFF_MM = 0.05  # height of a measured flange above the tip of the joined body below which the tip counts as measured
 
 SPACING_MM = 0.5  # distance of the points whose distances are taken

@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.geometry import Contour, FloatArray
+from flangeway.geometry.arrays import angles_of
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
 
 FACE_MM = 10.0  # distance from the tread, towards the flange's tip, at which the flange is measured (EN 15313)
 TIP_MM = 2.0  # distance below the flange's tip of the upper point of the measure qR (EN 15313)
-HEAD_MM = 14.0  # depth below the top at which a head's width is measured
+GAUGE_DEPTH_MM = 14.0  # depth below the rails' tops at which the gauge is measured (EN 13848-1), and a head's width
 SIDE_MM = 25.0  # distance from a head's middle, to each side, at which its drop below the top is measured
 WORN_MM = 0.5  # difference of both sides of a head from which one of them is the worn one
 WORN_FACE_MM = (
@@ -50,9 +51,10 @@ def measures(surface: Contour, kind: Kind) -> dict[str, float]:
     """Return those measures of a running surface in mm that it reaches far enough for.
 
     Wheels: ``flange_height_mm`` (Sh), ``flange_thickness_mm`` (Sd) and ``flange_slope_mm`` (qR), from the tread at the
-    tape line. Rails: ``head_width_mm`` at `HEAD_MM` below the highest place; ``gauge_drop_mm`` and ``field_drop_mm``
-    below it at `SIDE_MM` from the head's middle, and ``gauge_half_width_mm`` and ``field_half_width_mm`` at `HEAD_MM`
-    from that middle, which lies between the faces as far down as both are seen, where no wheel wears them.
+    tape line. Rails: ``head_width_mm`` at `GAUGE_DEPTH_MM` below the highest place; below it ``gauge_drop_mm`` and
+    ``field_drop_mm`` at `SIDE_MM` from the head's middle, and at `GAUGE_DEPTH_MM` ``gauge_half_width_mm`` and
+    ``field_half_width_mm`` from that middle, which lies between the faces as far down as both are seen, where no wheel
+    wears them.
 
     - `surface`: in this package's frame of a wheel or a rail.
     - `kind`: what it is.
@@ -91,12 +93,12 @@ def flange_angle_rad(surface: Contour) -> float:
     """
     front = _front(surface.sampled(spacing=_CHORD_MM))
     along = np.diff(front[front[:, 0] <= 0.0], axis=0)
-    return float(np.arctan2(along[:, 1], along[:, 0]).max())
+    return float(angles_of(along).max())
 
 
 def _rail(points: FloatArray) -> dict[str, float]:
     top = int(np.argmax(points[:, 1]))
-    level = float(points[top, 1]) - HEAD_MM
+    level = float(points[top, 1]) - GAUGE_DEPTH_MM
     first, second = _first_x(points[top::-1], level), _first_x(points[top:], level)
     if first is None or second is None:
         return {}
@@ -131,7 +133,7 @@ def worn_side(points: FloatArray) -> WornSide | None:
     width = measures["field_half_width_mm"] - measures["gauge_half_width_mm"]
     # a worn face moves the middle away from itself, so that the other side seems to drop more
     if abs(width) >= min(WORN_FACE_MM, abs(drop)):
-        more, measure, clear = width, f"half width {HEAD_MM:g} mm below the top", abs(width) >= WORN_FACE_MM
+        more, measure, clear = width, f"half width {GAUGE_DEPTH_MM:g} mm below the top", abs(width) >= WORN_FACE_MM
     else:
         more, measure, clear = drop, f"drop {SIDE_MM:g} mm from the middle", abs(drop) >= LEFT_MM
     name = "gauge side" if more > 0.0 else "field side"
@@ -142,7 +144,7 @@ def only_face(points: FloatArray) -> str | None:
     """Return the side of a right-hand rail's head (n, 2) whose face alone was measured; None if both or none were."""
     top = points[np.argmax(points[:, 1])]
     gauge, field = (float(top[1] - points[side, 1].min()) for side in (points[:, 0] <= top[0], points[:, 0] >= top[0]))
-    if max(gauge, field) < HEAD_MM or min(gauge, field) > 0.5 * HEAD_MM:
+    if max(gauge, field) < GAUGE_DEPTH_MM or min(gauge, field) > 0.5 * GAUGE_DEPTH_MM:
         return None
     return "gauge side" if gauge > field else "field side"
 
@@ -176,14 +178,18 @@ def seen_back_mm(surface: Contour) -> float | None:
     return round(-float(points[far, 0]), 4) if len(beyond) and tip not in (0, len(points) - 1) else None
 
 
+def crossings(points: FloatArray, level: float, axis: int = 1) -> FloatArray:
+    """Return the other coordinates at which a chain of points (n, 2) passes a level of x (axis 0) or y, in order."""
+    above = points[:, axis] > level
+    passed = np.flatnonzero(above[1:] != above[:-1])
+    first, step = points[passed], np.diff(points, axis=0)[passed]
+    places: FloatArray = first[:, 1 - axis] + (level - first[:, axis]) / step[:, axis] * step[:, 1 - axis]
+    return places
+
+
 def _first_x(points: FloatArray, level: float) -> float | None:
     """Return x where points (n, 2) first pass a height, None if they do not."""
-    above = points[:, 1] > level
-    passed = np.flatnonzero(above[1:] != above[:-1])
-    if not len(passed):
-        return None
-    (x0, y0), (x1, y1) = points[passed[0]], points[passed[0] + 1]
-    return float(x0 + (level - y0) / (y1 - y0) * (x1 - x0))
+    return next(iter(crossings(points, level).tolist()), None)
 
 
 def relative_curvature(wheel: WheelProfile, wheel_point: ArrayLike, rail: RailProfile, rail_point: ArrayLike) -> float:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
-from flangeway.geometry.arrays import cross_product
+from flangeway.geometry.arrays import cross_product, step_lengths
 from flangeway.railway.profiles.smoothing import MIN_POINTS, noise_um, refuse_few
 
 SAME_MM = 0.01  # neighbours nearer than this are one point given twice
@@ -63,7 +63,7 @@ def refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
     low, high = LENGTHS_MM if unit_is_sure else USUAL_LENGTHS_MM
     # noise lengthens the path of dense points, the box does not
     size = float(np.hypot(*np.ptp(points, axis=0)))
-    path = float(np.hypot(*np.diff(points, axis=0).T).sum())
+    path = float(step_lengths(points).sum())
     if not (0.5 * low <= size and path >= low and size <= high):
         # the unit that makes it about as long as heads and treads are
         guess = min(UNITS_TO_GUESS, key=lambda unit: abs(math.log(max(path, 1e-9) * UNITS_TO_GUESS[unit] / 150.0)))
@@ -84,7 +84,7 @@ def _merged(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[s
     if len(starts) < MIN_POINTS:
         return points[starts], lines[starts], []
     reach = float(np.clip(MERGED_NOISES * 1e-3 * noise_um(points[starts]), SAME_MM, MAX_MERGED_MM))
-    if float(np.median(np.hypot(*np.diff(points[starts], axis=0).T))) < reach:
+    if float(np.median(step_lengths(points[starts]))) < reach:
         starts = _starts(points, reach)
     else:
         reach = SAME_MM
@@ -119,7 +119,7 @@ def _outliers(points: FloatArray) -> NDArray[np.int64]:
         _off_line(points[1:-3], points[:-4], points[3:-1]), _off_line(points[3:-1], points[1:-3], points[4:])
     )
     # where sweeps overlap, the neighbours lie beside each other; that is no outlier but a fold
-    steps = np.hypot(*np.diff(points, axis=0).T)
+    steps = step_lengths(points)
     apart = np.zeros(len(points), dtype=np.bool_)
     apart[2:-2] = np.hypot(*(points[3:-1] - points[1:-3]).T) > 0.7 * np.minimum(steps[:-3], steps[3:])
     least = 1e-3 * max(_OUTLIER_UM, 10.0 * noise_um(points))

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement
+from flangeway.geometry.arrays import angles_of
 from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, STEEPEST_RAD, extent, graphs_of
 from flangeway.types import Floats, Ints
 
@@ -113,7 +114,7 @@ class RigidCurve:
         middle = 0.5 * (points[:-1] + step * first + points[1:] - step * last)
         halves = np.stack((middle - points[:-1], points[1:] - middle), axis=1)
         # a chord has the mean angle of its arc's ends
-        means = np.arctan2(halves[..., 1], halves[..., 0])
+        means = angles_of(halves)
         turns = 2.0 * np.stack((means[:, 0] - angle[:-1], angle[1:] - means[:, 1]), axis=1)
         lengths = np.hypot(halves[..., 0], halves[..., 1]) / np.sinc(0.5 * turns / np.pi)
         starts = np.stack((points[:-1], middle), axis=1)

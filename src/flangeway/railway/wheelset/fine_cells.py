@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
-from flangeway.contact.patch.contact_ellipse import separate_patches
+from flangeway.contact.patch.patch_grid import PatchGrid, pairs_of, separate_patches
 from flangeway.railway.wheelset.running_surfaces import PATCH_CELLS
-from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideState
 from flangeway.types import Bools, Floats, Ints
 
 COARSER = 1.3
@@ -65,10 +66,10 @@ class _Window:
         return wanted
 
 
-def _span(intervals: Floats, inside: Bools, axis: int) -> tuple[float, float]:
-    """From the first to the last of the intervals (n, 2) of an axis in which some cells are."""
+def _span(bounds: Floats, inside: Bools, axis: int) -> tuple[float, float]:
+    """From the first to the last of the intervals between bounds (n + 1,) of an axis in which some cells are."""
     first, last = np.flatnonzero(inside.any(axis=1 - axis))[[0, -1]]
-    return float(intervals[first, 0]), float(intervals[last, 1])
+    return float(bounds[first]), float(bounds[last + 1])
 
 
 def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]:
@@ -80,8 +81,8 @@ def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]
         highest = np.where(patch.inside, pressures, 0.0).max(axis=1)
         windows.append(
             _Window(
-                _span(grid.cells, patch.inside, 0),
-                _span(grid.strip_ends, patch.inside, 1),
+                _span(grid.bounds, patch.inside, 0),
+                _span(grid.strip_bounds, patch.inside, 1),
                 *patch.widths,
                 float(state.forces[patch.inside].sum() / state.forces.sum()),
                 rows,
@@ -97,13 +98,13 @@ def _further(state: SideState, within: float, windows: Sequence[_Window]) -> lis
     Along z they are half as long as where gaps are small: about as long as a patch would be there.
     """
     grid, found = state.grid.grid, list[_Window]()
-    apart = np.ones(len(grid.cells), dtype=np.bool_)
+    apart = np.ones(len(grid.widths), dtype=np.bool_)
     for window in windows:
         apart &= (grid.cells[:, 1] <= window.ends[0]) | (grid.cells[:, 0] >= window.ends[1])
     for inside in separate_patches(((state.forces > 0.0) | (state.gaps < within)) & apart[:, None]):
         least = float(state.gaps[inside].min())
         close = (state.forces > 0.0) | (state.gaps <= least + SHORTER * max(within - least, 0.0))
-        ends, planes = _span(grid.cells, inside, 0), _span(grid.strip_ends, inside & close, 1)
+        ends, planes = _span(grid.bounds, inside, 0), _span(grid.strip_bounds, inside & close, 1)
         none = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
         found.append(_Window(ends, planes, ends[1] - ends[0], planes[1] - planes[0], 0.0, *none))
     return found
@@ -196,18 +197,16 @@ def finer(
         if len(ends) < 2:  # the other patch's cells hold all of it
             continue
         end = ends[-1]
-        cells = np.stack((ends[:-1], ends[1:]), axis=1)
-        wanted = np.min([window.sizes(cells, many * size, n_across) for window in windows], axis=0)
-        parts.append(_divided(cells, wanted))
-    planes = np.arange(int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip)) + 1)
-    return GriddedSide(old.surfaces, SideGrid(_filled(np.concatenate(parts), SAME * strip), strip, planes), state.pose)
+        wanted = np.min([window.sizes(pairs_of(ends), many * size, n_across) for window in windows], axis=0)
+        parts.append(_divided(ends, wanted))
+    planes = int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip))
+    return GriddedSide(old.surfaces, PatchGrid.on_planes(_joined(parts, SAME * strip), strip, *planes), state.pose)
 
 
-def _filled(cells: Floats, same: float) -> Floats:
-    """Rising cells (n, 2) with one more in each gap that is wider than round-off: patches roll on one grid."""
-    between = np.stack((cells[:-1, 1], cells[1:, 0]), axis=1)
-    cells = np.concatenate((cells, between[np.diff(between, axis=1)[:, 0] > same]))
-    return np.asarray(cells[cells[:, 0].argsort()])
+def _joined(parts: Sequence[Floats], same: float) -> Floats:
+    """Bounds of all cells; one more cell fills what is between two parts: patches roll on one grid."""
+    bounds = np.concatenate(parts)
+    return bounds[np.append(np.diff(bounds) > same, True)]
 
 
 def divided(state: SideState, n_across: int) -> GriddedSide:
@@ -221,8 +220,8 @@ def divided(state: SideState, n_across: int) -> GriddedSide:
         rows, whole = window.rows, float(grid.widths[window.rows].max())
         if window.share > MAIN:
             sizes[rows] = window.sizes(grid.cells[rows], whole, n_across)
-    cells = _divided(grid.cells, sizes)
-    return old if len(cells) == len(sizes) else GriddedSide(old.surfaces, replace(grid, cells=cells), old.pose)
+    bounds = _divided(grid.bounds, sizes)
+    return old if len(bounds) == len(grid.bounds) else GriddedSide(old.surfaces, replace(grid, bounds=bounds), old.pose)
 
 
 def _rounded(size: float) -> float:
@@ -235,13 +234,12 @@ def _multiples(size: float, low: float, high: float) -> Floats:
     return size * np.arange(np.floor(low / size), np.ceil(high / size) + 1.0)
 
 
-def _divided(cells: Floats, sizes: Floats) -> Floats:
-    """Cells (n, 2), halved until they are not wider than sizes (n,)."""
-    halvings = np.ceil(np.log2(np.diff(cells, axis=1)[:, 0] / (COARSER * sizes)))
+def _divided(bounds: Floats, sizes: Floats) -> Floats:
+    """Bounds of cells (n + 1,) with more between them, halved until cells are not wider than sizes (n,)."""
+    halvings = np.ceil(np.log2(np.diff(bounds) / (COARSER * sizes)))
     counts = 2 ** np.maximum(halvings, 0).astype(int)
     ends = [
         np.linspace(low, high, count, endpoint=False)
-        for (low, high), count in zip(cells.tolist(), counts.tolist(), strict=True)
+        for (low, high), count in zip(pairwise(bounds.tolist()), counts.tolist(), strict=True)
     ]
-    limits = np.append(np.concatenate(ends), cells[-1, 1])
-    return np.stack((limits[:-1], limits[1:]), axis=1)
+    return np.append(np.concatenate(ends), bounds[-1])

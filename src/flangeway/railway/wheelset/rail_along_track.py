@@ -16,6 +16,7 @@ from flangeway.mesh.connectivity import ordered_pairs
 from flangeway.post.lines import polynomials_at
 from flangeway.post.patch_stresses import SpatialStresses, summed_stresses
 from flangeway.railway.profiles.bundled import RailProfile
+from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM
 from flangeway.railway.wheelset.supported_rail import SPREAD, SupportedRail
 from flangeway.space import CellBatch
 from flangeway.types import Floats, Ints
@@ -24,9 +25,6 @@ WEB_SHARES = np.linspace(0.2, 0.75, 221)
 """Heights over that of the rail between which the web's narrowest place is sought."""
 
 DEVIATION_MM = 0.02  # of chords from the outline, for widths and heights
-
-GAUGE_DEPTH_MM = 14.0
-"""Depth below the top of the gauge face whose displacement is reported, unless the track has its own (EN 13848-1)."""
 
 
 def narrowest_web(outline: Outline) -> tuple[float, float, float]:

@@ -15,13 +15,15 @@ from scipy.sparse import csr_array
 from flangeway.contact.patch.contact_ellipse import CellForces
 from flangeway.contact.patch.elastic_surface import ElasticSurface
 from flangeway.contact.patch.normal_contact import Convolution
+from flangeway.contact.patch.patch_grid import PatchGrid, at_edge
 from flangeway.exact import contact_modulus
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import turned_right
+from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.solve import Status
 from flangeway.solve.half_spaces import half_spaces_on
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Bools, Floats
 
 MOST_STEPS = 12
 MAX_STEP_MM = 3.0
@@ -114,8 +116,6 @@ def wheel_gap(
 
 SECTION_AXES = ((0, 1), (0, 1), (2,))
 """Axes of a section in which those of the frames of cells lie: tangent, normal and z."""
-GAUGE_DEPTH_MM = 14.0
-"""Depth below the rail's top at which the gauge is measured (EN 13848-1)."""
 RANK = 1e-4
 """Singular value over the first one below which modes of bending are left out."""
 
@@ -203,57 +203,6 @@ class WheelPose:
 
 
 @dataclass(frozen=True, eq=False)
-class SideGrid:
-    """Cells on the rail's running surface, from the field side to the gauge side, and strips along z.
-
-    - `cells`: their ends as lengths along the surface, rising without gaps, shape (n, 2).
-    - `strip`: width of the strips; `planes`: their places over it, rising without gaps, shape (n_z,).
-    """
-
-    cells: Floats
-    strip: float
-    planes: Ints
-
-    @property
-    def stations(self) -> Floats:
-        """Middles of the cells along the surface."""
-        middles: Floats = self.cells.mean(axis=1)
-        return middles
-
-    @property
-    def widths(self) -> Floats:
-        """Widths of the cells."""
-        return np.diff(self.cells, axis=1)[:, 0]
-
-    @property
-    def z(self) -> Floats:
-        """Middles of the strips."""
-        return self.planes.astype(np.float64) * self.strip
-
-    @property
-    def middles(self) -> tuple[Floats, Floats]:
-        """`stations` and `z`."""
-        return self.stations, self.z
-
-    @property
-    def strip_ends(self) -> Floats:
-        """Ends of the strips, shape (n_z, 2)."""
-        return self.z[:, None] + self.strip / 2.0 * np.array([-1.0, 1.0])
-
-    def covers(self, other: "SideGrid") -> bool:
-        """Whether another grid of the same cells and strips reaches nowhere farther."""
-        first, last = self.planes[0] <= other.planes[0], self.planes[-1] >= other.planes[-1]
-        return bool(first and last and self.cells.min() <= other.cells.min() and self.cells.max() >= other.cells.max())
-
-    @property
-    def at_edge(self) -> Bools:
-        """Cells at an end, across or along, shape (n, n_z)."""
-        found = np.ones((len(self.cells), len(self.planes)), dtype=np.bool_)
-        found[1:-1, 1:-1] = False
-        return found
-
-
-@dataclass(frozen=True, eq=False)
 class SideState:
     """Contact of a side at one pose of its wheel.
 
@@ -280,9 +229,7 @@ class SideState:
     def cells(self) -> CellForces:
         """Forces on the cells, in the right-hand form of the side."""
         grid, surfaces = self.grid.grid, self.grid.surfaces
-        return CellForces(
-            self.forces, grid.cells, self.points, self.normals, grid.z, grid.strip, self.gaps, surfaces.modulus
-        )
+        return CellForces(self.forces, grid, self.points, self.normals, self.gaps, surfaces.modulus)
 
     @property
     def resultant(self) -> Floats:
@@ -294,10 +241,13 @@ class SideState:
 
 @dataclass(frozen=True, eq=False)
 class GriddedSide:
-    """A side with its influence coefficients on a grid, for poses about one at which the wheel's cells were taken."""
+    """A side with its influence coefficients on a grid, for poses about one at which the wheel's cells were taken.
+
+    The cells are on the rail's running surface, from the field side to the gauge side.
+    """
 
     surfaces: SideSurfaces
-    grid: SideGrid
+    grid: PatchGrid
     pose: WheelPose
 
     @cached_property
@@ -323,7 +273,7 @@ class GriddedSide:
 
     def cuts(self, forces: Floats) -> bool:
         """Whether a patch of forces (n, n_z) comes to an end of the cells beyond which the surface goes on."""
-        return bool(((forces > 0.0) & self.grid.at_edge & ~self._outermost).any())
+        return bool(at_edge((forces > 0.0) & ~self._outermost).any())
 
     def leaves(self, forces: Floats) -> bool:
         """Whether a patch of forces (n, n_z) comes to the end of the running surface."""
@@ -374,7 +324,7 @@ class GriddedSide:
     @cached_property
     def coefficients(self) -> Floats:
         """Normal displacements by unit normal forces at the distances of the strips, shape (n_z, n, n)."""
-        return self.coefficients_of((1,), slice(None), len(self.grid.planes))
+        return self.coefficients_of((1,), slice(None), self.grid.n_strips)
 
     def coefficients_of(self, axes: Sequence[int], rows: slice, n_distances: int) -> Floats:
         """Displacements of the wheel less those of the rail by unit forces on the wheel's cells, opposite on the rail.
@@ -387,13 +337,14 @@ class GriddedSide:
         """
         grid = self.grid
         materials = self.surfaces.rail_elastic.material, self.surfaces.wheel_elastic.material
-        first, last = grid.cells[rows].T
-        total = half_spaces_on(materials, np.append(first, last[-1]), self.frames[rows], grid.strip, n_distances, axes)
+        frames = self.frames[rows]
+        bounds = grid.bounds[rows.start : None if rows.stop is None else rows.stop + 1]
+        total = half_spaces_on(materials, bounds, frames, grid.strip, n_distances, axes)
         pairs = list(product(enumerate(axes), repeat=2))
         for elastic, weights, directions in zip(
             self._elastic, self._weights, self._directions(axes, rows), strict=True
         ):
-            used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, len(grid.planes)))) + 3
+            used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, grid.n_strips))) + 3
             across = csr_array(weights[rows])
             along = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, :used]
             on_cells = {
@@ -406,7 +357,7 @@ class GriddedSide:
                     for x, y in product(SECTION_AXES[of], SECTION_AXES[by])
                 )
                 total[:, :, i, :, j] += np.tensordot(along, turned, axes=1)
-        return total.reshape(n_distances, len(first) * len(axes), -1)
+        return total.reshape(n_distances, len(frames) * len(axes), -1)
 
     @cached_property
     def _bending(self) -> tuple[Floats, Floats]:
@@ -508,7 +459,7 @@ class GriddedSide:
             normals = normals + turned[:, None] * tangents_of(normals)
             normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         points = points + moved
-        gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.z, guess)
+        gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.along, guess)
         gap.arms[..., :2] += pose.shift  # from the middle of the axle, not from the profile's origin
         values = self._means(gap.gaps)
         # `influence` moves the cells along the undeformed normals

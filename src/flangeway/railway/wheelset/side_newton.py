@@ -11,8 +11,9 @@ import numpy as np
 import scipy.linalg
 
 from flangeway.contact.patch.normal_contact import solve_normal
+from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
-from flangeway.railway.wheelset.side_contact import FAR_MM, GriddedSide, SideGrid, SideState, WheelPose
+from flangeway.railway.wheelset.side_contact import FAR_MM, GriddedSide, SideState, WheelPose
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats, Ints
 
@@ -41,9 +42,9 @@ class CreepSlopes(NamedTuple):
     shape: Floats
     weights: Floats
 
-    def on_cells(self, old: SideGrid, new: SideGrid) -> "CreepSlopes":
+    def on_cells(self, old: PatchGrid, new: PatchGrid) -> "CreepSlopes":
         """The same for the cells of another grid, as far as they are smooth."""
-        rows = scipy.linalg.block_diag(np.eye(N_RESULTANTS), _fractions(old.cells, new.cells))
+        rows = scipy.linalg.block_diag(np.eye(N_RESULTANTS), _fractions(old.bounds, new.bounds))
         return CreepSlopes(rows @ self.motion, rows @ self.shape, interpolated(self.weights, old.middles, new.middles))
 
 
@@ -61,7 +62,7 @@ class SideNewton:
         self.grid, self.pose = grid, pose
         self.creep = creep
         """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
-        self.raised: Floats = np.zeros((len(grid.grid.cells), len(grid.grid.planes))) + raised
+        self.raised: Floats = np.zeros((len(grid.grid.widths), grid.grid.n_strips)) + raised
         """What they open the gaps besides, (n, n_z)."""
         start = forces if forces is not None and forces.any() else None
         self.points, self.normals, self.gap, self.values = grid.deformed(
@@ -220,7 +221,7 @@ class SideNewton:
     def yaw_moment(self, forces: Floats, by_motion: Floats) -> tuple[float, Floats]:
         """Moment of normal forces (m,) on the wheel about y, ``z f_x``, and its derivatives by those of the forces."""
         rows, strips = np.nonzero(self.touching)
-        arms = self.grid.grid.z[strips] * self.normals[rows, 0]
+        arms = self.grid.grid.along[strips] * self.normals[rows, 0]
         return float(arms @ forces), arms @ by_motion
 
     def stiffness(self, forces: Floats, by_motion: Floats) -> tuple[Floats, Floats]:
@@ -291,22 +292,22 @@ def transferred(state: SideState, grid: GriddedSide) -> Floats:
     """Forces of a contact on the cells of another grid, each spread evenly over its cell; the sum stays."""
     old, new = state.grid.grid, grid.grid
     # f_kl = sum_ij R_ki f_ij S_lj with the fractions R and S of the old cells and strips that lie in the new ones
-    found: Floats = _fractions(old.cells, new.cells) @ state.forces @ _fractions(old.strip_ends, new.strip_ends).T
+    found: Floats = _fractions(old.bounds, new.bounds) @ state.forces @ _fractions(old.strip_bounds, new.strip_bounds).T
     total = float(found.sum())
     return found * (float(state.forces.sum()) / total) if total > 0.0 else found
 
 
 def _fractions(old: Floats, new: Floats) -> Floats:
-    """Fractions of old intervals, (m, 2), that lie in new ones, (n, 2): shape (n, m)."""
-    common = np.minimum(new[:, 1:], old[:, 1]) - np.maximum(new[:, :1], old[:, 0])
-    return np.maximum(common, 0.0) / (old[:, 1] - old[:, 0])
+    """Fractions of the intervals between old bounds, (m + 1,), that lie in those between new ones, (n + 1,): (n, m)."""
+    common = np.minimum(new[1:, None], old[1:]) - np.maximum(new[:-1, None], old[:-1])
+    return np.maximum(common, 0.0) / np.diff(old)
 
 
 def transferred_creep(state: SideState, grid: GriddedSide) -> Floats | None:
     """Creep forces of rows on the nearest rows of another grid, None without friction."""
     if state.creep is None or grid is state.grid:
         return state.creep
-    found, stations = np.zeros((len(grid.grid.cells), 2)), grid.grid.stations
+    found, stations = np.zeros((len(grid.grid.widths), 2)), grid.grid.stations
     nearest = np.abs(state.grid.grid.stations[:, None] - stations).argmin(axis=1)
     np.add.at(found, nearest, state.creep)
     return found

@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.railway.rigid.elastic_start import CLIMBED_MM, RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
@@ -17,7 +18,7 @@ from flangeway.railway.wheelset.fine_cells import divided, finer
 from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
 from flangeway.railway.wheelset.running_surfaces import SpatialModel
-from flangeway.railway.wheelset.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces, wheel_gap
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
 from flangeway.railway.wheelset.side_newton import solve_side, transferred, transferred_creep
 from flangeway.railway.wheelset.wheelset_newton import FINE_RESIDUAL, SpatialState, WheelsetNewton, pose_of
 from flangeway.solve import Status
@@ -284,9 +285,9 @@ class SpatialWheelset:
             whole, inner = grids[side], fine.grid.grid
             forces, creep = transferred(fine, whole), transferred_creep(fine, whole)
             deformed = whole.deformed(fine.pose, forces, None, None if creep is None else creep[:, 0])
-            cells, z, strip = whole.grid.cells, whole.grid.z, whole.grid.strip
+            cells, z, strip = whole.grid.cells, whole.grid.along, whole.grid.strip
             across = (cells[:, :1] < inner.cells[:, 1]) & (cells[:, 1:] > inner.cells[:, 0])
-            along = (z > inner.z[0] - strip) & (z < inner.z[-1] + strip)
+            along = (z > inner.along[0] - strip) & (z < inner.along[-1] + strip)
             gaps = deformed[3] + whole.influence(forces)
             overlap = np.where(np.outer(across.any(axis=1), along), 0.0, np.maximum(-gaps, 0.0))
             if overlap.any():
@@ -334,23 +335,22 @@ class SpatialWheelset:
             motion = state.grid.rail_motion(state.forces, None if state.creep is None else state.creep[:, 0])[0]
         pose = replace(pose, x=pose.x - motion[0], y=pose.y - motion[1])
         low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
-        ends = cell * np.arange(int(np.ceil(low / cell)), int(np.floor(high / cell)) + 1)
-        cells = np.stack((ends[:-1], ends[1:]), axis=1)
+        ends: Floats = cell * np.arange(int(np.ceil(low / cell)), int(np.floor(high / cell)) + 1.0)
         # yaw moves the wheel along the track, and contact on the flange further
         lead = float(pose.axis[2]) * pose.seat_mm
         reach = SEARCHED_MM + FLANGE_SLOPE * abs(pose.yaw_rad) * self.problem.wheelset.radius_mm
         searched = np.arange(int((lead - reach) / strip), int((lead + reach) / strip) + 1)
         searched = searched[::EVERY]
         z = strip * searched.astype(np.float64)
-        points, normals = surfaces.rail_points(cells.mean(axis=1))
+        points, normals = surfaces.rail_points((ends[1:] + ends[:-1]) / 2.0)
         gaps = wheel_gap(surfaces.wheel, pose.middle, pose.axis, points, normals, z).gaps
         rows = np.flatnonzero(gaps.min(axis=1) < FAR_APART_MM)
         if len(rows):
-            cells = cells[rows[0] : rows[-1] + 1]
+            ends = ends[rows[0] : rows[-1] + 2]
         planes = searched[gaps.min(axis=0) < CLOSED_MM]
         if len(planes) == 0:
             planes = int(lead / strip) + np.arange(-5, 6)
-        grid = SideGrid(cells, strip, np.arange(planes[0] - EVERY + 1, planes[-1] + EVERY))
+        grid = PatchGrid.on_planes(ends, strip, int(planes[0]) - EVERY + 1, int(planes[-1]) + EVERY - 1)
         return GriddedSide(surfaces, grid, pose)
 
 

@@ -10,7 +10,7 @@ from flangeway.contact import Surface
 from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.contact.patch.patch_body import Axis, PatchBody
 from flangeway.contact.patch.patch_contact import PatchContact, press_patch
-from flangeway.contact.patch.patch_grid import grid_about
+from flangeway.contact.patch.patch_grid import grid_about, pairs_of
 from flangeway.exact import PointContact
 from flangeway.geometry import Placement
 from flangeway.post.patch_stresses import DepthProfile, StressField, half_space_profile, stress_field
@@ -121,10 +121,9 @@ class SpatialPatch:
         """
         grid, loads = self.state.grid.grid, self._loads(role, tractions)
         window = np.ix_(loads.any(axis=(1, 2)), loads.any(axis=(0, 2)))
-        z = np.stack((grid.z - grid.strip / 2.0, grid.z + grid.strip / 2.0), axis=1)
         loads = loads[window]
         return half_space_profile(
-            (grid.cells[window[0][:, 0]], z[window[1][0]]),
+            (grid.cells[window[0][:, 0]], pairs_of(grid.strip_bounds)[window[1][0]]),
             loads[..., 0],
             (float(self._row @ grid.stations), float(self.ellipse.centre[2])),
             self._depths,
@@ -136,7 +135,7 @@ class SpatialPatch:
         """Stresses in the volume below the patch, as `below`."""
         grid, depths = self.state.grid.grid, np.append(0.0, self._depths)
         loads = self._loads(role, tractions)
-        return stress_field(grid.cells, grid.z, loads, self.ellipse.inside, depths, self.materials[role][1])
+        return stress_field(grid.cells, grid.along, loads, self.ellipse.inside, depths, self.materials[role][1])
 
     def points_below(self, role: Role, along: Floats, depths: Floats, z: Floats) -> Floats:
         """Points of a body at depths below lengths along the rail's surface, in the track's axes; (n,) each, (n, 3)."""

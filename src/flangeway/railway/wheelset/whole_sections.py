@@ -116,9 +116,9 @@ def _cut(result: SpatialResult, side: Side, role: Role, whole: SurfaceCells) -> 
     rows = np.minimum(np.cumsum(own)[::2], cells.n_cells) - 1
     turn = axes.copy()
     turn[:, :2] = axes[:, :2] @ frame.matrix
-    on_cells = np.zeros((cells.n_cells, 3, len(grid.planes)))
+    on_cells = np.zeros((cells.n_cells, 3, grid.n_strips))
     np.add.at(on_cells, rows, np.einsum("nai,nzi->naz", cells.frames[rows], forces @ turn))
-    return _Cut(side, z, frame, origin, axes, turn, StripForces(cells, on_cells, z - grid.z, grid.strip))
+    return _Cut(side, z, frame, origin, axes, turn, StripForces(cells, on_cells, z - grid.along, grid.strip))
 
 
 def _section(cut: _Cut, even: Floats, odd: Floats) -> WholeSection:

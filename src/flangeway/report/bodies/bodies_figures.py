@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
+from flangeway.geometry.arrays import extent
 from flangeway.report.figures.drawing import (
     GREY,
     INK,
@@ -27,11 +28,11 @@ def stress_figure(run: BodiesRun) -> Figure:
     """Draw von Mises stress on the deformed bodies; where they touch, once more near the contact."""
     bodies = [DrawnBody(body.field, partial(_moved, body)) for body in run.bodies.values()]
     points = np.vstack([body.points for body in bodies])
-    size = float(np.ptp(points, axis=0).max())
+    size = extent(points)
     windows = [framed(points, MARGIN)]
     if run.patches:
         touched = np.vstack([patch.points for patch in run.patches])
-        width = 3.0 * max(float(np.ptp(touched, axis=0).max()), 1e-3 * size)
+        width = 3.0 * max(extent(touched), 1e-3 * size)
         if width < 0.7 * size:
             windows.append(box([touched.mean(axis=0, keepdims=True)], width / 2.0))
     figure, _ = stress_panels(bodies, windows, run.case.units)

@@ -27,6 +27,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 from PIL import Image
 
+from flangeway.geometry.arrays import extent
 from flangeway.mesh import PolyMesh
 from flangeway.types import Floats, Ints
 from flangeway.units import Units, UsUnit, us_unit
@@ -279,7 +280,7 @@ def box(points: Sequence[Floats], margin: float) -> Floats:
 
 def framed(points: Floats, share: float) -> Floats:
     """Return the box about points (n, 2), widened by a share of its longer side."""
-    return box([points], share * float(np.ptp(points, axis=0).max()))
+    return box([points], share * extent(points))
 
 
 def cells_path(mesh: PolyMesh, points: Floats, cells: NDArray[np.integer]) -> Path:

@@ -13,7 +13,6 @@ from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
 from flangeway.quantities import measured
 from flangeway.report.figures.drawing import COLOURS, INK, Style, colour_bar, framed, name_axes, new_figure, units_of
-from flangeway.report.spatial.patch_map import strip_ends
 from flangeway.report.viewer import ShownField
 from flangeway.types import Floats
 from flangeway.units import Units
@@ -59,7 +58,7 @@ class ShownRolling:
     def edges(self) -> tuple[Floats, Floats]:
         """Ends of the cells, to the right and up."""
         grid = self.forces.contact.grid
-        return self.sign * (self.origin - grid.bounds), strip_ends(grid.along, grid.strip)
+        return self.sign * (self.origin - grid.bounds), grid.strip_bounds
 
     @property
     def box(self) -> Floats:

@@ -35,7 +35,7 @@ from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Figures, Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across
 from flangeway.report.rolling.rolling_maps import ShownRolling, cell_fields, rolling_figure, shown_fields
-from flangeway.report.spatial.patch_map import at_corners, strip_ends, strip_mesh
+from flangeway.report.spatial.patch_map import at_corners, strip_mesh
 from flangeway.report.viewer import Scene, ShownPart
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
@@ -213,7 +213,7 @@ def _fields(run: RollingPatchRun) -> dict[str, Floats]:
 
 def _scene(run: RollingPatchRun) -> Scene:
     grid = run.contact.grid
-    mesh = strip_mesh(grid.bounds, strip_ends(grid.along, grid.strip))
+    mesh = strip_mesh(grid.bounds, grid.strip_bounds)
     fields, arrays = shown_fields(_fields(run))
     part = ShownPart("patch", mesh, cell_arrays={name: each.reshape(-1, 1) for name, each in arrays.items()})
     note = (

@@ -11,6 +11,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from flangeway.cases.section.section_run import SectionRun
+from flangeway.geometry.arrays import extent
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.curved import as_polylines
 from flangeway.post import corner_shear_stresses, shear_stresses
@@ -56,7 +57,7 @@ def mesh_figure(run: SectionRun, units: Units = "metric") -> Figure:
         axes.add_artist(PathPatch(part, facecolor=shade, edgecolor="#8a8a8a", linewidth=0.2, label=name))
     _outline(axes, mesh)
     centroid, shear_centre = np.array(constants.centroid), np.array(constants.shear_centre)
-    size = float(np.ptp(_frame(axes, run, shear_centre), axis=0).max())
+    size = extent(_frame(axes, run, shear_centre))
     for number, turn in ((1, 0.0), (2, 0.5 * np.pi)):
         angle = constants.principal_angle + turn
         x, y = (centroid + 0.15 * size * np.array([np.cos(angle), np.sin(angle)])).tolist()
@@ -97,7 +98,7 @@ def shear_figure(run: SectionRun, units: Units = "metric") -> Figure:
     arrows = shear_stresses(solution)[shown := _spread(mesh)]
     lengths = np.hypot(*arrows.T)
     long = lengths > MIN_ARROW * lengths.max()
-    span = float(np.ptp(mesh.points, axis=0).max()) / N_ARROWS
+    span = extent(mesh.points) / N_ARROWS
     style: Style = {"color": "white", "edgecolor": INK, "linewidth": 0.4, "width": 0.004, "zorder": 4, "pivot": "mid"}
     scale: Style = {"angles": "xy", "scale_units": "xy", "scale": float(lengths.max()) / (1.3 * span)}
     axes.quiver(*mesh.cell_centroids[shown[long]].T, *arrows[long].T, **style, **scale)
@@ -178,6 +179,6 @@ def part_numbers(mesh: PolyMesh) -> NDArray[np.int32]:
 
 def _spread(mesh: PolyMesh) -> NDArray[np.int64]:
     """Return cells of which one lies in each square of a grid."""
-    step = float(np.ptp(mesh.points, axis=0).max()) / N_ARROWS
+    step = extent(mesh.points) / N_ARROWS
     _, first = np.unique(np.floor(mesh.cell_centroids / step), axis=0, return_index=True)
     return first.astype(np.int64)

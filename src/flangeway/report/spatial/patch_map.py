@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -27,7 +26,7 @@ from flangeway.report.figures.drawing import (
     name_axes,
     new_figure,
 )
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats
 from flangeway.units import Units
 
 CURVES = (
@@ -75,36 +74,24 @@ class PatchMap:
         """Corners (2, 2) of what is under pressure, with a margin; of all cells without pressure."""
         cells, loaded = self.cells, self.cells.forces > 0.0
         rows, strips = (np.flatnonzero(loaded.any(axis=1 - axis)) if loaded.any() else [0, -1] for axis in (0, 1))
-        ends = np.sort(self.across(cells.cells[[rows[0], rows[-1]], [0, 1]]))
-        return framed(np.column_stack((ends, cells.z[[strips[0], strips[-1]]])), MARGIN)
-
-    @property
-    def runs(self) -> list[slice]:
-        """Rows of cells without gaps."""
-        ends = self.cells.cells
-        breaks = np.flatnonzero(ends[1:, 0] - ends[:-1, 1] > 1e-6 * np.ptp(ends)) + 1
-        bounds = [0, *breaks.tolist(), len(ends)]
-        return [slice(*pair) for pair in pairwise(bounds)]
+        ends = np.sort(self.across(cells.grid.cells[[rows[0], rows[-1]], [0, 1]]))
+        return framed(np.column_stack((ends, cells.grid.along[[strips[0], strips[-1]]])), MARGIN)
 
 
 def station_of(cells: CellForces, patch: ContactEllipse) -> Floats:
     """Length along the surface of the centre of pressure of a patch."""
     forces = np.where(patch.inside, cells.forces, 0.0).sum(axis=1)
-    return np.asarray(forces @ cells.across / forces.sum())
+    return np.asarray(forces @ cells.grid.stations / forces.sum())
 
 
 def draw_pressures(axes: Axes, shown: PatchMap, highest: float) -> ScalarMappable:
     """Draw pressures from above, outlines of the patches, and Hertz's ellipses; return the colours, from 0 MPa."""
-    cells, scale = shown.cells, Normalize(0.0, highest)
-    z = strip_ends(cells.z, cells.strip)
-    for run in shown.runs:
-        ends, pressures = cells.cells[run], cells.pressures[run]
-        places = shown.across(np.append(ends[:, 0], ends[-1, 1]))
-        drawn = np.where(pressures > 0.0, pressures, np.nan)
-        axes.pcolormesh(places, z, drawn.T, cmap=COLOURS, norm=scale, rasterized=True)
-        if min(pressures.shape) > 1 and (pressures > 0.0).any():
-            middles = shown.across(cells.across[run])
-            axes.contour(middles, cells.z, pressures.T > 0.0, levels=[0.5], colors=[INK], linewidths=1.0)
+    grid, pressures, scale = shown.cells.grid, shown.cells.pressures, Normalize(0.0, highest)
+    drawn = np.where(pressures > 0.0, pressures, np.nan)
+    axes.pcolormesh(shown.across(grid.bounds), grid.strip_bounds, drawn.T, cmap=COLOURS, norm=scale, rasterized=True)
+    if min(pressures.shape) > 1 and (pressures > 0.0).any():
+        middles = shown.across(grid.stations)
+        axes.contour(middles, grid.along, pressures.T > 0.0, levels=[0.5], colors=[INK], linewidths=1.0)
     for patch, hertz in shown.patches:
         if hertz is not None:
             first = not axes.get_legend_handles_labels()[0]
@@ -159,27 +146,11 @@ def draw_depths(axes: Axes, profile: DepthProfile) -> None:
     name_axes(axes, ("stress", "MPa"), ("depth", "mm"))
 
 
-def surface_mesh(cells: CellForces) -> tuple[Floats, Floats, PolyMesh]:
-    """Ends of cells along the surface (k,) and of strips (m,), and a mesh of k times m points (length, z)."""
-    nodes, numbers = np.unique(cells.cells, return_inverse=True)
-    z = strip_ends(cells.z, cells.strip)
-    return nodes, z, strip_mesh(nodes, z, numbers.reshape(-1, 2).astype(np.int64))
-
-
-def strip_ends(z: Floats, strip: float) -> Floats:
-    """Ends of strips along z by their middles and their width, shape (m + 1,)."""
-    return np.append(z - strip / 2.0, z[-1] + strip / 2.0)
-
-
-def strip_mesh(nodes: Floats, z: Floats, rows: Ints | None = None) -> PolyMesh:
-    """Mesh of k times m points (length, z), with cells between pairs of nodes and neighbours along z.
-
-    - `rows`: pairs of nodes (n, 2); neighbours if left out.
-    """
-    if rows is None:
-        rows = np.stack((np.arange(len(nodes) - 1), np.arange(1, len(nodes))), axis=1)
+def strip_mesh(nodes: Floats, z: Floats) -> PolyMesh:
+    """Mesh of k times m points (length, z), with cells between neighbours."""
     points = np.stack(np.meshgrid(nodes, z, indexing="ij"), axis=-1).reshape(-1, 2)
-    first, last = (rows[:, end, None] * len(z) + np.arange(len(z) - 1) for end in (0, 1))
+    first = np.arange(len(nodes) - 1)[:, None] * len(z) + np.arange(len(z) - 1)
+    last = first + len(z)
     return PolyMesh.from_cells(points, np.stack((first, last, last + 1, first + 1), axis=-1).reshape(-1, 4))
 
 

@@ -20,7 +20,7 @@ from flangeway.report.figures.series import collection
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across, with_whole
-from flangeway.report.spatial.patch_map import PatchMap, at_corners, draw_depths, maps_figure, station_of, surface_mesh
+from flangeway.report.spatial.patch_map import PatchMap, at_corners, draw_depths, maps_figure, station_of, strip_mesh
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.system.output_folder import Writer
 from flangeway.types import Ints
@@ -70,11 +70,11 @@ AXES = {
 def _write_surface(run: SpatialRun, path: Path) -> None:
     """Write pressure and gap of the cells on the first body's surface."""
     contact = run.contact
-    nodes, z, mesh = surface_mesh(contact.cells)
+    nodes, z = contact.pair.grid.bounds, contact.pair.grid.strip_bounds
     ends, _ = points_along(contact.pair.first.chain, nodes)
     space = np.column_stack((np.repeat(ends, len(z), axis=0), np.tile(z, len(nodes))))
     values = {"pressure_MPa": contact.pressures, "gap_mm": contact.contact.gaps}
-    write_vtu(path, mesh, corner_data=at_corners(values), positions=space)
+    write_vtu(path, strip_mesh(nodes, z), corner_data=at_corners(values), positions=space)
 
 
 def _write_section(section: SectionStresses, stresses: SpatialStresses, body_id: int, path: Path) -> None:

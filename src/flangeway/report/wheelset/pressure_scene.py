@@ -10,7 +10,7 @@ from flangeway.quantities import measured
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.report.rolling.rolling_maps import shown_fields
-from flangeway.report.spatial.patch_map import strip_ends, strip_mesh
+from flangeway.report.spatial.patch_map import strip_mesh
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.report.wheelset.running_surface_files import friction_fields
 from flangeway.types import Floats
@@ -41,7 +41,7 @@ def pressure_scene(run: WheelsetRun) -> Scene:
         "surface, without the rail's deflection. Pressures are means over the cells of the contact, as in the VTU "
         "files of the rails."
     )
-    z = np.concatenate([state.grid.grid.z for state in run.space.equilibrium.state.sides.values()])
+    z = np.concatenate([state.grid.grid.along for state in run.space.equilibrium.state.sides.values()])
     ends = float(z.min()) - ROUND_MM, float(z.max()) + ROUND_MM
     if run.space.rolling:
         note += " Tractions and slip velocities are shown by their sizes."
@@ -64,16 +64,15 @@ def _part(
 ) -> tuple[ShownPart, list[ShownField]]:
     """Running surface of a rail with its fields."""
     state = result.equilibrium.state.sides[side]
-    surfaces, cells = state.grid.surfaces, state.cells
+    surfaces, cells, grid = state.grid.surfaces, state.cells, state.grid.grid
     depths = surfaces.rail_points(surfaces.rail_stations[:, 1])[0][:, 1]
     lowest = min(-DEEP_MM, float(cells.points[:, 1].min()) - LOWER_MM)
     stations = surfaces.rail_stations[depths > lowest, 1]
-    nodes = _with_coarse(np.unique(cells.cells), float(stations.min()), float(stations.max()))
-    strips = strip_ends(cells.z, cells.strip)
-    z = _with_coarse(strips, *ends)
+    nodes = _with_coarse(grid.bounds, float(stations.min()), float(stations.max()))
+    z = _with_coarse(grid.strip_bounds, *ends)
     shape = len(nodes) - 1, len(z) - 1
-    first = np.searchsorted(z, strips[0])
-    window = np.searchsorted(nodes, cells.cells[:, 0]), slice(first, first + len(cells.z))
+    first, row = np.searchsorted(z, grid.strip_bounds[0]), np.searchsorted(nodes, grid.bounds[0])
+    window = slice(row, row + len(grid.widths)), slice(first, first + grid.n_strips)
     later = np.ones(shape)
     later[window] = 0.0
     fields, found = shown_fields({PRESSURE: cells.pressures} | friction_fields(result, side, "rail"))
@@ -110,7 +109,7 @@ def below_fields(units: Units) -> list[ShownField]:
 def stresses_below(result: SpatialResult, side: Side) -> dict[str, Floats]:
     """Arrays of `below_fields` on the cells of a side, (n, n_z)."""
     grid = result.equilibrium.state.sides[side].grid.grid
-    total = np.zeros((len(BELOW_MM) + 1, len(grid.stations), len(grid.z)))
+    total = np.zeros((len(BELOW_MM) + 1, len(grid.stations), grid.n_strips))
     for patch in (each for each in result.patches if each.side == side):
         field = result.stress_fields[patch]["rail"]
         place = np.searchsorted(field.depths, BELOW_MM).clip(1, len(field.depths) - 1)
@@ -122,7 +121,7 @@ def stresses_below(result: SpatialResult, side: Side) -> dict[str, Floats]:
         surface = RegularGridInterpolator(
             (field.along, field.z), np.moveaxis(values, 0, 2), bounds_error=False, fill_value=0.0
         )
-        on_cells = surface(np.stack(np.meshgrid(grid.stations, grid.z, indexing="ij"), axis=-1))
+        on_cells = surface(np.stack(np.meshgrid(*grid.middles, indexing="ij"), axis=-1))
         total = np.maximum(total, np.moveaxis(on_cells, 2, 0))
     return {field.array: values for field, values in zip(below_fields("metric"), total, strict=True)}
 

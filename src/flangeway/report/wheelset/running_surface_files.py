@@ -15,7 +15,7 @@ from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.whole_sections import WholeSection
 from flangeway.report.rolling.rolling_maps import cell_fields
-from flangeway.report.spatial.patch_map import at_corners, surface_mesh
+from flangeway.report.spatial.patch_map import at_corners, strip_mesh
 from flangeway.report.wheelset.wheelset_patches import lines_below
 from flangeway.results import ResultTable
 from flangeway.types import Bools, Floats
@@ -35,7 +35,8 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     1 sticks, 2 slips.
     """
     state = result.equilibrium.state.sides[side]
-    nodes, z, mesh = surface_mesh(state.cells)
+    nodes, z = state.grid.grid.bounds, state.grid.grid.strip_bounds
+    mesh = strip_mesh(nodes, z)
     on_rail, on_wheel, met = _corners(state, nodes, z)
     places = on_wheel if role == "wheel" else on_rail
     places[..., 0] *= SIDE_SIGN[side]

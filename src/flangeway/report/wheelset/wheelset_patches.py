@@ -114,13 +114,12 @@ def _pressures(run: WheelsetRun, side: Side) -> Iterator[tuple[Floats, Floats, F
                 normal = force / np.linalg.norm(force)
                 yield pressure.points, np.broadcast_to(normal, pressure.points.shape), pressure.pressures
         return
-    state, mirror, shown = run.space.equilibrium.state.sides[side], np.array([SIDE_SIGN[side], 1.0]), patch_map
-    for rows in shown(run.space, side).runs:
-        values = state.cells.pressures[rows].max(axis=1)
-        loaded = np.flatnonzero(values > 0.0)
-        if len(loaded):
-            part = slice(max(loaded[0] - 1, 0), loaded[-1] + 2)
-            yield (state.points * mirror)[rows][part], (state.normals * mirror)[rows][part], values[part]
+    state, mirror = run.space.equilibrium.state.sides[side], np.array([SIDE_SIGN[side], 1.0])
+    values = state.cells.pressures.max(axis=1)
+    loaded = np.flatnonzero(values > 0.0)
+    if len(loaded):
+        part = slice(max(loaded[0] - 1, 0), loaded[-1] + 2)
+        yield (state.points * mirror)[part], (state.normals * mirror)[part], values[part]
 
 
 def _view(rail: Floats, side: Side) -> Floats:

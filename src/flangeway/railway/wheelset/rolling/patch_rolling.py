@@ -90,30 +90,29 @@ def contact_in(
     materials = side.surfaces.rail_elastic.material, side.surfaces.wheel_elastic.material
     rows, strips = box_of(inside)
     if whole or not bodies:  # the ellipse of a patch that is none may be wider
-        size, last = rows.stop - rows.start, len(grid.cells)
+        size, last = rows.stop - rows.start, len(grid.widths)
         rows = slice(max(0, rows.start - size), min(last, rows.stop + size)) if whole else slice(0, last)
     if whole:
         strips = slice(0, inside.shape[1])
-    z = grid.z[strips]
-    cells = PatchGrid(np.append(grid.cells[rows, 0], grid.cells[rows.stop - 1, 1]), grid.strip, len(z), float(z.mean()))
+    z = grid.along[strips]
+    cells = PatchGrid(grid.bounds[rows.start : rows.stop + 1], grid.strip, len(z), float(z.mean()))
     forces = np.where(inside, normal, 0.0)[rows, strips]
-    areas = cells.widths[:, None] * grid.strip
     own = friction.of_rows(rows)
     if not bodies:
-        return RollingContact(cells, forces / areas, own, materials, np.zeros((0, 0, 0)), None, origin)
+        return RollingContact(cells, forces / cells.areas, own, materials, np.zeros((0, 0, 0)), None, origin)
     coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
-    return RollingContact(cells, forces / areas, own, materials, coefficients, None, origin)
+    return RollingContact(cells, forces / cells.areas, own, materials, coefficients, None, origin)
 
 
 def rows_of(state: SideNewton | SideState, contact: RollingContact) -> slice:
     """Rows of cells of a side that a patch's contact has."""
-    first = int(np.argmin(np.abs(state.grid.grid.cells[:, 0] - contact.grid.bounds[0])))
+    first = int(np.argmin(np.abs(state.grid.grid.bounds[:-1] - contact.grid.bounds[0])))
     return slice(first, first + len(contact.grid.widths))
 
 
 def strips_of(state: SideNewton | SideState, contact: RollingContact) -> slice:
     """Strips of a side that a patch's contact has."""
-    first = int(np.argmin(np.abs(state.grid.grid.z - contact.grid.along[0])))
+    first = int(np.argmin(np.abs(state.grid.grid.along - contact.grid.along[0])))
     return slice(first, first + contact.grid.n_strips)
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flangeway.contact.patch.contact_ellipse import separate_patches
+from flangeway.contact.patch.patch_grid import PatchGrid, separate_patches
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import Start, adjoint, roll
@@ -28,7 +28,7 @@ from flangeway.railway.wheelset.rolling.patch_rolling import (
     strips_of,
 )
 from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
-from flangeway.railway.wheelset.side_contact import SideGrid, SideState, WheelPose, tangents_of
+from flangeway.railway.wheelset.side_contact import SideState, WheelPose, tangents_of
 from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton, interpolated
 from flangeway.types import Bools, Floats
 
@@ -149,7 +149,7 @@ class WheelsetCreep:
             contact = self._contact(state, normal, inside, key)
             rows = rows_of(state, contact)
             # bodies of one material stretch alike under pressure: the wheel rolls on its undeformed radius
-            nearest = int(np.abs(state.grid.grid.z - contact.grid.along[0] + contact.places[1][0]).argmin())
+            nearest = int(np.abs(state.grid.grid.along - contact.grid.along[0] + contact.places[1][0]).argmin())
             points = state.gap.arms[:, nearest, :2] + np.array([state.pose.x, state.pose.y])
             motion = self.creepages(side, state.pose, self.rate_rad_s, (points[rows], state.normals[rows]), contact)
             patches.append(PatchCreep(inside, contact, self._forces(key, side, contact, motion), points))
@@ -205,7 +205,7 @@ class WheelsetCreep:
 
     def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
         """Resultants of the patches' forces at a pose."""
-        total, rows = np.zeros(N_RESULTANTS), np.zeros((len(state.grid.grid.cells), 2))
+        total, rows = np.zeros(N_RESULTANTS), np.zeros((len(state.grid.grid.widths), 2))
         raised = np.zeros(state.forces.shape)
         for _, contact, found, points in patches:
             cells, own = forces_on_cells(found, contact), rows_of(state, contact)
@@ -238,7 +238,7 @@ class WheelsetCreep:
                 weights.append(weight)
                 continue
             grid = newton.grid.grid
-            shapes = shapes_of((grid.stations, grid.z), normal, patch.inside)
+            shapes = shapes_of(grid.middles, normal, patch.inside)
             changed = self._changed(side, newton, normal, patch, shapes)
             columns += changed[:, : len(STEPS)]
             changes.append(changed[:, len(STEPS) :])
@@ -253,7 +253,7 @@ class WheelsetCreep:
         The adjoint problem of each number that is wanted of the forces of the rows has its derivatives by the rigid
         slip and the normal forces of all cells.
         """
-        contact, n = found.contact, len(newton.grid.grid.cells)
+        contact, n = found.contact, len(newton.grid.grid.widths)
         rows, strips = rows_of(newton, contact), strips_of(newton, contact)
         sizes, places, motions = self._moved(side, newton, patch)
         cells = forces_on_cells(found, contact)
@@ -370,11 +370,11 @@ def _forces_of_rows(
         yield rows, ahead + middle * rows[:, 0], found.moment - float(s @ rows[:, 1] - ahead.sum())
 
 
-def _moved(patch: PatchCreep, grid: SideGrid) -> Bools:
+def _moved(patch: PatchCreep, grid: PatchGrid) -> Bools:
     """Cells of another grid whose rows are in a patch."""
     rows, bounds = box_of(patch.contact.pressures > 0.0)[0], patch.contact.grid.bounds
     inside = (grid.stations > bounds[rows.start]) & (grid.stations < bounds[rows.stop])
-    return np.repeat(inside[:, None], len(grid.z), axis=1)
+    return np.repeat(inside[:, None], grid.n_strips, axis=1)
 
 
 def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
