@@ -6,7 +6,7 @@ import numpy as np
 
 from flangeway.checks import are_finite, is_finite
 from flangeway.errors import InputError, short
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 Scalar = float | Callable[[Floats], Floats]
 """A number, or a function of points (n, 2) with values (n,)."""
@@ -47,8 +47,8 @@ def vector_at(owner: str, value: Vector, points: Floats) -> Floats:
 
 def _at(owner: str, value: Scalar | Vector, points: Floats, shape: tuple[int, ...]) -> Floats:
     if not callable(value):
-        return np.broadcast_to(np.asarray(value, dtype=np.float64), shape)
-    values = np.asarray(value(points), dtype=np.float64)
+        return np.broadcast_to(floats(value), shape)
+    values = floats(value(points))
     if values.shape != shape:
         raise InputError(
             f"the function of {owner}: it gives shape {values.shape} for {len(points)} points",
