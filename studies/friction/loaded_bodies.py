@@ -28,7 +28,7 @@ from flangeway.contact import (
 from flangeway.contact.enforcement import Enforcement
 from flangeway.contact.pairs import Pairing
 from flangeway.elements import Element, Lagrange, Virtual
-from flangeway.geometry import Placement
+from flangeway.geometry import Placement, Point
 from flangeway.geometry.arrays import cross_product
 from flangeway.materials import Elastic, Hypothesis
 from flangeway.mesh import PolyMesh, rectangle_grid
@@ -43,7 +43,7 @@ from flangeway.problems import (
     TemperatureChange,
     Traction,
 )
-from flangeway.problems.body import Components, Point
+from flangeway.problems.body import Components
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Bools, Floats

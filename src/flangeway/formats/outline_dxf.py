@@ -84,18 +84,17 @@ def pieces_of(drawing: Any) -> tuple[list[list[DrawnSegment]], list[list[DrawnSe
 
 
 @contextmanager
-def damage_reported() -> Iterator[None]:
+def damage_reported(what: str = "a damaged drawing") -> Iterator[None]:
     """Turn what the library raises about damaged entities, of whatever kind, into an InputError."""
     from ezdxf.lldxf.const import DXFError  # noqa: PLC0415  (slow to import, and few programs read drawings)
 
+    faults = AttributeError, TypeError, ValueError, LookupError, ArithmeticError, AssertionError, OSError, DXFError
     try:
         # a doubled corner with a bulge has no centre; it is refused later
         with np.errstate(all="ignore"):
             yield
-    except (AttributeError, TypeError, ValueError, LookupError, ArithmeticError, AssertionError, DXFError) as reason:
-        raise InputError(
-            f"a damaged drawing: {reason}", "DXF without errors", "save the drawing as DXF again"
-        ) from reason
+    except faults as reason:
+        raise InputError(f"{what}: {reason}", "DXF without errors", "save the drawing as DXF again") from reason
 
 
 def unit_of(drawing: Any) -> str | None:
@@ -107,12 +106,9 @@ def unit_of(drawing: Any) -> str | None:
 def open_drawing(content: bytes) -> Any:
     """Return the ezdxf document of a file's bytes; an InputError if it is none or damaged."""
     from ezdxf import recover  # noqa: PLC0415  (slow to import, and few programs read drawings)
-    from ezdxf.lldxf.const import DXFError  # noqa: PLC0415
 
-    try:
+    with damage_reported("a file that is no DXF drawing"):
         drawing, auditor = recover.read(io.BytesIO(content))
-    except (OSError, ValueError, LookupError, TypeError, AttributeError, AssertionError, DXFError) as reason:
-        raise InputError(f"a file that is no DXF drawing: {reason}", "DXF", "save the drawing as DXF again") from reason
     if auditor.has_errors:
         raise InputError(
             f"a damaged drawing: {auditor.errors[0].message}", "DXF without errors", "save the drawing as DXF again"

@@ -13,11 +13,11 @@ import scipy.optimize
 import shapely
 from numpy.typing import ArrayLike
 
-from flangeway.checks import check_between, check_positive
+from flangeway.checks import check_between
 from flangeway.errors import InputError
 from flangeway.forms.assembled import stiffness
 from flangeway.forms.weak import Field, integrals, local_functions
-from flangeway.mesh.mesh_checks import set_numbers
+from flangeway.mesh.mesh_checks import positive_by_cells
 from flangeway.post.lines import locate
 from flangeway.post.section_constants import SectionConstants, section_constants
 from flangeway.solve.factor import Factor
@@ -68,10 +68,7 @@ class BeamSection:
 
     def _by_cells(self, name: str, given: ByCells) -> Floats:
         """Number of each cell, (n_cells,)."""
-        if not isinstance(given, Mapping):
-            return np.full(self.space.mesh.n_cells, check_positive("BeamSection", name, given))
-        values = [check_positive("BeamSection", f"{name} of {key}", value) for key, value in given.items()]
-        return np.array(values)[set_numbers(self.space.mesh, given, name)]
+        return positive_by_cells(self.space.mesh, "BeamSection", name, given)
 
     @cached_property
     def _moduli(self) -> Floats:
@@ -150,8 +147,7 @@ class BeamSection:
         """Shear areas along x and y and of both together, weighted by E, (3,); an infinite one where none couples."""
         kappa = self._functions[1]
         with np.errstate(divide="ignore"):
-            result: Floats = self._delta**2 / np.array([kappa[0, 0], kappa[1, 1], kappa[0, 1]])
-        return result
+            return self._delta**2 / np.array([kappa[0, 0], kappa[1, 1], kappa[0, 1]])
 
     def monosymmetry(self, angle: float = 0.0) -> tuple[float, float]:
         """``int E v (u^2 + v^2) / EI_uu - 2 v_s`` and the same with u and v exchanged, axes u, v turned by an angle."""

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from flangeway.checks import check_integer
 from flangeway.errors import InputError
-from flangeway.solve.factor import Factor, free_unknowns
+from flangeway.solve.factor import Factor
 from flangeway.types import Bools, Floats, Indices
 
 MAX_EIGEN_RESIDUAL = 1e-9
@@ -93,16 +93,13 @@ def modes(
         If a matrix is complex or not symmetric, or the mass not positive.
 
     """
-    m, free = _components(space, stiffness, fixed, number, "modes")
     shift = -EIGEN_SHIFT * stiffness.trace() / mass.trace()
-    factor = Factor(stiffness - shift * mass, fixed, m)
-    parts = [sp.csr_array(matrix)[free][:, free] for matrix in (stiffness, mass)]
-    inverse = LinearOperator(parts[0].shape, matvec=lambda x: factor.solve_free(np.ravel(x)), dtype=np.float64)
+    free, inverse, parts = _reduced(space, stiffness - shift * mass, (stiffness, mass), fixed, number, "modes")
     values, vectors = eigsh(
         parts[0], number, parts[1], sigma=shift, OPinv=inverse, v0=np.ones(len(parts[0].indptr) - 1)
     )
     _check_residuals(parts[0], parts[1], values, vectors)
-    return _sorted(values, vectors, free, space, m)
+    return _sorted(values, vectors, free, space)
 
 
 def buckling(
@@ -139,10 +136,8 @@ def buckling(
         If the stiffness is singular, a matrix complex or not symmetric, or fewer load factors are positive.
 
     """
-    m, free = _components(space, stiffness, fixed, number, "buckling")
-    factor = Factor(stiffness, fixed, m)
-    elastic, destabilising = (sp.csr_array(matrix)[free][:, free] for matrix in (stiffness, -1.0 * geometric))
-    inverse = LinearOperator(elastic.shape, matvec=lambda x: factor.solve_free(np.ravel(x)), dtype=np.float64)
+    given = stiffness, -1.0 * geometric
+    free, inverse, (elastic, destabilising) = _reduced(space, stiffness, given, fixed, number, "buckling")
     start = np.random.default_rng(0).standard_normal(elastic.shape[0])
     # -G u = mu K u with mu = 1 / lambda: the largest mu first
     inverse_factors, vectors = eigsh(destabilising, number, elastic, Minv=inverse, which="LA", v0=start)
@@ -153,17 +148,23 @@ def buckling(
             "check the sign of the load, or ask for fewer",
         )
     _check_residuals(destabilising, elastic, inverse_factors, vectors)
-    return _sorted(1.0 / inverse_factors, vectors, free, space, m)
+    return _sorted(1.0 / inverse_factors, vectors, free, space)
 
 
-def _components(
-    space: Unknowns, matrix: sp.sparray, fixed: Indices | Bools | None, number: int, where: str
-) -> tuple[int, Bools]:
-    """Number of components of the field, and which unknowns are free."""
-    m = matrix.shape[0] // space.n_dofs
-    free = free_unknowns(fixed, (space.n_dofs,) if m == 1 else (space.n_dofs, m))
-    check_integer(where, "number", number, 1, int(free.sum()) - 1)
-    return m, free
+def _reduced(
+    space: Unknowns,
+    factored: sp.sparray,
+    matrices: tuple[sp.sparray, sp.sparray],
+    fixed: Indices | Bools | None,
+    number: int,
+    where: str,
+) -> tuple[Bools, LinearOperator, list[sp.csr_array]]:
+    """Which unknowns are free, the inverse of a matrix on them, and matrices on them; checks the number of modes."""
+    factor = Factor(factored, fixed, factored.shape[0] // space.n_dofs)
+    check_integer(where, "number", number, 1, int(factor.free.sum()) - 1)
+    parts = [sp.csr_array(matrix)[factor.free][:, factor.free] for matrix in matrices]
+    inverse = LinearOperator(parts[0].shape, matvec=lambda x: factor.solve_free(np.ravel(x)), dtype=np.float64)
+    return factor.free, inverse, parts
 
 
 def _check_residuals(left: sp.csr_array, right: sp.csr_array, values: Floats, vectors: Floats) -> None:
@@ -178,8 +179,9 @@ def _check_residuals(left: sp.csr_array, right: sp.csr_array, values: Floats, ve
         )
 
 
-def _sorted(values: Floats, vectors: Floats, free: Bools, space: Unknowns, m: int) -> tuple[Floats, Floats]:
+def _sorted(values: Floats, vectors: Floats, free: Bools, space: Unknowns) -> tuple[Floats, Floats]:
     order = np.argsort(values)
     result = np.zeros((len(values), len(free)))
     result[:, free] = vectors[:, order].T
-    return values[order], result.reshape(len(values), space.n_dofs, *((m,) if m > 1 else ()))
+    shape = (space.n_dofs,) if len(free) == space.n_dofs else (space.n_dofs, -1)
+    return values[order], result.reshape(len(values), *shape)

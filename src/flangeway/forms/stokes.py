@@ -61,7 +61,7 @@ def _decomposition(degree: int) -> Floats:
     columns = np.arange(n_perp)
     perp[index(exponents(degree)[:n_perp] + np.array([0, 1])), columns] = 1.0
     perp[n + index(exponents(degree)[:n_perp] + np.array([1, 0])), columns] = -1.0
-    return np.asarray(np.linalg.inv(np.hstack((gradients, perp))))
+    return np.linalg.inv(np.hstack((gradients, perp)))
 
 
 def _flux(order: int, cells: Polygons) -> Floats:
@@ -91,20 +91,15 @@ def divergence_free(order: int, vertices: Floats) -> DivergenceFree:
     n_div, n_perp, n_values = n_low - 1, n_monomials(k - 3), 2 * n_b
     n_local = n_values + n_div + n_perp
 
-    def mass(rows: int, columns: int) -> Floats:
-        """Integrals of products of monomials of two degrees."""
-        powers = exponents(max(rows, columns))
-        left, right = powers[: n_monomials(rows)], powers[: n_monomials(columns)]
-        result: Floats = cells.moments[index(left[:, None] + right)]
-        return result
-
+    low_mass = monomials.mass(k - 1, cells.moments)
     flux = _flux(k, cells)
     divergence = np.zeros((n_low, n_local, n_cells))
     divergence[0, :n_values] = flux[:, :, 0].swapaxes(0, 1).reshape(n_values, n_cells)
     divergence[np.arange(1, n_low), n_values + np.arange(n_div)] = h
-    coefficients = batched.solve(mass(k - 1, k - 1), divergence)
+    coefficients = batched.solve(low_mass, divergence)
     # int v . grad m_a = -int div v m_a + int_boundary v . n m_a
-    on_gradients = -np.einsum("abe,bme->ame", mass(k + 1, k - 1), coefficients)
+    products = cells.moments[index(exponents(k + 1)[:, None] + exponents(k - 1))]
+    on_gradients = -np.einsum("abe,bme->ame", products, coefficients)
     on_gradients[:, :n_values] += flux.transpose(2, 1, 0, 3).reshape(-1, n_values, n_cells)
     on_perp = np.zeros((n_low, n_local, n_cells))
     on_perp[np.arange(n_perp), n_values + n_div + np.arange(n_perp)] = h
@@ -140,15 +135,15 @@ def divergence_free(order: int, vertices: Floats) -> DivergenceFree:
     ) * np.array([1.0, -1.0]).reshape(2, 1, 1, 1)
     monomials_on_perp = np.einsum("jie,jace->iace", frame.map, turned)
     on_perp[n_perp:] = np.einsum("iace,aime->cme", monomials_on_perp[:, :, n_perp:], polynomials)
-    value = batched.solve(mass(k, k), vector_moments(k).reshape(n_full, -1, n_cells))
+    value = batched.solve(monomials.mass(k, cells.moments), vector_moments(k).reshape(n_full, -1, n_cells))
 
-    dofs = _monomial_dofs(cells, monomials_on_perp[:, :, :n_perp], mass(k - 1, k - 1)[1:])
+    dofs = _monomial_dofs(cells, monomials_on_perp[:, :, :n_perp], low_mass[1:])
     missed = np.eye(n_local)[:, :, None] - np.einsum("nase,asme->nme", dofs, polynomials, optimize=True)
     return DivergenceFree(
         frame,
         cells.moments,
         divergence,
-        batched.solve(mass(k - 1, k - 1), gradient.reshape(n_low, -1, n_cells)).reshape(gradient.shape),
+        batched.solve(low_mass, gradient.reshape(n_low, -1, n_cells)).reshape(gradient.shape),
         value.reshape(n_full, 2, n_local, n_cells),
         batched.symmetric_product(missed, missed),
         dofs[:, 0],

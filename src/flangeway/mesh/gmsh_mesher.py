@@ -101,8 +101,35 @@ def gmsh_model(options: Mapping[str, float]) -> Iterator[Any]:
                 gmsh.model.setCurrent(current)
 
 
-def _generate(gmsh: Any) -> None:
-    """Make the plane mesh of the current model; an `InputError` with Gmsh's reason if it fails."""
+def _generate(gmsh: Any, kernel: Any, size: float, refinements: Sequence[Refinement]) -> None:
+    """Make the plane mesh of what a kernel has drawn; an `InputError` with Gmsh's reason if it fails.
+
+    The target size is Gmsh's background field. Gmsh's own distance to a cloud of points is a search tree in compiled
+    code, so that meshing never calls back into Python.
+    """
+    # one tree for all refinements that grow alike: the least of their distances is that to all points together
+    alike: dict[tuple[float, float], list[int]] = {}
+    for refinement in refinements:
+        tags = [kernel.addPoint(*point, 0.0) for point in refinement.seeds().tolist()]
+        if refinement.size < size:
+            alike.setdefault((refinement.size, refinement.growth), []).extend(tags)
+    kernel.synchronize()
+    field = gmsh.model.mesh.field
+    constant = field.add("MathEval")
+    field.setString(constant, "F", f"{size:.17g}")
+    parts = [constant]
+    for (fine, growth), tags in alike.items():
+        distance = field.add("Distance")
+        field.setNumbers(distance, "PointsList", tags)
+        near = field.add("Threshold")
+        reach = (size - fine) / growth
+        numbers = {"InField": distance, "SizeMin": fine, "SizeMax": size, "DistMin": 0.0, "DistMax": reach}
+        for name, value in numbers.items():
+            field.setNumber(near, name, value)
+        parts.append(near)
+    least = field.add("Min")
+    field.setNumbers(least, "FieldsList", parts)
+    field.setAsBackgroundMesh(least)
     try:
         gmsh.model.mesh.generate(2)
     except Exception as reason:
@@ -218,10 +245,7 @@ def _meshed(region: Region, size: float, refinements: Sequence[Refinement]) -> P
         surface = gmsh.model.geo.addPlaneSurface(
             [gmsh.model.geo.addCurveLoop([curve for curve, _ in loop]) for loop in loops]
         )
-        seeds = [[gmsh.model.geo.addPoint(*p, 0.0) for p in r.seeds().tolist()] for r in refinements]
-        gmsh.model.geo.synchronize()
-        _set_size_field(gmsh, size, refinements, seeds)
-        _generate(gmsh)
+        _generate(gmsh, gmsh.model.geo, size, refinements)
         return _of_region(gmsh, surface, region.loops, loops)
 
 
@@ -229,10 +253,7 @@ def _meshed_section(parts: dict[str, Region], size: float, refinements: Sequence
     section = Section(parts)
     with gmsh_model(OPTIONS) as gmsh:
         surfaces = _fragments(gmsh, section)
-        seeds = [[gmsh.model.occ.addPoint(*p, 0.0) for p in r.seeds().tolist()] for r in refinements]
-        gmsh.model.occ.synchronize()
-        _set_size_field(gmsh, size, refinements, seeds)
-        _generate(gmsh)
+        _generate(gmsh, gmsh.model.occ, size, refinements)
         return _of_section(gmsh, section, surfaces)
 
 
@@ -281,36 +302,6 @@ def _add_loop(kernel: Any, outline: Outline, **center: bool) -> list[tuple[int, 
             curve = kernel.addLine(start, end)
         curves.append((int(curve), number))
     return curves
-
-
-def _set_size_field(gmsh: Any, size: float, refinements: Sequence[Refinement], seeds: Sequence[Sequence[int]]) -> None:
-    """Make the target size Gmsh's background field.
-
-    Gmsh's own distance to a cloud of points is a search tree in compiled code, so that meshing
-    never calls back into Python.
-    """
-    field = gmsh.model.mesh.field
-    constant = field.add("MathEval")
-    field.setString(constant, "F", f"{size:.17g}")
-    parts = [constant]
-    # one tree for all refinements that grow alike: the least of their distances is that to all points together
-    alike: dict[tuple[float, float], list[int]] = {}
-    for refinement, tags in zip(refinements, seeds, strict=True):
-        if refinement.size < size:
-            alike.setdefault((refinement.size, refinement.growth), []).extend(tags)
-    for (fine, growth), tags in alike.items():
-        distance = field.add("Distance")
-        field.setNumbers(distance, "PointsList", tags)
-        near = field.add("Threshold")
-        field.setNumber(near, "InField", distance)
-        field.setNumber(near, "SizeMin", fine)
-        field.setNumber(near, "SizeMax", size)
-        field.setNumber(near, "DistMin", 0.0)
-        field.setNumber(near, "DistMax", (size - fine) / growth)
-        parts.append(near)
-    least = field.add("Min")
-    field.setNumbers(least, "FieldsList", parts)
-    field.setAsBackgroundMesh(least)
 
 
 def _triangles(gmsh: Any, surfaces: Sequence[int]) -> tuple[Ints, Floats, IntArray, list[int]]:

@@ -1,11 +1,12 @@
 """Checks of a mesh's geometry, each with a message that names the place."""
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from weakref import WeakSet
 
 import numpy as np
 import shapely
 
+from flangeway.checks import check_positive
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, norms, point_text
 from flangeway.mesh.connectivity import edge_places, first_connected, places_among, row_numbers
@@ -13,7 +14,7 @@ from flangeway.mesh.curved import as_polylines
 from flangeway.mesh.insertion import corners_added
 from flangeway.mesh.meeting import TOUCHING, Meeting, meeting, touching_distance
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.types import Bools, Indices, Ints
+from flangeway.types import Bools, Floats, Indices, Ints
 
 FLAT = 1e-14  # area of a cell over the sum of its squared distances from its middle, up to which it counts as flat
 
@@ -372,6 +373,17 @@ def check_curved_cells(mesh: PolyMesh, cells: Indices, order: int) -> None:
             "arcs and splines that stay inside the cells beside them",
             "refine the mesh at the curve, or take mesh.straight()",
         ) from error
+
+
+def positive_by_cells(mesh: PolyMesh, owner: str, name: str, given: float | Mapping[str, float]) -> Floats:
+    """Return the positive number of each cell, (n_cells,): the same for all, or by named cell sets, see `set_numbers`.
+
+    - `owner`, `name`: the class or function and its argument, for the `InputError` of another number.
+    """
+    if not isinstance(given, Mapping):
+        return np.full(mesh.n_cells, check_positive(owner, name, given))
+    values = [check_positive(owner, f"{name} of {key}", value) for key, value in given.items()]
+    return np.array(values)[set_numbers(mesh, given, name.replace("_", " "))]
 
 
 def set_numbers(mesh: PolyMesh, names: Iterable[str], what: str) -> Ints:

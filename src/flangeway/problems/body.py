@@ -13,7 +13,7 @@ from flangeway.checks import check_positive
 from flangeway.elements import Element
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import IntArray
+from flangeway.geometry.arrays import IntArray, Point
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.problems.elasticity_problem import Elasticity
@@ -23,7 +23,6 @@ from flangeway.problems.supports import Spring
 from flangeway.space import CondensedMatrix, DifferenceProduct, Space, SymmetricMatrix
 from flangeway.types import Bools, Floats, Indices
 
-Point = tuple[float, float]
 Components = Literal["x", "y", "xy"]
 
 SPRING_HOLDS = 1e-12

@@ -352,7 +352,7 @@ class Elasticity:
         local = displacement.reshape(-1, 2)[batch.dofs]
         derivatives = np.einsum("pame,mei->iape", strains.coefficients, local)
         strain = np.einsum("sia,iape->spe", STRAINS[..., : derivatives.shape[1]], derivatives)
-        stress = np.einsum("ste,tae->sae", np.broadcast_to(self.matrices(batch), (4, 4, len(batch.cells))), strain)
+        stress = np.einsum("ste,tae->sae", self.matrices(batch), strain)
         if self.thermal_loads:
             moments = self.cell_temperature(batch, reconstruction, self.thermal_loads)
             temperature = batched.solve(strains.mass, moments[:, None])[:, 0]

@@ -17,14 +17,13 @@ from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, batched, missed_mass, monomials
 from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import Point
 from flangeway.problems.edges import EdgeQuadrature, edge_quadrature, entries_between
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.problems.prescribed import Scalar, check_scalar, scalar_at
 from flangeway.problems.strains import StrainOperators, add_consistency, strain_operators
 from flangeway.space import CellBatch, SymmetricMatrix
 from flangeway.types import Bools, Floats, Ints
-
-Point = tuple[float, float]
 
 NAMES = ("xx", "yy", "zz", "xy", "yz", "xz")
 """Components of stress and strain; in a body of revolution z is the direction around the axis."""
@@ -351,5 +350,4 @@ class Harmonic:
         # e_sp = sum over amplitudes i, slots a and unknowns m of B_sia c_pam u_mi
         local = amplitudes[..., batch.dofs, :]
         strain = np.einsum("sia,pame,...mei->...spe", b0 + wavenumber * b1, coefficients, local, optimize=True)
-        matrices = np.broadcast_to(self.matrices(batch), (6, 6, len(batch.cells)))
-        return reconstruction, np.einsum("ste,...tpe->...spe", matrices, strain)
+        return reconstruction, np.einsum("ste,...tpe->...spe", self.matrices(batch), strain)

@@ -13,13 +13,12 @@ import numpy as np
 
 from flangeway.elements import Reconstruction, polygon_quadrature
 from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import Point
 from flangeway.materials import Material
 from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.prescribed import Scalar, Vector, check_scalar, check_vector, scalar_at, vector_at
 from flangeway.space import CellBatch, Space
 from flangeway.types import Bools, Floats, Ints
-
-Point = tuple[float, float]
 
 
 class LoadedProblem(Protocol):

@@ -5,7 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from flangeway.checks import are_finite, is_finite
-from flangeway.errors import InputError, short
+from flangeway.errors import InputError, located, short
+from flangeway.space.functions import at_points
 from flangeway.types import Floats, floats
 
 Scalar = float | Callable[[Floats], Floats]
@@ -48,18 +49,12 @@ def vector_at(owner: str, value: Vector, points: Floats) -> Floats:
 def _at(owner: str, value: Scalar | Vector, points: Floats, shape: tuple[int, ...]) -> Floats:
     if not callable(value):
         return np.broadcast_to(floats(value), shape)
-    values = floats(value(points))
-    if values.shape != shape:
-        raise InputError(
-            f"the function of {owner}: it gives shape {values.shape} for {len(points)} points",
-            f"shape {shape}",
-            "write it for points of shape (n, 2)",
-        )
-    if not np.isfinite(values).all():
-        row = int(np.argmax(~np.isfinite(values.reshape(len(points), -1)).all(axis=1)))
-        raise InputError(
-            f"the function of {owner}: it is not finite at ({points[row, 0]:g}, {points[row, 1]:g})",
-            "finite numbers wherever it acts",
-            "check the function there",
-        )
+    with located(f"{owner}: "):
+        values = at_points(value, points.T).T
+        if values.shape != shape:
+            raise InputError(
+                f"a function that gives shape {values.shape} for {len(points)} points",
+                f"shape {shape}",
+                "write it for points of shape (n, 2)",
+            )
     return values

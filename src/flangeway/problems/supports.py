@@ -6,10 +6,9 @@ import numpy as np
 
 from flangeway.checks import are_finite, check_finite, is_finite
 from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import Point
 from flangeway.problems.prescribed import Scalar, check_scalar, check_vector
 from flangeway.types import Floats
-
-Point = tuple[float, float]
 
 
 def _check_place(owner: str, where: str | Point) -> None:

@@ -12,14 +12,13 @@ from typing import Literal
 
 import numpy as np
 
-from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import edge_rule
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray
 from flangeway.mesh.connectivity import first_connected, next_in_row
-from flangeway.mesh.mesh_checks import set_numbers
+from flangeway.mesh.mesh_checks import positive_by_cells
 from flangeway.problems.edges import edge_quadrature
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 from flangeway.types import Floats, floats
@@ -108,12 +107,7 @@ class Torsion:
     @cached_property
     def cell_moduli(self) -> Floats:
         """Shear modulus of each cell, shape (n_cells,)."""
-        mesh, given = self.space.mesh, self.shear_modulus
-        if isinstance(given, Mapping):
-            values = [check_positive(f"Torsion, cell set {name!r}", "shear_modulus", given[name]) for name in given]
-            moduli = np.array(values)[set_numbers(mesh, given, "shear modulus")]
-        else:
-            moduli = np.full(mesh.n_cells, check_positive("Torsion", "shear_modulus", given))
+        moduli = positive_by_cells(self.space.mesh, "Torsion", "shear_modulus", self.shear_modulus)
         moduli.setflags(write=False)
         return moduli
 
