@@ -203,13 +203,14 @@ class WornSurface:
         """The profile with the worn surface for contact and in its body: its compliance is made anew."""
         if not self.depth.any():
             return self.new
-        names = self.new.head_names if isinstance(self.new, RailProfile) else self.new.running_names
-        drawn = self.new.outline.part(names)
+        drawn = self.new.outline.part(self.new.running_names)
         # the drawn surface and the one of contact have lengths that differ by round-off and tolerances of drawing
         scale = self.surface.length / drawn.offsets[-1]
         part = self._worn_contour(drawn, drawn.offsets * scale, BODY_TOLERANCE_MM)
         rest = [
-            pair for pair in zip(self.new.outline.segments, self.new.outline.names, strict=True) if pair[1] not in names
+            pair
+            for pair in zip(self.new.outline.segments, self.new.outline.names, strict=True)
+            if pair[1] not in drawn.names
         ]
         first = next(i for i, (each, _) in enumerate(rest) if np.allclose(each.start, part.segments[-1].end))
         chain = [*zip(part.segments, part.names, strict=True), *rest[first:], *rest[:first]]
