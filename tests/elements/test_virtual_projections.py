@@ -102,15 +102,6 @@ def test_gram_matrix_of_order_1_is_the_published_one():
     assert pytest.approx(published, abs=1e-15) == cell_matrices(PENTAGON, 1).G
 
 
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
-def test_gram_matrix_is_the_product_and_projectors_are_idempotent(order):
-    """G = B D, and both projectors leave their own images alone."""
-    cell = cell_matrices(PENTAGON, order)
-    assert pytest.approx(cell.B @ cell.D, abs=1e-13) == cell.G
-    for projector in (cell.pi_nabla, cell.pi_zero):
-        assert projector @ projector == pytest.approx(projector, abs=1e-9)
-
-
 TRIANGLE = np.array([[0.3, 0.1], [2.0, 0.4], [0.9, 1.7]])
 
 

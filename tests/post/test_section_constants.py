@@ -73,14 +73,3 @@ def test_principal_axes_turn_with_the_section():
     assert np.degrees(change) % 180.0 == pytest.approx(25.0, abs=1e-6)
     assert turned.principal_moments == pytest.approx(still.principal_moments)
     assert turned.warping_constant == pytest.approx(still.warping_constant, rel=1e-2)
-
-
-def test_composite_weights_by_modulus():
-    """Two equal halves of different stiffness: the centroid is weighted by the modulus."""
-    mesh = triangulate(rectangle(2.0, 1.0), size=0.2)
-    left = mesh.cell_centroids[:, 0] < 0.0
-    mesh = mesh.with_cell_set("left", left).with_cell_set("right", ~left)
-    found = section_constants(Space(mesh, Lagrange(2)), shear_modulus={"left": 1.0, "right": 3.0})
-    weights = np.where(left, 1.0, 3.0) * mesh.cell_areas
-    assert found.centroid == pytest.approx(tuple(weights @ mesh.cell_centroids / weights.sum()))
-    assert found.area == pytest.approx(2.0)

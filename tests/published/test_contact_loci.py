@@ -10,8 +10,6 @@ up to 24 mm wide where the profiles conform; yaw grows by 2.4 mrad per mm of lat
 has one point and no yaw.
 """
 
-import math
-
 import numpy as np
 import pytest
 
@@ -60,19 +58,6 @@ def locus(benchmark):
     return benchmark.locus(BOTH)
 
 
-def overlap(benchmark, locus, number, approach):
-    """First and last x on the right rail where the wheel, let down by an approach, is below the rail's surface."""
-    side = benchmark.right
-    points = side.wheel.at(np.linspace(0.0, side.wheel.length, 50_001))
-    roll, lateral = float(locus.roll_rad[number]), float(locus.lateral_mm[number])
-    height = float(locus.vertical_mm[number]) + benchmark.reference_height_mm - approach
-    x = lateral + math.cos(roll) * points.x - math.sin(roll) * points.y
-    y = height + math.sin(roll) * points.x + math.cos(roll) * points.y
-    over = (x > side.rail.joints[0]) & (x < side.rail.joints[-1])
-    below = x[over][y[over] < side.rail.over(x[over]).y]
-    return below.min(), below.max()
-
-
 def test_contact_points_over_lateral_motion(locus):
     """From -7 to 7 mm the points on the right rail agree to 0.27 mm where it runs on the tread, 0.6 mm at the flange.
 
@@ -86,11 +71,6 @@ def test_contact_points_over_lateral_motion(locus):
     assert np.abs(difference[BOTH >= 5.5]).max() < 0.12
     # beside the jump at the middle the weighted middle of a wide overlap is elsewhere than its deepest point
     assert abs(difference[list(BOTH).index(-0.5)]) < 0.5
-
-
-def test_both_rails_mirror_each_other(locus):
-    """The left rail at a lateral motion has the mirrored contact of the right one at the opposite motion."""
-    assert locus.left.points_mm[:, 0, 0] == pytest.approx(-locus.right.points_mm[::-1, 0, 0], abs=1e-6)
 
 
 def test_contact_angles(locus):

@@ -285,19 +285,6 @@ def test_a_table_beyond_its_tolerance_ends_with_status_1(known, call, tmp_path, 
     assert (status, err) == (1, "")
 
 
-def test_an_interruption_leaves_nothing(call, tmp_path, monkeypatch):
-    """Ctrl-C ends with status 130, without a file."""
-
-    def interrupt(task):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(table_build, "compute_position", interrupt)
-    status, _, err = call(*COMMAND, "--out", "made")
-    assert status == 130
-    assert "interrupted; positions that are done are kept in the cache" in err
-    assert not (tmp_path / "made").exists()
-
-
 def test_axes_are_ranges_or_lists():
     assert values_of("-1:1:0.5", "--lateral") == [-1.0, -0.5, 0.0, 0.5, 1.0]
     assert values_of("150,200", "--load") == [150.0, 200.0]

@@ -91,8 +91,7 @@ def half_space_blocks(
     def integrated(primitive: Primitive, *, swapped: bool) -> Floats:
         corners = np.diff(primitive(z, x, r) if swapped else primitive(x, z, r), n=2, axis=0)
         corners = np.diff(np.diff(corners[:, places.reshape(apart.shape)], axis=1), axis=2)
-        found: Floats = -corners / over
-        return found
+        return -corners / over
 
     xx_zz = integrated(square, swapped=True), integrated(square, swapped=False)  # of x^2 / r^3 and z^2 / r^3
     inverse = (1.0 - poisson) * (xx_zz[0] + xx_zz[1])

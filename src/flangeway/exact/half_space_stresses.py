@@ -58,8 +58,7 @@ def half_space_stresses(
                 found += _by_shear(a, b, depth, poisson) @ loads[:, 1]
                 found += _by_shear(b, a, depth, poisson)[[2, 1, 0, 4, 3, 5]] @ loads[:, 2]
             total += sign_x * sign_z * found.T
-    result: Floats = total / (2.0 * np.pi)
-    return result
+    return total / (2.0 * np.pi)
 
 
 def half_space_field(loads: Floats, cell: tuple[float, float], depths: Floats, poisson: float, margin: int) -> Floats:
@@ -105,7 +104,7 @@ def half_space_field(loads: Floats, cell: tuple[float, float], depths: Floats, p
         for number, kernel in enumerate(corners)
     )
     field = scipy.fft.irfft2(total, shape)[..., n - 1 : 2 * (n + margin) - 1, m - 1 : 2 * (m + margin) - 1]
-    return np.asarray(field / (2.0 * np.pi))
+    return field / (2.0 * np.pi)
 
 
 def _by_pressure(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:

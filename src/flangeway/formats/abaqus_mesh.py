@@ -1,6 +1,7 @@
 """Plane meshes from Abaqus input files."""
 
 import re
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -79,9 +80,9 @@ class _Model:
     nodes: dict[int, list[float]] = field(default_factory=dict)
     cells: dict[int, list[int]] = field(default_factory=dict)
     lines: dict[int, list[int]] = field(default_factory=dict)
-    node_sets: dict[str, list[int]] = field(default_factory=dict)
-    element_sets: dict[str, list[int]] = field(default_factory=dict)
-    surfaces: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
+    node_sets: defaultdict[str, list[int]] = field(default_factory=lambda: defaultdict(list))
+    element_sets: defaultdict[str, list[int]] = field(default_factory=lambda: defaultdict(list))
+    surfaces: defaultdict[str, list[tuple[str, str]]] = field(default_factory=lambda: defaultdict(list))
     notices: list[str] = field(default_factory=list)
     middles: list[int] = field(default_factory=list)
     n_instances: int = 0
@@ -146,7 +147,7 @@ def _take(model: _Model, block: _Block) -> None:
             elements = _members(model.element_sets, replace(block, rows=[(block.parameters["ELSET"],)]))
             of_element = model.cells | model.lines
             found = [node for each in elements for node in of_element.get(each, ())]
-        sets.setdefault(name, []).extend(found)
+        sets[name] += found
     elif block.keyword == "SURFACE":
         _take_surface(model, block)
     else:
@@ -182,7 +183,7 @@ def _take_nodes(model: _Model, block: _Block) -> None:
             )
         model.nodes[number] = [*coordinates, 0.0][:3]
         if "NSET" in block.parameters:
-            model.node_sets.setdefault(block.parameters["NSET"], []).append(number)
+            model.node_sets[block.parameters["NSET"]].append(number)
 
 
 def _take_elements(model: _Model, block: _Block) -> None:
@@ -211,7 +212,7 @@ def _take_elements(model: _Model, block: _Block) -> None:
             raise InputError(f"{block.place}: element {number} for the second time", "each number once", "repair it")
         (model.cells if plane else model.lines)[number] = corners
         if "ELSET" in block.parameters:
-            model.element_sets.setdefault(block.parameters["ELSET"], []).append(number)
+            model.element_sets[block.parameters["ELSET"]].append(number)
 
 
 def _members(sets: dict[str, list[int]], block: _Block) -> list[int]:
@@ -242,11 +243,11 @@ def _take_surface(model: _Model, block: _Block) -> None:
         for row in block.rows:
             word = row[0].rpartition(".")[2]
             found = [int(word)] if word.isdigit() else model.node_sets.get(word, [])
-            model.node_sets.setdefault(name, []).extend(found)
+            model.node_sets[name] += found
     elif kind == "ELEMENT":
-        model.surfaces.setdefault(name, []).extend(
+        model.surfaces[name] += [
             (row[0].rpartition(".")[2], row[1].upper() if len(row) > 1 else "") for row in block.rows
-        )
+        ]
     else:
         model.notices.append(f"Surface '{name}' of type {kind} left out.")
 

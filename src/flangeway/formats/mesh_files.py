@@ -254,8 +254,8 @@ def write_vtu(
         mesh = mesh.apart()
     batches = mesh.batches()
     blocks = [("triangle" if n == 3 else "polygon", mesh.batch_points(n, cells)) for n, cells in batches]
-    values = {name: [array[cells] for _, cells in batches] for name, array in at_cells.items()}
-    _write_blocks(path, space, blocks, at_points, values)
+    order = np.concatenate([cells for _, cells in batches])
+    _write_blocks(path, space, blocks, at_points, {name: array[order] for name, array in at_cells.items()})
 
 
 def _between(mesh: PolyMesh, values: NDArray[Any], *, at_entries: bool) -> NDArray[Any]:
@@ -298,15 +298,9 @@ def write_vtu_lines(
         Number of the body of all lines, or of each, shape (n_lines,).
 
     """
-    ends, space = np.asarray(lines), np.asarray(points)
-    at_cells = _at_cells({}, len(ends), "lines", body_id)
-    _write_blocks(
-        path,
-        _checked({"points": space}, len(space), "points")["points"],
-        [("line", ends)] if len(ends) else [],
-        _checked(point_data, len(space), "points"),
-        {name: [array] for name, array in at_cells.items()} if len(ends) else {},
-    )
+    ends = np.asarray(lines)
+    blocks = [("line", ends)] if len(ends) else []
+    _write_blocks(path, np.asarray(points), blocks, point_data, _at_cells({}, len(ends), "lines", body_id))
 
 
 def write_vtu_grids(
@@ -342,8 +336,8 @@ def write_vtu_grids(
         name: np.concatenate([np.reshape(part, (-1, *np.shape(part)[3:])) for part in parts])
         for name, parts in point_data.items()
     }
-    at_cells = {name: [array] for name, array in _at_cells({}, len(hexahedra), "cells", body_id).items()}
-    _write_blocks(path, space, [("hexahedron", hexahedra)], _checked(arrays, len(space), "points"), at_cells)
+    at_cells = _at_cells({}, len(hexahedra), "cells", body_id)
+    _write_blocks(path, space, [("hexahedron", hexahedra)], arrays, at_cells)
 
 
 def _at_cells(data: Mapping[str, ArrayLike], n: int, where: str, body_id: ArrayLike) -> dict[str, NDArray[Any]]:
@@ -355,20 +349,22 @@ def _write_blocks(
     path: str | Path,
     points: NDArray[Any],
     blocks: list[tuple[str, NDArray[Any]]],
-    point_data: Mapping[str, NDArray[Any]],
-    cell_data: Mapping[str, list[NDArray[Any]]],
+    point_data: Mapping[str, ArrayLike],
+    cell_data: Mapping[str, NDArray[Any]],
 ) -> None:
+    """Write points, blocks of cells of one kind, and arrays at the points and at the cells, in the order of these."""
     file = Path(path)
     if file.suffix != ".vtu":
         raise InputError(f"path {file}", "a name that ends with .vtu", "rename the file")
-    parts = {"Points": {"Points": points}, "PointData": point_data}
+    n = len(points)
+    parts = {"Points": _checked({"Points": points}, n, "points"), "PointData": _checked(point_data, n, "points")}
     if blocks:
         parts["Cells"] = {
             "connectivity": np.concatenate([cells.ravel() for _, cells in blocks]),
             "offsets": np.cumsum(np.concatenate([np.full(len(cells), cells.shape[1]) for _, cells in blocks])),
             "types": np.concatenate([np.full(len(cells), _VTK_TYPES[kind], dtype=np.uint8) for kind, cells in blocks]),
         }
-        parts["CellData"] = {name: np.concatenate(arrays) for name, arrays in cell_data.items()}
+        parts["CellData"] = dict(cell_data)
     text = "".join(
         f"<{part}>{''.join(_vtu_array(*item) for item in arrays.items())}</{part}>" for part, arrays in parts.items()
     )
@@ -376,7 +372,7 @@ def _write_blocks(
     file.write_text(
         '<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian" '
         'compressor="vtkZLibDataCompressor"><UnstructuredGrid>'
-        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{n_cells}">{text}</Piece>'
+        f'<Piece NumberOfPoints="{n}" NumberOfCells="{n_cells}">{text}</Piece>'
         "</UnstructuredGrid></VTKFile>\n",
         encoding="ascii",
     )

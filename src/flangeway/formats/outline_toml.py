@@ -1,12 +1,12 @@
 """Sections from TOML, the format to write by hand; `docs/tutorials/section.md` explains it with an example."""
 
 import difflib
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from flangeway.checks import is_finite
 from flangeway.errors import InputError, located, short
 from flangeway.formats.drawn_section import (
     DrawnSection,
@@ -195,13 +195,9 @@ def _name(value: Any, what: str) -> str:
 
 
 def _number(value: Any, what: str) -> float:
-    try:
-        number = math.nan if isinstance(value, bool) or not isinstance(value, int | float) else float(value)
-    except OverflowError:  # an integer of hundreds of digits
-        number = math.inf
-    if not math.isfinite(number):
+    if not is_finite(value):
         raise InputError(f"{what} is {'missing' if value is None else short(value)}", "a finite number", "correct it")
-    return number
+    return float(value)
 
 
 def _point(value: Any, what: str) -> Point:

@@ -147,8 +147,7 @@ class BeamSection:
         """Shear areas along x and y and of both together, weighted by E, (3,); an infinite one where none couples."""
         kappa = self._functions[1]
         with np.errstate(divide="ignore"):
-            result: Floats = self._delta**2 / np.array([kappa[0, 0], kappa[1, 1], kappa[0, 1]])
-        return result
+            return self._delta**2 / np.array([kappa[0, 0], kappa[1, 1], kappa[0, 1]])
 
     def monosymmetry(self, angle: float = 0.0) -> tuple[float, float]:
         """``int E v (u^2 + v^2) / EI_uu - 2 v_s`` and the same with u and v exchanged, axes u, v turned by an angle."""

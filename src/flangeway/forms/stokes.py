@@ -61,7 +61,7 @@ def _decomposition(degree: int) -> Floats:
     columns = np.arange(n_perp)
     perp[index(exponents(degree)[:n_perp] + np.array([0, 1])), columns] = 1.0
     perp[n + index(exponents(degree)[:n_perp] + np.array([1, 0])), columns] = -1.0
-    return np.asarray(np.linalg.inv(np.hstack((gradients, perp))))
+    return np.linalg.inv(np.hstack((gradients, perp)))
 
 
 def _flux(order: int, cells: Polygons) -> Floats:

@@ -180,7 +180,7 @@ def _point_values(jets: Values, scalar: bool) -> PointValues:
 
 def between(left: Floats, matrices: Any, right: Floats) -> Any:
     """``L^T A R`` of each cell: functions' coefficients (p, n, n_cells), matrices (p, p, n_cells)."""
-    return np.asarray(np.einsum("pme,pne->mne", left, np.einsum("pqe,qne->pne", matrices, right)))
+    return np.einsum("pme,pne->mne", left, np.einsum("pqe,qne->pne", matrices, right))
 
 
 def value_products(reconstruction: Reconstruction) -> Floats:

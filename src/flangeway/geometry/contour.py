@@ -114,6 +114,11 @@ class Contour:
         """Number of segments."""
         return len(self.segments)
 
+    @property
+    def by_name(self) -> dict[str, Segment]:
+        """Segments by their names; of several of one name the last."""
+        return dict(zip(self.names, self.segments, strict=True))
+
     @cached_property
     def size(self) -> float:
         """Diagonal of the bounding box."""
@@ -230,8 +235,7 @@ class Contour:
     def lengths_at(self, points: ArrayLike) -> Floats:
         """Return the lengths along the chain (n,) of its points closest to points (n, 2)."""
         numbers, parameters, _ = self.closest(points)
-        lengths: Floats = self.offsets[numbers] + parameters * np.diff(self.offsets)[numbers]
-        return lengths
+        return self.offsets[numbers] + parameters * np.diff(self.offsets)[numbers]
 
     @cached_property
     def _reach(self) -> tuple[Floats, Floats]:

@@ -16,7 +16,7 @@ import shapely
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import Point, angles_of, as_point, as_points, cross_product
+from flangeway.geometry.arrays import Point, angles_of, as_point, as_points, cross_product, turned_right
 from flangeway.geometry.placement import Placement
 from flangeway.types import Floats, Ints
 
@@ -33,11 +33,6 @@ def _fixed(rows: list[list[float]]) -> Floats:
     array = np.array(rows)
     array.flags.writeable = False
     return array
-
-
-def _right_of(tangents: Floats) -> Floats:
-    """Return the vectors (n, 2) turned clockwise by a right angle."""
-    return np.column_stack([tangents[:, 1], -tangents[:, 0]])
 
 
 def _cut_parameters(parameters: ArrayLike) -> list[float]:
@@ -99,7 +94,7 @@ class Line:
 
     def normal(self, s: ArrayLike) -> Floats:
         """Return the unit normals (n, 2), right of the direction of travel."""
-        return _right_of(self.tangent(s))
+        return turned_right(self.tangent(s))
 
     def reversed(self) -> "Line":
         """Return the same segment travelled backwards."""
@@ -227,7 +222,7 @@ class Arc:
 
     def tangent(self, s: ArrayLike) -> Floats:
         """Return the unit tangents (n, 2) in the direction of travel."""
-        return -_right_of(self.normal(s))
+        return -turned_right(self.normal(s))
 
     def normal(self, s: ArrayLike) -> Floats:
         """Return the unit normals (n, 2), right of the direction of travel."""

@@ -216,10 +216,8 @@ class LiveEngine:
 def _geometry(case: SpatialWheelsetCase) -> dict[str, Any]:
     track, wheelset = case.track(), case.wheelset()
     rigid = RigidGeometry.of(track, wheelset, 1e-3 * case.yaw_mrad)
-    low, high = rigid.limits(LATERAL_MM)
-    first, last = np.ceil(max(low, -LATERAL_MM) / STEP_MM), np.floor(min(high, LATERAL_MM) / STEP_MM)
-    lateral = STEP_MM * np.arange(first, last + 1.0)
-    locus = rigid.locus(lateral)
+    locus = rigid.scanned(LATERAL_MM, STEP_MM)
+    lateral = np.round(locus.lateral_mm, 9)
     reach = min(-lateral[0], lateral[-1])
     amplitudes = AMPLITUDES_MM[reach > AMPLITUDES_MM]
     conicity = equivalent_conicity(RollingRadiusDifference.of(locus), amplitudes) if len(amplitudes) else amplitudes

@@ -149,12 +149,9 @@ def _no_body(what: str, start: Point, end: Point) -> InputError:
 def _crossings(solution: ElasticField, first: Floats, along: Floats) -> Floats:
     """Shares of the line at its ends and where it meets edges, rising."""
     mesh = as_polylines(solution.problem.space.mesh, PIECES)
-    a, b = (mesh.points[mesh.edges[:, side]] - first for side in (0, 1))
-    side_a, side_b = (p[:, 1] * along[0] - p[:, 0] * along[1] for p in (a, b))
-    meets = (side_a * side_b <= 0.0) & (side_a != side_b)
-    a, b, side_a, side_b = a[meets], b[meets], side_a[meets], side_b[meets]
-    at = a + (side_a / (side_a - side_b))[:, None] * (b - a)
-    shares = at @ along / (along @ along)
+    edges, line = shapely.linestrings(mesh.points[mesh.edges]), shapely.LineString((first, first + along))
+    met = shapely.intersection(edges[shapely.intersects(edges, line)], line)
+    shares = (shapely.get_coordinates(met) - first) @ along / (along @ along)
     shares = np.sort(np.concatenate(([0.0, 1.0], shares[(shares > 0.0) & (shares < 1.0)])))
     kept = np.concatenate(([True], np.diff(shares) > 1e-12))
     kept[-1] = True

@@ -28,6 +28,12 @@ NEAR = 3.0
 """Distance of a node from an edge, over its length, within which it shows the side of the body."""
 
 
+def _directed(edges: Any, pairs: Indices, rows: Ints) -> Any:
+    """Rows of edges (m, n_nodes) from the first to the second of pairs (n, 2) of their ends, (n, n_nodes)."""
+    chosen = edges[rows]
+    return np.where(chosen[:, :1] == pairs[:, :1], chosen, chosen[:, ::-1])
+
+
 @dataclass(frozen=True, eq=False)
 class StiffnessBody(LinearBody):
     """A plane body or one of revolution, given by its stiffness matrix; stresses are not known here.
@@ -246,10 +252,7 @@ class StiffnessBody(LinearBody):
                 f"an edge of one of its surfaces: {', '.join(self.surfaces)}",
                 "take body.edge_sets[name], or rows of it",
             )
-        edges = self._edges[found]
-        turned = edges[:, 0] != pairs[:, 0]
-        edges[turned] = edges[turned, ::-1]
-        return edges
+        return _directed(self._edges, pairs, found)
 
     @cached_property
     def _chains(self) -> dict[str, IntArray]:
@@ -301,25 +304,22 @@ class StiffnessBody(LinearBody):
             apart = np.linalg.norm(self.nodes[edges][:, :, None] - self.nodes[edges][:, None], axis=-1).sum(axis=-1)
             around = (apart.argmin(axis=1)[:, None] + np.arange(-1, 2)) % 3
             edges = np.take_along_axis(edges, around, axis=1)
-        ends, counts = np.unique(edges[:, [0, -1]], return_counts=True)
-        left = {tuple(edge): None for edge in edges.tolist()}
-        at = int(ends[counts.argmin()])  # a loose end, if there is one
-        line = [at]
-        while left and (edge := next((each for each in left if at in (each[0], each[-1])), None)):
-            del left[edge]
-            edge = edge if edge[0] == at else edge[::-1]
-            line += edge[1:]
-            at = edge[-1]
-        if left or counts.max() > 2:
-            what, node = ("branch", int(ends[counts.argmax()])) if counts.max() > 2 else ("have a gap", at)
+        ends, numbers, counts = np.unique(edges[:, [0, -1]], return_inverse=True, return_counts=True)
+        links = sp.coo_array((np.ones(len(edges)), numbers.reshape(-1, 2).T), shape=(len(ends), len(ends)))
+        first = int(counts.argmin())  # a loose end, if there is one
+        chain = ends[sp.csgraph.depth_first_order(sp.csr_array(links), first, False, False)]
+        if counts.max() > 2 or len(chain) < len(ends):
+            what, node = ("branch", ends[counts.argmax()]) if counts.max() > 2 else ("have a gap", chain[-1])
             raise InputError(
                 f"{self._owner}: the edges of surface {name!r} {what} at node {node} at {point_text(self.nodes[node])}",
                 "one chain of edges that follow each other",
                 "give each edge once, and a surface for each chain",
             )
-        chain = np.array(line)
-        starts = np.arange(0, len(chain) - 1, self.order)[:, None] + np.arange(self.order + 1)
-        return chain[::-1] if self._side(chain[starts].astype(np.int32)) < 0.0 else chain
+        chain = chain if counts.min() == 1 else np.append(chain, chain[0])
+        pairs = np.column_stack((chain[:-1], chain[1:]))
+        edges = _directed(edges, pairs, edge_places(pairs, edges[:, [0, -1]], len(self.nodes))[0])
+        line = np.append(edges[:, :-1], edges[-1, -1])
+        return line[::-1] if self._side(edges) < 0.0 else line
 
     def _check_matrix(self) -> None:
         matrix = self._matrix
@@ -394,7 +394,7 @@ class StiffnessBody(LinearBody):
                 f"turn it: surfaces={{{name!r}: nodes[::-1]}}",
             )
 
-    def _side(self, edges: IntArray) -> float:
+    def _side(self, edges: Indices) -> float:
         """Positive where the nodes nearest to a chain's edges are on its left, negative: on its right."""
         inner = np.setdiff1d(np.arange(len(self.nodes)), edges)
         starts, chords = self.nodes[edges[:, 0]], self.nodes[edges[:, -1]] - self.nodes[edges[:, 0]]

@@ -189,23 +189,12 @@ class Space:
 
     @cached_property
     def constant(self) -> Floats:
-        """Unknowns (n_dofs,) of the function that is one everywhere.
-
-        Those inside cells of an element are alike, but where edges are curved.
-        """
-
-        def one_everywhere(points: Floats) -> Floats:
-            return np.ones(len(points))
-
+        """Unknowns (n_dofs,) of the function that is one everywhere."""
         result = np.ones(self.n_dofs)
-        for element, cells in self._regions:
-            if n_inner := element.n_interior():
-                one = self.mesh.points[self.mesh.corners(cells[0])]
-                inside = element.interior_dofs(one[:, :, None], one_everywhere, 0)
-                result[self._interior_offsets[cells][:, None] + np.arange(n_inner)] = inside[:, 0]
-        for batch in self.batches() if self._curved.any() else ():
-            if batch.outline.ndim == 4 and (n_inner := batch.element.n_interior()):
-                result[batch.dofs[-n_inner:]] = batch.element.interior_dofs(batch.outline, one_everywhere, 0)
+        for batch in self.batches():
+            if n_inner := batch.element.n_interior():
+                inside = batch.element.interior_dofs(batch.outline, lambda points: np.ones(len(points)), 0)
+                result[batch.dofs[-n_inner:]] = inside
         return result
 
     def boundary_dofs(self, where: str | Callable[[Floats], Bools] | None = None) -> Ints:

@@ -165,8 +165,7 @@ class DifferenceProduct:
 
     def at_nodes(self, vector: Floats) -> Floats:
         """Forces at the nodes from displacements there, (2 n_nodes,)."""
-        result: Floats = self._added @ vector + self._sums(self._values, vector)
-        return result
+        return self._added @ vector + self._sums(self._values, vector)
 
     def magnitudes(self, vector: Floats) -> Floats:
         """See `SymmetricMatrix.magnitudes`: here ``g_i = sum_j |K_ij| |u_j - u_i|``, times the entries' round-off."""

@@ -185,10 +185,3 @@ def test_wear_deeper_than_the_profile_is_refused(most: float, where: float) -> N
     depth = most * np.exp(-(((fresh.middles - where * fresh.surface.length) / 4.0) ** 2))
     with pytest.raises(InputError, match="S1002"):
         _ = WornSurface(fresh.new, np.where(depth > 1e-6, depth, 0.0)).worn
-
-
-def test_contact_at_the_end_of_the_surface_is_refused() -> None:
-    """Cells at the end of the running surface would wear what is not there."""
-    fresh = WornSurface(PROFILES["60E1"])
-    with pytest.raises(InputError, match="end of the running surface"):
-        fresh.deposited(fresh.worn_points[None, [0, 4]], np.ones(1))

@@ -227,6 +227,10 @@ def test_simpack_points_are_processed_as_the_file_asks(tmp_path):
         ("a.txt", "1 1e9\n", "line 1: the point"),
         ("a.dxf", "hello", "DXF"),
         ("a.step", "1 2", "ending '.step'"),
+        ("b.txt", "", "empty"),
+        ("b.ban", "\0\1\2\3", "no text"),
+        ("p.txt", "# unit: mm\n" + lines_of(points_of("rail")[:, ::-1]), "exchange the columns"),
+        ("p.csv", lines_of(points_of("rail"), "{:.3f}.{:.3f}").replace(".", ","), "commas in the numbers and between"),
     ],
 )  # fmt: skip
 def test_broken_files_are_refused_with_their_place(name, text, message, tmp_path):
@@ -235,15 +239,6 @@ def test_broken_files_are_refused_with_their_place(name, text, message, tmp_path
         read_profile(saved(tmp_path, name, text))
     assert name in str(caught.value)
     assert caught.value.advice
-
-
-@pytest.mark.parametrize(("content", "ending"), [(b"", ".txt"), (b"\x00\x01\x02\x03", ".ban")])
-def test_empty_and_binary_files_are_refused(content, ending, tmp_path):
-    """A file without text is refused as such."""
-    path = tmp_path / f"b{ending}"
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=r"empty|no text"):
-        read_profile(path)
 
 
 @pytest.mark.parametrize(("kind", "ending"), [("wheel", "miniprof"), ("rail", "simpack")])
@@ -258,20 +253,6 @@ def test_decimal_commas_are_read_in_files_of_other_programs(kind, ending, tmp_pa
     found = read_profile(saved(tmp_path, name, re.sub(r"(\d)\.(\d)", r"\1,\2", text)), options)
     np.testing.assert_array_equal(found.points, wanted.points)
     assert found.orientation.tape_mm == wanted.orientation.tape_mm
-
-
-def test_exchanged_columns_are_refused(tmp_path):
-    """Heights first are not taken for lateral coordinates."""
-    file = saved(tmp_path, "p.txt", lines_of(points_of("rail")[:, ::-1]))
-    with pytest.raises(InputError, match="exchange the columns"):
-        read_profile(file, ReadOptions(unit="mm"))
-
-
-def test_commas_that_separate_and_are_decimal_are_refused(tmp_path):
-    """Nothing tells which comma is which."""
-    file = saved(tmp_path, "p.csv", lines_of(points_of("rail"), "{:.3f}.{:.3f}").replace(".", ","))
-    with pytest.raises(InputError, match="with commas in the numbers and between them"):
-        read_profile(file)
 
 
 @pytest.mark.parametrize(("kind", "at"), [("rail", -753.7), ("wheel", 750.0)])

@@ -70,12 +70,6 @@ def test_mirrored_rails_are_those_of_the_other_side(tmp_path):
         assert found.orientation.mirrored
 
 
-def test_a_wheel_mirrored_the_wrong_way_is_refused(tmp_path):
-    """--mirror that would bring the flange outside is refused, since the flange shows the side."""
-    with pytest.raises(InputError, match="--mirror"):
-        read_profile(saved(tmp_path, wheel_points()), ReadOptions(mirror=True))
-
-
 @pytest.mark.parametrize(("points", "ending", "kind"), [(wheel_points, "ban", "rail"), (rail_points, "whl", "wheel")])
 def test_wheel_and_rail_swapped_are_refused(points, ending, kind, tmp_path):
     """A file whose ending says the other kind than its shape is refused; --kind insists, with a notice."""
@@ -124,6 +118,7 @@ def test_origins_of_wheels(tmp_path):
         (ReadOptions(unit="yard"), "'yard'"),
         (ReadOptions(unit="in"), "--unit in for a file in mm"),
         (ReadOptions(kind="tram"), "--kind tram"),
+        (ReadOptions(mirror=True), "--mirror"),  # would bring the flange outside
         (ReadOptions(origin="flange-back", tape_mm=5.0), "tape line 5 mm"),
     ],
 )

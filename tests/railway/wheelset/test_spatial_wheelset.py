@@ -98,14 +98,6 @@ def test_a_wheelset_is_moved_to_a_lateral_position_where_rails_deflect_and_refus
     assert len(steps) < 60
 
 
-def test_the_middle_of_straight_track_is_symmetric(wheelset):
-    """Position and pressures of both sides agree to round-off."""
-    middle = solved(wheelset)
-    assert abs(middle.equilibrium.position.lateral_mm) < 1e-9
-    left, right = (middle.equilibrium.state.sides[side].forces for side in SIDES)
-    assert left == pytest.approx(right, rel=1e-9, abs=1e-9 * right.sum())
-
-
 def test_a_patch_outside_of_the_fine_cells_is_found(wheelset, monkeypatch):
     """The smaller of two patches is left out of the first fine grid: the end of the search finds and adds it."""
     whole = solved(wheelset, lateral_mm=6.8)

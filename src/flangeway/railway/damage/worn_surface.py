@@ -7,7 +7,6 @@ depth is a cubic spline; the area between new and worn surface then differs from
 times curvature and by the interpolation (below 1 % up to 0.5 mm on treads).
 """
 
-import itertools
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -207,14 +206,8 @@ class WornSurface:
         # the drawn surface and the one of contact have lengths that differ by round-off and tolerances of drawing
         scale = self.surface.length / drawn.offsets[-1]
         part = self._worn_contour(drawn, drawn.offsets * scale, BODY_TOLERANCE_MM)
-        rest = [
-            pair
-            for pair in zip(self.new.outline.segments, self.new.outline.names, strict=True)
-            if pair[1] not in drawn.names
-        ]
-        first = next(i for i, (each, _) in enumerate(rest) if np.allclose(each.start, part.segments[-1].end))
-        chain = [*zip(part.segments, part.names, strict=True), *rest[first:], *rest[:first]]
-        outline = Outline.from_segments([each for each, _ in chain], [name for _, name in chain])
+        rest = self.new.outline.part(dict.fromkeys(name for name in self.new.outline.names if name not in drawn.names))
+        outline = Outline.from_segments([*part.segments, *rest.segments], [*part.names, *rest.names])
         return replace(self.worn, outline=outline)
 
     def _worn_contour(self, surface: Contour, starts: Floats, tolerance: float = ARCS_TOLERANCE_MM) -> Contour:
@@ -223,47 +216,40 @@ class WornSurface:
         limits = np.flatnonzero(self.depth)[[0, -1]] + np.array([0, 1])
         first, last = self.bounds[np.clip(limits + np.array([-1, 1]), 0, len(self.bounds) - 1)]
         depth, slope = self._depth_at, self._depth_at.derivative()
-        touched = [high > first and low < last for low, high in itertools.pairwise(starts.tolist())]
+        touched = (starts[1:] > first) & (starts[:-1] < last)
         ends = np.array([[each.point([0.0, 1.0]), each.normal([0.0, 1.0])] for each in surface.segments])
-        points = ends[:, 0] - np.stack((depth(starts[:-1]), depth(starts[1:])), axis=1)[..., None] * ends[:, 1]
-        points[~np.array(touched)] = ends[~np.array(touched), 0]
+        depths = np.stack((depth(starts[:-1]), depth(starts[1:])), axis=1) * touched[:, None]
+        points = ends[:, 0] - depths[..., None] * ends[:, 1]
         # neighbours meet at the mean of their worn ends, which are apart at corners, or at the end that stays
-        joints = 0.5 * (points[:-1, 1] + points[1:, 0])
-        for number, pair in enumerate(itertools.pairwise(touched)):
-            if not all(pair):
-                joints[number] = ends[number, 0, 1]
-        moves = np.zeros_like(points)
-        moves[:-1, 1], moves[1:, 0] = joints - points[:-1, 1], joints - points[1:, 0]
-        segments: list[Segment] = []
-        names: list[str] = []
-        for number, segment in enumerate(surface.segments):
-            if not touched[number]:
-                segments.append(segment)
-                names.append(surface.names[number])
-                continue
+        both = (touched[1:] & touched[:-1])[:, None]
+        joints = np.where(both, 0.5 * (points[:-1, 1] + points[1:, 0]), ends[:-1, 0, 1])
+        joints = np.concatenate((points[:1, 0], joints, points[-1:, 1]))
+        moves = np.stack((joints[:-1], joints[1:]), axis=1) - points
+
+        def worn(number: int) -> list[Segment]:
+            """Arcs in the place of a segment."""
+            segment, (first_move, last_move) = surface.segments[number], moves[number]
             low, length = float(starts[number]), float(starts[number + 1] - starts[number])
 
-            def curve(
-                t: Floats,
-                segment: Segment = segment,
-                low: float = low,
-                length: float = length,
-                ends: Floats = moves[number],
-            ) -> tuple[Floats, Floats]:
+            def curve(t: Floats) -> tuple[Floats, Floats]:
                 at, tangents, normals = low + t * length, segment.tangent(t), segment.normal(t)
                 h = depth(at)[:, None]
-                points = segment.point(t) - h * normals + (1.0 - t)[:, None] * ends[0] + t[:, None] * ends[1]
+                points = segment.point(t) - h * normals + (1.0 - t)[:, None] * first_move + t[:, None] * last_move
                 along = tangents * (1.0 - segment.curvature * h) - slope(at)[:, None] * normals
-                return points, segment.length * along + (ends[1] - ends[0])
+                return points, segment.length * along + (last_move - first_move)
 
             # joints every 4 mm, none close to the ends: arcs must not be tiny
             inside = self.bounds[:: max(int(4.0 / self.spacing_mm), 1)]
             inside = inside[(inside > low + self.spacing_mm) & (inside < low + length - self.spacing_mm)]
-            pieces = biarcs(curve, np.concatenate(([0.0], (inside - low) / length, [1.0])), tolerance)
-            segments += pieces
-            names += [surface.names[number]] * len(pieces)
+            return biarcs(curve, np.concatenate(([0.0], (inside - low) / length, [1.0])), tolerance)
+
+        chain = [
+            (name, piece)
+            for number, (name, segment) in enumerate(zip(surface.names, surface.segments, strict=True))
+            for piece in (worn(number) if touched[number] else [segment])
+        ]
         try:
-            return Contour.from_segments(segments, names)
+            return Contour.named(chain)
         except InputError as reason:
             raise self._too_deep(f"its surface then meets itself: {reason.given}") from reason
 

@@ -239,12 +239,12 @@ def _reference_rail() -> RailProfile:
     """Put the reference head, upright, on the body of a 60E1; the lines at its sides reach to its ends."""
     nominal = rail("60E1")
     head = reference_contour(REFERENCE_RAIL).transformed(Placement(-math.atan(_REFERENCE_SLOPE))).reversed()
-    pieces = dict(zip(nominal.outline.names, nominal.outline.segments, strict=True))
-    crown, old = dict(zip(head.names, head.segments, strict=True))["crown"], pieces["crown"]
+    pieces = nominal.outline.by_name
+    crown, old = head.by_name["crown"], pieces["crown"]
     if not (isinstance(crown, Arc) and isinstance(old, Arc)):
         raise TypeError("crowns are arcs")
     head = head.transformed(Placement(0.0, (-crown.centre[0], old.centre[1] - crown.centre[1])))
-    pieces |= dict(zip(head.names, head.segments, strict=True))
+    pieces |= head.by_name
     first, last = nominal.running_names[-1], nominal.running_names[0]
     pieces[first] = Line(pieces[first].start, head.segments[0].start)
     pieces[last] = Line(head.segments[-1].end, pieces[last].end)

@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, Line, Outline, Segment
+from flangeway.geometry import Arc, Line, Outline, Placement, Segment
 from flangeway.geometry.arrays import Point, as_point
 from flangeway.railway.profiles.bundled import WheelProfile, wheel
 
@@ -31,16 +32,8 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
     - `profile`: wheel with segments ``flange_root_R1``, ``flange_root_R2`` and ``tread_1:20``.
     - `wide_radius_mm`: radius of the wide arc.
     """
-    parts, narrow, wide, tread = _root_of(profile)
-    face, tip, land = (parts.get(part) for part in ("flange_face_75deg", "flange_tip_front", "flange_tip_land"))
-    if not (
-        isinstance(narrow, Arc)
-        and isinstance(wide, Arc)
-        and isinstance(tip, Arc)
-        and all(isinstance(segment, Line) for segment in (tread, face, land))
-    ):
-        raise InputError(f"another flange root for {profile.title}", "AAR-1B", "leave it out")
-    assert tread is not None and face is not None and land is not None  # noqa: PT018 (for the checker of types)
+    parts, narrow, wide, tread = _root_of(profile, "another flange root")
+    face, tip, land = parts["flange_face_75deg"], cast(Arc, parts["flange_tip_front"]), parts["flange_tip_land"]
     factor = wide_radius_mm / wide.radius
     along = tread.tangent(0.0)[0]
     grown = (factor - 1.0) * (np.array(wide.start) - wide.end)
@@ -61,9 +54,9 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
         ):
             centre = foot + factor * (np.array(wide.centre) - wide.end)
             parts["flange_tip_land"] = Line(land.start, _moved(land.end, shift))
-            parts["flange_tip_front"] = _moved_arc(tip, shift)
+            parts["flange_tip_front"] = tip.transformed(Placement(translation=as_point(shift)))
             parts["flange_face_75deg"] = Line(_moved(tip.end, shift), _moved(narrow.start, moved))
-            parts["flange_root_R1"] = _moved_arc(narrow, moved)
+            parts["flange_root_R1"] = narrow.transformed(Placement(translation=as_point(moved)))
             parts["flange_root_R2"] = Arc(
                 _moved(narrow.end, moved), as_point(foot), as_point(centre), wide.counter_clockwise
             )
@@ -85,11 +78,7 @@ def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfi
     - `profile`: wheel with segments ``flange_root_R1``, ``flange_root_R2`` and ``tread_1:20``.
     - `radius_mm`: radius, larger than that of the narrow arc.
     """
-    parts, narrow, wide, tread = _root_of(profile)
-    if profile.title == IDENTIFIED or not (
-        isinstance(narrow, Arc) and isinstance(wide, Arc) and isinstance(tread, Line)
-    ):
-        raise InputError(f"a wide arc of the flange root for {profile.title}", "AAR-1B", "leave it out")
+    parts, narrow, wide, tread = _root_of(profile, "a wide arc of the flange root", but=IDENTIFIED)
     along, off = tread.tangent(0.0)[0], tread.normal(0.0)[0]
     # the outline has the wheel on its left: the flange root's hollow arcs have their centres on its right
     arm = np.array(narrow.centre) - np.array(tread.start)
@@ -126,10 +115,15 @@ def identified_wheel() -> WheelProfile:
     )
 
 
-def _root_of(profile: WheelProfile) -> tuple[dict[str, Segment], Segment | None, Segment | None, Segment | None]:
-    """Return all segments by name; narrow arc, wide arc and tread, None where the wheel has no such segment."""
-    parts: dict[str, Segment] = dict(zip(profile.outline.names, profile.outline.segments, strict=True))
-    return parts, parts.get("flange_root_R1"), parts.get("flange_root_R2"), parts.get("tread_1:20")
+def _root_of(profile: WheelProfile, wanted: str, but: str = "") -> tuple[dict[str, Segment], Arc, Arc, Segment]:
+    """Return all segments by name; narrow arc, wide arc and tread.
+
+    An `InputError` for what is wanted if the wheel has no such segments, or is the one called `but`.
+    """
+    parts = profile.outline.by_name
+    if profile.title == but or "flange_face_75deg" not in parts:
+        raise InputError(f"{wanted} for {profile.title}", "AAR-1B", "leave it out")
+    return parts, cast(Arc, parts["flange_root_R1"]), cast(Arc, parts["flange_root_R2"]), parts["tread_1:20"]
 
 
 def _gauge_point(narrow: Arc) -> NDArray[np.float64]:
@@ -140,7 +134,3 @@ def _gauge_point(narrow: Arc) -> NDArray[np.float64]:
 
 def _moved(point: Point, shift: NDArray[np.float64]) -> Point:
     return as_point(np.array(point) + shift)
-
-
-def _moved_arc(arc: Arc, shift: NDArray[np.float64]) -> Arc:
-    return Arc(_moved(arc.start, shift), _moved(arc.end, shift), _moved(arc.centre, shift), arc.counter_clockwise)
