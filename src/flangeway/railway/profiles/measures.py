@@ -178,14 +178,18 @@ def seen_back_mm(surface: Contour) -> float | None:
     return round(-float(points[far, 0]), 4) if len(beyond) and tip not in (0, len(points) - 1) else None
 
 
+def crossings(points: FloatArray, level: float, axis: int = 1) -> FloatArray:
+    """Return the other coordinates at which a chain of points (n, 2) passes a level of x (axis 0) or y, in order."""
+    above = points[:, axis] > level
+    passed = np.flatnonzero(above[1:] != above[:-1])
+    first, step = points[passed], np.diff(points, axis=0)[passed]
+    places: FloatArray = first[:, 1 - axis] + (level - first[:, axis]) / step[:, axis] * step[:, 1 - axis]
+    return places
+
+
 def _first_x(points: FloatArray, level: float) -> float | None:
     """Return x where points (n, 2) first pass a height, None if they do not."""
-    above = points[:, 1] > level
-    passed = np.flatnonzero(above[1:] != above[:-1])
-    if not len(passed):
-        return None
-    (x0, y0), (x1, y1) = points[passed[0]], points[passed[0] + 1]
-    return float(x0 + (level - y0) / (y1 - y0) * (x1 - x0))
+    return next(iter(crossings(points, level).tolist()), None)
 
 
 def relative_curvature(wheel: WheelProfile, wheel_point: ArrayLike, rail: RailProfile, rail_point: ArrayLike) -> float:
