@@ -6,7 +6,7 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 
 from flangeway.checks import check_integer
-from flangeway.geometry.arrays import sides_of, steps_around
+from flangeway.geometry.arrays import norms, sides_of, steps_around
 from flangeway.mesh.connectivity import next_in_row, places_among, row_numbers
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats
@@ -121,4 +121,4 @@ class _Joining:
 
 
 def _perimeter(points: Floats) -> float:
-    return float(np.hypot(*steps_around(points).T).sum())
+    return float(norms(steps_around(points)).sum())
