@@ -1,8 +1,14 @@
-"""The structure of the package: the number of files in a folder, one name for one thing, and no record twice."""
+"""The structure of the package: files in a folder, one name for one thing, no record twice, a short path of a run."""
 
 import ast
+import re
+import sys
+import traceback
 from collections import Counter
 
+import pytest
+
+from flangeway import cli
 from tests.architecture.conftest import MODULES, PACKAGE, TREES
 
 MAX_FILES = 20
@@ -54,3 +60,39 @@ def test_no_further_dataclasses_share_five_fields() -> None:
         if len(fields[first] & fields[second]) >= SHARED_FIELDS
     }
     assert len(shared) <= MAX_ALIKE, shared
+
+
+MAX_FUNCTIONS = 9
+MAX_FILES_OF_A_RUN = 6
+
+
+class Reached(BaseException):
+    """The solution was called."""
+
+
+def test_the_path_to_the_solution_is_the_one_of_the_guide(monkeypatch, tmp_path) -> None:
+    """From the command `run` to `solve_contact` there are at most 9 functions in 6 files, which the guide lists."""
+    found = []
+
+    def watch(frame, event, _):
+        if event == "call" and frame.f_code.co_name == "solve_contact":
+            sys.setprofile(None)
+            calls = [call for call in traceback.extract_stack(frame) if str(PACKAGE) in call.filename]
+            found.extend((call.filename.removeprefix(f"{PACKAGE}/"), call.name) for call in calls)
+            raise Reached
+
+    words = ["run", "wheelset-tangent", "--order", "1", "--size-scale", "8", "--out", str(tmp_path)]
+    monkeypatch.setattr(sys, "argv", ["flangeway", *words])
+    sys.setprofile(watch)
+    try:
+        with pytest.raises((Reached, SystemExit)):
+            cli.main()
+    finally:
+        sys.setprofile(None)
+    found = found[[name for _, name in found].index("command") :]  # before it the arguments are read
+    assert len(found) <= MAX_FUNCTIONS
+    assert len({file for file, _ in found}) <= MAX_FILES_OF_A_RUN
+    text = (PACKAGE.parents[1] / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([\w/]+\.py)` \| (.+?):", text, flags=re.MULTILINE)
+    listed = {(file, name.split(".")[-1]) for file, names in rows for name in re.findall(r"`([\w.]+)`", names)}
+    assert listed == set(found)

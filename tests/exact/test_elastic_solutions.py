@@ -174,10 +174,3 @@ def _of_surface() -> Fields:
     for each in (pressed, sheared):
         each[:, -1] = 0.0
     return pressed, sheared
-
-
-def test_a_traction_beyond_the_table_is_refused():
-    """A coefficient above 1, or a negative one, is an input error."""
-    for traction in (1.1, -0.1):
-        with pytest.raises(InputError, match="0 to 1"):
-            shakedown_limits("line", traction)

@@ -9,6 +9,7 @@ import pytest
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import shakedown_limits
+from flangeway.geometry import Contour, Line
 from flangeway.materials import Elastic
 from flangeway.railway.damage.evolution import EvolutionSettings
 from flangeway.railway.damage.rolling_fatigue import DangVan, surface_fatigue_index, t_gamma_damage
@@ -36,9 +37,9 @@ from flangeway.railway.wheelset.whole_wheel import WheelDisc, whole_wheel
 DIFFERENCE = RollingRadiusDifference([-8.0, 8.0], [-0.8, 0.8])
 CIRCLE = 30.0 * np.column_stack((np.cos(np.linspace(0.2, 2.9, 100)), np.sin(np.linspace(0.2, 2.9, 100))))
 CELL = CellLoads(np.ones((1, 1)), np.ones((1, 1, 2)), np.ones((1, 1, 2)), np.ones((1, 1)), 20.0)
-
-
 STEEL = Elastic(210e3, 0.3)
+WALL = Contour.from_segments([Line((0.0, 0.0), (0.0, 1.0))], ["wall"])
+WORN = WornSurface(rail("60E1"))
 
 
 def disc(**wrong):
@@ -55,6 +56,9 @@ WRONG = {
     "a section called None": lambda: bundled_section(None),
     "read_rolling_radius_difference(path=3)": lambda: read_rolling_radius_difference(3),
     "WornSurface(new='S1002')": lambda: WornSurface("S1002"),
+    "WornSurface(spacing_mm=1e-06)": lambda: WornSurface(wheel("S1002"), spacing_mm=1e-6),
+    "WornSurface(spacing_mm=500.0)": lambda: WornSurface(wheel("S1002"), spacing_mm=500.0),
+    "end of the running surface of 60E1": lambda: WORN.deposited(WORN.worn_points[None, [0, 4]], np.ones(1)),
     "OwnLaw(function=None)": lambda: OwnLaw(None, "mm/mm"),
     "OwnLaw(unit=['mm/mm'])": lambda: OwnLaw(np.zeros_like, ["mm/mm"]),
     "PerPatch(law=None)": lambda: PerPatch(None),
@@ -91,6 +95,7 @@ WRONG = {
     "finite": lambda: RollingRadiusDifference([0.0, 1.0], [0.0, math.inf]),
     "amplitude": lambda: equivalent_conicity(DIFFERENCE, [0.0]),
     "-8 to 8 mm": lambda: conicity_by_regression(DIFFERENCE, [9.0]),
+    "without a running surface": lambda: RigidCurve.from_contour(WALL),
     "graph": lambda: RigidCurve.from_graph([1.0, 0.0], np.zeros(2), np.zeros(2)),
     "k_MPa": lambda: surface_fatigue_index(0.3, (6.0, 4.0), 1e5, 0.0),
     "limit_MPa": lambda: DangVan(0.0, 0.3),
@@ -99,6 +104,8 @@ WRONG = {
     "load_factor": lambda: RollingLine(0.0, 0.1, RollingSteel(300.0)),
     "cells": lambda: RollingLine(4.0, 0.1, RollingSteel(300.0), cells=2),
     "depth=50": lambda: RollingLine(4.0, 0.1, RollingSteel(300.0), depth=50.0),
+    "values from 0 to 1": lambda: shakedown_limits("line", 1.1),
+    "traction coefficients -0.1": lambda: shakedown_limits("line", -0.1),
     "utilised_friction": lambda: surface_fatigue_index(math.nan, (6.0, 4.0), 1e5, 300.0),
     "semi_axes": lambda: surface_fatigue_index(0.3, (6.0,), 1e5, 300.0),
     "some T-gamma not finite": lambda: t_gamma_damage(np.array([10.0, math.nan])),

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +14,7 @@ from flangeway.cli.common import (
     Out,
     Progress,
     Show,
+    Workers,
     choices,
     command_typed,
     completion,
@@ -37,10 +39,7 @@ def campaign(
         typer.Argument(metavar="FILE", help="A campaign's file (.toml).", autocompletion=completion(list, ".toml")),
     ],
     out: Out = None,
-    workers: Annotated[
-        int | None,
-        typer.Option("--workers", metavar="N", help="Processes here; as many as cores if left out."),
-    ] = None,
+    workers: Workers = None,
     scheduler: Annotated[
         str | None,
         typer.Option(
@@ -117,8 +116,6 @@ def _left(now: "CampaignProgress") -> str:
     elif now.seconds_left is None:
         words.append("time left not known yet")
     else:
-        hours, seconds = divmod(round(now.seconds_left), 3600)
-        minutes, seconds = divmod(seconds, 60)
-        words.append(f"{hours}:{minutes:02}:{seconds:02} left")
+        words.append(f"{timedelta(seconds=round(now.seconds_left))} left")
     words += [f"{now.counts[status]} {status}" for status in ("not converged", "failed") if now.counts.get(status)]
     return ", ".join(words)

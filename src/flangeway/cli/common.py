@@ -143,6 +143,20 @@ def complete_setting(ctx: typer.Context, incomplete: str) -> list[str]:
     return [word for value in values if " " not in value and (word := f"{chosen}={value}").startswith(incomplete)]
 
 
+Set = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Any other input of the case, as often as needed; a wrong key lists all.",
+        autocompletion=complete_setting,
+    ),
+]
+Workers = Annotated[
+    int | None, typer.Option("--workers", metavar="N", help="Processes here; as many as cores if left out.")
+]
+
+
 def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:
     """Return the values of ``--set``, by key."""
     from flangeway.cases.case import GivenText  # noqa: PLC0415

@@ -8,9 +8,10 @@ import typer
 from flangeway.cli.app import app
 from flangeway.cli.common import (
     Out,
+    Set,
     Show,
+    Workers,
     command_typed,
-    complete_setting,
     completion,
     results_folder,
     settings_of,
@@ -32,15 +33,7 @@ def creep_table(
             autocompletion=completion(lambda: ["wheelset"], ".toml"),
         ),
     ] = "wheelset",
-    set_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="An input of the case, as often as needed: rail, wheel, ...",
-            autocompletion=complete_setting,
-        ),
-    ] = None,
+    set_: Set = None,
     lateral: Annotated[
         str, typer.Option("--lateral", metavar="VALUES", help="Lateral positions in mm: FROM:TO:STEP, or A,B,C.")
     ] = "-6:6:1",
@@ -51,10 +44,7 @@ def creep_table(
     tolerance: Annotated[
         float, typer.Option("--tolerance", metavar="SHARE", help="Refinement tolerance, relative to mu N.")
     ] = 0.1,
-    workers: Annotated[
-        int | None,
-        typer.Option("--workers", metavar="N", help="Processes; as many as cores if left out."),
-    ] = None,
+    workers: Workers = None,
     fmu: Annotated[bool, typer.Option("--fmu", help="Write FMUs too (FMI 2 and 3); needs a C compiler.")] = False,
     out: Out = None,
     *,

@@ -10,12 +10,12 @@ import typer
 from flangeway.cli.app import app
 from flangeway.cli.common import (
     Out,
+    Set,
     Show,
     Units,
     case_names,
     choices,
     command_typed,
-    complete_setting,
     completion,
     errors_as_exit_status,
     path_given,
@@ -30,16 +30,6 @@ from flangeway.errors import InputError
 
 if TYPE_CHECKING:
     from flangeway.cases.case import RunnableCase
-
-Set = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="Any other input of the case, as often as needed.",
-        autocompletion=complete_setting,
-    ),
-]
 
 CaseWork = Callable[[str, "RunnableCase", Path | None, Show], bool]
 """Work on the case of a name or file, with a folder for the results, shown in some way; whether it ended well."""

@@ -9,11 +9,11 @@ import typer
 from flangeway.cli.app import app
 from flangeway.cli.common import (
     Out,
+    Set,
     Show,
     Unit,
     choices,
     command_typed,
-    complete_setting,
     completion,
     geometry_names,
     path_given,
@@ -47,16 +47,7 @@ def geometry(
             autocompletion=completion(geometry_names, ".toml", ".csv"),
         ),
     ] = "s1002-60e1",
-    set_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="An input, as often as needed: rail, wheel, gauge_mm, lateral_force_kN, maximum_lateral_mm, ...; a "
-            "wrong key lists all.",
-            autocompletion=complete_setting,
-        ),
-    ] = None,
+    set_: Set = None,
     wheel: Annotated[
         list[str] | None,
         typer.Option(

@@ -16,7 +16,7 @@ from flangeway.forms.weak import FormRegion, PointValues, assembled_form, linear
 from flangeway.problems.strains import add_consistency, strain_operators
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, FormMatrix, Space, load_vector
 from flangeway.space.functions import function_of
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 
 def stiffness(space: Space, coefficient: Coefficient = 1.0, *, degree: int | None = None) -> sp.csr_array:
@@ -178,4 +178,4 @@ def load(space: Space, function: Function | ArrayLike, *, on: str | None = None,
     def traction(v: PointValues, w: SimpleNamespace) -> Floats:
         return (np.reshape(given(w.points), (-1, m)) * v.value.reshape(-1, m)).sum(axis=1)
 
-    return np.asarray(linear(space, traction, components=m, on=on), dtype=np.float64).reshape(-1, *shape)
+    return floats(linear(space, traction, components=m, on=on)).reshape(-1, *shape)

@@ -7,6 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import norms
 from flangeway.geometry.contour import Contour
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.segments import Line, Segment
@@ -57,7 +58,7 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
     edges = np.flatnonzero((other < 0) | (sets[one] != sets[other]))
     pairs = mesh.edges[edges]
     start, end = points[pairs[:, 0]], points[pairs[:, 1]]
-    lengths = np.hypot(*(end - start).T)
+    lengths = norms(end - start)
     segments = _segments(curves)
     best, number, places = np.full(len(edges), np.inf), np.full(len(edges), -1), np.zeros((len(edges), 2))
     for which, segment in enumerate(segments):

@@ -15,7 +15,7 @@ from flangeway.mesh.connectivity import first_connected
 from flangeway.mesh.curved import with_names
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 BYTES_A_CELL = 10_000  # measured at the peak, with the clipped cells
 ONE_POINT = 1e-9  # distance over the outline's size below which two vertices are one
@@ -98,7 +98,7 @@ def _domain(outline: Outline) -> shapely.Polygon:
 def _sizes(size: Size | None, points: Floats) -> Floats:
     if size is None:
         return np.ones(len(points))
-    values = np.asarray(size(points), dtype=np.float64)
+    values = floats(size(points))
     if values.shape != (len(points),) or not (np.isfinite(values) & (values > 0.0)).all():
         raise InputError(
             f"sizes of shape {values.shape} for {len(points)} points, or one that is not positive",

@@ -18,7 +18,7 @@ from flangeway.system.workers import LostWorkerError, computed_here, n_processes
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_table import AXES, FORMAT, OF_PATCH, SIDES, CreepTable
 from flangeway.tables.table_positions import FRICTION, Arrays, PositionTask, compute_position
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats, Ints, floats
 
 JUMP_MM = 0.1
 """Distance of lateral positions to which a jump of the patches is located."""
@@ -71,7 +71,7 @@ class TableRequest:
 
     def __post_init__(self) -> None:
         for name in AXES:
-            values = np.asarray(getattr(self, name), dtype=np.float64)
+            values = floats(getattr(self, name))
             if (
                 values.ndim != 1
                 or not len(values)
@@ -448,7 +448,7 @@ def claimed_error(errors: Floats, places: Ints) -> float:
 
 def _sizes(errors: Any) -> dict[str, Any]:
     """Number, maximum and root mean square of errors."""
-    values = np.asarray(errors, dtype=np.float64)
+    values = floats(errors)
     if not values.size:
         return {"n": 0, "max": None, "rms": None}
     return {"n": values.size, "max": float(values.max()), "rms": float(np.sqrt((values**2).mean()))}

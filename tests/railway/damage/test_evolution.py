@@ -145,13 +145,6 @@ def test_other_constants_of_a_law_are_other_inputs() -> None:
     assert identity(OwnLaw(lambda p, s, t: p, "mm/m")) == identity(OwnLaw(lambda p, s, t: p, "mm/m"))
 
 
-@pytest.mark.parametrize("spacing", [1e-6, 500.0])
-def test_pieces_are_of_usual_lengths(spacing: float) -> None:
-    """Neither millions of them nor less than one."""
-    with pytest.raises(InputError, match="spacing_mm"):
-        WornSurface(wheel("S1002"), spacing_mm=spacing)
-
-
 def test_error_of_the_steps_is_controlled_and_of_second_order() -> None:
     """A quarter of the error that is allowed halves the steps and divides that of the depth by four."""
     exact, errors, counts = 0.1 * np.log(1.0 + 2e-5 * 2e4 / 0.1), [], []

@@ -19,6 +19,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline, Placement, Segment
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.segment_files import write_segment_csv
+from flangeway.railway.profiles.measures import crossings
 from flangeway.railway.profiles.smoothing import biarcs
 from flangeway.types import Floats
 
@@ -202,12 +203,11 @@ class WornSurface:
         """The profile with the worn surface for contact and in its body: its compliance is made anew."""
         if not self.depth.any():
             return self.new
-        names = self.new.head_names if isinstance(self.new, RailProfile) else self.new.running_names
-        drawn = self.new.outline.part(names)
+        drawn = self.new.outline.part(self.new.running_names)
         # the drawn surface and the one of contact have lengths that differ by round-off and tolerances of drawing
         scale = self.surface.length / drawn.offsets[-1]
         part = self._worn_contour(drawn, drawn.offsets * scale, BODY_TOLERANCE_MM)
-        rest = self.new.outline.part(dict.fromkeys(name for name in self.new.outline.names if name not in names))
+        rest = self.new.outline.part(dict.fromkeys(name for name in self.new.outline.names if name not in drawn.names))
         outline = Outline.from_segments([*part.segments, *rest.segments], [*part.names, *rest.names])
         return replace(self.worn, outline=outline)
 
@@ -275,12 +275,9 @@ class WornSurface:
         """How much lower the worn tread of a wheel is at the tape line: what its radius there has lost; 0 on rails."""
         if isinstance(self.new, RailProfile):
             return 0.0
-        heights = []
-        for points in (self.worn_points, self._new_at(self.bounds)[0]):
-            rising = points[:-1][np.diff(points[:, 0]) > 0.0]
-            low = int(np.argmin(rising[:, 1]))  # the tread follows the flange's tip
-            heights.append(float(np.interp(0.0, *rising[low:].T)))
-        return heights[0] - heights[1]
+        # the tread follows the flange
+        worn, new = (crossings(points, 0.0, axis=0)[-1] for points in (self.worn_points, self._new_at(self.bounds)[0]))
+        return float(worn - new)
 
     def csv(self) -> str:
         """The worn surface as lines and arcs, without rounding, as ``flangeway profile`` reads it.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.geometry import Contour, FloatArray
-from flangeway.geometry.arrays import angles_of
+from flangeway.geometry.arrays import angles_of, norms
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
 
@@ -169,7 +169,7 @@ def seen_back_mm(surface: Contour) -> float | None:
     """
     points = surface.sampled(spacing=0.05, max_deviation=1e-4)
     far, tip = int(np.argmin(points[:, 0])), int(np.argmin(points[:, 1]))
-    near = points[np.hypot(*(points - points[far]).T) <= 1.0]
+    near = points[norms(points - points[far]) <= 1.0]
     width, height = np.ptp(near, axis=0)
     if points[far, 1] <= points[tip, 1] + TIP_MM or points[far, 0] >= points[tip, 0] or width > _UPRIGHT * height:
         return None
@@ -178,14 +178,18 @@ def seen_back_mm(surface: Contour) -> float | None:
     return round(-float(points[far, 0]), 4) if len(beyond) and tip not in (0, len(points) - 1) else None
 
 
+def crossings(points: FloatArray, level: float, axis: int = 1) -> FloatArray:
+    """Return the other coordinates at which a chain of points (n, 2) passes a level of x (axis 0) or y, in order."""
+    above = points[:, axis] > level
+    passed = np.flatnonzero(above[1:] != above[:-1])
+    first, step = points[passed], np.diff(points, axis=0)[passed]
+    places: FloatArray = first[:, 1 - axis] + (level - first[:, axis]) / step[:, axis] * step[:, 1 - axis]
+    return places
+
+
 def _first_x(points: FloatArray, level: float) -> float | None:
     """Return x where points (n, 2) first pass a height, None if they do not."""
-    above = points[:, 1] > level
-    passed = np.flatnonzero(above[1:] != above[:-1])
-    if not len(passed):
-        return None
-    (x0, y0), (x1, y1) = points[passed[0]], points[passed[0] + 1]
-    return float(x0 + (level - y0) / (y1 - y0) * (x1 - x0))
+    return next(iter(crossings(points, level).tolist()), None)
 
 
 def relative_curvature(wheel: WheelProfile, wheel_point: ArrayLike, rail: RailProfile, rail_point: ArrayLike) -> float:

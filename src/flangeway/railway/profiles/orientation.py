@@ -15,6 +15,7 @@ from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.geometry import FloatArray
 from flangeway.railway.profiles.formats.miniprof import TAPE_MM
 from flangeway.railway.profiles.formats.raw_profile import KINDS, RAIL_ORIGINS, WHEEL_ORIGINS, Kind, Origin, RawProfile
+from flangeway.railway.profiles.measures import crossings
 from flangeway.railway.profiles.smoothing import MIN_POINTS
 
 TREAD_OFF_MM = 0.05  # height of the tread at the tape line above which a wheel is moved to have it at zero
@@ -314,15 +315,12 @@ def _numbers(origin: str | None) -> tuple[float, float] | None:
 
 def _on_tread(placed: FloatArray, shift: tuple[float, float], notices: list[str]) -> tuple[float, float]:
     """Return a wheel's shift with its tread at the tape line at zero."""
-    moved = placed + shift
-    x, y = moved.T
-    beside = np.flatnonzero((x[:-1] <= 0.0) != (x[1:] <= 0.0))
-    if not len(beside):
+    heights = crossings(placed + shift, 0.0, axis=0)
+    if not len(heights):
         notices.append("The profile does not reach its tape line: its height is taken as it is in the file.")
         return shift
     # the flange's face may cross it as well in a wrong frame: the tread is the lowest there
-    heights = [float(y[i] - x[i] * (y[i + 1] - y[i]) / (x[i + 1] - x[i])) for i in beside]
-    height = min(heights, key=abs)
+    height = min(heights.tolist(), key=abs)
     if abs(height) <= TREAD_OFF_MM:
         return shift
     notices.append(f"The tread was at a height of {height:.3f} mm at the tape line; it is moved to zero.")

@@ -30,6 +30,7 @@ from flangeway.railway.profiles.orientation import Orientation, ReadOptions, agr
 from flangeway.railway.profiles.profile_checks import checked_points, refuse_length
 from flangeway.railway.profiles.smoothing import USUAL_WAVELENGTH_MM, Smoothing, smoothed
 from flangeway.system.file_content import file_content, path_of
+from flangeway.types import floats
 
 FORMATS = {
     ".ban": "MiniProf",
@@ -106,7 +107,7 @@ class MeasuredProfile:
 
     def place(self, point: ArrayLike, moved: tuple[float, float] = (0.0, 0.0)) -> str:
         """Return words for a point in this package's axes, moved from there, in the file's own coordinates."""
-        x, y = self.orientation.undone(np.asarray(point, dtype=np.float64) - moved)
+        x, y = self.orientation.undone(floats(point) - moved)
         return f"x = {x:z.5g}, y = {y:z.5g} {self.orientation.unit} in {self.file or self.title}"
 
     @property
