@@ -10,6 +10,7 @@ from flangeway.contact import Contact, Multiplier, SegmentToSegment, Surface, pr
 from flangeway.elements import Element, Lagrange, Virtual, polygon_quadrature
 from flangeway.exact import LineContact
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, rectangle
+from flangeway.geometry.arrays import norms
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, curved, dual, triangulate
 from flangeway.mesh.curved import Curves as EdgeCurves
@@ -47,7 +48,7 @@ PRESSURE_LIMITS = {1: 0.015, 2: 0.005, 3: 0.005}  # of the difference; 0.003 are
 
 def lame_stresses(points: Floats) -> Floats:
     """Stresses xx, yy, xy of Lamé's tube at points (n, 2), shape (n, 3)."""
-    radius = np.hypot(*points.T)
+    radius = norms(points)
     cosine, sine = points.T / radius
     radial, hoop = CYLINDER.radial_stress(radius), CYLINDER.hoop_stress(radius)
     xx, yy = radial * cosine**2 + hoop * sine**2, radial * sine**2 + hoop * cosine**2

@@ -28,7 +28,7 @@ from flangeway.forms import (
 )
 from flangeway.forms.weak import PointValues, Values
 from flangeway.geometry import polygon, rectangle, square
-from flangeway.geometry.arrays import angles_of
+from flangeway.geometry.arrays import angles_of, norms
 from flangeway.materials import Elastic, J2Plasticity, NeoHooke
 from flangeway.mesh import PolyMesh, agglomerated, doerfler_marking, dual, rectangle_grid, refined, triangulate
 from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Traction, fixed
@@ -116,7 +116,7 @@ def corner_errors(name: str, order: int) -> tuple[list[int], list[float]]:
 
 
 def _polar(points: Floats) -> tuple[Floats, Floats]:
-    return np.hypot(*points.T), np.mod(angles_of(points), 2.0 * np.pi)
+    return norms(points), np.mod(angles_of(points), 2.0 * np.pi)
 
 
 def corners(run: Run) -> Iterator[Row]:

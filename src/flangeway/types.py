@@ -1,7 +1,7 @@
-"""Names of types that many modules use."""
+"""Names of types that many modules use, and arrays of numbers."""
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -11,3 +11,8 @@ Indices = NDArray[np.integer]
 Complex = NDArray[np.complex128]
 Key = tuple[str | int, ...]
 """Path of an input: a name, or in nested tables names and positions in lists."""
+
+
+def floats(values: ArrayLike) -> Floats:
+    """Return values as an array of floats."""
+    return np.asarray(values, dtype=np.float64)

@@ -117,7 +117,7 @@ def test_a_file_counts_by_what_is_in_it(tmp_path):
     """A profile in a file may be moved; another content makes another row."""
     text = 'case = "wheelset-tangent"\n[inputs]\nrail = "{}"\n[vary]\nlateral_mm = [0, 1]\n'
     profile = rail("60E1")
-    head = profile.outline.part(profile.head_names).sampled(spacing=0.5) - [0.0, 172.0]
+    head = profile.outline.part(profile.running_names).sampled(spacing=0.5) - [0.0, 172.0]
     lines = "\n".join(f"{x:.4f} {y:.4f}" for x, y in head)
     (tmp_path / "sub").mkdir()
     for name in ("a.txt", "sub/a.txt"):

@@ -101,7 +101,7 @@ def test_what_is_taken_off_the_balanced_superelevation_is_the_deficiency():
 
 def test_a_measured_profile_finds_its_body(tmp_path):
     """A file gets the body of the bundled profile on the other side, else of the nearest, unless it is said."""
-    head = rail("60E1").outline.part(rail("60E1").head_names).sampled(spacing=0.5) - [0.0, 172.0]
+    head = rail("60E1").outline.part(rail("60E1").running_names).sampled(spacing=0.5) - [0.0, 172.0]
     np.savetxt(tmp_path / "head.txt", head)
     np.savetxt(tmp_path / "tread.txt", wheel("S1002").running_surface.sampled(spacing=0.5))
     head_file, tread_file = str(tmp_path / "head.txt"), str(tmp_path / "tread.txt")

@@ -31,7 +31,7 @@ def files(tmp_path):
     """A worn head, noisy, in inches, from its top; and a noisy S1002 in mm."""
     rng = np.random.default_rng(1)
     profile = rail()
-    head = profile.outline.part(profile.head_names).sampled(spacing=0.3) - [0.0, profile.outline.bounds()[1, 1]]
+    head = profile.outline.part(profile.running_names).sampled(spacing=0.3) - [0.0, profile.outline.bounds()[1, 1]]
     head += 3e-3 * rng.normal(size=head.shape)
     (tmp_path / "worn.csv").write_text("\n".join(f"{x / 25.4:.7f},{y / 25.4:.7f}" for x, y in head))
     tread = wheel("S1002")

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 DEPTH_OF_MAX_SHEAR = 0.7861513777574233
 """Depth over the half width where the shear stress on the axis is greatest, the root of ``(sqrt(5) - 1) / 2``."""
@@ -64,7 +64,7 @@ class LineContact:
 
     def pressure(self, x: ArrayLike) -> Floats:
         """Pressure at distances x from the middle, ``p0 sqrt(1 - x^2 / a^2)``, zero outside."""
-        relative = 1.0 - (np.asarray(x, dtype=np.float64) / self.half_width) ** 2
+        relative = 1.0 - (floats(x) / self.half_width) ** 2
         return self.max_pressure * np.sqrt(np.maximum(relative, 0.0))
 
     @property
@@ -95,7 +95,7 @@ class LineContact:
             If a depth is negative.
 
         """
-        along, z = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(depth, dtype=np.float64))
+        along, z = np.broadcast_arrays(floats(x), floats(depth))
         if (z < 0.0).any():
             raise InputError(f"a depth of {z.min():g}", "depths >= 0", "measure them from the surface into the body")
         a = self.half_width
@@ -132,7 +132,7 @@ class LineContact:
             As of `stresses`, the shear being zero, shape (n, 3).
 
         """
-        z = np.asarray(depth, dtype=np.float64)
+        z = floats(depth)
         if not (radius > 0.0 and (z < 2.0 * radius).all()):
             raise InputError(
                 f"depths up to {z.max():g} in a disc of radius {radius}", "a radius above half of them", "check both"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.checks import check_positive
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 OPENING = 0.75 * np.pi
 """Half of the angle that the body fills at the corner."""
@@ -66,5 +66,5 @@ class Notch:
 
 def _polar(points: Floats) -> tuple[Floats, Floats]:
     """Radius and angle about the corner, from the bisector of the body along x = y."""
-    x, y = np.asarray(points, dtype=np.float64).T
+    x, y = floats(points).T
     return np.hypot(x, y), np.arctan2(y - x, x + y)

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 ABOVE = "yields"
 """Shakedown state of a patch under which steel yields in each passage."""
@@ -58,7 +58,7 @@ def shakedown_limits(contact: Literal["line", "point"], traction: ArrayLike) -> 
         If a traction coefficient is outside, or the contact another one.
 
     """
-    values = np.asarray(traction, dtype=np.float64)
+    values = floats(traction)
     if not ((values >= 0.0) & (values <= 1.0)).all():
         raise InputError(f"traction coefficients {values}", "values from 0 to 1", "give tangential over normal force")
     if contact not in ("line", "point"):

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import as_numbers, check_finite, check_integer, check_positive, is_finite, refused
 from flangeway.errors import InputError
-from flangeway.types import Complex, Floats
+from flangeway.types import Complex, Floats, floats
 
 
 def _refuse_not_positive(owner: object, **values: float) -> None:
@@ -351,7 +351,7 @@ def thin_open_torsion_constant(lengths: ArrayLike, thicknesses: ArrayLike) -> fl
         Lengths along the middle lines and thicknesses of the straight or curved parts, shape (n,).
 
     """
-    lengths, thicknesses = np.asarray(lengths, dtype=np.float64), np.asarray(thicknesses, dtype=np.float64)
+    lengths, thicknesses = floats(lengths), floats(thicknesses)
     return float(np.sum(lengths * thicknesses**3) / 3.0)
 
 
@@ -366,5 +366,5 @@ def thin_closed_torsion_constant(enclosed_area: float, lengths: ArrayLike, thick
         Lengths along the middle line and thicknesses of the walls, shape (n,).
 
     """
-    lengths, thicknesses = np.asarray(lengths, dtype=np.float64), np.asarray(thicknesses, dtype=np.float64)
+    lengths, thicknesses = floats(lengths), floats(thicknesses)
     return float(4.0 * enclosed_area**2 / np.sum(lengths / thicknesses))

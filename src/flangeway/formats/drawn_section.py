@@ -9,7 +9,7 @@ import numpy as np
 
 from flangeway.checks import is_finite
 from flangeway.errors import InputError, located, short
-from flangeway.geometry.arrays import Point, point_text, sides_of
+from flangeway.geometry.arrays import Point, norms, point_text, sides_of
 from flangeway.geometry.contour import JOINT_TOLERANCE, _joined
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Section, nested_regions
@@ -180,7 +180,7 @@ def _refuse_not_finite(drawn: Sequence[DrawnSegment], what: str) -> None:
 def _without_duplicates(drawn: Sequence[DrawnSegment], what: str) -> tuple[list[DrawnSegment], list[str]]:
     """Leave out lines without length, and say where they were."""
     ends = np.array([point for segment in drawn for point in (segment.start, segment.end)])
-    tolerance = JOINT_TOLERANCE * float(np.hypot(*np.ptp(ends, axis=0)))
+    tolerance = JOINT_TOLERANCE * float(norms(np.ptp(ends, axis=0)))
     kept, notices = [], []
     for segment in drawn:
         if segment.centre is None and math.dist(segment.start, segment.end) <= tolerance:

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, cross_product, extent
+from flangeway.geometry.arrays import IntArray, cross_product, extent, norms
 from flangeway.mesh.connectivity import (
     first_connected,
     next_in_row,
@@ -19,7 +19,7 @@ from flangeway.mesh.connectivity import (
 from flangeway.mesh.meeting import touching_distance
 from flangeway.mesh.mesh_checks import check, conforming, hanging_points
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.types import Floats, Indices, Ints
+from flangeway.types import Floats, Indices, Ints, floats
 
 FLAT = 1e-9  # range of the third coordinate, over the size of the mesh, up to which a mesh is plane
 
@@ -73,7 +73,7 @@ def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
     notices = list(drawn.notices)
     if not drawn.cells:
         raise InputError("a file without plane cells", "triangles, quadrilaterals or polygons", "export them")
-    points = _plane(np.asarray(drawn.points, dtype=np.float64), notices)
+    points = _plane(floats(drawn.points), notices)
     numbers = _first_of_equal(points, drawn.cells, notices) if merge_points else np.arange(len(points))
     cells, kept = _sound_cells(points, [numbers[cell] for cell in drawn.cells], notices)
     used, flat = np.unique(np.concatenate(cells), return_inverse=True)
@@ -148,7 +148,7 @@ def _first_of_equal(points: Floats, cells: list[Ints], notices: list[str]) -> In
     """For each point the first one at its place, as `check` sees it; only points of cells count."""
     flat = np.concatenate(cells)
     following = flat[next_in_row(offsets_of(np.array([len(cell) for cell in cells])))]
-    lengths = np.hypot(*(points[following] - points[flat]).T)
+    lengths = norms(points[following] - points[flat])
     reach = np.zeros(len(points))
     for ends in (flat, following):
         np.maximum.at(reach, ends, touching_distance(lengths, points[flat]))
@@ -157,7 +157,7 @@ def _first_of_equal(points: Floats, cells: list[Ints], notices: list[str]) -> In
     pairs = np.zeros((0, 2), dtype=np.int64)
     if len(near):
         pairs = near[cKDTree(points[near]).query_pairs(reach[near].max(), output_type="ndarray")]
-        pairs = pairs[np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T) <= reach[pairs].min(axis=1)]
+        pairs = pairs[norms(points[pairs[:, 0]] - points[pairs[:, 1]]) <= reach[pairs].min(axis=1)]
     first = first_connected(pairs, len(points))
     if len(pairs):
         x, y = points[pairs[0, 0]]

@@ -24,7 +24,7 @@ from flangeway.formats.drawn_section import (
     repaired_outline,
     section_of,
 )
-from flangeway.geometry.arrays import Point, point_text
+from flangeway.geometry.arrays import Point, norms, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE
 
 UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}  # $INSUNITS of the DXF reference
@@ -174,7 +174,7 @@ def joined_chains(chains: Sequence[list[DrawnSegment]], *, closed: bool = True) 
     if not chains:
         return []
     ends = np.array([point for chain in chains for point in (chain[0].start, chain[-1].end)])
-    tolerance = JOINT_TOLERANCE * max(float(np.hypot(*np.ptp(ends, axis=0))), np.finfo(float).tiny)
+    tolerance = JOINT_TOLERANCE * max(float(norms(np.ptp(ends, axis=0))), np.finfo(float).tiny)
     near = cKDTree(ends).query_ball_point(ends, tolerance)
     for number, group in enumerate(near):
         if len(group) != 2 and (closed or len(group) > 2):

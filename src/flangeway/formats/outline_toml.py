@@ -16,7 +16,7 @@ from flangeway.formats.drawn_section import (
     drawn_circle,
     repaired_outline,
 )
-from flangeway.geometry.arrays import Point, cross_product, point_text
+from flangeway.geometry.arrays import Point, cross_product, norms, point_text
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.section_shapes import rounded_sides
@@ -218,7 +218,7 @@ def through_arc(start: Point, middle: Point, end: Point, name: str, what: str) -
     """Return the arc from `start` through `middle` to `end`; points on one line are an `InputError`."""
     a, b = np.subtract(middle, start), np.subtract(end, start)
     cross = float(cross_product(a, b))
-    if not abs(cross) > 1e-9 * float(np.hypot(*a) * np.hypot(*b)):
+    if not abs(cross) > 1e-9 * float(norms(a) * norms(b)):
         raise InputError(
             f"{what}: an arc through three points on one line, {short(start)}, {short(middle)}, {short(end)}",
             "a point that is off the line from start to end",

@@ -16,7 +16,7 @@ from flangeway.forms.weak import FormRegion, PointValues, assembled_form, linear
 from flangeway.problems.strains import add_consistency, strain_operators
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, FormMatrix, Space, load_vector
 from flangeway.space.functions import function_of
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 
 def stiffness(space: Space, coefficient: Coefficient = 1.0, *, degree: int | None = None) -> sp.csr_array:
@@ -105,9 +105,9 @@ def mass(
         products = value_products(reconstruction)
         of_cells = products_round_off(reconstruction, products, space.constant[batch.dofs])
         np.maximum.at(round_off, batch.dofs, of_cells)
-        tensor = given.at(batch, np.empty((1, 2, 0)))
-        for i, j in np.argwhere(np.abs(tensor).any(axis=(-2, -1))):
-            blocks[i, j] = products * tensor[i, j, 0]
+        tensor = given.at(batch, np.empty((1, 2, 0)))[..., 0, :]
+        for i, j in np.argwhere(np.abs(tensor).any(axis=-1)):
+            blocks[i, j] = products * tensor[i, j]
 
     result = FormMatrix(_assembled(space, given.n_components, matrices))
     result.round_off = np.repeat(round_off, given.n_components)
@@ -119,7 +119,7 @@ def _at_points(given: CellCoefficient, on: str | None, degree: int | None) -> sp
     m, region = given.n_components, FormRegion((given.space, given.space), {}, on, degree)
 
     def tensor(w: SimpleNamespace) -> Floats:
-        values = given.along(w.points[None])[..., 0, :]
+        values = given.along(w.points)
         whole = np.zeros((m, region.n_jets, m, region.n_jets, len(w.points)))
         if values.ndim == 3:
             whole[:, 0, :, 0] = values
@@ -178,4 +178,4 @@ def load(space: Space, function: Function | ArrayLike, *, on: str | None = None,
     def traction(v: PointValues, w: SimpleNamespace) -> Floats:
         return (np.reshape(given(w.points), (-1, m)) * v.value.reshape(-1, m)).sum(axis=1)
 
-    return np.asarray(linear(space, traction, components=m, on=on), dtype=np.float64).reshape(-1, *shape)
+    return floats(linear(space, traction, components=m, on=on)).reshape(-1, *shape)

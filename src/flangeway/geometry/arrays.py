@@ -71,6 +71,11 @@ def box_about(boxes: Iterable[Floats]) -> Floats:
     return np.array([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
 
 
+def norms(vectors: Floats) -> Floats:
+    """Return the lengths of vectors (..., 2)."""
+    return np.asarray(np.hypot(vectors[..., 0], vectors[..., 1]))
+
+
 def extent(points: Floats) -> float:
     """Return the longer side of the box about points (n, 2)."""
     return float(np.ptp(points, axis=0).max())
@@ -88,7 +93,7 @@ def angles_of(vectors: Floats) -> Floats:
 
 def step_lengths(points: Floats) -> Floats:
     """Return the distances (n - 1,) from each of points (n, 2) to the next one."""
-    return np.asarray(np.hypot(*np.diff(points, axis=0).T))
+    return np.asarray(norms(np.diff(points, axis=0)))
 
 
 def middles_of(ends: Floats) -> Floats:

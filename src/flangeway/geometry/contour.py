@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, as_points, box_about, point_text
+from flangeway.geometry.arrays import IntArray, as_points, box_about, norms, point_text
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import Arc, Segment, first_crossing
 from flangeway.types import Floats
@@ -43,7 +43,7 @@ def _joined(segments: Sequence[Segment], *, closed: bool) -> tuple[Segment, ...]
 def _size(segments: Sequence[Segment]) -> float:
     """Return the diagonal of the box about the segments."""
     boxes = np.array([segment.bounds for segment in segments])
-    return float(np.hypot(*(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0))))
+    return float(norms(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)))
 
 
 @dataclass(frozen=True)

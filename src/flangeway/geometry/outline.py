@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import Point, as_points
+from flangeway.geometry.arrays import Point, as_points, norms
 from flangeway.geometry.contour import Contour, _joined
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import Arc, Line, Segment, halved
@@ -127,7 +127,7 @@ class Outline(Contour):
             if isinstance(piece, Arc):
                 # between chord and arc the loop winds once more than the chords do; a point on the
                 # chord is where the rule above sees it: beside and above
-                disc = np.hypot(*(given - np.array(piece.centre)).T) < piece.radius
+                disc = norms(given - np.array(piece.centre)) < piece.radius
                 on_right = b[1] > a[1] or (b[1] == a[1] and b[0] < a[0])
                 right = (left < 0.0) | ((left == 0.0) & on_right)
                 winding += disc & right if piece.counter_clockwise else -1 * (disc & ~right)

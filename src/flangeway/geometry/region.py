@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import Point, as_points, box_about, cross_product, point_text
+from flangeway.geometry.arrays import Point, as_points, box_about, cross_product, norms, point_text
 from flangeway.geometry.contour import CROSSING_TOLERANCE
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
@@ -159,7 +159,7 @@ class Section:
     def size(self) -> float:
         """Diagonal of the bounding box."""
         low, high = self.bounds()
-        return float(np.hypot(*(high - low)))
+        return float(norms(high - low))
 
     def transformed(self, placement: Placement) -> "Section":
         """Return the section in the placed frame."""

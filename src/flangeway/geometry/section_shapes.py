@@ -8,7 +8,7 @@ import numpy as np
 
 from flangeway.checks import check_positive, is_finite
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import Point, as_point, point_text
+from flangeway.geometry.arrays import Point, as_point, norms, point_text
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region
 from flangeway.geometry.segments import segment_of
@@ -54,14 +54,14 @@ def _fillet(before: Point, corner: Point, after: Point, radius: float, name: str
     if radius == 0.0:
         return corner, corner, None, True, name
     u, v = np.subtract(before, corner), np.subtract(after, corner)
-    u, v = u / np.hypot(*u), v / np.hypot(*v)
+    u, v = u / norms(u), v / norms(v)
     turn = float(u[1] * v[0] - u[0] * v[1])
     half_angle = 0.5 * math.acos(float(np.clip(u @ v, -1.0, 1.0)))
     if abs(turn) < 1e-9:
         raise InputError(
             f"{point_text(corner)}: radius {radius:g} where there is no corner", "a radius at a corner", "remove it"
         )
-    reach, bisector = radius / math.tan(half_angle), (u + v) / np.hypot(*(u + v))
+    reach, bisector = radius / math.tan(half_angle), (u + v) / norms(u + v)
     start, end = as_point(corner + reach * u), as_point(corner + reach * v)
     return start, end, as_point(corner + radius / math.sin(half_angle) * bisector), turn > 0.0, name
 

@@ -16,16 +16,16 @@ import shapely
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import Point, angles_of, as_point, as_points, cross_product, turned_right
+from flangeway.geometry.arrays import Point, angles_of, as_point, as_points, cross_product, norms, turned_right
 from flangeway.geometry.placement import Placement
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats, Ints, floats
 
 RADIUS_TOLERANCE = 1e-5  # maximum difference of an arc's two radii, relative to the radius (files carry 6 decimals)
 
 
 def _parameters(s: ArrayLike) -> Floats:
     """Return the parameters as an array (n,)."""
-    return np.atleast_1d(np.asarray(s, dtype=np.float64))
+    return np.atleast_1d(floats(s))
 
 
 def _fixed(rows: list[list[float]]) -> Floats:
@@ -110,7 +110,7 @@ class Line:
         given = as_points(points)
         step = self._step
         s = np.clip((given - np.array(self.start)) @ step / (step @ step), 0.0, 1.0)
-        return s, np.hypot(*(given - self.point(s)).T)
+        return s, norms(given - self.point(s))
 
     def split(self, parameters: ArrayLike) -> tuple["Line", ...]:
         """Return the pieces between the parameters (each inside (0, 1)), in order."""
@@ -227,7 +227,7 @@ class Arc:
     def normal(self, s: ArrayLike) -> Floats:
         """Return the unit normals (n, 2), right of the direction of travel."""
         rays: Floats = self.point(s) - np.array(self.centre)
-        rays *= math.copysign(1.0, self.sweep) / np.hypot(*rays.T)[:, None]
+        rays *= math.copysign(1.0, self.sweep) / norms(rays)[:, None]
         return rays
 
     def reversed(self) -> "Arc":
@@ -252,7 +252,7 @@ class Arc:
         # beyond the end: the nearer of both ends, divided at the middle of the gap
         outside = np.where(angle < 0.5 * opening + math.pi, 1.0, 0.0)
         s = np.where(angle <= opening, angle / opening, outside)
-        return s, np.hypot(*(given - self.point(s)).T)
+        return s, norms(given - self.point(s))
 
     def split(self, parameters: ArrayLike) -> tuple["Arc", ...]:
         """Return the pieces between the parameters (each inside (0, 1)), in order."""
@@ -322,7 +322,7 @@ def _line_arc(a: Line, b: Arc) -> list[Floats]:
 def _arc_arc(a: Arc, b: Arc) -> list[Floats]:
     c = np.array(a.centre)
     d = np.array(b.centre) - c
-    distance = float(np.hypot(*d))
+    distance = float(norms(d))
     if distance <= 1e-14 * (a.radius + b.radius):
         return []
     along = (distance**2 + (a.radius - b.radius) * (a.radius + b.radius)) / (2.0 * distance)
@@ -372,7 +372,7 @@ def first_crossing(segments: Sequence[Segment], *, closed: bool, tolerance: floa
             joints.append(segments[i].start)
         for joint in joints:
             # tangent neighbours meet over a length that grows with the root of rounding
-            points = points[np.hypot(*(points - np.array(joint)).T) > 1e3 * tolerance]
+            points = points[norms(points - np.array(joint)) > 1e3 * tolerance]
         if len(points):
             return i, j, points[0]
     return None

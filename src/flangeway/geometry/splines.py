@@ -9,9 +9,9 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import as_points, chain_lengths, step_lengths
+from flangeway.geometry.arrays import as_points, chain_lengths, norms, step_lengths
 from flangeway.geometry.placement import Placement
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 SAMPLES = 16  # between two points, to start the search of the closest place
 CLOSED = 1e-12  # distance of the ends relative to the coordinates, below which it is round-off
@@ -71,7 +71,7 @@ class Spline:
 
     def point(self, s: ArrayLike) -> Floats:
         """Return the points (n, 2) at parameters (n,) from 0 to 1; on a closed curve they go around."""
-        return self._curve(self._inside(np.atleast_1d(np.asarray(s, dtype=np.float64))))
+        return self._curve(self._inside(np.atleast_1d(floats(s))))
 
     def closest(self, points: ArrayLike) -> tuple[Floats, Floats]:
         """Return parameters (n,) and distances (n,) of the closest points, by Newton's method from the best sample."""
@@ -87,7 +87,7 @@ class Spline:
             s = self._inside(s - np.clip(change, -step, step))
             if np.abs(change).max(initial=0.0) < 1e-15:
                 break
-        return s, np.hypot(*(given - self.point(s)).T)
+        return s, norms(given - self.point(s))
 
     def transformed(self, placement: Placement) -> "Spline":
         """Return the curve in the placed frame, with the same parameters."""

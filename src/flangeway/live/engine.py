@@ -35,7 +35,7 @@ from flangeway.report.wheelset.pressure_scene import below_fields, stresses_belo
 from flangeway.report.wheelset.wheelset_page import results_table, wheelset_facts
 from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.system.latest_values import LatestValues
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 from flangeway.units import Units, us_unit
 
 LATERAL_MM, STEP_MM = 12.0, 0.05
@@ -272,4 +272,4 @@ def _patches(run: WheelsetRun) -> dict[str, Any]:
 
 def _rounded(values: Floats, digits: int = 4) -> list[Any]:
     """Lists of numbers with some decimals: a tenth of a micrometre is more than a picture shows."""
-    return np.round(np.asarray(values, dtype=np.float64), digits).tolist()
+    return np.round(floats(values), digits).tolist()

@@ -7,7 +7,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray
+from flangeway.geometry.arrays import IntArray, norms
 from flangeway.types import Bools, Floats, Indices, Ints
 
 
@@ -18,7 +18,7 @@ def next_in_row(offsets: IntArray) -> Ints:
     return following
 
 
-def row_numbers(offsets: IntArray) -> Ints:
+def row_numbers(offsets: Indices) -> Ints:
     """Return for every entry the number of its row."""
     return np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
 
@@ -94,7 +94,7 @@ def edge_places(edges: Indices, others: Indices, n_points: int) -> tuple[Ints, B
 
 def shortest_edges(points: Floats, edges: Indices) -> Floats:
     """Return the length of the shortest of some edges (m, 2) at each point, infinite where none is, (n_points,)."""
-    lengths = np.hypot(*(points[edges[:, 1]] - points[edges[:, 0]]).T)
+    lengths = norms(points[edges[:, 1]] - points[edges[:, 0]])
     shortest = np.full(len(points), np.inf)
     np.minimum.at(shortest, edges, lengths[:, None])
     return shortest

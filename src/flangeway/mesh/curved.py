@@ -7,6 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import norms
 from flangeway.geometry.contour import Contour
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.segments import Line, Segment
@@ -57,7 +58,7 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
     edges = np.flatnonzero((other < 0) | (sets[one] != sets[other]))
     pairs = mesh.edges[edges]
     start, end = points[pairs[:, 0]], points[pairs[:, 1]]
-    lengths = np.hypot(*(end - start).T)
+    lengths = norms(end - start)
     segments = _segments(curves)
     best, number, places = np.full(len(edges), np.inf), np.full(len(edges), -1), np.zeros((len(edges), 2))
     for which, segment in enumerate(segments):
@@ -170,3 +171,17 @@ def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:
         if not isinstance(segment, Line):
             points[rim[inside]] = segment.point(place[inside])
     return points
+
+
+def with_names(mesh: PolyMesh, outlines: Sequence[Contour]) -> PolyMesh:
+    """Return the mesh with each edge of its boundary in the set of the name of the segment that it is closest to."""
+    middles = mesh.points[mesh.boundary_edges].mean(axis=1)
+    names, best = np.full(len(middles), "", dtype=object), np.full(len(middles), np.inf)
+    for outline in outlines:
+        number, _, distance = outline.closest(middles)
+        nearer = distance < best
+        best[nearer] = distance[nearer]
+        names[nearer] = np.array(outline.names, dtype=object)[number[nearer]]
+    for name in sorted(set(names.tolist())):
+        mesh = mesh.with_edge_set(name, mesh.boundary_edges[names == name])
+    return mesh

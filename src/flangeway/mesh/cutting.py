@@ -3,7 +3,7 @@
 import numpy as np
 import shapely
 
-from flangeway.geometry.arrays import angles_of, chain_lengths, cross_product, sides_of, steps_around
+from flangeway.geometry.arrays import angles_of, chain_lengths, cross_product, norms, sides_of, steps_around
 from flangeway.types import Bools, Floats
 
 HALVED = 0.55
@@ -81,12 +81,12 @@ def cut_polygon(corners: Floats, divisible: Bools) -> tuple[list[list[int]], Flo
 
 
 def _length(points: Floats, edge: tuple[int, ...]) -> float:
-    return float(np.hypot(*(points[edge[0]] - points[edge[1]])))
+    return float(norms(points[edge[0]] - points[edge[1]]))
 
 
 def diameter(corners: Floats) -> float:
     """Maximum distance of two corners (n, 2)."""
-    return float(np.hypot(*(corners[:, None] - corners).T).max())
+    return float(norms(corners[:, None] - corners).max())
 
 
 def has_notch(corners: Floats) -> bool:
@@ -157,7 +157,7 @@ def best_chord(x: Floats, at_notch: Bools) -> tuple[int, int] | None:
 def _part_diameters(x: Floats) -> Floats:
     """Diameters (n, n) of the points i to i + l, cyclically: that of the longest of both shorter runs, or its ends."""
     n = len(x)
-    distances = np.hypot(*(x[:, None] - x).T)
+    distances = norms(x[:, None] - x)
     every, result = np.arange(n), np.zeros((n, n))
     for length in range(1, n):
         shorter = result[:, length - 1]

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.geometry.arrays import IntArray, cross_product
 from flangeway.geometry.placement import Placement
-from flangeway.types import Bools, Floats, Indices, Ints
+from flangeway.types import Bools, Floats, Indices, Ints, floats
 
 
 class Curve(Protocol):
@@ -48,7 +48,7 @@ class EdgeCurves:
 
     def points(self, places: ArrayLike, rows: Ints | slice = slice(None)) -> Floats:
         """Points (m, n, 2) of the edges, or of some, at places (n,) from 0 at their first point to 1."""
-        at = np.atleast_1d(np.asarray(places, dtype=np.float64))
+        at = np.atleast_1d(floats(places))
         number, ends = self.number[rows], self.ends[rows]
         parameters = ends[:, :1] + at * (ends[:, 1:] - ends[:, :1])
         points = np.empty((*parameters.shape, 2))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, as_point, as_points, cross_product, point_text
+from flangeway.geometry.arrays import IntArray, as_point, as_points, cross_product, norms, point_text
 from flangeway.geometry.segments import Line
 from flangeway.mesh.connectivity import edge_places, offsets_of, ordered_pairs, row_numbers, shortest_edges
 from flangeway.mesh.edge_curves import EdgeCurves, united
@@ -146,7 +146,7 @@ def insert_nodes(mesh: PolyMesh, edges: Edges, points: ArrayLike) -> PolyMesh:
             parameters = curve.closest(given)[0]
             parameters = parameters - np.round(parameters - ends.mean()) * getattr(curve, "closed", False)
             place = np.clip((parameters - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0)
-            distance = np.hypot(*(given - curve.point(ends[0] + place * (ends[1] - ends[0]))).T)
+            distance = norms(given - curve.point(ends[0] + place * (ends[1] - ends[0])))
             if mesh.curves.pairs[bent, 0] != mesh.boundary_edges[row, 0]:
                 place = 1.0 - place
         nearer = distance < distances
@@ -258,7 +258,7 @@ def _normals(points: Floats, pairs: Indices) -> Floats:
     chain = ordered_pairs(np.asarray(pairs, dtype=np.int32), "boundary").astype(np.int64)
     chords = points[chain[:, 1]] - points[chain[:, 0]]
     before = np.roll(chords, 1, axis=0)
-    lengths = np.hypot(*chords.T)
+    lengths = norms(chords)
     bent = np.abs(cross_product(before, chords)) > COLLINEAR * lengths * np.roll(lengths, 1)
     bent |= (np.roll(chain[:, 1], 1) != chain[:, 0]) | (np.einsum("mi,mi->m", before, chords) < 0.0)
     line = (np.cumsum(bent) - 1) % max(int(bent.sum()), 1)
@@ -268,7 +268,7 @@ def _normals(points: Floats, pairs: Indices) -> Floats:
     first, last = bent, np.roll(bent, -1)  # edges at the start and at the end of their lines
     np.add.at(normals, chain[first, 0], each[line[first]])
     np.add.at(normals, chain[last, 1], each[line[last]])
-    sizes = np.hypot(*normals.T)
+    sizes = norms(normals)
     normals /= np.where(sizes > 0.0, sizes, 1.0)[:, None]
     ends = np.zeros((2, len(sums)), dtype=np.int64)
     ends[0, line[first]], ends[1, line[last]] = chain[first, 0], chain[last, 1]
@@ -290,7 +290,7 @@ def _opposite(
     """Places on one boundary opposite the nodes of another one, along the normals of the first or of the second."""
     (points, pairs), nodes = onto, np.unique(other[1])
     edges, at_ends = points[pairs], own_normals[pairs]
-    lengths = np.hypot(*(edges[:, 1] - edges[:, 0]).T)
+    lengths = norms(edges[:, 1] - edges[:, 0])
     pieces = []
     for some in np.array_split(nodes, 1 + len(nodes) * len(edges) // MAX_PAIRS):
         apart = other[0][some][:, None, None] - edges  # (n, m, 2, 2)
@@ -306,7 +306,7 @@ def _opposite(
         rising = root > 0.0
         which, at, chord = which[rising], at[rising], chord[rising]
         places = np.clip(-2.0 * first[rising] / root[rising], 0.0, 1.0)
-        distances = np.hypot(*(apart[which, at, 0] - places[:, None] * chord).T)
+        distances = norms(apart[which, at, 0] - places[:, None] * chord)
         order = np.lexsort((distances, which))
         order = order[np.diff(which[order], prepend=-1) != 0]
         pieces.append((some[which[order]], at[order], places[order]))

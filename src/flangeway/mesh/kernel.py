@@ -5,7 +5,7 @@ import shapely
 from scipy.optimize import linprog
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, cross_product, extent, point_text, steps_around
+from flangeway.geometry.arrays import IntArray, cross_product, extent, norms, point_text, steps_around
 from flangeway.mesh.cutting import best_chord, diameter
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Floats
@@ -28,7 +28,7 @@ def visible_distances(mesh: PolyMesh, cells: IntArray, centres: Floats) -> Float
         corners = mesh.points[mesh.batch_points(int(n_vertices), cells[rows])]
         steps = np.roll(corners, -1, axis=1) - corners
         rays = centres[rows][:, None] - corners
-        distances[rows] = (cross_product(steps, rays) / np.hypot(steps[..., 0], steps[..., 1])).min(axis=1)
+        distances[rows] = (cross_product(steps, rays) / norms(steps)).min(axis=1)
     return distances
 
 
@@ -54,7 +54,7 @@ def kernel_centre(polygon: Floats) -> tuple[Floats, float]:
     origin, size = polygon.mean(axis=0), extent(polygon)
     local = (polygon - origin) / size
     steps = steps_around(local)
-    normals = np.column_stack([-steps[:, 1], steps[:, 0]]) / np.hypot(*steps.T)[:, None]
+    normals = np.column_stack([-steps[:, 1], steps[:, 0]]) / norms(steps)[:, None]
     solution = linprog(
         [0.0, 0.0, -1.0],
         A_ub=np.column_stack([-normals, np.ones(len(local))]),

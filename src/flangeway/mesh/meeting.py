@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from flangeway.geometry.arrays import IntArray, extent
+from flangeway.geometry.arrays import IntArray, extent, norms
 from flangeway.types import Floats, Ints
 
 TOUCHING = 1e-6
@@ -40,7 +40,7 @@ def meeting(points: Floats, segments: IntArray) -> Meeting:
 
     They may meet at a point that is an end of both.
     """
-    reach = touching_distance(np.hypot(*(points[segments[:, 1]] - points[segments[:, 0]]).T), points)
+    reach = touching_distance(norms(points[segments[:, 1]] - points[segments[:, 0]]), points)
     lines = shapely.linestrings(points[segments])
     i, j = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=reach)
     i, j = np.stack((i, j))[:, i < j]

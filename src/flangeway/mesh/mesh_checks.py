@@ -8,7 +8,7 @@ import shapely
 
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, point_text
+from flangeway.geometry.arrays import IntArray, norms, point_text
 from flangeway.mesh.connectivity import edge_places, first_connected, places_among, row_numbers
 from flangeway.mesh.curved import as_polylines
 from flangeway.mesh.insertion import corners_added
@@ -155,7 +155,7 @@ def _check_sides_of(mesh: PolyMesh, cells: IntArray) -> None:
                 "divide the cell there",
             )
         sides = np.column_stack([corners, np.roll(corners, -1)])
-        lengths = np.hypot(*(mesh.points[sides[:, 1]] - mesh.points[sides[:, 0]]).T)
+        lengths = norms(mesh.points[sides[:, 1]] - mesh.points[sides[:, 0]])
         if lengths.min() <= SHORT * lengths.max():
             raise _same_place(mesh, *sides[lengths.argmin()])
         meets = meeting(mesh.points, sides)
@@ -216,8 +216,8 @@ def _at_end(mesh: PolyMesh, touching: Meeting) -> tuple[Bools, Ints]:
     """Whether each touching point lies at an end of the edge, and that end."""
     rim = mesh.boundary_edges
     ends = rim[touching.on]
-    apart = np.hypot(*np.moveaxis(mesh.points[ends] - mesh.points[touching.points][:, None], 2, 0))
-    lengths = np.hypot(*np.moveaxis(np.diff(mesh.points[rim], axis=1)[:, 0], 1, 0))
+    apart = norms(mesh.points[ends] - mesh.points[touching.points][:, None])
+    lengths = norms(np.diff(mesh.points[rim], axis=1)[:, 0])
     reach = touching_distance(lengths, mesh.points)
     at_end: Bools = apart.min(axis=1) <= np.minimum(reach[touching.on], reach[touching.of])
     return at_end, ends[np.arange(len(ends)), apart.argmin(axis=1)].astype(np.int64)
@@ -267,9 +267,9 @@ def _refuse_inner_boundary(mesh: PolyMesh, rim: IntArray) -> None:
     if n_chains == 1:  # one closed curve, which positive cells fill once
         return
     steps = mesh.points[rim[:, 1]] - mesh.points[rim[:, 0]]
-    longest = np.lexsort((-np.hypot(*steps.T), chain))
+    longest = np.lexsort((-norms(steps), chain))
     rows = longest[np.searchsorted(chain[longest], np.arange(n_chains))]
-    beside = touching_distance(np.hypot(*steps[rows].T), mesh.points) / np.hypot(*steps[rows].T)
+    beside = touching_distance(norms(steps[rows]), mesh.points) / norms(steps[rows])
     left = np.column_stack((-steps[rows, 1], steps[rows, 0])) * beside[:, None]
     places = mesh.points[rim[rows]].mean(axis=1) + left
     x, abscissae = np.sort(places[:, 0]), mesh.points[mesh.cell_points, 0]
@@ -334,7 +334,7 @@ def conforming(mesh: PolyMesh) -> PolyMesh:
             "points that hang on straight edges",
             "take conforming(mesh.straight()), then curved(mesh, outline) again",
         )
-    along = np.hypot(*(mesh.points[points] - mesh.points[pairs[edges, 0]]).T)
+    along = norms(mesh.points[points] - mesh.points[pairs[edges, 0]])
     order = np.lexsort((along, edges))
     whole = PolyMesh(mesh.points, *corners_added(mesh, edges[order], points[order]), mesh.cell_sets, curves=mesh.curves)
     outer = set(map(tuple, whole.boundary_edges.tolist()))
@@ -352,8 +352,8 @@ def check_curved_cells(mesh: PolyMesh, cells: Indices, order: int) -> None:
     """
     assert mesh.curves is not None
     ends = mesh.points[mesh.curves.pairs]
-    apart = np.hypot(*np.moveaxis(mesh.curves.points([0.0, 1.0]) - ends, -1, 0)).max(axis=1)
-    off = apart > OFF_CURVE * np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    apart = norms(mesh.curves.points([0.0, 1.0]) - ends).max(axis=1)
+    off = apart > OFF_CURVE * norms(ends[:, 1] - ends[:, 0])
     if off.any():
         a, b = mesh.curves.pairs[off.argmax()]
         raise InputError(

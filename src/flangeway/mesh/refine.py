@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import as_numbers, check_integer, is_finite, refused
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray, cross_product, point_text
+from flangeway.geometry.arrays import IntArray, cross_product, norms, point_text
 from flangeway.mesh.connectivity import entries_of, next_in_row, offsets_of, row_numbers
 from flangeway.mesh.curved import Curves, snapped_points
 from flangeway.mesh.cutting import HALVED, cut_polygon, has_notch
@@ -179,7 +179,7 @@ def _divisible(mesh: PolyMesh, marked: Bools) -> Bools:
     good = visible_distances(mesh, cells, centres) >= GOOD_DISTANCE * widths
     sides = cell_sides(mesh)
     n_sides = np.bincount(sides.cell, minlength=mesh.n_cells)[cells]
-    away = np.hypot(*(mesh.points[mesh.cell_points] - mesh.cell_centroids[row_numbers(mesh.cell_offsets)]).T)
+    away = norms(mesh.points[mesh.cell_points] - mesh.cell_centroids[row_numbers(mesh.cell_offsets)])
     radius = np.maximum.reduceat(away, mesh.cell_offsets[:-1])[cells]
     good &= (n_sides <= MAX_DIVIDED_SIDES) & ((n_sides == 3) | (radius <= HALVED * mesh.cell_diameters[cells]))
     # sides are divided at points that they have, which may be far from the middle
@@ -189,7 +189,7 @@ def _divisible(mesh: PolyMesh, marked: Bools) -> Bools:
     middles[without] = mesh.edge_middles(mesh.cell_edges[sides.entries[sides.in_edge[without]]])
     after, longest = next_in_row(offsets_of(np.bincount(sides.cell))), np.zeros(mesh.n_cells)
     for one, other in ((starts, middles), (starts[after], middles), (middles[after], middles)):
-        np.maximum.at(longest, sides.cell, np.hypot(*(one - other).T))
+        np.maximum.at(longest, sides.cell, norms(one - other))
     good &= longest[cells] <= HALVED * mesh.cell_diameters[cells]
     for row in np.flatnonzero(good & (mesh.cell_sizes[cells] > 3)):
         good[row] = not has_notch(mesh.points[mesh.corners(cells[row])])
@@ -240,7 +240,7 @@ def cell_sides(mesh: PolyMesh) -> Sides:
     starts = corner[entries]
     side = np.cumsum(starts) - 1
     outer = (mesh.edge_cells[mesh.cell_edges] < 0).any(axis=1)
-    lengths = np.hypot(*steps.T)[entries]
+    lengths = norms(steps)[entries]
     at_point, in_edge = _divisions(lengths, side, starts)
     return Sides(entries, side, rows[starts], ((turn < HANGING) & ~outer)[entries] & ~starts, at_point, in_edge)
 

@@ -12,9 +12,10 @@ from flangeway.errors import InputError, short
 from flangeway.geometry import Line, Outline
 from flangeway.geometry.arrays import cross_product
 from flangeway.mesh.connectivity import first_connected
+from flangeway.mesh.curved import with_names
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 BYTES_A_CELL = 10_000  # measured at the peak, with the clipped cells
 ONE_POINT = 1e-9  # distance over the outline's size below which two vertices are one
@@ -80,13 +81,7 @@ def voronoi(
         if not len(clipped.further):
             break
         points = np.vstack((points, clipped.further))
-    mesh = clipped.mesh(outline)
-    middles = mesh.points[mesh.boundary_edges].mean(axis=1)
-    nearest = outline.closest(middles)[0]
-    for name in dict.fromkeys(outline.names):
-        segments = [number for number, other in enumerate(outline.names) if other == name]
-        mesh = mesh.with_edge_set(name, mesh.boundary_edges[np.isin(nearest, segments)])
-    return mesh
+    return with_names(clipped.mesh(outline), [outline])
 
 
 def _domain(outline: Outline) -> shapely.Polygon:
@@ -103,7 +98,7 @@ def _domain(outline: Outline) -> shapely.Polygon:
 def _sizes(size: Size | None, points: Floats) -> Floats:
     if size is None:
         return np.ones(len(points))
-    values = np.asarray(size(points), dtype=np.float64)
+    values = floats(size(points))
     if values.shape != (len(points),) or not (np.isfinite(values) & (values > 0.0)).all():
         raise InputError(
             f"sizes of shape {values.shape} for {len(points)} points, or one that is not positive",

@@ -12,14 +12,14 @@ from flangeway.elements import Reconstruction, monomials
 from flangeway.elements.monomials import Frame
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product, middles_of
+from flangeway.geometry.arrays import cross_product, middles_of, norms
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.curved import as_polylines
 from flangeway.post.stress import Polynomials, Stresses
 from flangeway.problems import ElasticField
 from flangeway.results import Result, ResultTable
 from flangeway.space import CellBatch, Space
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats, Ints, floats
 
 NEAR = 1e-9  # distance from the boundary, over the size of the mesh, within which a point still belongs to the mesh
 OUTSIDE = -1
@@ -130,7 +130,7 @@ def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutFo
 
 
 def _at_points(solution: ElasticField, points: ArrayLike, polynomials: Polynomials, n_components: int) -> Floats:
-    given, space = np.asarray(points, dtype=np.float64), solution.problem.space
+    given, space = floats(points), solution.problem.space
     cells = cells_of(space.mesh, given, f"body `{solution.problem.name}`")
     return polynomials_at(space, given, cells, polynomials, n_components)
 
@@ -223,7 +223,7 @@ def locate(mesh: PolyMesh, points: ArrayLike) -> Ints:
     near = NEAR * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     if mesh.curves is not None:
         depths = mesh.points[mesh.curves.pairs].mean(axis=1) - mesh.curves.points([0.5])[:, 0]
-        near = max(near, 2.0 * float(np.hypot(*depths.T).max()) / PIECES**2)
+        near = max(near, 2.0 * float(norms(depths).max()) / PIECES**2)
         mesh = as_polylines(mesh, PIECES)
     tree, places = mesh.cell_tree, shapely.points(given)
     which, candidates = tree.query(places, predicate="dwithin", distance=near)

@@ -7,7 +7,7 @@ import numpy as np
 from flangeway.checks import are_finite, is_finite
 from flangeway.errors import InputError, located, short
 from flangeway.space.functions import at_points
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 Scalar = float | Callable[[Floats], Floats]
 """A number, or a function of points (n, 2) with values (n,)."""
@@ -48,7 +48,7 @@ def vector_at(owner: str, value: Vector, points: Floats) -> Floats:
 
 def _at(owner: str, value: Scalar | Vector, points: Floats, shape: tuple[int, ...]) -> Floats:
     if not callable(value):
-        return np.broadcast_to(np.asarray(value, dtype=np.float64), shape)
+        return np.broadcast_to(floats(value), shape)
     with located(f"{owner}: "):
         values = at_points(value, points.T).T
         if values.shape != shape:

@@ -21,7 +21,7 @@ from flangeway.mesh.connectivity import first_connected, next_in_row
 from flangeway.mesh.mesh_checks import positive_by_cells
 from flangeway.problems.edges import edge_quadrature
 from flangeway.space import CellBatch, Space, SymmetricMatrix
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 Formulation = Literal["warping", "prandtl"]
 Load = Literal["projected", "vertex_mean"]
@@ -158,7 +158,7 @@ class Torsion:
         weights, shapes, slopes = edge_rule(space.order, 3 * space.order // 2 + 1)
         along = np.einsum("eqx,eqx->eq", shapes @ own, slopes @ own)
         local = jumps[edges, None] * ((along * weights) @ shapes)
-        return np.asarray(np.bincount(nodes.ravel(), local.ravel(), minlength=space.n_dofs), dtype=np.float64)
+        return floats(np.bincount(nodes.ravel(), local.ravel(), minlength=space.n_dofs))
 
     def _prandtl_load(self) -> Floats:
         """Integrals ``2 int v`` in the reading chosen by ``load``."""

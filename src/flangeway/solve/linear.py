@@ -1,7 +1,6 @@
 """Sparse factorisation with errors that name the body, in the memory that there is."""
 
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -12,7 +11,7 @@ from flangeway.errors import InputError
 from flangeway.problems import LinearBody
 from flangeway.solve.free_motions import refuse_floating
 from flangeway.solve.status import Status
-from flangeway.space import SymmetricMatrix
+from flangeway.space import DifferenceProduct, SymmetricMatrix
 from flangeway.space.symmetric import EPS
 from flangeway.system.memory_limits import memory_left, out_of_memory
 from flangeway.types import Floats
@@ -63,14 +62,8 @@ def cholesky(matrix: SymmetricMatrix, groups: NDArray[np.int32], trailing: NDArr
         raise out_of_memory(f"the factorisation of {matrix.n} unknowns", error.args[1]) from error
 
 
-class Product(Protocol):
-    """What `solve_linear` asks of a matrix."""
-
-    def times(self, vector: Floats) -> Floats:
-        """Product with a vector (n,)."""
-
-    def magnitudes(self, vector: Floats) -> Floats:
-        """See `SymmetricMatrix.magnitudes`."""
+Product = SymmetricMatrix | DifferenceProduct
+"""What multiplies vectors by a stiffness: its entries, or more accurately differences of displacements."""
 
 
 def solve_linear(

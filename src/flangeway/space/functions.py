@@ -9,7 +9,7 @@ from flangeway.checks import as_numbers, values_at
 from flangeway.elements import Function, polygon_quadrature
 from flangeway.errors import InputError
 from flangeway.space.spaces import CellBatch, Space
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 
 def quadrature_degree(space: Space) -> int:
@@ -56,7 +56,7 @@ def at_points(function: Function, points: Floats) -> Floats:
         raise InputError(
             "a complex function", "real values", "give its real and imaginary parts one by one, or a form to `linear`"
         )
-    values = np.asarray(values, dtype=np.float64)
+    values = floats(values)
     if values.shape[:1] != (len(rows),):
         raise InputError(
             f"a function that gives shape {values.shape} for {len(rows)} points",

@@ -12,7 +12,7 @@ from flangeway.contact.rolling.exact_rolling import derivatives, roll
 from flangeway.contact.rolling.fastsim import fastsim_forces
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.geometry.arrays import angles_of
+from flangeway.geometry.arrays import angles_of, norms
 from flangeway.tables.creep_table import SATURATED, ForceAxes, direction
 from flangeway.types import Floats
 
@@ -285,4 +285,4 @@ def check(
 ) -> CreepErrors:
     """Compare with exact forces at reduced creepages, both (n, 3)."""
     error = ForceAxes.of(found.forces, axes).at((), tuple(points.T)) - exact
-    return CreepErrors(points, np.hypot(error[:, 0], error[:, 1]), np.abs(error[:, 2]))
+    return CreepErrors(points, norms(error), np.abs(error[:, 2]))

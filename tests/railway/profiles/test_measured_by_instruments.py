@@ -59,7 +59,7 @@ def test_points_at_a_joint_far_from_contact_are_projected(tmp_path):
     profile = profile_named(saved(tmp_path, points, "worn.ban"), "rail", body="60E1")
     found = supported_rail(profile, Elastic(210e3, 0.3), RailSupport(), 25.0)
     mesh = found.problem.elasticity.space.mesh
-    corners = np.vstack([segment.start for segment in profile.outline.part(profile.head_names).segments])
+    corners = np.vstack([segment.start for segment in profile.outline.part(profile.running_names).segments])
     beside = corners + np.random.default_rng(3).uniform(-1.4, 1.4, corners.shape)
     nodes, shares = found.on_surface(beside)
     ends = mesh.points[mesh.boundary_edges]

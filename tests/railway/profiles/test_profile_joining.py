@@ -51,7 +51,7 @@ def test_the_nominal_head_on_its_own_rail_is_the_rail(name, tmp_path):
     assert found.profile.outline.area == pytest.approx(nominal.outline.area, abs=2.0)
     assert nominal.outline.closest(found.measured.sampled(spacing=0.5))[2].max() < 2e-3
     assert max(joint.gap_mm for joint in found.joints) < 1e-3
-    assert found.profile.base_names == ("base",)
+    assert found.profile.held_names == ("base",)
     assert found.profile.outline.bounds()[0, 1] == 0.0
 
 
@@ -153,10 +153,12 @@ def test_whole_outlines_become_rails_and_wheels(make, tmp_path):
     found = whole_profile(read_profile(path))
     assert found.outline.area == pytest.approx(outline.area, rel=1e-12)
     if is_rail:
-        head, nominal = found.outline.part(found.head_names), outline.part(profile.head_names)
+        head, nominal = found.outline.part(found.running_names), outline.part(profile.running_names)
         assert head.length == pytest.approx(nominal.length, abs=1.0)
-        assert np.ptp(head.bounds()[:, 0]) == pytest.approx(np.ptp(outline.bounds(profile.head_names)[:, 0]), abs=0.3)
-        assert found.outline.bounds(found.base_names)[1, 1] == 0.0
+        assert np.ptp(head.bounds()[:, 0]) == pytest.approx(
+            np.ptp(outline.bounds(profile.running_names)[:, 0]), abs=0.3
+        )
+        assert found.outline.bounds(found.held_names)[1, 1] == 0.0
     else:
         running = found.outline.part(found.running_names)
         assert running.length == pytest.approx(outline.part(profile.running_names).length, rel=1e-12)

@@ -166,7 +166,7 @@ def test_the_reference_rail_is_that_of_the_standard_when_it_is_inclined():
 def test_heads_have_their_nominal_width(name):
     """The head's width 14 mm below the top is that of the outline there."""
     profile = rail(name)
-    head = profile.outline.part(profile.head_names)
+    head = profile.outline.part(profile.running_names)
     level = float(head.bounds()[1, 1]) - 14.0
     points = head.sampled(spacing=0.01)
     at_level = points[np.abs(points[:, 1] - level) < 0.01]

@@ -184,7 +184,7 @@ def test_a_scan_ends_where_a_flange_climbs(maximum):
 def contour(request):
     if request.param == "rail":
         profile = rail("136RE")
-        return profile.outline.part(profile.head_names)
+        return profile.outline.part(profile.running_names)
     profile = wheel("AAR-1B")
     return profile.outline.part(profile.running_names)
 

@@ -11,7 +11,7 @@ from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 
 
 def head_points(track: Track, side: str) -> np.ndarray:
-    curve = track.rail.outline.part(track.rail.head_names)
+    curve = track.rail.outline.part(track.rail.running_names)
     return track.placement(side).points(curve.sampled(spacing=0.01))
 
 

@@ -16,6 +16,7 @@ from flangeway.cases.summary import RunResult
 from flangeway.contact import Contact, ContactSolution, LoadStep
 from flangeway.exact import LineContact
 from flangeway.geometry import Placement
+from flangeway.geometry.arrays import norms
 from flangeway.post import PressurePatch, Stresses, cell_stresses, corner_stresses, nodal_residual, pressure_patches
 from flangeway.problems import ElasticField
 from flangeway.quantities import Quantities, Quantity, values
@@ -59,7 +60,7 @@ class BodyResult:
     def max_displacement(self) -> float:
         """Maximum distance that a node has moved from its initial position, mm."""
         space = self.field.problem.space
-        return float(np.hypot(*self.moved(space.nodes, self.field.displacements[: space.n_nodes]).T).max())
+        return float(norms(self.moved(space.nodes, self.field.displacements[: space.n_nodes])).max())
 
     @cached_property
     def stresses(self) -> Stresses:

@@ -17,6 +17,7 @@ from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.formats.outline_files import ENDINGS
 from flangeway.formats.outline_toml import outline_region
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, rectangle
+from flangeway.geometry.arrays import norms
 from flangeway.geometry.region import Region
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
 from flangeway.problems import LinearBody
@@ -68,7 +69,7 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
         if value is not None:
             raise InputError(f"{key}.{name} = {value!r} of an outline", "cell sets of a mesh file", f"leave {name} out")
     region = _region(body, key, notices)
-    diagonal = float(np.hypot(*np.ptp(region.outer.bounds(), axis=0)))
+    diagonal = float(norms(np.ptp(region.outer.bounds(), axis=0)))
     fine = [_refinement(table, f"{key}.fine[{n}]", region) for n, table in enumerate(body.fine, 1)]
     size = body.size_mm or diagonal / DIAGONAL_PER_SIZE
     mesh = triangulate(region.outer, size=size, holes=region.holes, refinements=fine)
@@ -206,9 +207,9 @@ def keys_of_place(table: PlaceTable) -> list[str]:
 def point_at(mesh: PolyMesh, order: int, body: str, point: tuple[float, float], key: str) -> tuple[float, float]:
     """Exact position of a point of a mesh, for order 2 also of the middle of an edge; an error names the nearest."""
     spots = mesh.points if order == 1 else np.vstack((mesh.points, mesh.points[mesh.edges].mean(axis=1)))
-    apart = np.hypot(*(spots - point).T)
+    apart = norms(spots - point)
     nearest = spots[apart.argmin()]
-    if apart.min() > ON_LINE * float(np.hypot(*np.ptp(mesh.points, axis=0))):
+    if apart.min() > ON_LINE * float(norms(np.ptp(mesh.points, axis=0))):
         raise InputError(
             f"{key}.point_mm = [{point[0]:g}, {point[1]:g}]",
             f"a point of the mesh of {body!r}; the nearest is [{nearest[0]:.9g}, {nearest[1]:.9g}]",
@@ -243,7 +244,7 @@ def edges_at(
         for name in chosen:
             require_known(f"{key}.{which}", name, known, what)
         pairs = np.vstack([mesh.edge_sets[name] for name in chosen])
-    slack = ON_LINE * float(np.hypot(*np.ptp(mesh.points, axis=0)))
+    slack = ON_LINE * float(norms(np.ptp(mesh.points, axis=0)))
     ends = mesh.points[pairs]
     inside = np.ones(len(pairs), dtype=np.bool_)
     for axis, value in enumerate(lines):

@@ -19,6 +19,7 @@ from flangeway.formats import DrawnSection, read_section
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.formats.outline_files import ENDINGS
 from flangeway.geometry import Arc, Section
+from flangeway.geometry.arrays import norms
 from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
 from flangeway.mesh.sizing import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
@@ -320,4 +321,4 @@ def _max_shear(drawn: DrawnSection, constants: SectionConstants) -> float | None
     if len(drawn.section.parts) > 1 or any(len(region.reentrant_corners()) for region in drawn.section.regions):
         return None
     stresses = corner_shear_stresses(constants.prandtl)
-    return float(np.hypot(*stresses.T).max() / constants.prandtl.torsional_rigidity)
+    return float(norms(stresses).max() / constants.prandtl.torsional_rigidity)

@@ -203,12 +203,11 @@ class WornSurface:
         """The profile with the worn surface for contact and in its body: its compliance is made anew."""
         if not self.depth.any():
             return self.new
-        names = self.new.head_names if isinstance(self.new, RailProfile) else self.new.running_names
-        drawn = self.new.outline.part(names)
+        drawn = self.new.outline.part(self.new.running_names)
         # the drawn surface and the one of contact have lengths that differ by round-off and tolerances of drawing
         scale = self.surface.length / drawn.offsets[-1]
         part = self._worn_contour(drawn, drawn.offsets * scale, BODY_TOLERANCE_MM)
-        rest = self.new.outline.part(dict.fromkeys(name for name in self.new.outline.names if name not in names))
+        rest = self.new.outline.part(dict.fromkeys(name for name in self.new.outline.names if name not in drawn.names))
         outline = Outline.from_segments([*part.segments, *rest.segments], [*part.names, *rest.names])
         return replace(self.worn, outline=outline)
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import ClassVar
 
 from flangeway.errors import InputError
 from flangeway.formats import DrawnSection
@@ -56,9 +57,9 @@ class RailProfile:
     Origin at the middle of the base: x lateral with the gauge side at negative x, y up; mm.
 
     - `outline`: whole section. Names of segments beside the middle end with ``_gauge`` or ``_field``.
-    - `head_names`: segments of the running surface from the gauge side to the field side. (The outline, being
+    - `running_names`: segments of the running surface from the gauge side to the field side. (The outline, being
       counter-clockwise, passes them from the field side to the gauge side.)
-    - `base_names`: segments of the base's underside.
+    - `held_names`: segments of the base's underside.
     - `certainty`: accuracy of the contour.
     - `notices`: sentences on what was left out, bridged, smoothed or assumed when its file was read.
     - `placing_head`: head that is placed at the gauge, with its top at zero; None: the rail's own. Sections of a rail
@@ -68,8 +69,8 @@ class RailProfile:
 
     title: str
     outline: Outline
-    head_names: tuple[str, ...]
-    base_names: tuple[str, ...]
+    running_names: tuple[str, ...]
+    held_names: tuple[str, ...]
     certainty: str
     source: str
     notices: tuple[str, ...] = ()
@@ -79,7 +80,7 @@ class RailProfile:
     @property
     def running_surface(self) -> Contour:
         """The head as one chain, from the field side to the gauge side: `fine` if there is one."""
-        return self.fine or self.outline.part(self.head_names)
+        return self.fine or self.outline.part(self.running_names)
 
 
 @dataclass(frozen=True)
@@ -108,6 +109,7 @@ class WheelProfile:
     source: str
     notices: tuple[str, ...] = ()
     fine: Contour | None = None
+    held_names: ClassVar[tuple[str, ...]] = ("cut",)
 
     @property
     def running_surface(self) -> Contour:
@@ -173,8 +175,8 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     return RailProfile(
         title=name if radius is None else f"{name}, crown radius {radius:g} in",
         outline=_mirrored_and_joined(half),
-        head_names=(*(f"{part}_gauge" for part in side[::-1]), "crown", *(f"{part}_field" for part in side)),
-        base_names=("base",),
+        running_names=(*(f"{part}_gauge" for part in side[::-1]), "crown", *(f"{part}_field" for part in side)),
+        held_names=("base",),
         certainty=certainty,
         source=source,
     )
@@ -243,7 +245,7 @@ def _reference_rail() -> RailProfile:
         raise TypeError("crowns are arcs")
     head = head.transformed(Placement(0.0, (-crown.centre[0], old.centre[1] - crown.centre[1])))
     pieces |= head.by_name
-    first, last = nominal.head_names[-1], nominal.head_names[0]
+    first, last = nominal.running_names[-1], nominal.running_names[0]
     pieces[first] = Line(pieces[first].start, head.segments[0].start)
     pieces[last] = Line(head.segments[-1].end, pieces[last].end)
     return replace(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Line, Outline, Placement, Segment
-from flangeway.geometry.arrays import Point, as_point
+from flangeway.geometry.arrays import Point, as_point, norms
 from flangeway.railway.profiles.bundled import WheelProfile, wheel
 
 GAUGE_HEIGHT_MM = 9.525  # depth below the tape line, 3/8 in, at which the standard measures the flange's thickness
@@ -93,7 +93,7 @@ def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfi
     foot = np.array(tread.start) + (place + math.sqrt(square)) * along
     centre = foot + radius_mm * off
     ray = np.array(narrow.centre) - centre
-    joint = as_point(centre + radius_mm * ray / np.hypot(*ray))
+    joint = as_point(centre + radius_mm * ray / norms(ray))
     parts["flange_root_R1"] = Arc(narrow.start, joint, narrow.centre, narrow.counter_clockwise)
     parts["flange_root_R2"] = Arc(joint, as_point(foot), as_point(centre), wide.counter_clockwise)
     parts["tread_1:20"] = Line(as_point(foot), tread.end)

@@ -144,8 +144,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     shift, offset = _shift(measured, nominal)
     surface = measured.surface.transformed(Placement(translation=shift))
     outline, joints = _closed(surface, nominal, partial(measured.place, moved=shift))
-    drawn = nominal.head_names if isinstance(nominal, RailProfile) else nominal.running_names
-    running = _running(outline, drawn)
+    running = _running(outline, nominal.running_names)
     notices = (*measured.notices, *clipped_notices(outline.part(running), measured, shift))
     if offset:
         notices = (*notices, f"The head is moved sideways by {offset:.2f} mm: its field side lies on the nominal one.")
@@ -159,7 +158,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     notices += (
         _lean(surface, nominal) if isinstance(nominal, RailProfile) else _unmeasured_tip(surface, outline, nominal)
     )
-    base = nominal.base_names if isinstance(nominal, RailProfile) else ()
+    base = nominal.held_names if isinstance(nominal, RailProfile) else ()
     profile = _with_body(measured, shift, (title, outline, running, base), (certainty, source, notices))
     return Joined(profile, nominal, surface, joints)
 
@@ -243,7 +242,8 @@ def _above_web(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -
         return measured
     segments = measured.surface.segments
     heights = np.array([min(segment.start[1], segment.end[1]) for segment in segments])
-    level = float(nominal.outline.bounds(nominal.head_names)[0, 1]) - _rail_shift(measured, nominal)[1] - BELOW_HEAD_MM
+    foot = float(nominal.outline.bounds(nominal.running_names)[0, 1])
+    level = foot - _rail_shift(measured, nominal)[1] - BELOW_HEAD_MM
     below = np.flatnonzero(heights < level)
     if not len(below) or len(below) == len(segments):
         return measured
@@ -303,7 +303,7 @@ def _rail_shift(measured: MeasuredProfile, nominal: RailProfile) -> tuple[float,
         return 0.0, 0.0
     if origin == "top":
         return 0.0, height
-    head = nominal.outline.part(nominal.head_names).sampled(spacing=0.1)
+    head = nominal.outline.part(nominal.running_names).sampled(spacing=0.1)
     face = head[head[:, 0] < 0.0]
     order = np.argsort(face[:, 1])
     return float(np.interp(height - GAUGE_DEPTH_MM, face[order, 1], face[order, 0])), height
@@ -317,7 +317,7 @@ def _field_shift(measured: MeasuredProfile, surface: Contour, nominal: RailProfi
         return None
     ends = (surface.segments[0].start, surface.segments[-1].end)
     x, y = max(ends)
-    face = _field_side(nominal.outline.part(nominal.head_names))
+    face = _field_side(nominal.outline.part(nominal.running_names))
     face = face[np.argsort(face[:, 1])]
     if not face[0, 1] - MAX_GAP_MM <= y <= face[-1, 1]:
         return None
@@ -333,7 +333,7 @@ def _field_side(head: Contour) -> FloatArray:
 
 def _lean(surface: Contour, nominal: RailProfile) -> tuple[str, ...]:
     """Report a head whose field side, which does not wear, is not parallel to that of the nominal rail."""
-    sides = [_field_side(head) for head in (surface, nominal.outline.part(nominal.head_names))]
+    sides = [_field_side(head) for head in (surface, nominal.outline.part(nominal.running_names))]
     low = float(sides[0][:, 1].min())
     slopes = []
     for side in sides:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.geometry import Contour, FloatArray
-from flangeway.geometry.arrays import angles_of
+from flangeway.geometry.arrays import angles_of, norms
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
 
@@ -169,7 +169,7 @@ def seen_back_mm(surface: Contour) -> float | None:
     """
     points = surface.sampled(spacing=0.05, max_deviation=1e-4)
     far, tip = int(np.argmin(points[:, 0])), int(np.argmin(points[:, 1]))
-    near = points[np.hypot(*(points - points[far]).T) <= 1.0]
+    near = points[norms(points - points[far]) <= 1.0]
     width, height = np.ptp(near, axis=0)
     if points[far, 1] <= points[tip, 1] + TIP_MM or points[far, 0] >= points[tip, 0] or width > _UPRIGHT * height:
         return None

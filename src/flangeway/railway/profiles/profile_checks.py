@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
-from flangeway.geometry.arrays import cross_product, step_lengths
+from flangeway.geometry.arrays import cross_product, norms, step_lengths
 from flangeway.railway.profiles.smoothing import MIN_POINTS, noise_um, refuse_few
 
 SAME_MM = 0.01  # neighbours nearer than this are one point given twice
@@ -62,7 +62,7 @@ def refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
     """
     low, high = LENGTHS_MM if unit_is_sure else USUAL_LENGTHS_MM
     # noise lengthens the path of dense points, the box does not
-    size = float(np.hypot(*np.ptp(points, axis=0)))
+    size = float(norms(np.ptp(points, axis=0)))
     path = float(step_lengths(points).sum())
     if not (0.5 * low <= size and path >= low and size <= high):
         # the unit that makes it about as long as heads and treads are
@@ -121,7 +121,7 @@ def _outliers(points: FloatArray) -> NDArray[np.int64]:
     # where sweeps overlap, the neighbours lie beside each other; that is no outlier but a fold
     steps = step_lengths(points)
     apart = np.zeros(len(points), dtype=np.bool_)
-    apart[2:-2] = np.hypot(*(points[3:-1] - points[1:-3]).T) > 0.7 * np.minimum(steps[:-3], steps[3:])
+    apart[2:-2] = norms(points[3:-1] - points[1:-3]) > 0.7 * np.minimum(steps[:-3], steps[3:])
     least = 1e-3 * max(_OUTLIER_UM, 10.0 * noise_um(points))
     outliers: NDArray[np.int64] = np.flatnonzero((out > least) & (out > 6.0 * without) & apart)
     return outliers
@@ -131,7 +131,7 @@ def _off_line(points: FloatArray, starts: FloatArray, ends: FloatArray) -> Float
     """Distances (n,) of points from the lines through two others each."""
     along = ends - starts
     apart = points - starts
-    length = np.maximum(np.hypot(*along.T), 1e-12)
+    length = np.maximum(norms(along), 1e-12)
     distances: FloatArray = np.abs(cross_product(along, apart)) / length
     return distances
 
@@ -191,7 +191,7 @@ def _without_folds(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines,
 def _gaps(points: FloatArray, lines: Lines) -> list[str]:
     """Refuse missing parts where the profile turns; return notices of those that are bridged."""
     steps = np.diff(points, axis=0)
-    lengths = np.hypot(*steps.T)
+    lengths = norms(steps)
     wide = np.flatnonzero(lengths > max(_SMALL_GAP_MM, 8.0 * float(np.median(lengths))))
     notices = []
     for i in wide.tolist():
@@ -199,7 +199,7 @@ def _gaps(points: FloatArray, lines: Lines) -> list[str]:
         gap = f"a gap of {lengths[i]:.3g} mm from {place}, line {lines[i]}"
         before = points[i] - points[max(i - 4, 0)]
         after = points[min(i + 5, len(points) - 1)] - points[i + 1]
-        around = [d for d in (before, after) if np.hypot(*d) > 0.0]
+        around = [d for d in (before, after) if norms(d) > 0.0]
         turn = max(float(_turns_deg(steps[i][None], d[None])[0]) for d in around) if around else 180.0
         at_end = len(around) < 2
         if lengths[i] > MAX_GAP_MM or turn > _TURN_OVER_GAP_DEG or at_end:

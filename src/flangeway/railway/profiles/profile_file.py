@@ -1,7 +1,6 @@
 """Profiles from files of all formats, in this package's frames, and back into files."""
 
 import codecs
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -30,6 +29,7 @@ from flangeway.railway.profiles.orientation import Orientation, ReadOptions, agr
 from flangeway.railway.profiles.profile_checks import checked_points, refuse_length
 from flangeway.railway.profiles.smoothing import USUAL_WAVELENGTH_MM, Smoothing, smoothed
 from flangeway.system.file_content import file_content, path_of
+from flangeway.types import floats
 
 FORMATS = {
     ".ban": "MiniProf",
@@ -106,7 +106,7 @@ class MeasuredProfile:
 
     def place(self, point: ArrayLike, moved: tuple[float, float] = (0.0, 0.0)) -> str:
         """Return words for a point in this package's axes, moved from there, in the file's own coordinates."""
-        x, y = self.orientation.undone(np.asarray(point, dtype=np.float64) - moved)
+        x, y = self.orientation.undone(floats(point) - moved)
         return f"x = {x:z.5g}, y = {y:z.5g} {self.orientation.unit} in {self.file or self.title}"
 
     @property
@@ -327,13 +327,11 @@ def profile_text(
     if kind == "rail" and origin == "base":
         # the other formats count from the top
         points = points - np.array([0.0, float(profile.surface.bounds()[1, 1])])
-    writers: dict[str, Callable[[], str]] = {
-        ".ban": lambda: write_miniprof(points, kind, title),
-        ".whl": lambda: write_miniprof(points, kind, title, TAPE_MM if tape is None else tape),
-        ".prr": lambda: write_simpack(points, kind, title),
-        ".prw": lambda: write_simpack(points, kind, title),
-    }
-    return writers.get(ending, lambda: write_two_column(points, kind, title, tape))()
+    if ending in (".ban", ".whl"):
+        return write_miniprof(points, kind, title, TAPE_MM if tape is None else tape)
+    if ending in (".prr", ".prw"):
+        return write_simpack(points, kind, title)
+    return write_two_column(points, kind, title, tape)
 
 
 def frame_origin(profile: MeasuredProfile) -> str:

@@ -22,7 +22,8 @@ from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Segment, as_point
-from flangeway.geometry.arrays import chain_lengths, cross_product
+from flangeway.geometry.arrays import chain_lengths, cross_product, norms
+from flangeway.types import floats
 
 ARC_TOLERANCE_MM = 2e-4  # maximum distance between the spline and the arcs that replace it
 
@@ -111,7 +112,7 @@ def noise_um(points: FloatArray) -> float:
     residuals = np.einsum("ij,ijk->ik", weights, points[places])
     along = points[places[:, -1]] - points[places[:, 0]]
     across = cross_product(residuals, along)
-    return 1.4826e3 * float(np.median(np.abs(across / np.hypot(*along.T))))
+    return 1.4826e3 * float(np.median(np.abs(across / norms(along))))
 
 
 def usual_wavelength_mm(noise_um: float, spacing_mm: float) -> float:
@@ -228,8 +229,8 @@ def _extension(s: FloatArray, points: FloatArray, wavelength: float) -> tuple[Fl
     step = float(np.median(np.diff(s[:near])))
     n_steps = min(max(math.ceil(wavelength / step), 3), 400)
     beyond = -np.linspace(wavelength / n_steps, wavelength, n_steps)
-    points_beyond: FloatArray = np.asarray(np.polynomial.polynomial.polyval(beyond, shape), dtype=np.float64).T
-    return np.asarray(s[0] + beyond, dtype=np.float64), points_beyond
+    points_beyond: FloatArray = floats(np.polynomial.polynomial.polyval(beyond, shape)).T
+    return floats(s[0] + beyond), points_beyond
 
 
 def _distances(spline: BSpline, s: FloatArray, points: FloatArray) -> FloatArray:
@@ -248,12 +249,12 @@ def _distances(spline: BSpline, s: FloatArray, points: FloatArray) -> FloatArray
         bent = speed - (apart * acceleration(foot)).sum(axis=1)
         trial = np.clip(foot + along / np.where(bent > 0.1 * speed, bent, speed), s[0], s[-1])
         trial_apart = points - spline(trial)
-        nearer = np.hypot(*trial_apart.T) < np.hypot(*apart.T)
+        nearer = norms(trial_apart) < norms(apart)
         foot, apart = np.where(nearer, trial, foot), np.where(nearer[:, None], trial_apart, apart)
         if not nearer.any():
             break
     tangent = velocity(foot)
-    distances: FloatArray = 1e3 * np.copysign(np.hypot(*apart.T), cross_product(tangent, apart))
+    distances: FloatArray = 1e3 * np.copysign(norms(apart), cross_product(tangent, apart))
     return distances
 
 
@@ -292,7 +293,7 @@ def biarcs(curve: Curve, breaks: FloatArray, tolerance: float) -> list[Segment]:
 def _pair(curve: Curve, low: float, high: float) -> tuple[list[Segment], float]:
     """Return two arcs between parameters and their maximum distance from the curve."""
     points, tangents = curve(low + (high - low) * _FRACTIONS)
-    tangents = tangents / np.hypot(*tangents.T)[:, None]
+    tangents = tangents / norms(tangents)[:, None]
     start, end, t0, t1 = points[0], points[-1], tangents[0], tangents[-1]
     chord = end - start
     along = float(chord @ (t0 + t1))

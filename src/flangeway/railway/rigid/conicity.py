@@ -24,7 +24,7 @@ from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.railway.profiles.formats.two_column import read_two_column
 from flangeway.railway.rigid.rigid_locus import ContactLocus
 from flangeway.system.file_content import file_content, path_of
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 REFERENCE_AMPLITUDE_MM = 3.0  # amplitude for which one number is usually given
 
@@ -72,13 +72,13 @@ class RollingRadiusDifference:
 
     def __call__(self, lateral_mm: ArrayLike) -> Floats:
         """Differences at lateral displacements inside the given ones."""
-        wanted = np.asarray(lateral_mm, dtype=np.float64)
+        wanted = floats(lateral_mm)
         self.refuse_outside(wanted)
         return np.interp(wanted, self.lateral_mm, self.difference_mm)
 
     def refuse_outside(self, lateral_mm: ArrayLike) -> None:
         """Raise an InputError if a lateral displacement is outside the given ones."""
-        wanted = np.atleast_1d(np.asarray(lateral_mm, dtype=np.float64))
+        wanted = np.atleast_1d(floats(lateral_mm))
         low, high = self.lateral_mm[[0, -1]]
         slack = 1e-9 * (high - low)
         if ((wanted < low - slack) | (wanted > high + slack)).any():
@@ -232,7 +232,7 @@ def klingel_wavelength(conicity: ArrayLike, contact_distance_mm: float, radius_m
     - `contact_distance_mm`: distance of the two points of contact; 1500 mm for a gauge of 1435 mm.
     - `radius_mm`: nominal rolling radius.
     """
-    return 2.0 * math.pi * np.sqrt(contact_distance_mm * radius_mm / (2.0 * np.asarray(conicity, dtype=np.float64)))
+    return 2.0 * math.pi * np.sqrt(contact_distance_mm * radius_mm / (2.0 * floats(conicity)))
 
 
 def _checked(amplitudes_mm: ArrayLike) -> Floats:

@@ -25,9 +25,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement
-from flangeway.geometry.arrays import angles_of
+from flangeway.geometry.arrays import angles_of, norms
 from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, STEEPEST_RAD, extent, graphs_of
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats, Ints, floats
 
 UPRIGHT = np.finfo(float).eps
 """Cosine of the angle of an upright tangent: its slope stays a number."""
@@ -102,8 +102,8 @@ class RigidCurve:
 
         - `x`, `y`, `slope`: increasing abscissae, heights and slopes, each (n,).
         """
-        at, height = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
-        angle = np.arctan(np.asarray(slope, dtype=np.float64))
+        at, height = floats(x), floats(y)
+        angle = np.arctan(floats(slope))
         if not (len(at) > 1 and (np.diff(at) > 0.0).all() and np.isfinite(height).all() and np.isfinite(angle).all()):
             raise InputError("a graph that is not one", "two or more points with increasing x", "sort the points")
         points, tangents = np.column_stack((at, height)), np.column_stack((np.cos(angle), np.sin(angle)))
@@ -116,7 +116,7 @@ class RigidCurve:
         # a chord has the mean angle of its arc's ends
         means = angles_of(halves)
         turns = 2.0 * np.stack((means[:, 0] - angle[:-1], angle[1:] - means[:, 1]), axis=1)
-        lengths = np.hypot(halves[..., 0], halves[..., 1]) / np.sinc(0.5 * turns / np.pi)
+        lengths = norms(halves) / np.sinc(0.5 * turns / np.pi)
         starts = np.stack((points[:-1], middle), axis=1)
         angles = np.stack((angle[:-1], angle[1:] - turns[:, 1]), axis=1)
         return cls(starts.reshape(-1, 2), angles.ravel(), (turns / lengths).ravel(), lengths.ravel())
@@ -149,7 +149,7 @@ class RigidCurve:
 
     def at(self, arc_length: ArrayLike) -> CurvePoints:
         """Points at lengths along the curve from its start."""
-        s = np.asarray(arc_length, dtype=np.float64)
+        s = floats(arc_length)
         piece = np.clip(np.searchsorted(self.offsets, s, side="right") - 1, 0, len(self.lengths) - 1)
         return self._along(piece, s - self.offsets[piece])
 
@@ -168,7 +168,7 @@ class RigidCurve:
 
     def over(self, x: ArrayLike) -> CurvePoints:
         """Points at given x; beyond the ends the tangents there are prolonged, without curvature."""
-        at = np.asarray(x, dtype=np.float64)
+        at = floats(x)
         height, slope, curvature = self.graph(at)
         return CurvePoints(at, height, np.arctan(slope), curvature)
 

@@ -15,6 +15,7 @@ from scipy.optimize import nnls
 
 from flangeway.errors import InputError
 from flangeway.exact import LineContact
+from flangeway.geometry.arrays import norms
 from flangeway.railway.rigid.rigid_geometry import PATH_STEP_MM, Intervals, RigidGeometry, TouchingPositions, levers
 from flangeway.railway.rigid.rigid_locus import ContactLocus
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition, lateral_over_vertical
@@ -323,7 +324,7 @@ def contact_points(locus: ContactLocus, numbers: range) -> list[RigidContactPoin
         for row, column in np.argwhere(at.gaps_mm[numbers] < _TOGETHER_MM):
             touch = numbers[row], column
             on_wheel = at.wheel_points_mm[touch]
-            if all(float(np.hypot(*(on_wheel - other))) >= _ONE_POINT_MM for other in seen):
+            if all(float(norms(on_wheel - other)) >= _ONE_POINT_MM for other in seen):
                 seen.append(on_wheel)
                 columns = (at.contact_angles_rad, at.rolling_radii_mm, at.relative_curvatures_per_mm)
                 angle, radius, curvature = (float(array[touch]) for array in columns)

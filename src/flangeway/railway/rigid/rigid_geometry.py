@@ -19,7 +19,7 @@ from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_locus import ContactJump, ContactLocus, SideLocus
 from flangeway.railway.rigid.rigid_side import RigidSide, Touches
 from flangeway.railway.track.placements import SIDES, Side, Track, Wheelset, refuse_misfit
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 TOUCH_TOLERANCE_MM = 1e-10  # difference of the two wheels' heights at which both touch
 JUMP_MM = 0.3  # shortest jump of a point of contact along the wheel that is reported
@@ -144,7 +144,7 @@ class RigidGeometry:
             If a displacement is not finite, or cannot be reached: beyond the maximum one the flange climbs and turns
             the axle back, or a wheel leaves its rail.
         """
-        wanted = np.atleast_1d(np.asarray(lateral_mm, dtype=np.float64))
+        wanted = np.atleast_1d(floats(lateral_mm))
         if wanted.ndim != 1 or not len(wanted) or not np.isfinite(wanted).all():
             raise InputError(
                 "lateral displacements that are not finite numbers", "finite numbers in mm", "give one or more"

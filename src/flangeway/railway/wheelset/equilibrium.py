@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -153,19 +153,7 @@ MAX_WAY = np.array([30.0, 30.0, 0.05])
 """Displacement in mm, mm and rad from where the search started, beyond which the wheelset has left the track."""
 
 
-class AxleState(Protocol):
-    """Contact of the wheelset at one position, plane or in three dimensions."""
-
-    @property
-    def status(self) -> Status:
-        """Whether the contact forces were found."""
-
-    @property
-    def forces(self) -> Floats:
-        """Contact forces, zero where there is no contact."""
-
-
-State = TypeVar("State", bound=AxleState)
+State = TypeVar("State")
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,7 +45,7 @@ def narrowest_web(outline: Outline) -> tuple[float, float, float]:
 
 def head_motion(mesh: PolyMesh, displacement: Floats, profile: RailProfile) -> tuple[Floats, Floats, float]:
     """Centre of the head, its translation and its counter-clockwise rotation, least squares by the cells' areas."""
-    foot = float(profile.outline.bounds(profile.head_names)[0, 1])
+    foot = float(profile.outline.bounds(profile.running_names)[0, 1])
     in_head = mesh.cell_centroids[:, 1] > foot
     starts = mesh.cell_offsets[:-1]
     means = np.add.reduceat(displacement[mesh.cell_points], starts, axis=0) / mesh.cell_sizes[:, None]
@@ -267,8 +267,8 @@ def _stresses(rail: SupportedRail, profile: RailProfile, z: Floats, even: Floats
 
 def _surface(mesh: PolyMesh, profile: RailProfile) -> tuple[NDArray[np.int32], NDArray[np.str_]]:
     """Edges of the surface below the head, and their regions."""
-    base = np.vstack([mesh.edge_set(name) for name in dict.fromkeys(profile.base_names)])
-    head = np.vstack([mesh.edge_set(name) for name in dict.fromkeys(profile.head_names)])
+    base = np.vstack([mesh.edge_set(name) for name in dict.fromkeys(profile.held_names)])
+    head = np.vstack([mesh.edge_set(name) for name in dict.fromkeys(profile.running_names)])
     taken = mesh.edge_numbers(np.vstack((base, head)))
     free = mesh.boundary_edges[~np.isin(mesh.edge_numbers(mesh.boundary_edges), taken)]
     height, left, right = narrowest_web(profile.outline)

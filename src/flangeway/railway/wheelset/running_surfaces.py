@@ -22,7 +22,7 @@ from flangeway.railway.wheelset.axle import Axle
 from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.side_contact import SideSurfaces
 from flangeway.railway.wheelset.supported_rail import RailSupport, rail_problem, sleeper_compliance, supported_rail
-from flangeway.railway.wheelset.wheelset_mesh import mesh_outline
+from flangeway.railway.wheelset.wheelset_mesh import HELD, mesh_profile
 from flangeway.railway.wheelset.whole_wheel import WheelDisc, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells
 from flangeway.space import Space
@@ -140,42 +140,23 @@ def _elastic(
     return surface, cells.chain
 
 
-def _space(
-    problem: WheelsetProblem,
-    role: Role,
-    profile: WheelProfile | RailProfile,
-    names: tuple[str, ...],
-    held: tuple[str, ...],
-    cache: Cache | None,
-) -> Space:
-    """Space of a section whose edges are short along the running surface; the held edges are the set ``support``."""
-    settings = problem.discretisation
-    scale = settings.order_of(role) * settings.size_scale
-    refinement = Refinement(
-        profile.outline.part(names).sampled(spacing=EDGE_MM), EDGE_MM * scale, GROWTH * settings.order_of(role)
-    )
-    polygons = settings.method_of(role) == "vem"
-    mesh = mesh_outline(profile.outline, BODY_MM * scale, refinement, polygons=polygons, cache=cache)
-    mesh = mesh.with_edge_set("support", np.vstack([mesh.edge_set(part) for part in held]))
-    return Space(mesh, settings.element_of(role))
-
-
 def running_cells(
     problem: WheelsetProblem, model: SpatialModel, profile: WheelProfile | RailProfile, cache: Cache | None
 ) -> SurfaceCells:
     """Even cells along the running surface of a wheel or a rail on its support, spread along z."""
     role: Role = "wheel" if isinstance(profile, WheelProfile) else "rail"
-    names, held = (
-        (profile.running_names, ("cut",))
-        if isinstance(profile, WheelProfile)
-        else (profile.head_names, profile.base_names)
-    )
-    space, material = _space(problem, role, profile, names, held, cache), problem.material_of(role)
+    settings, material = problem.discretisation, problem.material_of(role)
+    order = settings.order_of(role)
+    surface, edge_mm = profile.outline.part(profile.running_names), EDGE_MM * order * settings.size_scale
+    # edges are short along the running surface
+    fine = Refinement(surface.sampled(spacing=EDGE_MM), edge_mm, GROWTH * order)
+    mesh = mesh_profile(problem, role, profile, BODY_MM * order * settings.size_scale, fine, cache)
+    space = Space(mesh, settings.element_of(role))
     if role == "wheel" or model.support is None:
-        body = Harmonic(Elasticity(space, material, name=role), held={"support": "xyz"})
+        body = Harmonic(Elasticity(space, material, name=role), held={HELD: "xyz"})
     else:
-        body = rail_problem(space, material, "support", model.support)
-    chain = space.mesh.chain(*names).astype(np.int64)
+        body = rail_problem(space, material, HELD, model.support)
+    chain = mesh.chain(*profile.running_names).astype(np.int64)
     cells = SurfaceCells(body, np.stack((chain[:-1], chain[1:]), axis=1))
     length = float(cells.limits[-1])
     return replace(cells, bounds=np.linspace(0.0, length, int(np.ceil(length / CELL_MM)) + 1))

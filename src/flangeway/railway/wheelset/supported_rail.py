@@ -361,7 +361,7 @@ def supported_rail(
     Only smooth fields come from this mesh; contact wants a finer one, see `rail_problem`.
     """
     mesh = triangulate(profile.outline, size=size_mm)
-    mesh = mesh.with_edge_set("supported base", np.vstack([mesh.edge_set(name) for name in profile.base_names]))
+    mesh = mesh.with_edge_set("supported base", np.vstack([mesh.edge_set(name) for name in profile.held_names]))
     problem = rail_problem(Space(mesh, Lagrange(2)), material, "supported base", support)
     return SupportedRail(problem, support, cache)
 

@@ -8,15 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
-from flangeway.geometry import Contour, Outline
+from flangeway.geometry import Contour
 from flangeway.geometry.arrays import chain_lengths
 from flangeway.mesh import PolyMesh, Refinement, dual, triangulate
 from flangeway.problems import Body
+from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import Side
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.system.disk_cache import Arrays, Cache, cached
 from flangeway.types import Bools, Floats
+
+HELD = "support"
+"""Edge set of what is held of a wheel or rail, or stands on a foundation."""
 
 
 @dataclass(frozen=True)
@@ -60,20 +64,13 @@ def meshed_body(
 ) -> tuple[Body, NDArray[np.int32], Contour]:
     """Mesh one body; return it with the edges of its candidate zone, and the drawn surface there."""
     settings = problem.discretisation
-    held: tuple[str, ...]
-    outline: Outline
-    if role == "wheel":
-        wheel = problem.wheelset.wheel_of(side)
-        outline, names, held = wheel.outline, wheel.running_names, ("cut",)
-    else:
-        rail = problem.track.rail_of(side)
-        outline, names, held = rail.outline, rail.head_names, rail.base_names
-    size = settings.size_of(role)
+    profile = problem.wheelset.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)
+    surface, size = profile.outline.part(profile.running_names), settings.size_of(role)
     body_size = settings.body_size_mm * settings.size_scale * settings.order_of(role)
     try:
-        refinement = Refinement(zone.points(outline.part(names)), size, settings.growth)
-        polygons = settings.method_of(role) == "vem"
-        mesh = mesh_outline(outline, body_size, refinement, polygons=polygons, cache=cache)
+        mesh = mesh_profile(
+            problem, role, profile, body_size, Refinement(zone.points(surface), size, settings.growth), cache
+        )
     except InputError as error:
         raise InputError(
             f"{role}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g},"
@@ -81,20 +78,24 @@ def meshed_body(
             error.allowed,
             "change size_scale, contact_size_mm or body_size_mm",
         ) from error
-    edges = zone.edges(mesh, names, role)
-    held_name = held[0]
-    if len(held) > 1:
-        mesh = mesh.with_edge_set("held", np.vstack([mesh.edge_set(part) for part in held]))
-        held_name = "held"
+    edges = zone.edges(mesh, profile.running_names, role)
     material, thickness = problem.material_of(role), problem.thickness_mm
-    body = Body(role, mesh, settings.element_of(role), material, held_name, thickness=thickness)
-    return body, edges, outline.part(names)
+    return Body(role, mesh, settings.element_of(role), material, HELD, thickness=thickness), edges, surface
 
 
-def mesh_outline(
-    outline: Outline, size: float, refinement: Refinement, *, polygons: bool, cache: Cache | None
+def mesh_profile(
+    problem: WheelsetProblem,
+    role: Role,
+    profile: WheelProfile | RailProfile,
+    size: float,
+    refinement: Refinement,
+    cache: Cache | None,
 ) -> PolyMesh:
-    """Mesh an outline by triangles or the polygons dual to them, or take the mesh stored for the same input."""
+    """Mesh a profile by triangles or the polygons dual to them, or take the mesh stored for the same input.
+
+    What is held of it is the edge set `HELD`.
+    """
+    outline, polygons = profile.outline, problem.discretisation.method_of(role) == "vem"
 
     def make() -> Arrays:
         mesh = triangulate(outline, size=size, refinements=(refinement,))
@@ -102,7 +103,8 @@ def mesh_outline(
 
     fine = refinement.points, refinement.size, refinement.growth
     content = outline.segments, outline.names, size, *fine, polygons, version("gmsh")
-    return _unpacked(cached(cache, make, "mesh", *content))
+    mesh = _unpacked(cached(cache, make, "mesh", *content))
+    return mesh.with_edge_set(HELD, np.vstack([mesh.edge_set(name) for name in profile.held_names]))
 
 
 def _packed(mesh: PolyMesh) -> Arrays:

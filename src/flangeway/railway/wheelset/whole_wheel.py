@@ -161,7 +161,7 @@ def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WheelDisc | None 
             "give a smaller fillet_mm, a thinner web, or another web_middle_mm",
         ) from error
     kept += [(each[4] if each[2] is None else "web", segment_of(*each[:4])) for each in sides if each[4] != RUNNING]
-    outline = Outline.from_segments([segment for _, segment in kept], [name for name, _ in kept])
+    outline = Outline.named(kept)
     return replace(
         profile,
         title=f"{profile.title} with web and hub",

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from flangeway.contact import ContactSolution
 from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import norms
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.curved import as_polylines
 from flangeway.post import AdaptiveRun, PressurePatch, Stresses, StressLine
@@ -34,7 +35,7 @@ from flangeway.report.figures.stress_picture import DrawnBody, edge_lines, line_
 from flangeway.results import Result
 from flangeway.solve import TorsionSolution
 from flangeway.space import Space
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 Factor: TypeAlias = float | Literal["auto"]
 """Factor on the displacements in the figure; ``"auto"`` makes the maximum a twentieth of the body's size."""
@@ -101,7 +102,7 @@ def plot_function(
 
     """
     shown, axes = display(space, _pieces(space)), _prepared(axes, length_unit)
-    values = shown.function(np.asarray(dofs, dtype=np.float64)[:, None])[:, 0]
+    values = shown.function(floats(dofs)[:, None])[:, 0]
     shade = shade_of(values, _checked(limits))
     fill_triangles(axes, shown.points, shown.triangles, values, shade)
     _bar(axes, shade, values, with_unit(label, unit))
@@ -139,7 +140,7 @@ def plot_displacement(
         raise InputError(f"component = {short(component)}", ", ".join(get_args(Component)), "choose one of them")
     body, axes = _deformed(solution, axes, factor, unit)
     moved = body.shown.function(solution.displacements)
-    values = np.hypot(*moved.T) if component == "magnitude" else moved[:, "xy".index(component)]
+    values = norms(moved) if component == "magnitude" else moved[:, "xy".index(component)]
     label = "displacement" if component == "magnitude" else f"displacement in {component}"
     return _drawn(body, values, with_unit(label, unit), axes, limits)
 
@@ -325,7 +326,7 @@ def _factor(solution: ElasticField, factor: Factor) -> float:
         if not np.isfinite(factor):
             raise InputError(f"factor = {factor}", "a finite number or 'auto'", "leave it out")
         return float(factor)
-    maximum = float(np.hypot(*solution.displacements[: solution.problem.space.n_nodes].T).max())
+    maximum = float(norms(solution.displacements[: solution.problem.space.n_nodes]).max())
     return round_factor(DEFORMATION_SHARE * solution.problem.size / maximum) if maximum > 0.0 else 1.0
 
 

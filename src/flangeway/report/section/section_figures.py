@@ -11,7 +11,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from flangeway.cases.section.section_run import SectionRun
-from flangeway.geometry.arrays import extent
+from flangeway.geometry.arrays import extent, norms
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.curved import as_polylines
 from flangeway.post import corner_shear_stresses, shear_stresses
@@ -90,13 +90,13 @@ def shear_figure(run: SectionRun, units: Units = "metric") -> Figure:
     mesh, solution = run.space.mesh, run.constants.prandtl
     factor, unit = STRESS_UNITS[run.drawn.unit]
     factor /= solution.torsional_rigidity
-    sizes = factor * np.hypot(*corner_shear_stresses(solution).T)
+    sizes = factor * norms(corner_shear_stresses(solution))
     figure, axes = _new(run, units)
     shade = shade_of(sizes, (0.0, float(sizes.max())))
     fill_triangles(axes, mesh.points[mesh.cell_points], _fans(mesh), sizes, shade)
     _outline(axes, mesh)
     arrows = shear_stresses(solution)[shown := _spread(mesh)]
-    lengths = np.hypot(*arrows.T)
+    lengths = norms(arrows)
     long = lengths > MIN_ARROW * lengths.max()
     span = extent(mesh.points) / N_ARROWS
     style: Style = {"color": "white", "edgecolor": INK, "linewidth": 0.4, "width": 0.004, "zorder": 4, "pivot": "mid"}

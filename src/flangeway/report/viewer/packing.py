@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.report.viewer.scene_model import ShownPart
-from flangeway.types import Floats
+from flangeway.types import Floats, floats
 
 LEVEL = 6
 """Of compression; 9 takes five times as long for a page that is two thousandths smaller."""
@@ -119,7 +119,7 @@ def _without_copies(part: ShownPart, values: Floats, first: NDArray[np.intp] | N
 def rigid_motion(points: Floats, motion: Floats) -> Floats:
     """Rows (3, 2) that times x, y and 1 give the motion (n_points, 2) of points (n_points, 2) of a rigid body."""
     columns = np.column_stack([points, np.ones(len(points))])
-    return np.asarray(np.linalg.lstsq(columns, motion, rcond=None)[0], dtype=np.float64)
+    return floats(np.linalg.lstsq(columns, motion, rcond=None)[0])
 
 
 def json_in_script(value: object) -> str:
