@@ -174,8 +174,10 @@ class BeamSection:
         def below(level: float) -> tuple[float, float]:
             """Weighted area and first moment below a level."""
             parts = shapely.clip_by_rect(polygons, left - 1.0, 2.0 * bottom - 1.0, right + 1.0, level)
-            areas = stress * shapely.area(parts)
-            return float(areas.sum()), float(areas @ np.nan_to_num(shapely.get_y(shapely.centroid(parts))))
+            sizes = shapely.area(parts)
+            cut = sizes > 0.0  # the others have no centroid
+            areas = stress[cut] * sizes[cut]
+            return float(areas.sum()), float(areas @ shapely.get_y(shapely.centroid(parts[cut])))
 
         area, first_moment = below(2.0 * top + 1.0)
         level = scipy.optimize.brentq(lambda v: below(v)[0] - area / 2.0, bottom, top, xtol=1e-14 * (top - bottom))
