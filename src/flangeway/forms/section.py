@@ -173,7 +173,7 @@ class BeamSection:
 
         def below(level: float) -> tuple[float, float]:
             """Weighted area and first moment below a level."""
-            parts = shapely.clip_by_rect(polygons, left - 1.0, 2.0 * bottom - 1.0, right + 1.0, level)
+            parts = shapely.intersection(polygons, shapely.box(left - 1.0, 2.0 * bottom - 1.0, right + 1.0, level))
             sizes = shapely.area(parts)
             cut = sizes > 0.0  # the others have no centroid
             areas = stress[cut] * sizes[cut]
