@@ -18,7 +18,7 @@ def next_in_row(offsets: IntArray) -> Ints:
     return following
 
 
-def row_numbers(offsets: IntArray) -> Ints:
+def row_numbers(offsets: Indices) -> Ints:
     """Return for every entry the number of its row."""
     return np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
 

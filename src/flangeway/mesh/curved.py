@@ -171,3 +171,17 @@ def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:
         if not isinstance(segment, Line):
             points[rim[inside]] = segment.point(place[inside])
     return points
+
+
+def with_names(mesh: PolyMesh, outlines: Sequence[Contour]) -> PolyMesh:
+    """Return the mesh with each edge of its boundary in the set of the name of the segment that it is closest to."""
+    middles = mesh.points[mesh.boundary_edges].mean(axis=1)
+    names, best = np.full(len(middles), "", dtype=object), np.full(len(middles), np.inf)
+    for outline in outlines:
+        number, _, distance = outline.closest(middles)
+        nearer = distance < best
+        best[nearer] = distance[nearer]
+        names[nearer] = np.array(outline.names, dtype=object)[number[nearer]]
+    for name in sorted(set(names.tolist())):
+        mesh = mesh.with_edge_set(name, mesh.boundary_edges[names == name])
+    return mesh

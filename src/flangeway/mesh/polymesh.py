@@ -397,8 +397,11 @@ class PolyMesh:
 
     def batch_points(self, n_vertices: int, cells: IntArray) -> IntArray:
         """Return the point numbers (len(cells), n_vertices) of cells of one batch."""
-        places = self.cell_offsets[cells][:, None] + np.arange(n_vertices)
-        return self.cell_points[places]
+        return self.cell_points[self.batch_places(n_vertices, cells)]
+
+    def batch_places(self, n_vertices: int, cells: Indices) -> Ints:
+        """Return where the points of cells of one batch are in `cell_points`, shape (len(cells), n_vertices)."""
+        return self.cell_offsets[cells].astype(np.int64)[:, None] + np.arange(n_vertices)
 
     # named sets
 

@@ -73,7 +73,7 @@ class RecoveredStresses(Result):
         mesh = self.solution.problem.space.mesh
         components = np.empty((len(mesh.cell_points), 4))
         for batch in self.solution.problem.space.batches():
-            places = mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
+            places = mesh.batch_places(len(batch.vertices), batch.cells)
             components[places] = self._at(batch.cells, batch.vertices).transpose(2, 1, 0)
         return Stresses(components)
 

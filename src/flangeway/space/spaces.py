@@ -255,7 +255,7 @@ class Space:
 
     def _batch(self, element: Element, n_vertices: int, cells: Ints) -> CellBatch:
         mesh = self.mesh
-        places = mesh.cell_offsets[cells][:, None] + np.arange(n_vertices)
+        places = mesh.batch_places(n_vertices, cells)
         corners = mesh.cell_points[places]
         parts = [corners]
         if self.order > 1:
