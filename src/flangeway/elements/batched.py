@@ -95,8 +95,3 @@ def symmetric_product(left: Floats, right: Floats) -> Floats:
         np.einsum("ae,aje->je", left[:, i], right[:, : i + 1], out=row)
         product[:i, i] = row[:i]
     return product
-
-
-def symmetrised_product(left: Floats, right: Floats) -> Floats:
-    """Sums ``left^T right + right^T left``; arguments and result as in `symmetric_product`."""
-    return symmetric_product(np.concatenate((left, right)), np.concatenate((right, left)))

@@ -1,8 +1,6 @@
 """Stiffness of one scalar field on a batch of cells, from the energy of its reconstruction."""
 
 from flangeway.elements.reconstruction import Element, Reconstruction
-from flangeway.elements.stabilisation import IdentityStabilisation
-from flangeway.elements.virtual import Virtual
 from flangeway.types import Floats
 
 
@@ -24,11 +22,6 @@ def energy_stiffness(element: Element, reconstruction: Reconstruction, moduli: F
         Shape (n_local, n_local, n_cells).
 
     """
-    moments = reconstruction.energy_moments
-    if isinstance(element, Virtual) and moments is not None:
-        chosen = element.chosen_stabilisation(1)
-        if isinstance(chosen, IdentityStabilisation):
-            return chosen.energy_stiffness(reconstruction, moments, moduli)
     consistency = reconstruction.value_energy(moduli)
     added = element.stabilise(reconstruction, consistency[None, None])
     return consistency if added is None else consistency + added

@@ -59,36 +59,7 @@ class IdentityStabilisation(_WithFactor):
 
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
         """Matrices of cells; see `Stabilisation.matrices`."""
-        scale = self.factor * mean_modulus(reconstruction, consistency)
-        return _identity_plus(reconstruction, _half_of_missed(reconstruction, scale), scale)
-
-    def energy_stiffness(self, reconstruction: Reconstruction, energy_moments: Floats, moduli: Floats) -> Floats:
-        """Consistency and stabilisation of one field in one product, faster than their sum.
-
-        The consistency is ``Pi^T B = (Pi^T B + B^T Pi) / 2``; B is given for a modulus of one, see
-        `Reconstruction.energy_moments`, and the moduli (n_cells,).
-        """
-        scale = self.factor * moduli
-        half = _half_of_missed(reconstruction, scale)
-        half[1:] += energy_moments * (0.5 * moduli)
-        return _identity_plus(reconstruction, half, scale)
-
-
-def _half_of_missed(reconstruction: Reconstruction, scale: Floats) -> Floats:
-    """W, times a scale (n_cells,), of ``(I - D Pi)^T (I - D Pi) = I + Pi^T W + W^T Pi``: ``(D^T D Pi) / 2 - D^T``."""
-    dofs = reconstruction.monomial_dofs
-    gram = batched.symmetric_product(dofs, dofs)
-    half: Floats = np.einsum("abe,bme->ame", (0.5 * scale) * gram, reconstruction.value)
-    half -= dofs.swapaxes(0, 1) * scale
-    return half
-
-
-def _identity_plus(reconstruction: Reconstruction, half: Floats, scale: Floats) -> Floats:
-    """``scale I + Pi^T half + half^T Pi``."""
-    result = batched.symmetrised_product(reconstruction.value, half)
-    diagonal = np.arange(reconstruction.n_local)
-    result[diagonal, diagonal] += scale
-    return result
+        return _weighted_missed(reconstruction, self.factor * mean_modulus(reconstruction, consistency))
 
 
 @dataclass(frozen=True)
@@ -119,17 +90,21 @@ def missed_mass(reconstruction: Reconstruction) -> Floats:
 
     Products of the values that the projection misses, shape (n_local, n_local, n_cells).
     """
-    share = np.broadcast_to(reconstruction.areas / reconstruction.n_local, reconstruction.monomial_dofs.shape[::2])
-    return _weighted_missed(reconstruction, share, reconstruction.projected_value)
+    return _weighted_missed(
+        reconstruction, reconstruction.areas / reconstruction.n_local, reconstruction.projected_value
+    )
 
 
 def _weighted_missed(reconstruction: Reconstruction, weights: Floats, projection: Floats | None = None) -> Floats:
-    """``(I - D Pi)^T diag(weights) (I - D Pi)``, weights (n_local, n_cells); the energy projection unless given."""
+    """``(I - D Pi)^T diag(weights) (I - D Pi)``, by the energy projection unless another one is given.
+
+    - `weights`: of the degrees of freedom (n_local, n_cells), or one for all (n_cells,).
+    """
     value = reconstruction.value if projection is None else projection
     missed = -np.einsum("iae,ame->ime", reconstruction.monomial_dofs, value)
     places = np.arange(reconstruction.n_local)
     missed[places, places] += 1.0
-    return batched.symmetric_product(missed, missed * weights[:, None])
+    return batched.symmetric_product(missed, missed * np.broadcast_to(weights, missed.shape[::2])[:, None])
 
 
 @dataclass(frozen=True)

@@ -47,18 +47,10 @@ def half_space_stresses(
     """
     loads = pressures[:, :, None] if shears is None else np.concatenate((pressures[:, :, None], shears), axis=2)
     rows, columns = np.nonzero(loads.any(axis=2))
-    loads = loads[rows, columns]
-    total = np.zeros((len(places), 6))
-    depth = places[:, 1, None]
-    for end, sign_x in ((0, 1.0), (1, -1.0)):
-        for other, sign_z in ((0, 1.0), (1, -1.0)):
-            a, b = places[:, 0, None] - x[rows, end], places[:, 2, None] - z[columns, other]
-            found = _by_pressure(a, b, depth, poisson) @ loads[:, 0]
-            if shears is not None:
-                found += _by_shear(a, b, depth, poisson) @ loads[:, 1]
-                found += _by_shear(b, a, depth, poisson)[[2, 1, 0, 4, 3, 5]] @ loads[:, 2]
-            total += sign_x * sign_z * found.T
-    return total / (2.0 * np.pi)
+    px, depth, pz = places.T[:, :, None, None, None]
+    kernels = _kernels(px - x[rows, :, None], pz - z[columns, None, :], depth, poisson, loads.shape[2])
+    total = sum(kernel[..., 0, 0] @ loads[rows, columns, number] for number, kernel in enumerate(kernels))
+    return np.asarray(total).T / (2.0 * np.pi)
 
 
 def half_space_field(loads: Floats, cell: tuple[float, float], depths: Floats, poisson: float, margin: int) -> Floats:
@@ -92,19 +84,26 @@ def half_space_field(loads: Floats, cell: tuple[float, float], depths: Floats, p
         for width, count in zip(cell, (n, m), strict=True)
     )
     a, d = a[:, None], depths[:, None, None]
-    corners = []
-    if loads.shape[2] != 2:
-        corners.append(_by_pressure(a, b, d, poisson))
-    if loads.shape[2] != 1:
-        corners += [_by_shear(a, b, d, poisson), _by_shear(b, a, d, poisson)[[2, 1, 0, 4, 3, 5]]]
     shape = [scipy.fft.next_fast_len(2 * (count + margin) - 1, real=True) for count in (n, m)]
     spectra = scipy.fft.rfft2(loads, shape, axes=(0, 1))
     total = sum(
-        scipy.fft.rfft2(np.diff(np.diff(kernel, axis=-2), axis=-1), shape) * spectra[..., number]
-        for number, kernel in enumerate(corners)
+        scipy.fft.rfft2(kernel, shape) * spectra[..., number]
+        for number, kernel in enumerate(_kernels(a, b, d, poisson, loads.shape[2]))
     )
     field = scipy.fft.irfft2(total, shape)[..., n - 1 : 2 * (n + margin) - 1, m - 1 : 2 * (m + margin) - 1]
     return field / (2.0 * np.pi)
+
+
+def _kernels(a: Floats, b: Floats, d: Floats, poisson: float, n_loads: int) -> list[Floats]:
+    """Sums over the corners of rectangles under unit tractions, without ``1 / 2 pi``, each (6, ..., n, m).
+
+    - `a`, `b`: distances from the ends of the rectangles along x and z, which fit each other, (..., n + 1, m + 1).
+    - `n_loads`: 1: the pressure, 2: shears along x and z, 3: all of them in this order.
+    """
+    corners = [_by_pressure(a, b, d, poisson)] if n_loads != 2 else []
+    if n_loads != 1:
+        corners += [_by_shear(a, b, d, poisson), _by_shear(b, a, d, poisson)[[2, 1, 0, 4, 3, 5]]]
+    return [np.diff(np.diff(each, axis=-2), axis=-1) for each in corners]
 
 
 def _by_pressure(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:

@@ -105,9 +105,9 @@ def mass(
         products = value_products(reconstruction)
         of_cells = products_round_off(reconstruction, products, space.constant[batch.dofs])
         np.maximum.at(round_off, batch.dofs, of_cells)
-        tensor = given.at(batch, np.empty((1, 2, 0)))
-        for i, j in np.argwhere(np.abs(tensor).any(axis=(-2, -1))):
-            blocks[i, j] = products * tensor[i, j, 0]
+        tensor = given.at(batch, np.empty((1, 2, 0)))[..., 0, :]
+        for i, j in np.argwhere(np.abs(tensor).any(axis=-1)):
+            blocks[i, j] = products * tensor[i, j]
 
     result = FormMatrix(_assembled(space, given.n_components, matrices))
     result.round_off = np.repeat(round_off, given.n_components)
@@ -119,7 +119,7 @@ def _at_points(given: CellCoefficient, on: str | None, degree: int | None) -> sp
     m, region = given.n_components, FormRegion((given.space, given.space), {}, on, degree)
 
     def tensor(w: SimpleNamespace) -> Floats:
-        values = given.along(w.points[None])[..., 0, :]
+        values = given.along(w.points)
         whole = np.zeros((m, region.n_jets, m, region.n_jets, len(w.points)))
         if values.ndim == 3:
             whole[:, 0, :, 0] = values

@@ -4,12 +4,12 @@ from dataclasses import replace
 from heapq import heapify, heappop, heappush
 
 import numpy as np
+import shapely
 
 from flangeway.checks import check_integer
-from flangeway.geometry.arrays import norms, sides_of, steps_around
+from flangeway.geometry.arrays import sides_of
 from flangeway.mesh.connectivity import next_in_row, places_among, row_numbers
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.types import Floats
 
 
 def agglomerated(mesh: PolyMesh, cells: int) -> PolyMesh:
@@ -105,7 +105,8 @@ class _Joining:
         for other in self.neighbours(cell):
             row = self.united(cell, other)
             if row is not None:
-                options.append((_perimeter(self.points[row]) ** 2 / (self.areas[cell] + self.areas[other]), other))
+                perimeter = shapely.length(shapely.linearrings(self.points[row]))
+                options.append((perimeter**2 / (self.areas[cell] + self.areas[other]), other))
         return min(options)[1] if options else None
 
     def join(self, cell: int, other: int) -> None:
@@ -118,7 +119,3 @@ class _Joining:
         self.rows[other] = row
         self.left |= dict.fromkeys(sides_of(row), other)
         self.areas[other] += self.areas.pop(cell)
-
-
-def _perimeter(points: Floats) -> float:
-    return float(norms(steps_around(points)).sum())

@@ -18,7 +18,7 @@ def next_in_row(offsets: IntArray) -> Ints:
     return following
 
 
-def row_numbers(offsets: IntArray) -> Ints:
+def row_numbers(offsets: Indices) -> Ints:
     """Return for every entry the number of its row."""
     return np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
 
@@ -98,6 +98,12 @@ def shortest_edges(points: Floats, edges: Indices) -> Floats:
     shortest = np.full(len(points), np.inf)
     np.minimum.at(shortest, edges, lengths[:, None])
     return shortest
+
+
+def pairs_divided(pairs: Indices, places: Indices, added: Indices) -> IntArray:
+    """Return pairs (m, 2) divided at added points (k,), each in the pair at its place (k,), places rising."""
+    starts, ends = pairs.astype(np.int32).T
+    return np.column_stack((np.insert(starts, places + 1, added), np.insert(ends, places, added)))
 
 
 def chain_starts(pairs: IntArray) -> Ints:

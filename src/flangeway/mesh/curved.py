@@ -12,7 +12,7 @@ from flangeway.geometry.contour import Contour
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.segments import Line, Segment
 from flangeway.geometry.splines import Spline
-from flangeway.mesh.connectivity import entries_of, offsets_of, places_among, shortest_edges
+from flangeway.mesh.connectivity import entries_of, offsets_of, pairs_divided, places_among, shortest_edges
 from flangeway.mesh.edge_curves import EdgeCurves
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints
@@ -109,8 +109,7 @@ def as_polylines(mesh: PolyMesh, pieces: int = PIECES, cells: Indices | None = N
             np.repeat(np.flatnonzero(rows >= 0), pieces - 1),
             _points_between(mesh, rows, pairs[:, 0], pieces),
         )
-        starts = np.insert(pairs[:, 0], places + 1, added.ravel())
-        edge_sets[name] = np.column_stack((starts, np.insert(pairs[:, 1], places, added.ravel())))
+        edge_sets[name] = pairs_divided(pairs, places, added.ravel())
     return PolyMesh(points, new_offsets, corners, mesh.cell_sets, edge_sets)
 
 
@@ -171,3 +170,17 @@ def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:
         if not isinstance(segment, Line):
             points[rim[inside]] = segment.point(place[inside])
     return points
+
+
+def with_names(mesh: PolyMesh, outlines: Sequence[Contour]) -> PolyMesh:
+    """Return the mesh with each edge of its boundary in the set of the name of the segment that it is closest to."""
+    middles = mesh.points[mesh.boundary_edges].mean(axis=1)
+    names, best = np.full(len(middles), "", dtype=object), np.full(len(middles), np.inf)
+    for outline in outlines:
+        number, _, distance = outline.closest(middles)
+        nearer = distance < best
+        best[nearer] = distance[nearer]
+        names[nearer] = np.array(outline.names, dtype=object)[number[nearer]]
+    for name in sorted(set(names.tolist())):
+        mesh = mesh.with_edge_set(name, mesh.boundary_edges[names == name])
+    return mesh

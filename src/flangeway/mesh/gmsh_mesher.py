@@ -16,7 +16,7 @@ from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.segments import Arc, halved
-from flangeway.mesh.curved import Curves, curved
+from flangeway.mesh.curved import Curves, curved, with_names
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.sizing import Refinement, made, mesh_bound, refuse_size
 from flangeway.types import Floats, Ints
@@ -348,21 +348,5 @@ def _of_section(gmsh: Any, section: Section, surfaces: dict[str, list[int]]) -> 
     for name, cells in cell_sets.items():
         if not len(cells):
             raise InputError(f"part {name}, in which Gmsh made no triangle", "a part", "reduce the size")
-    return _with_names(PolyMesh.from_cells(points, triangles, cell_sets=cell_sets), section)
-
-
-def _with_names(mesh: PolyMesh, section: Section) -> PolyMesh:
-    """Name each boundary edge after the segment that it is closest to."""
-    pairs: IntArray = mesh.boundary_edges
-    middles = mesh.points[pairs].mean(axis=1)
-    names = np.full(len(pairs), "", dtype=object)
-    best = np.full(len(pairs), np.inf)
-    for region in section.regions:
-        for loop in region.loops:
-            number, _, distance = loop.closest(middles)
-            nearer = distance < best
-            best[nearer] = distance[nearer]
-            names[nearer] = np.array(loop.names, dtype=object)[number[nearer]]
-    for name in sorted(set(names.tolist())):
-        mesh = mesh.with_edge_set(name, pairs[names == name])
-    return mesh
+    loops = [loop for region in section.regions for loop in region.loops]
+    return with_names(PolyMesh.from_cells(points, triangles, cell_sets=cell_sets), loops)

@@ -397,8 +397,11 @@ class PolyMesh:
 
     def batch_points(self, n_vertices: int, cells: IntArray) -> IntArray:
         """Return the point numbers (len(cells), n_vertices) of cells of one batch."""
-        places = self.cell_offsets[cells][:, None] + np.arange(n_vertices)
-        return self.cell_points[places]
+        return self.cell_points[self.batch_places(n_vertices, cells)]
+
+    def batch_places(self, n_vertices: int, cells: Indices) -> Ints:
+        """Return where the points of cells of one batch are in `cell_points`, shape (len(cells), n_vertices)."""
+        return self.cell_offsets[cells].astype(np.int64)[:, None] + np.arange(n_vertices)
 
     # named sets
 
@@ -529,7 +532,7 @@ class PolyMesh:
         n_points, n_cells, n_corners = self.n_points, self.n_cells, len(self.cell_points)
         curves = [] if self.curves is None else [self.curves]
         if other.curves is not None:
-            curves.append(replace(other.curves, pairs=other.curves.pairs + np.int32(n_points)))
+            curves.append(other.curves.renumbered(n_points + np.arange(other.n_points)))
         return PolyMesh(
             np.vstack([self.points, other.points]),
             np.append(self.cell_offsets, other.cell_offsets[1:] + n_corners),

@@ -12,6 +12,7 @@ from flangeway.errors import InputError, short
 from flangeway.geometry import Line, Outline
 from flangeway.geometry.arrays import cross_product
 from flangeway.mesh.connectivity import first_connected
+from flangeway.mesh.curved import with_names
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
 from flangeway.types import Floats, floats
@@ -80,13 +81,7 @@ def voronoi(
         if not len(clipped.further):
             break
         points = np.vstack((points, clipped.further))
-    mesh = clipped.mesh(outline)
-    middles = mesh.points[mesh.boundary_edges].mean(axis=1)
-    nearest = outline.closest(middles)[0]
-    for name in dict.fromkeys(outline.names):
-        segments = [number for number, other in enumerate(outline.names) if other == name]
-        mesh = mesh.with_edge_set(name, mesh.boundary_edges[np.isin(nearest, segments)])
-    return mesh
+    return with_names(clipped.mesh(outline), [outline])
 
 
 def _domain(outline: Outline) -> shapely.Polygon:

@@ -1,5 +1,6 @@
 """Superconvergent patch recovery of stresses, and the error that it estimates."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,6 +15,7 @@ from flangeway.post.stress import Stresses, at_mesh_points
 from flangeway.problems import ElasticField, Elasticity
 from flangeway.results import Result, ResultTable
 from flangeway.solve import ElasticitySolution
+from flangeway.space import CellBatch
 from flangeway.types import Floats, Ints
 
 SMALLEST_SINGULAR = 1e-11
@@ -40,18 +42,8 @@ class RecoveredStresses(Result):
         It is the root of the integral of the differences' stress times strain. The energy of a virtual element's
         stabilisation is no part of it.
         """
-        problem = self.solution.problem
-        squares = np.empty(problem.space.mesh.n_cells)
-        for batch in problem.space.batches():
-            reconstruction, stress = problem.cell_stresses(batch, self.solution.displacements)
-            points, weights = polygon_quadrature(batch.outline, 2 * reconstruction.order)
-            values = reconstruction.at(points)[: stress.shape[1]]
-            difference = self._at(batch.cells, points) - np.einsum("sae,aqe->sqe", stress, values)
-            weights = weights * problem.depth(points.swapaxes(1, 2))
-            compliance = _compliances(problem)[:, :, problem.cell_material[batch.cells]]
-            strain = np.einsum("ste,tqe->sqe", compliance, difference)
-            squares[batch.cells] = np.einsum("sqe,sqe,qe->e", strain, difference, weights)
-        errors = np.sqrt(squares)
+        order = self.solution.problem.space.order
+        errors = energy_norms(self.solution, lambda batch, points: self._at(batch.cells, points), 2 * order)[0]
         errors.setflags(write=False)
         return errors
 
@@ -81,7 +73,7 @@ class RecoveredStresses(Result):
         mesh = self.solution.problem.space.mesh
         components = np.empty((len(mesh.cell_points), 4))
         for batch in self.solution.problem.space.batches():
-            places = mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
+            places = mesh.batch_places(len(batch.vertices), batch.cells)
             components[places] = self._at(batch.cells, batch.vertices).transpose(2, 1, 0)
         return Stresses(components)
 
@@ -105,6 +97,29 @@ class RecoveredStresses(Result):
         centres = self.solution.problem.space.mesh.cell_centroids[cells].T
         values = monomials.evaluate(self.solution.problem.space.order, (points - centres) / self.scales[cells])
         return np.einsum("esb,bqe->sqe", self.coefficients[cells], values)
+
+
+def energy_norms(solution: ElasticField, given: Callable[[CellBatch, Floats], Floats], degree: int) -> Floats:
+    """Energy norms of given stresses less those of a solution, and of the given ones, in each cell, (2, n_cells).
+
+    They are the roots of the integrals of stress times strain.
+
+    - `given`: gives stresses xx, yy, xy, zz (4, n_points, n_cells) at points (n_points, 2, n_cells) of a batch.
+    - `degree`: degree of the polynomials that are integrated exactly.
+    """
+    problem = solution.problem
+    squares = np.empty((2, problem.space.mesh.n_cells))
+    for batch in problem.space.batches():
+        reconstruction, stress = problem.cell_stresses(batch, solution.displacements)
+        points, weights = polygon_quadrature(batch.outline, degree)
+        wanted = given(batch, points)
+        values = np.einsum("sae,aqe->sqe", stress, reconstruction.at(points)[: stress.shape[1]])
+        weights = weights * problem.depth(points.swapaxes(1, 2))
+        compliance = _compliances(problem)[:, :, problem.cell_material[batch.cells]]
+        for number, field in enumerate((wanted - values, wanted)):
+            strain = np.einsum("ste,tqe->sqe", compliance, field)
+            squares[number, batch.cells] = np.einsum("sqe,sqe,qe->e", strain, field, weights)
+    return np.sqrt(squares)
 
 
 def _compliances(problem: Elasticity) -> Floats:

@@ -82,7 +82,7 @@ def corner_values(space: Space, polynomials: Polynomials, n_components: int) -> 
     for batch in space.batches():
         reconstruction, coefficients = polynomials(batch)
         basis = monomials.evaluate(reconstruction.order, reconstruction.frame.local(batch.vertices))
-        places = space.mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
+        places = space.mesh.batch_places(len(batch.vertices), batch.cells)
         # v_evs = sum over monomials a of c_sae m_ave at the vertices v of the cells e
         values[places] = np.einsum("sae,ave->evs", coefficients, basis[: coefficients.shape[1]])
     return values

@@ -85,12 +85,10 @@ class CellCoefficient:
         return np.moveaxis(chosen, 0, -1)[..., None, :]
 
     def along(self, points: Floats) -> Floats:
-        """Tensors at points (n_edges, n_points, 2), shape (..., n_edges or 1, n_points or 1); none of single cells."""
-        if self.function is None:
-            assert self.values is not None
-            return np.moveaxis(self.values, 0, -1)[..., None]
-        tensors = _of_function(self.function, points.reshape(-1, 2).T, self.of)
-        return np.moveaxis(tensors, 0, -1).reshape(*tensors.shape[1:], *points.shape[:-1])
+        """Tensors at points (n, 2), shape (..., n or 1); none of single cells."""
+        tensors = self.values if self.function is None else _of_function(self.function, points.T, self.of)
+        assert tensors is not None
+        return np.moveaxis(tensors, 0, -1)
 
 
 def _of_function(function: Function, points: Floats, of: str) -> Floats:

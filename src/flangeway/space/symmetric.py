@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from flangeway.geometry.arrays import IntArray
+from flangeway.mesh.connectivity import row_numbers
 from flangeway.types import Bools, Floats, Indices, Ints
 
 EPS = float(np.finfo(np.float64).eps)
@@ -38,7 +39,7 @@ class SymmetricMatrix:
 
     def full(self) -> sp.csr_array:
         """Both triangles, as a SciPy array."""
-        column = np.repeat(np.arange(self.n), np.diff(self.indptr))
+        column = row_numbers(self.indptr)
         values = np.where(self.indices == column, 0.5 * self.values, self.values)
         half = sp.csc_array((values, self.indices, self.indptr), shape=(self.n, self.n))
         return sp.csr_array(half.T + half)
@@ -46,7 +47,7 @@ class SymmetricMatrix:
     @property
     def _keys(self) -> Ints:
         """Column times n, plus row, of the entries, rising."""
-        return np.repeat(np.arange(self.n), np.diff(self.indptr)) * self.n + self.indices
+        return row_numbers(self.indptr) * self.n + self.indices
 
     def _keys_of(self, rows: Indices, columns: Indices) -> Ints:
         return np.minimum(rows, columns).astype(np.int64) * self.n + np.maximum(rows, columns)
@@ -144,7 +145,7 @@ class DifferenceProduct:
         axisymmetric: bool,
         springs: sp.sparray | None = None,
     ) -> None:
-        columns, rows = np.repeat(np.arange(matrix.n), np.diff(matrix.indptr)), matrix.indices.astype(np.int64)
+        columns, rows = row_numbers(matrix.indptr), matrix.indices.astype(np.int64)
         other = rows // 2 != columns // 2
         self._rows, self._columns, self._values = rows[other], columns[other], matrix.values[other]
         # the component of the other unknown, at the node of this one

@@ -320,17 +320,13 @@ class _Build:
 
     def _cells(self, shape: tuple[int, ...]) -> np.ndarray[Any, Any]:
         """Whether all patches around a cell of the axes go over into each other, by cell and side."""
-        nodes = np.empty(shape, dtype=object)
-        for position, place in zip(self._positions(), np.ndindex(shape), strict=True):
-            nodes[place] = position
+        nodes = dict(zip(np.ndindex(shape), self._positions(), strict=True))
         joined = np.ones((*(max(n - 1, 1) for n in shape), 2), dtype=np.bool_)
         for cell in np.ndindex(joined.shape[:3]):
-            around = nodes[tuple(slice(place, place + 2) for place in cell)]
-            for axis in range(3):
-                if around.shape[axis] == 2:
-                    low, high = np.split(around, 2, axis=axis)
-                    for pair in zip(low.ravel(), high.ravel(), strict=True):
-                        joined[cell] &= self._joined(*pair)
+            corners = itertools.product(*((place, place + 1) for place in cell))
+            for one, other in itertools.combinations((corner for corner in corners if corner in nodes), 2):
+                if sum(a != b for a, b in zip(one, other, strict=True)) == 1:  # an edge of the cell
+                    joined[cell] &= self._joined(nodes[one], nodes[other])
         return joined
 
     def _errors_between(self, table: CreepTable, number: int) -> list[dict[str, Any]]:

@@ -173,6 +173,22 @@ def test_a_flange_in_contact_has_nadals_limit_beside_it(wheelset):
     assert max(power) > 1e3
 
 
+def test_a_driven_axle_holds_its_torque_by_friction_that_falls_in_a_tight_curve(wheelset):
+    """Both wheels slip against each other, and the torque rises with the rate at first: beyond that it is held.
+
+    Forces of the patches times the tape radius carry it to 2 %, and a faster axle is driven less.
+    """
+    inputs = {"lateral_mm": 0.0, "curve_radius_m": -120.0, "friction": 0.09, "kinetic_friction": 0.039}
+    falling = {"friction_decay_m_per_s": 2.0, "rolling_theory": "fastsim"}
+    torques = {}
+    for torque in (1.6, 1.7):
+        found = solved(wheelset, speed_km_h=40.0, torque_kNm=torque, **inputs, **falling)
+        creep = sum(each.creep_force_on_wheel_N[2] for each in found.rolling)
+        assert creep == pytest.approx(1e6 * torque / 460.0, rel=0.02)
+        torques[torque] = found.equilibrium.state.rolled.rate_rad_s
+    assert torques[1.7] > torques[1.6]
+
+
 @pytest.mark.ci
 def test_a_torque_above_friction_is_no_equilibrium(wheelset):
     """Friction cannot transmit it: the status says so."""

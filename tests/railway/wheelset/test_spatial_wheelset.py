@@ -124,6 +124,15 @@ def test_a_patch_outside_of_the_fine_cells_is_found(wheelset, monkeypatch):
         assert one.force_on_wheel_N == pytest.approx(other.force_on_wheel_N, rel=5e-3, abs=50.0)
 
 
+def test_a_position_is_no_equilibrium_while_wheel_and_rail_overlap_outside_of_its_cells(wheelset, monkeypatch):
+    """However often cells are added: the last ones are checked too."""
+    one = wheelset.at(coarse_case().load(), Prescribed(lateral_mm=2.0), 0.0)
+    monkeypatch.setattr(SpatialWheelset, "beyond", lambda _, found, touching: {"right": touching["right"]})
+    never = one.solve()
+    assert not never.status.converged
+    assert "patch_cells" in never.status.message
+
+
 @pytest.mark.ci
 def test_on_fixed_rails_and_a_rigid_axle_it_is_the_contact_of_one_wheel():
     """In the middle of straight track each wheel carries half: pressures of `press_patch` within 2 %."""

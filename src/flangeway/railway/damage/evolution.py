@@ -315,8 +315,7 @@ class Evolution:
         profiles = {key: surface.worn_body if deep else surface.worn for key, surface in surfaces.items()}
         if self.collective.is_symmetric:
             profiles = {(role, side): profiles[role, "right"] for role, side in profiles}
-        rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
-        damage_rates = {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()}
+        rates, damage_rates = ({key: np.zeros(len(each.depth)) for key, each in surfaces.items()} for _ in range(2))
         made, bodies = list[SpatialWheelset](), ElasticBodies()
         states, t_gamma, solved = [], 0.0, 0.0
         all_states, end = self.collective.states, self.settings.end
@@ -324,14 +323,14 @@ class Evolution:
             share = state.share
             progress(f"{position:.4g} of {end:.4g} {self.unit}, state {count} of {len(all_states)}")
             problem = self.collective.problem_with(state, profiles)
+            place = near[count - 1].place if near else None
             try:
-                place = near[count - 1].place if near else None
                 result = _solved(SpatialWheelset(problem, {}, state.model), made, bodies, place)
+                message = "" if result.status.converged else result.status.message
             except InputError as reason:
-                states.append(StateDamage(state.name, (), reason.given))
-                continue
-            if not result.status.converged:
-                states.append(StateDamage(state.name, (), result.status.message))
+                message = reason.given
+            if message:
+                states.append(StateDamage(state.name, (), message))
                 continue
             place = RollingPlace.of(result.equilibrium)
             states.append(StateDamage(state.name, tuple(patch_damage(result)), place=place))

@@ -1,7 +1,6 @@
 """Profiles from files of all formats, in this package's frames, and back into files."""
 
 import codecs
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -328,13 +327,11 @@ def profile_text(
     if kind == "rail" and origin == "base":
         # the other formats count from the top
         points = points - np.array([0.0, float(profile.surface.bounds()[1, 1])])
-    writers: dict[str, Callable[[], str]] = {
-        ".ban": lambda: write_miniprof(points, kind, title),
-        ".whl": lambda: write_miniprof(points, kind, title, TAPE_MM if tape is None else tape),
-        ".prr": lambda: write_simpack(points, kind, title),
-        ".prw": lambda: write_simpack(points, kind, title),
-    }
-    return writers.get(ending, lambda: write_two_column(points, kind, title, tape))()
+    if ending in (".ban", ".whl"):
+        return write_miniprof(points, kind, title, TAPE_MM if tape is None else tape)
+    if ending in (".prr", ".prw"):
+        return write_simpack(points, kind, title)
+    return write_two_column(points, kind, title, tape)
 
 
 def frame_origin(profile: MeasuredProfile) -> str:

@@ -76,11 +76,11 @@ class WheelsetProblem:
         if settings.primary != "auto":
             return settings.primary, "chosen by the user"
         spacing = {body: settings.size_of(body) / settings.order_of(body) for body in ("wheel", "rail")}
-        if not math.isclose(spacing["wheel"], spacing["rail"], rel_tol=0.05):
-            coarse: Role = "wheel" if spacing["wheel"] > spacing["rail"] else "rail"
-            return coarse, "its nodes are farther apart: the finer surface gives the nodes"
         stiffness = {body: self.material_of(body).plane_modulus for body in ("wheel", "rail")}
-        if not math.isclose(stiffness["wheel"], stiffness["rail"], rel_tol=0.05):
-            stiff: Role = "wheel" if stiffness["wheel"] > stiffness["rail"] else "rail"
-            return stiff, "it is the stiffer body"
+        for values, why in (
+            (spacing, "its nodes are farther apart: the finer surface gives the nodes"),
+            (stiffness, "it is the stiffer body"),
+        ):
+            if not math.isclose(values["wheel"], values["rail"], rel_tol=0.05):
+                return "wheel" if values["wheel"] > values["rail"] else "rail", why
         return "rail", "meshes and materials are alike, and the rail is the body that is held"

@@ -15,7 +15,7 @@ from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
 from flangeway.railway.wheelset.side_contact import FAR_MM, GriddedSide, SideState, WheelPose
 from flangeway.solve import Status
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Ints
 
 MOST_CELLS = 6000
 """Cells in contact up to which their matrix is factorised."""
@@ -74,6 +74,8 @@ class SideNewton:
         self.forces = self.raw = found.forces
         self.total = found.gaps
         self.touching: Bools = self.forces > 0.0
+        self.expected: Floats = self.total
+        """Gaps after the step before as far as they are linear, (n, n_z): with the forces they decide what touches."""
         self._factor: tuple[Floats, bool] | None = None
         self.changed = True
         self.slopes: CreepSlopes | None = None
@@ -94,7 +96,7 @@ class SideNewton:
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
         least = SAME * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
         width = least * float(grid.coefficients[0].diagonal().max())
-        touching = np.where(self.touching, self.raw > -least, self.total < -width) & (self.gap.gaps < FAR_MM)
+        touching = np.where(self.touching, self.raw > -least, self.expected < -width) & (self.gap.gaps < FAR_MM)
         self.changed = bool((touching != self.touching).any())
         if self.changed or self._factor is None:
             self.touching = touching
@@ -155,6 +157,21 @@ class SideNewton:
         if self._factor is None:
             return np.zeros(0), np.zeros((0, N_MOTIONS if rolls else 4))
         rows, strips = np.nonzero(self.touching)
+        slopes, left, of_shape = self._changes(rows, strips, rolls=rolls)
+        # h is that of the forces so far: their part in D is taken off
+        values = self.values[rows, strips] - left @ (self._right @ self.forces.sum(axis=1)) - of_shape @ self.shape
+        left, right = np.hstack((left, of_shape)), self._right[:, rows]
+        if self.slopes is not None:
+            right = np.vstack((right, self.slopes.weights[:, rows, strips]))
+        found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
+        n = 1 + slopes.shape[1]
+        solved, inner = found[:, :n], found[:, n:]
+        small = np.eye(len(right)) + right @ inner
+        solved = solved - inner @ np.linalg.solve(small, right @ solved)
+        return -solved[:, 0], -solved[:, 1:]
+
+    def _changes(self, rows: Ints, strips: Ints, *, rolls: bool) -> tuple[Floats, Floats, Floats]:
+        """How gaps of cells (m,) change: by what `solve` differentiates by, by `_right`, and by `CreepSlopes.shape`."""
         by, arms = self.gap.by_motion[rows, strips, :2], self.gap.arms[rows, strips]
         # a wheel that moves by v changes the gaps by by . v; a rotation moves the hits by (-arm_y, arm_x)
         from_seat = arms[:, :2] - self.pose.seat
@@ -167,34 +184,31 @@ class SideNewton:
             ),
             axis=1,
         )
+        # D = left right: by_motion . n = 1, so that n - by_motion lies across
+        grid = self.grid
+        (modes, _), (across, loads_across) = grid.bending_modes, grid.bending_modes_across
+        by_across = -np.einsum("mx,mxk->mk", by, across[rows])
+        left = np.hstack((np.einsum("mx,mxk->mk", grid.undeformed_normals[rows] - by, modes[rows]), by_across))
+        of_shape = np.zeros((len(rows), 0))
         if rolls:
             all_by = self.gap.by_motion[rows, strips]
             yawing = all_by[:, 2] * arms[:, 0] - all_by[:, 0] * arms[:, 2]
             slopes = np.column_stack((slopes, np.zeros(len(rows)), yawing))
-        # D = left right: by_motion . n = 1, so that n - by_motion lies across
-        grid, row = self.grid, self.forces.sum(axis=1)
-        (modes, loads), (across, loads_across) = grid.bending_modes, grid.bending_modes_across
-        left = np.einsum("mx,mxk->mk", grid.undeformed_normals[rows] - by, modes[rows])
-        # shares s = p T p of the forces along the tangents: ds_i = (T p)_i dp_i + p_i (T dp)_i
-        turned, _ = grid.turned(row, None if self.creep is None else self.creep[:, 0])
-        shares = loads_across * turned + (loads_across * row) @ grid.turn_by_rows
-        left = np.hstack((left, -np.einsum("mx,mxk->mk", by, across[rows])))
-        right = np.vstack((loads, shares))[:, rows]
-        # h is that of the forces so far: their part in D is taken off
-        values = self.values[rows, strips] - left @ (right @ self.forces[rows, strips])
         if self.slopes is not None:
-            by_rows = -np.einsum("mx,mxk->mk", by, across[rows]) @ loads_across
+            by_rows = by_across @ loads_across
             of_shape = by_rows @ self.slopes.shape[N_RESULTANTS:]
-            values = values - of_shape @ self.shape
             if rolls:
                 slopes = slopes + by_rows @ self.slopes.motion[N_RESULTANTS:]
-            left, right = np.hstack((left, of_shape)), np.vstack((right, self.slopes.weights[:, rows, strips]))
-        found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
-        n = 1 + slopes.shape[1]
-        solved, inner = found[:, :n], found[:, n:]
-        small = np.eye(len(right)) + right @ inner
-        solved = solved - inner @ np.linalg.solve(small, right @ solved)
-        return -solved[:, 0], -solved[:, 1:]
+        return slopes, left, of_shape
+
+    @property
+    def _right(self) -> Floats:
+        """Loads of the modes by which normal forces of rows bend the bodies, (r, n)."""
+        grid, row = self.grid, self.forces.sum(axis=1)
+        loads, loads_across = grid.bending_modes[1], grid.bending_modes_across[1]
+        # shares s = p T p of the forces along the tangents: ds_i = (T p)_i dp_i + p_i (T dp)_i
+        turned, _ = grid.turned(row, None if self.creep is None else self.creep[:, 0])
+        return np.vstack((loads, loads_across * turned + (loads_across * row) @ grid.turn_by_rows))
 
     def resultants(self, forces: Floats) -> Floats:
         """Force on the wheel (x, y) and moment about the axle's middle of forces on cells in contact (m, k): (3, k)."""
@@ -224,7 +238,7 @@ class SideNewton:
         now = found + own @ (weights @ forces - self.shape)
         return now, self.slopes.motion[:N_RESULTANTS] + own @ (weights @ by_motion)
 
-    def take(self, forces: Floats, step: Floats | None = None) -> float:
+    def take(self, forces: Floats, step: Floats) -> float:
         """Take forces on the cells in contact, or a part of the way to them; how much they change, over their sum.
 
         - `step`: by what the axle moves, as the derivatives of `solve`; creep forces change with it.
@@ -234,18 +248,28 @@ class SideNewton:
         self.raw[self.touching] = forces
         new[self.touching] = np.maximum(forces, 0.0)
         change = new - self.forces
+        self._expect(step)
         moved = np.abs(
             np.einsum("ixk,k->ix", self.grid.bending_modes[0], self.grid.bending_modes[1] @ change.sum(axis=1))
         )
         share = min(1.0, MAX_MOVED_MM / max(float(moved[self.touching.any(axis=1)].max(initial=0.0)), 1e-300))
         self.forces = self.forces + share * change if share < 1.0 else new
-        if self.slopes is not None and self.creep is not None and step is not None:
+        if self.slopes is not None and self.creep is not None:
             shape = self.slopes.weights[:, self.touching] @ self.forces[self.touching]
             change_of_rows = self.slopes.shape @ (shape - self.shape) + self.slopes.motion @ step
             self.creep = self.creep + np.outer(change_of_rows[N_RESULTANTS:], (1.0, 0.0))
             self.shape = shape
         total = float(np.abs(new).sum())
         return float(np.abs(change).sum()) / total if total > 0.0 else float(change.any())
+
+    def _expect(self, step: Floats) -> None:
+        """Take gaps under the forces of `solve` after a step: none where the cells touch."""
+        rows, strips = np.indices(self.forces.shape).reshape(2, -1)
+        slopes, left, of_shape = self._changes(rows, strips, rolls=len(step) == N_MOTIONS)
+        change = slopes @ step + left @ (self._right @ (self.raw - self.forces).sum(axis=1))
+        if self.slopes is not None:
+            change = change + of_shape @ (np.tensordot(self.slopes.weights, self.raw, axes=2) - self.shape)
+        self.expected = self.values + self.grid.influence(self.raw) + change.reshape(self.forces.shape)
 
     def state(self, status: Status, stiffness: Floats) -> SideState:
         """Contact as it is now."""
@@ -310,7 +334,7 @@ def solve_side(
         newton.linearise(pose)
         forces, by_motion = newton.solve()
         _, stiffness = newton.stiffness(forces, by_motion)
-        change = newton.take(forces)
+        change = newton.take(forces, np.zeros(by_motion.shape[1]))
         if change < tolerance and not newton.changed:
             break
     status = Status(change < tolerance, f"forces change by {change:.1e} after {steps} steps", steps)

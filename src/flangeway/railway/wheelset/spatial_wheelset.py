@@ -41,9 +41,9 @@ MAX_ITERATIONS = 120
 """Newton steps until the equilibrium."""
 FAST_RESIDUAL = 1e-7
 """Equilibrium residual with friction by fast theories, whose forces are not smooth."""
-LIFTED, TORQUE, YAW_MOMENT = 0.1, 3, 4
-"""Vertical or moment residual of wheels that do not carry the load, or torque of those that spin; numbers of torque and
-yaw moment in residuals."""
+LIFTED, LEAST_CARRIED, TORQUE, YAW_MOMENT = 0.1, 1e-3, 3, 4
+"""Vertical or moment residual of wheels that do not carry the load, or torque of those that spin; share of the load
+that a wheel carries at least; numbers of torque and yaw moment in residuals."""
 MAX_BENT_MM = 0.4
 """Displacement of a cell by creep forces in one step, at most."""
 NEARBY = 5.0
@@ -54,6 +54,8 @@ FEWER_ACROSS, NESTED_RESIDUAL = 0.35, 2e-3
 """Cells across a patch over the final ones while creep forces are sought, and the residual on them."""
 MAX_GRIDS = 6
 """Fine grids that are made near the equilibrium, also to add patches outside of them."""
+MAX_TURN_RAD = 0.05
+"""Yaw beyond that of the guidance where the search for it ends; wheelsets in the sharpest curves run at half of it."""
 SEARCHED_MM = 90.0
 """Distance along the track from the wheel's middle up to which it may touch without yaw."""
 FLANGE_SLOPE = 3.0
@@ -92,6 +94,7 @@ class RollingPlace(NamedTuple):
 
 Placed: TypeAlias = tuple[dict[Side, GriddedSide], SpatialState]
 """Cells, and a contact to start from on them."""
+OUTSIDE = "wheel and rail touch outside of the cells that are fine enough for their patches; give more patch_cells"
 AT_END = "a contact reaches the end of the running surface; check the profiles and the load"
 
 
@@ -209,7 +212,7 @@ class SpatialWheelset:
                 at_peaks = cells.at_peaks(newton.placed)
                 if at_peaks != grids:
                     newton.place(at_peaks, state)
-            if self._is_off(newton.position, begun):
+            if self._is_off(newton.position, begun) or abs(newton.yaw - newton.guided_yaw) > MAX_TURN_RAD:
                 break
         return replace(found, status=self._none(found, None if newton.creep is None else newton.creep.motion))
 
@@ -242,22 +245,26 @@ class SpatialWheelset:
         else:
             advice = "give a lateral_mm nearer to the middle of the track"
             advice += "" if motion is None else ", a smaller yaw, or less friction"
-        if torque_kNm and (errors.argmax() == TORQUE or errors[TORQUE] > LIFTED):
+        turned = 0.0 if last.state.rolled is None else last.state.rolled.yaw_rad - self.model.yaw_rad
+        carried = min(float(each.forces.sum()) for each in last.state.sides.values())
+        lifted = carried < LEAST_CARRIED * self.problem.load.in_track[1] or self.rise(position) > CLIMBED_MM
+        if lifted or errors[1:3].max() > LIFTED:
+            cause = f"{place}, a wheel no longer carries its load: it lifts, or climbs its rail (derailment)"
+        elif torque_kNm and (errors.argmax() == TORQUE or errors[TORQUE] > LIFTED):
             unit = 1e-6 * self.problem.load.in_track[1] * self.problem.wheelset.tape_radius_mm
             missing = unit * abs(residuals.torque_residual)
             cause = f"friction does not transmit the torque: {missing:.3g} of {torque_kNm:.3g} kN m are left"
             advice = "give a smaller torque, or more friction"
-        elif errors[1:3].max() > LIFTED:
-            cause = f"{place}, a wheel no longer carries its load: it lifts, or climbs its rail (derailment)"
+        elif errors.argmax() == YAW_MOMENT or abs(turned) > MAX_TURN_RAD:
+            arm = self.problem.wheelset.back_to_back_mm / 2.0
+            missing = 1e-6 * abs(residuals.yaw_residual) * self.problem.load.vertical_N * arm
+            turn = f"turned by {1e3 * abs(turned):.0f} mrad"
+            cause = f"{place} and {turn}, a yaw moment of {missing:.1f} kN m is not balanced"
+            advice = "give the yaw, or a yaw stiffness that holds it"
         elif errors.argmax() == 0:
             cause = f"{place}, a lateral force of {1e-3 * abs(force):.1f} kN to the {_way(force)} is not balanced"
             if force * position.lateral_mm > 0.0:
                 cause += f", which pushes the {_way(force)} flange up its rail"
-        elif errors.argmax() == YAW_MOMENT:
-            arm = self.problem.wheelset.back_to_back_mm / 2.0
-            missing = 1e-6 * abs(residuals.yaw_residual) * self.problem.load.vertical_N * arm
-            cause = f"{place}, a yaw moment of {missing:.1f} kN m is not balanced"
-            advice = "give the yaw, or a yaw stiffness that holds it"
         else:
             cause = f"{place}, the forces still change from step to step"
             advice = "give a neighbouring lateral_mm, yaw, torque or friction"
@@ -419,14 +426,18 @@ class _Cells:
             self.stage += bool(self.touching)
             self.touching = self.touching or state.sides
             return self.fine(state)
-        elif self.n_grids < MAX_GRIDS:
-            self.n_grids += 1
-            grids, _ = self.fine(state)
+        else:
+            more = self.n_grids < MAX_GRIDS
+            if more:
+                self.n_grids += 1
+                grids, _ = self.fine(state)
             beyond = self.wheelset.beyond(found, self.touching) if grids == state.grids and self.last else {}
-            if beyond:
+            if beyond and not more:
+                self.status = Status(False, OUTSIDE, found.status.iterations)
+            elif beyond:
                 self.touching = {**self.touching, **beyond}
                 grids, state = self.fine(SpatialState({**state.sides, **beyond}))
-        if grids == found.state.grids:
+        if grids == found.state.grids and self.status is None:
             if self.last:
                 lost = any(each.grid.leaves(each.forces) for each in state.sides.values())
                 self.status = Status(False, AT_END, found.status.iterations) if lost else found.status

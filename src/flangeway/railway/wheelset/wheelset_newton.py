@@ -339,14 +339,18 @@ class WheelsetNewton:
             rows[row] = False
         right = -np.stack((self.missed, self.jacobian[:, 0]), axis=1)
         step, by_x = _solved(jacobian, right, rows, columns)
-        if self.creep is not None:
-            limits[RATE] = self.creep.reach.limit_of(float(step[RATE]), halved=self._is_halved)
         # an unknown whose step is limited goes where it is pushed, and the rest comes into equilibrium all the same:
         # without friction the energy falls that way, and moments of wheels that slip everywhere hardly depend on rate
-        # and yaw; with creep forces it holds for these alone
+        # and yaw; with creep forces it holds for these alone, also where friction that falls turns their slope over
         numbers = np.arange(n)
-        pushed = ~np.isin(numbers, TILTS) if self.creep is None else numbers >= RATE
-        limited = columns & rows & (np.abs(step) > limits) & pushed
+        pushed = columns & rows & (~np.isin(numbers, TILTS) if self.creep is None else numbers >= RATE)
+        wanted = step.copy()
+        if self.creep is not None:
+            for number in numbers[pushed]:
+                if self._turns_over(jacobian, step, rows, columns, number):
+                    wanted[number] = np.copysign(np.inf, self.missed[number])
+            limits[RATE] = self.creep.reach.limit_of(float(wanted[RATE]), halved=self._is_halved)
+        limited = pushed & (np.abs(wanted) > limits)
         if limited.any():
             part = np.where(limited, np.copysign(limits, self.missed), 0.0)
             right[:, 0] -= jacobian @ part
@@ -368,6 +372,15 @@ class WheelsetNewton:
         by_x[0], limits[0] = 1.0, np.inf
         step += way * by_x
         return step / max(float((np.abs(step) / limits).max()), 1.0)
+
+    def _turns_over(self, jacobian: Floats, step: Floats, rows: Bools, columns: Bools, number: int) -> bool:
+        """Whether Newton's step of an unknown goes against the push on it where the rest is in equilibrium.
+
+        Its equation rises with it there: an equilibrium ahead would be one that the wheelset leaves.
+        """
+        rest = np.arange(len(step)) != number
+        held, _ = _solved(jacobian, -np.stack((self.missed, self.missed), axis=1), rows & rest, columns & rest)
+        return bool((self.missed[number] + jacobian[number] @ held) * step[number] < 0.0)
 
     def step(self, tolerance: float) -> bool:
         """Move by Newton's step within its limits; whether it was in equilibrium."""

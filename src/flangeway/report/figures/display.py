@@ -86,7 +86,7 @@ def display(space: Space, pieces: int | None = None) -> Display:
     parts = []
     for n_vertices, cells in mesh.batches():
         centres, seen = cell_centres(mesh, cells)
-        places = mesh.cell_offsets[cells].astype(np.int64)[:, None] + np.arange(n_vertices)
+        places = mesh.batch_places(n_vertices, cells)
         if seen.any():
             parts.append(_fans(space, pieces, cells[seen], places[seen], centres[seen], mesh.cell_edges[places[seen]]))
         for row in np.flatnonzero(~seen).tolist():

@@ -19,6 +19,7 @@ from flangeway.railway.profiles.formats.raw_profile import (
     leading_numbers,
     number_of,
     points_in,
+    text_of,
 )
 from flangeway.railway.profiles.formats.two_column import one_line
 
@@ -51,8 +52,9 @@ def read_miniprof(text: str, kind: Kind) -> RawProfile:
         raise InputError(f"line {line}: ColumnDef={columns}", "columns X and Y", "save the file with both")
     points, numbers = points_in(rows, names.index("X"), names.index("Y"))
     notices: list[str] = []
-    if header.get("xypoints", (0, ""))[1]:
-        wanted = number_of(header["xypoints"][1], "XYPoints", header["xypoints"][0])
+    if text_of(header, "xypoints"):
+        line, text = header["xypoints"]
+        wanted = number_of(text, "XYPoints", line)
         if len(points) < 0.9 * wanted:
             raise InputError(
                 f"{len(points)} points in a file with XYPoints={wanted:g}",
@@ -61,17 +63,17 @@ def read_miniprof(text: str, kind: Kind) -> RawProfile:
             )
         if len(points) != wanted:
             notices.append(f"The header has XYPoints={wanted:g}, the file {len(points)} points; all of them are taken.")
-    offsets = [header.get(key, (0, ""))[1] for key in ("xoffset", "yoffset")]
+    offsets = [text_of(header, key) for key in ("xoffset", "yoffset")]
     if any(offset and leading_numbers(offset) not in ([], [0.0]) for offset in offsets):
         notices.append(f"XOffset and YOffset ({', '.join(offsets)}) are not applied.")
-    side = [f"{key}={header[key.lower()][1]}" for key in ("Rail", "Side") if header.get(key.lower(), (0, ""))[1]]
+    side = [f"{key}={text}" for key in ("Rail", "Side") if (text := text_of(header, key.lower()))]
     if side:
         notices.append(
             f"The header has {', '.join(side)}; the profile is used as it is, --mirror makes it the other side."
         )
     line, value = header.get("wheeldiametertaperline", (0, ""))
     tape = number_of(value, "WheelDiameterTaperline", line) if value and kind == "wheel" else None
-    title = next((header[key][1] for key in ("mpdn", "comment", "filename", "uof1") if header.get(key, (0, ""))[1]), "")
+    title = next(filter(None, (text_of(header, key) for key in ("mpdn", "comment", "filename", "uof1"))), "")
     return RawProfile(
         points,
         numbers,

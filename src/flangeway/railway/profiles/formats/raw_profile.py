@@ -80,6 +80,11 @@ Header: TypeAlias = dict[str, tuple[int, str]]
 """Line and value by the key in small letters."""
 
 
+def text_of(header: Header, key: str) -> str:
+    """Return the value of a key; an empty one if there is none."""
+    return header.get(key, (0, ""))[1]
+
+
 def keys_and_rows(lines: Iterable[tuple[int, str]]) -> tuple[Header, list[tuple[int, list[float]]]]:
     """Return the lines ``key = value`` of a text, and its rows of numbers, each after its number of line.
 

@@ -83,19 +83,8 @@ def _profile(drawn: Sequence[DrawnSegment], unit: str | None, stated: RawProfile
         # the highest and the lowest place are then inside the list, as the search for head and flange wants
         top, bottom = int(np.argmax(points[:, 1])), int(np.argmin(points[:, 1]))
         points = np.roll(points, -((top + bottom) // 2), axis=0)
-    return RawProfile(
-        points,
-        np.zeros(len(points), dtype=np.int64),
-        unit=unit,
-        kind=stated.kind,
-        upwards=stated.upwards,
-        mirrored=stated.mirrored,
-        origin=stated.origin,
-        tape_mm=stated.tape_mm,
-        title=stated.title,
-        contour=contour,
-        notices=(*stated.notices, *notices),
-    )
+    lines, all_notices = np.zeros(len(points), dtype=np.int64), (*stated.notices, *notices)
+    return replace(stated, points=points, lines=lines, unit=unit, contour=contour, notices=all_notices)
 
 
 def closed_gaps(drawn: Sequence[DrawnSegment], maximum: float) -> tuple[list[DrawnSegment], tuple[str, ...]]:

@@ -21,6 +21,7 @@ from flangeway.railway.profiles.formats.raw_profile import (
     keys_and_rows,
     number_of,
     points_in,
+    text_of,
 )
 from flangeway.railway.profiles.formats.two_column import one_line
 
@@ -61,7 +62,7 @@ def read_simpack(text: str, kind: Kind) -> RawProfile:
         kind=kind,
         kind_is_sure=sure,
         upwards=False,
-        title=keys.get("comment", (0, ""))[1] or keys.get("file", (0, ""))[1],
+        title=text_of(keys, "comment") or text_of(keys, "file"),
     )
 
 
