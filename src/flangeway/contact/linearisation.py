@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.contact.pairs import Pairs
+from flangeway.contact.pairs import Constraints, Pairs
 from flangeway.contact.slip import Slides
 from flangeway.solve.active_set import AT_LIMIT
 from flangeway.types import Bools, Floats, Ints
@@ -44,9 +44,9 @@ class ContactLinearisation:
     Parameters
     ----------
     pairs
-        The pairs of each contact.
+        The constraints of each contact; their parts follow each other.
     starts
-        First constraint of each contact, and the number of all.
+        First constraint of each part, and the number of all.
     nodes
         Surface nodes on which any gap depends, shape (n_touched,).
     keys
@@ -66,7 +66,7 @@ class ContactLinearisation:
     coefficients
         Coefficients of friction, shape (m,).
     term_points
-        Numbers among the touched points of those of each contact's terms, arrays (p, w).
+        Numbers among the touched points of those of each part's terms, arrays (p, w).
     spread
         Positions of the touched points by those of ``nodes``, components after each other; None: they are the nodes.
     guarded_nodes
@@ -74,7 +74,7 @@ class ContactLinearisation:
 
     """
 
-    pairs: tuple[Pairs, ...]
+    pairs: tuple[Constraints, ...]
     starts: Ints
     nodes: Ints
     keys: Ints
@@ -89,29 +89,34 @@ class ContactLinearisation:
     guarded_nodes: tuple[tuple[Bools, Bools], ...]
     spread: sp.csr_array | None = None
 
+    @property
+    def parts(self) -> list[Pairs]:
+        """Constraints of one kind each, contact by contact."""
+        return parts_of(self.pairs)
+
     def curvature(self, forces: Floats) -> sp.csr_array:
         """Sum of ``force * second derivative of the gap`` over the constraints, shape (2 n_touched, 2 n_touched)."""
-        return self._second([pairs.curvatures for pairs in self.pairs], forces)
+        return self._second([part.curvatures for part in self.parts], forces)
 
     def slides(self, positions: Floats, before: Floats) -> Sliding:
         """Slips since earlier positions (n_nodes, 2) of the surface nodes, which are at others now."""
         now, was = self.points(positions), self.points(before)
         found = []
-        for number, (pairs, terms) in enumerate(zip(self.pairs, self.term_points, strict=True)):
+        for number, (pairs, terms) in enumerate(zip(self.parts, self.term_points, strict=True)):
             if self.coefficients[self.starts[number] : self.starts[number + 1]].any():
                 found.append(pairs.slides(now[terms], was[terms]))
             else:
                 found.append(_no_slides(pairs))
         sizes = 2 * len(now), self.spread
         jacobian, directions = (
-            jacobian_of(self.starts, self.pairs, self.term_points, each, *sizes)
+            jacobian_of(self.starts, self.parts, self.term_points, each, *sizes)
             for each in ([slides.rates for slides in found], [slides.directions for slides in found])
         )
         slips = np.concatenate([slides.slips for slides in found])
         return Sliding(slips, jacobian, directions, partial(self._second, [slides.turns for slides in found]))
 
     def _second(self, seconds: Sequence[Callable[[Floats], tuple[Ints, Floats]]], forces: Floats) -> sp.csr_array:
-        """Sum of ``force * second derivative`` by a function of each contact, which has those of its terms."""
+        """Sum of ``force * second derivative`` by a function of each part, which has those of its terms."""
         rows, columns, values = [], [], []
         for number, second in enumerate(seconds):
             own = forces[self.starts[number] : self.starts[number + 1]]
@@ -136,18 +141,23 @@ class ContactLinearisation:
         return touched if self.spread is None else (self.spread @ touched.ravel()).reshape(-1, 2)
 
 
+def parts_of(all_pairs: Sequence[Constraints]) -> list[Pairs]:
+    """Parts of the constraints of some contacts, see `Constraints.parts`."""
+    return [part for pairs in all_pairs for part in pairs.parts]
+
+
 def jacobian_of(
     starts: Ints,
-    all_pairs: Sequence[Pairs],
+    parts: Sequence[Pairs],
     places: Sequence[Ints],
     all_gradients: Sequence[Floats],
     n: int,
     spread: sp.csr_array | None,
 ) -> sp.csr_array:
-    """Derivatives of all constraints by the touched nodes, from those (p, r, w, 2) of each contact's terms."""
+    """Derivatives of all constraints by the touched nodes, from those (p, r, w, 2) of each part's terms."""
     rows, columns, values = [], [], []
-    for start, pairs, place, gradients in zip(starts[:-1], all_pairs, places, all_gradients, strict=True):
-        rows.append(np.broadcast_to(start + pairs.rows[:, :, None, None], gradients.shape).ravel())
+    for start, part, place, gradients in zip(starts[:-1], parts, places, all_gradients, strict=True):
+        rows.append(np.broadcast_to(start + part.rows[:, :, None, None], gradients.shape).ravel())
         columns.append(np.broadcast_to(components_of(place)[:, None], gradients.shape).ravel())
         values.append(gradients.ravel())
     entries = (np.concatenate(rows), np.concatenate(columns))
