@@ -1,5 +1,6 @@
 """Superconvergent patch recovery of stresses, and the error that it estimates."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,6 +15,7 @@ from flangeway.post.stress import Stresses, at_mesh_points
 from flangeway.problems import ElasticField, Elasticity
 from flangeway.results import Result, ResultTable
 from flangeway.solve import ElasticitySolution
+from flangeway.space import CellBatch
 from flangeway.types import Floats, Ints
 
 SMALLEST_SINGULAR = 1e-11
@@ -40,25 +42,15 @@ class RecoveredStresses(Result):
         It is the root of the integral of the differences' stress times strain. The energy of a virtual element's
         stabilisation is no part of it.
         """
-        problem = self.solution.problem
-        squares = np.empty(problem.space.mesh.n_cells)
-        for batch in problem.space.batches():
-            reconstruction, stress = problem.cell_stresses(batch, self.solution.displacements)
-            points, weights = polygon_quadrature(batch.outline, 2 * reconstruction.order)
-            values = reconstruction.at(points)[: stress.shape[1]]
-            difference = self._at(batch.cells, points) - np.einsum("sae,aqe->sqe", stress, values)
-            weights = weights * problem.depth(points.swapaxes(1, 2))
-            compliance = _compliances(problem)[:, :, problem.cell_material[batch.cells]]
-            strain = np.einsum("ste,tqe->sqe", compliance, difference)
-            squares[batch.cells] = np.einsum("sqe,sqe,qe->e", strain, difference, weights)
-        errors = np.sqrt(squares)
+        order = self.solution.space.order
+        errors = energy_norms(self.solution, lambda batch, points: self._at(batch.cells, points), 2 * order)[0]
         errors.setflags(write=False)
         return errors
 
     @property
     def table(self) -> ResultTable:
         """Places of the mesh's points and the recovered stresses there."""
-        x, y = self.solution.problem.space.mesh.points.T
+        x, y = self.solution.space.mesh.points.T
         return ResultTable(
             {"x": x, "y": y, **dict(zip(("xx", "yy", "xy", "zz"), self.nodal.components.T, strict=True))}
         )
@@ -78,16 +70,16 @@ class RecoveredStresses(Result):
     @cached_property
     def corners(self) -> Stresses:
         """Recovered stresses at the cells' corners, in the order of ``mesh.cell_points``."""
-        mesh = self.solution.problem.space.mesh
+        mesh = self.solution.space.mesh
         components = np.empty((len(mesh.cell_points), 4))
-        for batch in self.solution.problem.space.batches():
+        for batch in self.solution.space.batches():
             places = mesh.batch_places(len(batch.vertices), batch.cells)
             components[places] = self._at(batch.cells, batch.vertices).transpose(2, 1, 0)
         return Stresses(components)
 
     def at(self, points: Floats) -> Stresses:
         """Recovered stresses at points (n, 2), each of the cell that it lies in; not-a-number outside of the body."""
-        mesh = self.solution.problem.space.mesh
+        mesh = self.solution.space.mesh
         cells = locate(mesh, points)
         found = np.full((len(points), 4), np.nan)
         inside = cells != OUTSIDE
@@ -98,13 +90,36 @@ class RecoveredStresses(Result):
     @property
     def nodal(self) -> Stresses:
         """Means of the recovered stresses at the mesh's points; of all cells there, whatever their material."""
-        return at_mesh_points(self.solution.problem.space.mesh, self.corners)
+        return at_mesh_points(self.solution.space.mesh, self.corners)
 
     def _at(self, cells: Ints, points: Floats) -> Floats:
         """Values (4, n_points, n_cells) at points (n_points, 2, n_cells) of cells."""
-        centres = self.solution.problem.space.mesh.cell_centroids[cells].T
-        values = monomials.evaluate(self.solution.problem.space.order, (points - centres) / self.scales[cells])
+        centres = self.solution.space.mesh.cell_centroids[cells].T
+        values = monomials.evaluate(self.solution.space.order, (points - centres) / self.scales[cells])
         return np.einsum("esb,bqe->sqe", self.coefficients[cells], values)
+
+
+def energy_norms(solution: ElasticField, given: Callable[[CellBatch, Floats], Floats], degree: int) -> Floats:
+    """Energy norms of given stresses less those of a solution, and of the given ones, in each cell, (2, n_cells).
+
+    They are the roots of the integrals of stress times strain.
+
+    - `given`: gives stresses xx, yy, xy, zz (4, n_points, n_cells) at points (n_points, 2, n_cells) of a batch.
+    - `degree`: degree of the polynomials that are integrated exactly.
+    """
+    problem = solution.problem
+    squares = np.empty((2, problem.space.mesh.n_cells))
+    for batch in problem.space.batches():
+        reconstruction, stress = problem.cell_stresses(batch, solution.displacements)
+        points, weights = polygon_quadrature(batch.outline, degree)
+        wanted = given(batch, points)
+        values = np.einsum("sae,aqe->sqe", stress, reconstruction.at(points)[: stress.shape[1]])
+        weights = weights * problem.depth(points.swapaxes(1, 2))
+        compliance = _compliances(problem)[:, :, problem.cell_material[batch.cells]]
+        for number, field in enumerate((wanted - values, wanted)):
+            strain = np.einsum("ste,tqe->sqe", compliance, field)
+            squares[number, batch.cells] = np.einsum("sqe,sqe,qe->e", strain, field, weights)
+    return np.sqrt(squares)
 
 
 def _compliances(problem: Elasticity) -> Floats:
