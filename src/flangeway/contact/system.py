@@ -9,7 +9,7 @@ import scipy.sparse as sp
 
 from flangeway.contact.contact_pair import Contact
 from flangeway.contact.guards import corners_on_corners, corners_under_force, guarded, key_starts, penetrating
-from flangeway.contact.linearisation import ContactLinearisation, components_of, jacobian_of, parts_of
+from flangeway.contact.linearisation import ContactLinearisation, components_of
 from flangeway.contact.pairs import Constraints
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError
@@ -212,7 +212,7 @@ class ContactSystem:
     def _assembled(
         self, all_pairs: list[Constraints], members: list[Ints], guarded_nodes: tuple[tuple[Bools, Bools], ...]
     ) -> ContactLinearisation:
-        parts = parts_of(all_pairs)
+        parts = [part for pairs in all_pairs for part in pairs.parts]
         starts = np.cumsum([0, *(len(part.keys) for part in parts)])
         points = np.unique(np.concatenate([member.ravel() for member in members]))
         places = tuple(np.searchsorted(points, member) for member in members)
@@ -221,8 +221,6 @@ class ContactSystem:
             rows_of_points = self._spread[components_of(points).ravel()]
             nodes = np.unique(rows_of_points.indices // 2).astype(np.int64)
             spread = sp.csr_array(rows_of_points[:, components_of(nodes).ravel()])
-        gradients = [part.gradients for part in parts]
-        jacobian = jacobian_of(starts, parts, places, gradients, 2 * len(points), spread)
         laws = [each.enforcement for each, pairs in zip(self.contacts, all_pairs, strict=True) for _ in pairs.parts]
         return ContactLinearisation(
             tuple(all_pairs),
@@ -231,7 +229,6 @@ class ContactSystem:
             np.concatenate([self._first_key[i] + p.keys for i, p in enumerate(all_pairs)]),
             np.concatenate([_shifted(p.partners, self._first_edge[i]) for i, p in enumerate(all_pairs)]),
             np.concatenate([pairs.gaps for pairs in all_pairs]),
-            jacobian,
             np.concatenate([law.compliances(part) for law, part in zip(laws, parts, strict=True)]),
             np.concatenate([law.barriers(part) for law, part in zip(laws, parts, strict=True)]),
             np.repeat([law.tolerance() for law in laws], np.diff(starts)),
