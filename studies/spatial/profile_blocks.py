@@ -63,7 +63,7 @@ def profile_blocks() -> tuple[PatchBody, PatchBody]:
     *cut, axle = cut_surfaces()
     bodies = []
     for name, surface, level in zip(("rail", "wheel"), cut, (-DEPTH, DEPTH), strict=True):
-        start, end = surface.segments[0].start, surface.segments[-1].end
+        start, end = surface.ends
         corners, names = [(end[0], level), (start[0], level)], [*surface.names, "side", "held", "other side"]
         points = surface.sampled(spacing=0.2)
         zone = points[np.abs(points[:, 0]) < WINDOW[0] / 2.0 + 1.0]

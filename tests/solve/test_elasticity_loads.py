@@ -285,7 +285,7 @@ def test_a_handle_on_a_ring_moves_along_the_axis_only() -> None:
 
 def test_a_mesh_for_a_space_and_a_word_for_a_material_are_told() -> None:
     """The two first arguments of a problem are checked: the message says what to make of them."""
-    with pytest.raises(InputError, match=r"Elasticity\(PolyMesh, .*(\n.*)*write Space\(mesh, element\)"):
+    with pytest.raises(InputError, match=r"Elasticity\(space=PolyMesh.*(\n.*)*write Space\(mesh, element\)"):
         Elasticity(block(), STEEL)  # type: ignore[arg-type]
     space = Space(block(), Lagrange(1))
     for material in ("steel", {"all": "steel"}):

@@ -1,12 +1,12 @@
 """A row of a campaign: how it ended, and its numbers by columns."""
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from flangeway.cases.case import Run, RunnableCase
+from flangeway.cases.summary import plain_numbers
 
 Value = float | int | str | None
 
@@ -36,15 +36,9 @@ def row_of(case: RunnableCase, run: Run, seconds: float) -> RowResult:
     message, warnings = run.status.message, tuple(case.warnings_of(run))
     if not run.status.converged:
         return RowResult("not converged", message, warnings, seconds=seconds)
-    patches = tuple(_plain(row) for row in case.patch_rows(run))
-    return RowResult("converged", message, warnings, _plain(case.row(run)), patches, seconds)
-
-
-def _plain(values: Mapping[str, Any]) -> dict[str, Value]:
-    """None for what is not finite; SQLite knows neither."""
-    return {
-        name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in values.items()
-    }
+    # None for what is not finite; SQLite knows neither
+    patches = tuple(map(plain_numbers, case.patch_rows(run)))
+    return RowResult("converged", message, warnings, plain_numbers(case.row(run)), patches, seconds)
 
 
 def as_cell(value: Any) -> Value:

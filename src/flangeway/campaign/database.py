@@ -4,7 +4,7 @@ import csv
 import importlib
 import json
 import sqlite3
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -141,10 +141,7 @@ class CampaignDatabase:
             return False
         for patch in result.patches:
             cells = {"row": row.number, **patch}
-            self._connection.execute(
-                f"INSERT INTO patches ({', '.join(map(quoted, cells))}) VALUES ({', '.join('?' * len(cells))})",
-                tuple(cells.values()),
-            )
+            self._connection.execute(f"INSERT INTO patches {_of_columns(cells)}", tuple(cells.values()))
         self._connection.execute(
             "INSERT INTO timings VALUES (?, ?, strftime('%Y-%m-%dT%H:%M:%fZ'))", (row.number, result.seconds)
         )
@@ -175,7 +172,7 @@ class CampaignDatabase:
         """Store the rows that are not there as waiting."""
         names = ("row", "identity", "status", *campaign.keys)
         self._connection.executemany(
-            f"INSERT OR IGNORE INTO rows ({', '.join(map(quoted, names))}) VALUES ({', '.join('?' * len(names))})",
+            f"INSERT OR IGNORE INTO rows {_of_columns(names)}",
             (
                 (row.number, row.identity, WAITING, *(as_cell(row.varied[key]) for key in campaign.keys))
                 for row in campaign.rows
@@ -202,7 +199,7 @@ class CampaignDatabase:
         )
 
     def _columns(self) -> set[str]:
-        return {name.lower() for _, name, *_ in self._connection.execute("PRAGMA table_info(rows)")}
+        return {name.lower() for name in _names(self._connection, "rows")}
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -221,6 +218,16 @@ class CampaignDatabase:
 def quoted(name: str) -> str:
     """Name of a column in SQL."""
     return '"' + name.replace('"', '""') + '"'
+
+
+def _names(connection: sqlite3.Connection, table: str) -> list[str]:
+    """Names of the columns of a table."""
+    return [name for _, name, *_ in connection.execute(f"PRAGMA table_info({table})")]
+
+
+def _of_columns(names: Collection[str]) -> str:
+    """Columns and places of their values, as SQL has them behind the name of a table."""
+    return f"({', '.join(map(quoted, names))}) VALUES ({', '.join('?' * len(names))})"
 
 
 def unusable(path: Path, reason: Exception) -> InputError:
@@ -344,12 +351,10 @@ def results(database: str | Path) -> CampaignTable:
             refuse_other_file(connection, path)
             facts = dict(connection.execute("SELECT key, value FROM meta"))
             keys = tuple(json.loads(facts["keys"]))
-            names = [name for _, name, *_ in connection.execute("PRAGMA table_info(rows)")]
             inputs = json.loads(facts["inputs"])
-            wanted = _wanted(names, keys, json.loads(facts["columns"]))
+            wanted = _wanted(_names(connection, "rows"), keys, json.loads(facts["columns"]))
             rows = _columns(connection, "rows", wanted, '"row"')
-            of_patches = [name for _, name, *_ in connection.execute("PRAGMA table_info(patches)")]
-            patches = _columns(connection, "patches", of_patches, '"row", side, number')
+            patches = _columns(connection, "patches", _names(connection, "patches"), '"row", side, number')
         _refuse_broken({name: cells for name, cells in rows.items() if name not in keys})
         _refuse_broken(patches)
     except (sqlite3.Error, KeyError, ValueError) as reason:

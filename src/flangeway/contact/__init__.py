@@ -7,7 +7,7 @@ from flangeway.contact.linearisation import ContactLinearisation
 from flangeway.contact.newton import ContactState, solve_contact
 from flangeway.contact.node_to_node import NodeToNode
 from flangeway.contact.node_to_segment import NodeToSegment
-from flangeway.contact.pairs import Pairing, Pairs
+from flangeway.contact.pairs import Constraints, Pairing, Pairs
 from flangeway.contact.press import ContactSolution, LoadStep, press
 from flangeway.contact.press_nonlinear import NonlinearContact, press_nonlinear
 from flangeway.contact.search import nearest_edges
@@ -18,6 +18,7 @@ from flangeway.contact.system import ContactSystem
 __all__ = [
     "AugmentedLagrange",
     "Barrier",
+    "Constraints",
     "Contact",
     "ContactLinearisation",
     "ContactSolution",

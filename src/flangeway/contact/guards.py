@@ -6,9 +6,8 @@ found when the pairing's own equations are solved. From then on they are guarded
 whichever side the node is on. Its gap is invariant to rigid motions, so the forces on both sides are in equilibrium.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property, partial
 
 import numpy as np
 
@@ -22,9 +21,8 @@ from flangeway.contact.node_to_segment import (
     guarded_margins,
     node_terms,
 )
-from flangeway.contact.pairs import Pairs
+from flangeway.contact.pairs import Constraints, Pairs
 from flangeway.contact.search import behind
-from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface, node_normals
 from flangeway.types import Bools, Floats, Ints
 
@@ -36,7 +34,7 @@ SIMILAR = 0.02
 AT_END = 1e-3
 """Distance of a node from one of the other side, over the length of an edge, below which each guards both."""
 
-JOINED = [field for field in fields(Pairs) if field.name != "rows"]
+JOINED = [field for field in fields(Constraints) if field.name != "rows"]
 
 Sides = tuple[Surface, Surface]
 Positions = tuple[Floats, Floats]
@@ -44,62 +42,32 @@ Guards = tuple[Bools, Bools]
 
 
 @dataclass(frozen=True, eq=False)
-class GuardedPairs(Pairs):
+class GuardedPairs(Constraints):
     """Constraints of a pairing, then those of guarded nodes of the secondary and of the primary side.
 
     Every term has the points of a secondary and of a primary edge.
     """
 
-    parts: tuple[Pairs, ...]
+    pairs: tuple[Pairs, ...]
 
     @property
-    def guarded(self) -> Bools:
-        """See `Pairs.guarded`."""
-        return np.arange(len(self.keys)) >= len(self.parts[0].keys)
-
-    @cached_property
-    def gradients(self) -> Floats:
-        """See `Pairs.gradients`."""
-        return _of_terms([part.gradients for part in self.parts])
-
-    def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
-        """See `Pairs.curvatures`."""
-        return self._on_terms([part.curvatures for part in self.parts], forces)
-
-    def slides(self, points: Floats, before: Floats) -> Slides:
-        """See `Pairs.slides`."""
-        ends = np.cumsum([len(part.rows) for part in self.parts])[:-1]
-        given = zip(self.parts, np.split(points, ends), np.split(before, ends), strict=True)
-        found = [part.slides(*its) for part, *its in given]
-        turns = partial(self._on_terms, [each.turns for each in found])
-        slips = np.concatenate([each.slips for each in found])
-        rates, directions = (_of_terms([getattr(each, name) for each in found]) for name in ("rates", "directions"))
-        return Slides(slips, rates, directions, turns)
-
-    def _on_terms(
-        self, seconds: Sequence[Callable[[Floats], tuple[Ints, Floats]]], forces: Floats
-    ) -> tuple[Ints, Floats]:
-        """Terms under load, and second derivatives, by the functions of each part."""
-        ends = np.cumsum([len(part.keys) for part in self.parts])
-        firsts = np.cumsum([0, *(len(part.rows) for part in self.parts)])
-        found = [second(mine) for second, mine in zip(seconds, np.split(forces, ends[:-1]), strict=True)]
-        terms = [first + each[0] for first, each in zip(firsts, found, strict=False)]
-        return np.concatenate(terms), np.concatenate([each[1] for each in found])
+    def parts(self) -> Sequence[Pairs]:
+        """See `Constraints.parts`."""
+        return self.pairs
 
     def opposite_points(self, edges: Floats) -> Floats:
-        """See `Pairs.opposite_points`."""
+        """See `Constraints.opposite_points`."""
         return np.concatenate([part.opposite_points(edges) for part in self.parts])
 
 
-def _of_terms(gradients: Sequence[Floats]) -> Floats:
-    """Derivatives of the terms of all parts, each (p, r, w, 2), with the most rows r of a part."""
-    first, *others = gradients
-    fills = [np.zeros((len(each), first.shape[1] - 1, *first.shape[2:])) for each in others]
-    return np.concatenate((first, *(np.concatenate(each, axis=1) for each in zip(others, fills, strict=True))))
-
-
 def guarded(
-    base: Pairs, surfaces: Sides, positions: Positions, guarded_nodes: Guards, before: Pairs | None, *, settle: bool
+    base: Pairs,
+    surfaces: Sides,
+    positions: Positions,
+    guarded_nodes: Guards,
+    before: Constraints | None,
+    *,
+    settle: bool,
 ) -> GuardedPairs:
     """Add constraints of guarded nodes to those of a pairing.
 
@@ -148,7 +116,7 @@ def guarded(
     joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in JOINED}
     starts, width = np.cumsum([len(part.keys) for part in parts]), base.rows.shape[1]
     rows = [np.repeat(first + part.rows, width, axis=1) for first, part in zip(starts, guards, strict=False)]
-    return GuardedPairs(**joined, rows=np.concatenate((base.rows, *rows)), parts=parts)
+    return GuardedPairs(**joined, rows=np.concatenate((base.rows, *rows)), pairs=parts)
 
 
 def _repeated(secondary: NodePairs, places: tuple[Ints, Ints], nodes: Ints, faced: Ints, parameters: Floats) -> Bools:
@@ -169,7 +137,7 @@ def _end_at(places: Ints, edges: Ints, parameters: Floats) -> Ints:
     return np.where(np.abs(parameters) < AT_END, first, np.where(np.abs(parameters - 1.0) < AT_END, last, -1))
 
 
-def corners_under_force(pairs: Pairs, surfaces: Sides, forces: Floats) -> Guards:
+def corners_under_force(pairs: Constraints, surfaces: Sides, forces: Floats) -> Guards:
     """Which nodes of either side are sharp corners whose guards carry a force, each (n_nodes,)."""
     found = [np.zeros(len(each.nodes), dtype=np.bool_) for each in surfaces]
     if isinstance(pairs, GuardedPairs):
@@ -190,7 +158,7 @@ def key_starts(secondary: Surface, primary: Surface) -> tuple[int, int, int]:
     return first, other, other + len(primary.nodes) * len(secondary.edges)
 
 
-def _kept(before: Pairs | None, surfaces: Sides) -> tuple[Ints, Ints]:
+def _kept(before: Constraints | None, surfaces: Sides) -> tuple[Ints, Ints]:
     """Edge that each node of either side was guarded against first; -1 for none."""
     kept = tuple(np.full(len(surface.nodes), -1, dtype=np.int64) for surface in surfaces)
     if isinstance(before, GuardedPairs):

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.contact.pairs import Pairs
+from flangeway.contact.pairs import Constraints, Pairs
 from flangeway.contact.slip import Slides
 from flangeway.solve.active_set import AT_LIMIT
 from flangeway.types import Bools, Floats, Ints
@@ -44,9 +44,9 @@ class ContactLinearisation:
     Parameters
     ----------
     pairs
-        The pairs of each contact.
+        The constraints of each contact; their parts follow each other.
     starts
-        First constraint of each contact, and the number of all.
+        First constraint of each part, and the number of all.
     nodes
         Surface nodes on which any gap depends, shape (n_touched,).
     keys
@@ -55,8 +55,6 @@ class ContactLinearisation:
         What each constraint is against, shape (m,); a change starts a new linear piece.
     gaps
         Gaps, open where positive, shape (m,).
-    jacobian
-        Derivatives of the gaps, shape (m, 2 n_touched).
     compliances
         Penetration for each force, shape (m,).
     barriers
@@ -66,7 +64,7 @@ class ContactLinearisation:
     coefficients
         Coefficients of friction, shape (m,).
     term_points
-        Numbers among the touched points of those of each contact's terms, arrays (p, w).
+        Numbers among the touched points of those of each part's terms, arrays (p, w).
     spread
         Positions of the touched points by those of ``nodes``, components after each other; None: they are the nodes.
     guarded_nodes
@@ -74,13 +72,12 @@ class ContactLinearisation:
 
     """
 
-    pairs: tuple[Pairs, ...]
+    pairs: tuple[Constraints, ...]
     starts: Ints
     nodes: Ints
     keys: Ints
     partners: Ints
     gaps: Floats
-    jacobian: sp.csr_array
     compliances: Floats
     barriers: Floats
     tolerances: Floats
@@ -89,29 +86,48 @@ class ContactLinearisation:
     guarded_nodes: tuple[tuple[Bools, Bools], ...]
     spread: sp.csr_array | None = None
 
+    @property
+    def parts(self) -> list[Pairs]:
+        """Constraints of one kind each, contact by contact."""
+        return [part for pairs in self.pairs for part in pairs.parts]
+
+    @cached_property
+    def jacobian(self) -> sp.csr_array:
+        """Derivatives of the gaps, shape (m, 2 n_touched)."""
+        return self._by_nodes([part.gradients for part in self.parts])
+
     def curvature(self, forces: Floats) -> sp.csr_array:
         """Sum of ``force * second derivative of the gap`` over the constraints, shape (2 n_touched, 2 n_touched)."""
-        return self._second([pairs.curvatures for pairs in self.pairs], forces)
+        return self._second([part.curvatures for part in self.parts], forces)
 
     def slides(self, positions: Floats, before: Floats) -> Sliding:
         """Slips since earlier positions (n_nodes, 2) of the surface nodes, which are at others now."""
         now, was = self.points(positions), self.points(before)
         found = []
-        for number, (pairs, terms) in enumerate(zip(self.pairs, self.term_points, strict=True)):
+        for number, (pairs, terms) in enumerate(zip(self.parts, self.term_points, strict=True)):
             if self.coefficients[self.starts[number] : self.starts[number + 1]].any():
                 found.append(pairs.slides(now[terms], was[terms]))
             else:
                 found.append(_no_slides(pairs))
-        sizes = 2 * len(now), self.spread
-        jacobian, directions = (
-            jacobian_of(self.starts, self.pairs, self.term_points, each, *sizes)
-            for each in ([slides.rates for slides in found], [slides.directions for slides in found])
-        )
+        jacobian = self._by_nodes([slides.rates for slides in found])
+        directions = self._by_nodes([slides.directions for slides in found])
         slips = np.concatenate([slides.slips for slides in found])
         return Sliding(slips, jacobian, directions, partial(self._second, [slides.turns for slides in found]))
 
+    def _by_nodes(self, all_gradients: Sequence[Floats]) -> sp.csr_array:
+        """Derivatives of all constraints by the touched nodes, from those (p, r, w, 2) of each part's terms."""
+        rows, columns, values = [], [], []
+        for start, part, place, gradients in zip(
+            self.starts[:-1], self.parts, self.term_points, all_gradients, strict=True
+        ):
+            rows.append(np.broadcast_to(start + part.rows[:, :, None, None], gradients.shape).ravel())
+            columns.append(np.broadcast_to(components_of(place)[:, None], gradients.shape).ravel())
+            values.append(gradients.ravel())
+        found = self._matrix(int(self.starts[-1]), rows, columns, values)
+        return found if self.spread is None else sp.csr_array(found @ self.spread)
+
     def _second(self, seconds: Sequence[Callable[[Floats], tuple[Ints, Floats]]], forces: Floats) -> sp.csr_array:
-        """Sum of ``force * second derivative`` by a function of each contact, which has those of its terms."""
+        """Sum of ``force * second derivative`` by a function of each part, which has those of its terms."""
         rows, columns, values = [], [], []
         for number, second in enumerate(seconds):
             own = forces[self.starts[number] : self.starts[number + 1]]
@@ -124,36 +140,24 @@ class ContactLinearisation:
             values.append(found.ravel())
         if not values:
             return sp.csr_array((2 * len(self.nodes), 2 * len(self.nodes)))
+        found = self._matrix(None, rows, columns, values)
+        return found if self.spread is None else sp.csr_array(self.spread.T @ found @ self.spread)
+
+    def _matrix(
+        self, n_rows: int | None, rows: Sequence[Ints], columns: Sequence[Ints], values: Sequence[Floats]
+    ) -> sp.csr_array:
+        """Matrix of entries whose columns, and rows where no number is given, are components of the touched points."""
         n = 2 * len(self.nodes) if self.spread is None else self.spread.shape[0]
         entries = np.concatenate(rows), np.concatenate(columns)
-        found = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=(n, n)))
+        shape = (n if n_rows is None else n_rows, n)
+        found = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=shape))
         found.eliminate_zeros()
-        return found if self.spread is None else sp.csr_array(self.spread.T @ found @ self.spread)
+        return found
 
     def points(self, positions: Floats) -> Floats:
         """Positions of the touched points by those of all surface nodes (n_nodes, 2), shape (n, 2)."""
         touched = positions[self.nodes]
         return touched if self.spread is None else (self.spread @ touched.ravel()).reshape(-1, 2)
-
-
-def jacobian_of(
-    starts: Ints,
-    all_pairs: Sequence[Pairs],
-    places: Sequence[Ints],
-    all_gradients: Sequence[Floats],
-    n: int,
-    spread: sp.csr_array | None,
-) -> sp.csr_array:
-    """Derivatives of all constraints by the touched nodes, from those (p, r, w, 2) of each contact's terms."""
-    rows, columns, values = [], [], []
-    for start, pairs, place, gradients in zip(starts[:-1], all_pairs, places, all_gradients, strict=True):
-        rows.append(np.broadcast_to(start + pairs.rows[:, :, None, None], gradients.shape).ravel())
-        columns.append(np.broadcast_to(components_of(place)[:, None], gradients.shape).ravel())
-        values.append(gradients.ravel())
-    entries = (np.concatenate(rows), np.concatenate(columns))
-    found = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=(int(starts[-1]), n)))
-    found.eliminate_zeros()
-    return found if spread is None else sp.csr_array(found @ spread)
 
 
 def _no_slides(pairs: Pairs) -> Slides:

@@ -1,6 +1,7 @@
 """Pairing of two surfaces, and the constraints that it finds; a new pairing is a subclass of `Pairing`."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -13,7 +14,7 @@ from flangeway.types import Bools, Floats, Ints
 
 
 @dataclass(frozen=True, eq=False)
-class Pairs(ABC):
+class Constraints(ABC):
     """m constraints of one contact; their gaps are sums over p terms that touch w nodes each.
 
     The force of a constraint is the pressure times its area, its gap a length: an average over that area.
@@ -52,9 +53,27 @@ class Pairs(ABC):
     rows: Ints
 
     @property
+    @abstractmethod
+    def parts(self) -> Sequence["Pairs"]:
+        """The pairing's constraints, then those of guarded nodes, as they follow each other."""
+
+    @property
     def guarded(self) -> Bools:
         """Whether each constraint is that of a guarded node, in addition to the pairing's, shape (m,)."""
-        return np.zeros(len(self.keys), dtype=np.bool_)
+        return np.arange(len(self.keys)) >= len(self.parts[0].keys)
+
+    @abstractmethod
+    def opposite_points(self, edges: Floats) -> Floats:
+        """Points that the constraints touch on primary edges with points ``edges`` (n_edges, order + 1, 2): (m, 2)."""
+
+
+class Pairs(Constraints):
+    """Constraints of one kind, with their derivatives."""
+
+    @property
+    def parts(self) -> Sequence["Pairs"]:
+        """See `Constraints.parts`."""
+        return (self,)
 
     @property
     @abstractmethod
@@ -64,10 +83,6 @@ class Pairs(ABC):
     @abstractmethod
     def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
         """Terms under load, shape (q,), and their ``sum force * second derivative``, shape (q, 2 w, 2 w)."""
-
-    @abstractmethod
-    def opposite_points(self, edges: Floats) -> Floats:
-        """Points that the constraints touch on primary edges with points ``edges`` (n_edges, order + 1, 2): (m, 2)."""
 
     def slides(self, points: Floats, before: Floats) -> Slides:  # noqa: ARG002 (for subclasses)
         """Slips since an earlier position, by the positions of the terms' points now and then, each (p, w, 2)."""

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flangeway.contact.guards import GuardedPairs
 from flangeway.contact.newton import ContactState
 from flangeway.contact.node_to_node import MatchedPairs
 from flangeway.contact.overlap import BodyOverlap
@@ -106,7 +105,7 @@ def _slide(system: ContactSystem, state: ContactState, errors: list[str]) -> tup
     """Maximum tangential distance of node-to-node pairs under force over the mean edge, and the moment by all."""
     worst, moment = 0.0, 0.0
     for contact, pairs, _, all_forces in system.solved(state.linearisation, state.forces):
-        base = pairs.parts[0] if isinstance(pairs, GuardedPairs) else pairs
+        base = pairs.parts[0]
         if not isinstance(base, MatchedPairs):
             continue
         forces = all_forces[: len(base.keys)]

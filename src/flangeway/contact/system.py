@@ -9,8 +9,8 @@ import scipy.sparse as sp
 
 from flangeway.contact.contact_pair import Contact
 from flangeway.contact.guards import corners_on_corners, corners_under_force, guarded, key_starts, penetrating
-from flangeway.contact.linearisation import ContactLinearisation, components_of, jacobian_of
-from flangeway.contact.pairs import Pairs
+from flangeway.contact.linearisation import ContactLinearisation, components_of
+from flangeway.contact.pairs import Constraints
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError
 from flangeway.problems import Part
@@ -36,7 +36,7 @@ class SolvedContact(NamedTuple):
     """A contact in a solution: its constraints, where they are among those of all contacts, and their forces."""
 
     contact: Contact
-    pairs: Pairs
+    pairs: Constraints
     inside: slice
     forces: Floats
 
@@ -85,7 +85,8 @@ class ContactSystem:
 
     def solved(self, lin: ContactLinearisation, all_forces: Floats) -> list[SolvedContact]:
         """The contacts with their parts of a linearisation and of the forces of its constraints."""
-        slices = (slice(*ends) for ends in itertools.pairwise(lin.starts.tolist()))
+        ends = np.cumsum([0, *(len(pairs.keys) for pairs in lin.pairs)]).tolist()
+        slices = itertools.starmap(slice, itertools.pairwise(ends))
         given = zip(self.contacts, lin.pairs, slices, strict=True)
         return [SolvedContact(contact, pairs, inside, all_forces[inside]) for contact, pairs, inside in given]
 
@@ -147,7 +148,8 @@ class ContactSystem:
         law = solved.contact.enforcement
         given = law.tolerance()
         if not np.isfinite(given):
-            given = float((law.compliances(solved.pairs) * solved.forces).max(initial=0.0))
+            compliances = np.concatenate([law.compliances(part) for part in solved.pairs.parts])
+            given = float((compliances * solved.forces).max(initial=0.0))
         size = min(part.body.size for part in solved.contact.parts)
         return (1.0 + ROUND_OFF) * given + BETWEEN_NODES * moved + ROUND_OFF * size
 
@@ -159,7 +161,7 @@ class ContactSystem:
         *,
         settle: bool,
     ) -> ContactLinearisation:
-        all_pairs: list[Pairs] = []
+        all_pairs: list[Constraints] = []
         members = []
         points = self._all_points(positions)
         for number, contact in enumerate(self.contacts):
@@ -167,14 +169,15 @@ class ContactSystem:
             secondary, primary = (self._points[id(side)] for side in sides)
             edges = primary[contact.primary.contact_places]
             kept = self._kept(number, previous)
-            pairs: Pairs = contact.pairing.pair(*sides, points[secondary], points[edges], kept, settle=settle)
+            pairs = contact.pairing.pair(*sides, points[secondary], points[edges], kept, settle=settle)
+            all_pairs.append(pairs)
             if guarded_nodes[number][0].any() or guarded_nodes[number][1].any():
                 before = None if previous is None else previous.pairs[number]
                 at = points[secondary], points[primary]
-                pairs = guarded(pairs, sides, at, guarded_nodes[number], before, settle=settle)
-            all_pairs.append(pairs)
-            mine = (secondary[pairs.secondary_members], edges[pairs.primary_edges])
-            members.append(np.concatenate(mine, axis=1))
+                all_pairs[-1] = guarded(pairs, sides, at, guarded_nodes[number], before, settle=settle)
+            for part in all_pairs[-1].parts:
+                mine = (secondary[part.secondary_members], edges[part.primary_edges])
+                members.append(np.concatenate(mine, axis=1))
         return self._assembled(all_pairs, members, tuple(guarded_nodes))
 
     def describe(self, key: int, positions: Floats) -> str:
@@ -207,9 +210,10 @@ class ContactSystem:
         return kept
 
     def _assembled(
-        self, all_pairs: list[Pairs], members: list[Ints], guarded_nodes: tuple[tuple[Bools, Bools], ...]
+        self, all_pairs: list[Constraints], members: list[Ints], guarded_nodes: tuple[tuple[Bools, Bools], ...]
     ) -> ContactLinearisation:
-        starts = np.concatenate(([0], np.cumsum([len(pairs.keys) for pairs in all_pairs])))
+        parts = [part for pairs in all_pairs for part in pairs.parts]
+        starts = np.cumsum([0, *(len(part.keys) for part in parts)])
         points = np.unique(np.concatenate([member.ravel() for member in members]))
         places = tuple(np.searchsorted(points, member) for member in members)
         nodes, spread = points, None
@@ -217,9 +221,7 @@ class ContactSystem:
             rows_of_points = self._spread[components_of(points).ravel()]
             nodes = np.unique(rows_of_points.indices // 2).astype(np.int64)
             spread = sp.csr_array(rows_of_points[:, components_of(nodes).ravel()])
-        gradients = [pairs.gradients for pairs in all_pairs]
-        jacobian = jacobian_of(starts, all_pairs, places, gradients, 2 * len(points), spread)
-        laws = [contact.enforcement for contact in self.contacts]
+        laws = [each.enforcement for each, pairs in zip(self.contacts, all_pairs, strict=True) for _ in pairs.parts]
         return ContactLinearisation(
             tuple(all_pairs),
             starts,
@@ -227,11 +229,10 @@ class ContactSystem:
             np.concatenate([self._first_key[i] + p.keys for i, p in enumerate(all_pairs)]),
             np.concatenate([_shifted(p.partners, self._first_edge[i]) for i, p in enumerate(all_pairs)]),
             np.concatenate([pairs.gaps for pairs in all_pairs]),
-            jacobian,
-            np.concatenate([law.compliances(pairs) for law, pairs in zip(laws, all_pairs, strict=True)]),
-            np.concatenate([law.barriers(pairs) for law, pairs in zip(laws, all_pairs, strict=True)]),
-            np.concatenate([np.full(len(p.keys), law.tolerance()) for law, p in zip(laws, all_pairs, strict=True)]),
-            np.repeat([contact.friction_coefficient for contact in self.contacts], np.diff(starts)),
+            np.concatenate([law.compliances(part) for law, part in zip(laws, parts, strict=True)]),
+            np.concatenate([law.barriers(part) for law, part in zip(laws, parts, strict=True)]),
+            np.repeat([law.tolerance() for law in laws], np.diff(starts)),
+            np.repeat([contact.friction_coefficient for contact in self.contacts], [len(p.keys) for p in all_pairs]),
             places,
             guarded_nodes,
             spread,

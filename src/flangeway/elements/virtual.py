@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from flangeway.checks import check_integer, refused
+from flangeway.checks import check_integer, check_kind
 from flangeway.elements import batched, monomials
 from flangeway.elements.curved_cells import CurvedPolygons, outline_frame
 from flangeway.elements.monomials import n_monomials
@@ -59,8 +59,8 @@ class Virtual(Element):
     def __post_init__(self) -> None:
         allowed = f"orders 1 to {HIGHEST_ORDER}; above, monomials lose too many digits"
         check_integer("Virtual", "order", self.order, 1, HIGHEST_ORDER, allowed, "choose 1 or 2, and a finer mesh")
-        if not (self.stabilisation is None or isinstance(self.stabilisation, Stabilisation)):
-            raise refused("Virtual", "stabilisation", self.stabilisation, "None or a Stabilisation", "leave it out")
+        kinds = Stabilisation | None
+        check_kind("Virtual", "stabilisation", self.stabilisation, kinds, "None or a Stabilisation", "leave it out")
 
     def n_interior(self) -> int:
         """Moments inside the cell: the dimension of the polynomials of degree k - 2."""

@@ -5,6 +5,7 @@ import contextlib
 import io
 import re
 import zlib
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -130,8 +131,8 @@ def _physical_names(file: Path) -> dict[tuple[int, int], str]:
 def _drawn(read: Any, names: dict[tuple[int, int], str], notices: tuple[str, ...]) -> DrawnMesh:
     cells: list[Ints] = []
     middles: list[Ints] = []
-    cell_sets: dict[str, list[Ints]] = {}
-    edge_sets: dict[str, list[Ints]] = {}
+    cell_sets: defaultdict[str, list[Ints]] = defaultdict(list)
+    edge_sets: defaultdict[str, list[Ints]] = defaultdict(list)
     numbers: list[Ints] = []
     for block, given in enumerate(read.cells):
         if given.type == "vertex" or not len(given.data):
@@ -151,9 +152,9 @@ def _drawn(read: Any, names: dict[tuple[int, int], str], notices: tuple[str, ...
         sets = _sets_of(read, block, names, 1 if n_corners == 2 else 2)
         for name, members in sets.items():
             if n_corners == 2:
-                edge_sets.setdefault(name, []).append(corners[members])
+                edge_sets[name].append(corners[members])
             else:
-                cell_sets.setdefault(name, []).append(len(cells) + members)
+                cell_sets[name].append(len(cells) + members)
         if n_corners > 2:
             cells += list(corners)
             if "cell_number" in read.cell_data:

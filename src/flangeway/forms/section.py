@@ -4,7 +4,7 @@ W. D. Pilkey (2002, "Analysis and Design of Elastic Beams", chapters 2, 5, 6). C
 modulus: with ``young=1`` they are those of the shape alone.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -21,7 +21,7 @@ from flangeway.mesh.mesh_checks import positive_by_cells
 from flangeway.post.lines import locate
 from flangeway.post.section_constants import SectionConstants, section_constants
 from flangeway.solve.factor import Factor
-from flangeway.space import Space
+from flangeway.space import CellBatch, Space
 from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
 
@@ -115,14 +115,19 @@ class BeamSection:
         xx, yy, xy = self.bending
         return float(2.0 * (1.0 + self.poisson) * (xx * yy - xy**2))
 
+    def _quadrature(self) -> Iterator[tuple[CellBatch, Floats, Floats]]:
+        """Batches with points, and with x, y about the centroid and the weights times E, (3, n_points, n_cells)."""
+        for batch in self.space.batches():
+            points, weights = cell_quadrature(batch, 2 * self.space.order + 2)
+            about = points.swapaxes(0, 1) - self.centroid[:, None, None]
+            yield batch, points, np.stack((*about, weights * self._moduli[batch.cells]))
+
     @cached_property
     def _functions(self) -> tuple[Field, Floats, Floats]:
         """Warping and both shear functions (n_dofs, 3); the shear areas' products (2, 2) and ``int E x r^2`` (2,)."""
         space, (xx, yy, xy) = self.space, self.bending
         rhs, nu = np.zeros((space.n_dofs, 2)), self.poisson
-        for batch in space.batches():
-            points, weights = cell_quadrature(batch, 2 * space.order + 2)
-            (x, y), weights = points.swapaxes(0, 1) - self.centroid[:, None, None], weights * self._moduli[batch.cells]
+        for batch, points, (x, y, weights) in self._quadrature():
             local = local_functions(batch, points)
             sources = 2 * (1 + nu) * (xx * x - xy * y), 2 * (1 + nu) * (yy * y - xy * x)
             for i, (source, flux) in enumerate(zip(sources, nu / 2.0 * self._parameters(x, y), strict=True)):
@@ -132,10 +137,7 @@ class BeamSection:
         shear = [factor.solve(column) for column in rhs.T]
         functions = Field(space, np.stack([self._constants.warping.function, *shear], axis=1))
         products, cubic = np.zeros((2, 2)), np.zeros(2)
-        for batch in space.batches():
-            points, weights = cell_quadrature(batch, 2 * space.order + 2)
-            x, y = points.swapaxes(0, 1) - self.centroid[:, None, None]
-            weights = weights * self._moduli[batch.cells]
+        for batch, points, (x, y, weights) in self._quadrature():
             gradient = functions.on(batch, points).gradient.reshape(*weights.shape, 3, 2)[..., 1:, :]
             flow = np.moveaxis(gradient, (2, 3), (0, 1)) - nu / 2.0 * self._parameters(x, y)
             products += np.einsum("ijqe,kjqe,qe->ik", flow, flow, weights)
@@ -169,15 +171,19 @@ class BeamSection:
             raise InputError("plastic moments of curved edges", "straight edges", "take mesh.straight()")
         turned = replace(mesh, points=(mesh.points - self.centroid) @ np.array([[c, -s], [s, c]]))
         polygons = turned.polygons(np.arange(mesh.n_cells))
-        left, bottom, right, top = shapely.total_bounds(polygons).tolist()
+        left, low, right, high = shapely.bounds(polygons).T
+        bottom, top = float(low.min()), float(high.max())
 
         def below(level: float) -> tuple[float, float]:
             """Weighted area and first moment below a level."""
-            parts = shapely.clip_by_rect(polygons, left - 1.0, 2.0 * bottom - 1.0, right + 1.0, level)
-            areas = stress * shapely.area(parts)
-            return float(areas.sum()), float(areas @ np.nan_to_num(shapely.get_y(shapely.centroid(parts))))
+            parts, cut = polygons.copy(), (low < level) & (level < high)
+            room = shapely.box(left.min() - 1.0, bottom - 1.0, right.max() + 1.0, level)
+            parts[cut] = shapely.intersection(polygons[cut], room)
+            there = (low < level) & ~shapely.is_empty(parts)
+            areas = stress[there] * shapely.area(parts[there])
+            return float(areas.sum()), float(areas @ shapely.get_y(shapely.centroid(parts[there])))
 
-        area, first_moment = below(2.0 * top + 1.0)
+        area, first_moment = below(top)
         level = scipy.optimize.brentq(lambda v: below(v)[0] - area / 2.0, bottom, top, xtol=1e-14 * (top - bottom))
         return float(level), first_moment - 2.0 * below(level)[1]
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, as_points, box_about, norms, point_text
+from flangeway.geometry.arrays import IntArray, Point, as_points, box_about, norms, point_text
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import Arc, Segment, first_crossing
 from flangeway.types import Floats
@@ -150,6 +150,21 @@ class Contour:
         """Return the lower-left and upper-right corner (2, 2) of all or of the named segments."""
         return box_about(self.segments[i].bounds for i in self._named(names))
 
+    @property
+    def top(self) -> float:
+        """Largest y of all segments."""
+        return float(self.bounds()[1, 1])
+
+    @property
+    def bottom(self) -> float:
+        """Least y of all segments."""
+        return float(self.bounds()[0, 1])
+
+    @property
+    def ends(self) -> tuple[Point, Point]:
+        """Start of the first segment, and end of the last one."""
+        return self.segments[0].start, self.segments[-1].end
+
     def part(self, names: Iterable[str]) -> "Contour":
         """Return the named segments as an open chain, in the direction of this one.
 
@@ -201,7 +216,7 @@ class Contour:
             n_pieces = max(int(np.ceil(count - 1e-9)), 1)
             rows.append(segment.point(np.arange(n_pieces) / n_pieces))
         if not self._closed:
-            rows.append(np.array([self.segments[-1].end]))
+            rows.append(np.array([self.ends[1]]))
         return np.vstack(rows)
 
     def closest(self, points: ArrayLike) -> tuple[IntArray, Floats, Floats]:

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flangeway.checks import check_finite, refused
+from flangeway.checks import check_finite, check_kind
 from flangeway.geometry.arrays import Point, as_point, as_points
 from flangeway.types import Floats
 
@@ -41,8 +41,7 @@ class Placement:
     def __post_init__(self) -> None:
         """Check the numbers and store the translation as a pair of floats."""
         check_finite("Placement", "rotation_rad", self.rotation_rad, "a finite angle", "give it in radians")
-        if not isinstance(self.mirrored, bool | np.bool_):
-            raise refused("Placement", "mirrored", self.mirrored, "True or False", "choose one")
+        check_kind("Placement", "mirrored", self.mirrored, bool | np.bool_, "True or False", "choose one")
         object.__setattr__(self, "translation", as_point(self.translation, "translation"))
 
     @classmethod

@@ -44,7 +44,7 @@ class Region:
         for number, hole in enumerate(self.holes):
             name = f"hole {number + 1} of {len(self.holes)}"
             _refuse_meeting(name, hole, "the outer boundary", self.outer)
-            if not self.outer.contains([hole.segments[0].start])[0]:
+            if not self.outer.contains([hole.ends[0]])[0]:
                 raise InputError(
                     f"{name} at {_place(hole)} is outside of the outer boundary",
                     "holes inside the outer boundary",
@@ -53,7 +53,7 @@ class Region:
             for other_number, other in enumerate(self.holes[:number]):
                 other_name = f"hole {other_number + 1}"
                 _refuse_meeting(name, hole, other_name, other)
-                if other.contains([hole.segments[0].start])[0] or hole.contains([other.segments[0].start])[0]:
+                if other.contains([hole.ends[0]])[0] or hole.contains([other.ends[0]])[0]:
                     raise InputError(
                         f"{name} at {_place(hole)} and {other_name} at {_place(other)}, one inside the other",
                         "holes apart from each other",
@@ -235,7 +235,7 @@ def _refuse_meeting(name: str, hole: Outline, other_name: str, other: Outline) -
 
 
 def _place(loop: Outline) -> str:
-    return point_text(loop.segments[0].start)
+    return point_text(loop.ends[0])
 
 
 def _centroid(loops: Sequence[tuple[float, Outline]]) -> Point:

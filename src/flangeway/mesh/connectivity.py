@@ -100,6 +100,12 @@ def shortest_edges(points: Floats, edges: Indices) -> Floats:
     return shortest
 
 
+def pairs_divided(pairs: Indices, places: Indices, added: Indices) -> IntArray:
+    """Return pairs (m, 2) divided at added points (k,), each in the pair at its place (k,), places rising."""
+    starts, ends = pairs.astype(np.int32).T
+    return np.column_stack((np.insert(starts, places + 1, added), np.insert(ends, places, added)))
+
+
 def chain_starts(pairs: IntArray) -> Ints:
     """Return the rows of ordered pairs (m, 2) at which a chain starts."""
     breaks = np.ones(len(pairs), dtype=bool)

@@ -12,7 +12,7 @@ from flangeway.geometry.contour import Contour
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.segments import Line, Segment
 from flangeway.geometry.splines import Spline
-from flangeway.mesh.connectivity import entries_of, offsets_of, places_among, shortest_edges
+from flangeway.mesh.connectivity import entries_of, offsets_of, pairs_divided, places_among, shortest_edges
 from flangeway.mesh.edge_curves import EdgeCurves
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints
@@ -109,8 +109,7 @@ def as_polylines(mesh: PolyMesh, pieces: int = PIECES, cells: Indices | None = N
             np.repeat(np.flatnonzero(rows >= 0), pieces - 1),
             _points_between(mesh, rows, pairs[:, 0], pieces),
         )
-        starts = np.insert(pairs[:, 0], places + 1, added.ravel())
-        edge_sets[name] = np.column_stack((starts, np.insert(pairs[:, 1], places, added.ravel())))
+        edge_sets[name] = pairs_divided(pairs, places, added.ravel())
     return PolyMesh(points, new_offsets, corners, mesh.cell_sets, edge_sets)
 
 

@@ -13,7 +13,14 @@ from numpy.typing import ArrayLike
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, as_point, as_points, cross_product, norms, point_text
 from flangeway.geometry.segments import Line
-from flangeway.mesh.connectivity import edge_places, offsets_of, ordered_pairs, row_numbers, shortest_edges
+from flangeway.mesh.connectivity import (
+    edge_places,
+    offsets_of,
+    ordered_pairs,
+    pairs_divided,
+    row_numbers,
+    shortest_edges,
+)
 from flangeway.mesh.edge_curves import EdgeCurves, united
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints
@@ -47,7 +54,7 @@ def divided(mesh: PolyMesh, edges: Indices, places: Floats) -> PolyMesh:
     at, numbers = edges[order].astype(np.int64), mesh.n_points + order
     # pieces of all boundary edges: the edge, both ends, and where these are on it
     owner = np.repeat(np.arange(len(rim)), 1 + np.bincount(at, minlength=len(rim)))
-    pieces = np.column_stack((np.insert(rim[:, 0], at + 1, numbers), np.insert(rim[:, 1], at, numbers)))
+    pieces = pairs_divided(rim, at, numbers)
     spans = np.column_stack(
         (np.insert(np.zeros(len(rim)), at + 1, places[order]), np.insert(np.ones(len(rim)), at, places[order]))
     )
@@ -64,7 +71,7 @@ def divided(mesh: PolyMesh, edges: Indices, places: Floats) -> PolyMesh:
     sets = {}
     for name, pairs in mesh.edge_sets.items():
         rows, known = edge_places(pairs, mesh.boundary_edges, mesh.n_points)
-        sets[name] = np.concatenate((pairs[~known], pieces[np.isin(owner, rows[known])])).astype(np.int32)
+        sets[name] = np.concatenate((pairs[~known], pieces[np.isin(owner, rows[known])]))
     return PolyMesh(
         np.concatenate((mesh.points, points)),
         *corners_added(mesh, at, numbers),
@@ -91,13 +98,13 @@ def _curve_ends(curves: EdgeCurves, rim: Ints, rows: Ints) -> Floats:
     return np.where((curves.pairs[rows, 0] == rim[:, 0])[:, None], ends, ends[:, ::-1])
 
 
-def _divided_curves(curves: EdgeCurves, rows: Ints, pieces: Ints, ends: Floats, spans: Floats) -> EdgeCurves:
+def _divided_curves(curves: EdgeCurves, rows: Ints, pieces: IntArray, ends: Floats, spans: Floats) -> EdgeCurves:
     """Curved edges with the pieces of those at the boundary in their place."""
     inner = np.ones(len(curves.pairs), dtype=bool)
     inner[rows[rows >= 0]] = False
     on, kept = rows >= 0, curves.taken(inner)
     within = ends[:, :1] + spans * (ends[:, 1:] - ends[:, :1])
-    outer = EdgeCurves(pieces[on].astype(np.int32), curves.curves, curves.number[rows[on]], within[on])
+    outer = EdgeCurves(pieces[on], curves.curves, curves.number[rows[on]], within[on])
     return outer if kept is None else united([kept, outer])
 
 

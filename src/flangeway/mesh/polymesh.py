@@ -532,7 +532,7 @@ class PolyMesh:
         n_points, n_cells, n_corners = self.n_points, self.n_cells, len(self.cell_points)
         curves = [] if self.curves is None else [self.curves]
         if other.curves is not None:
-            curves.append(replace(other.curves, pairs=other.curves.pairs + np.int32(n_points)))
+            curves.append(other.curves.renumbered(n_points + np.arange(other.n_points)))
         return PolyMesh(
             np.vstack([self.points, other.points]),
             np.append(self.cell_offsets, other.cell_offsets[1:] + n_corners),

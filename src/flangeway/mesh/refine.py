@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from flangeway.checks import as_numbers, check_integer, is_finite, refused
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray, cross_product, norms, point_text
-from flangeway.mesh.connectivity import entries_of, next_in_row, offsets_of, row_numbers
+from flangeway.mesh.connectivity import entries_of, next_in_row, offsets_of, pairs_divided, row_numbers
 from flangeway.mesh.curved import Curves, snapped_points
 from flangeway.mesh.cutting import HALVED, cut_polygon, has_notch
 from flangeway.mesh.edge_curves import EdgeCurves
@@ -306,12 +306,8 @@ def _halved_sets(mesh: PolyMesh, split: Bools) -> dict[str, IntArray]:
     sets = {}
     for name, pairs in mesh.edge_sets.items():
         edges = mesh.edge_numbers(pairs)
-        middle = number[edges]
-        halves = np.column_stack([pairs[:, 0], middle, middle, pairs[:, 1]]).reshape(-1, 2, 2)
-        halves[~split[edges], 0] = pairs[~split[edges]]
-        kept = np.ones(halves.shape[:2], dtype=bool)
-        kept[~split[edges], 1] = False
-        sets[name] = halves[kept].astype(np.int32)
+        places = np.flatnonzero(split[edges])
+        sets[name] = pairs_divided(pairs, places, number[edges[places]])
     return sets
 
 

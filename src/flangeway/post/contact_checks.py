@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactState, ContactSystem, Surface
-from flangeway.contact.pairs import Pairs
+from flangeway.contact.pairs import Constraints
 from flangeway.post.pressure import MIN_SEGMENTS, PressurePatch, pressure_remark
 
 SMALL_PENETRATION = 0.05
@@ -117,7 +117,7 @@ def roughness(n_segments: float, oscillation: float, name: str, finer: str) -> l
     return [f"the pressure of {name} {remark} from node to node; {finer}"]
 
 
-def _facet_depth(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> float:
+def _facet_depth(contact: Contact, pairs: Constraints, loaded: NDArray[np.int64]) -> float:
     """Sum of the maximum distances of both sides' edges in contact from the curves they approximate."""
     secondary = np.isin(contact.secondary.edge_places, pairs.nodes[loaded]).any(axis=1)
     primary = pairs.primary_edges[np.isin(pairs.rows, loaded).any(axis=1)]
@@ -131,7 +131,7 @@ def _sinking(contact: Contact, patch: PressurePatch) -> float:
     return float(patch.pressures.max()) * patch.half_width * softness
 
 
-def _cut(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> list[Surface]:
+def _cut(contact: Contact, pairs: Constraints, loaded: NDArray[np.int64]) -> list[Surface]:
     nodes, edges = pairs.nodes[loaded], pairs.primary_edges[np.isin(pairs.rows, loaded).any(axis=1)]
     ends = {
         contact.secondary: (nodes.min() == 0, nodes.max() == len(contact.secondary.nodes) - 1),

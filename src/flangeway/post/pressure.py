@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, SegmentToSegment
-from flangeway.contact.pairs import Pairs
+from flangeway.contact.pairs import Constraints
 from flangeway.geometry.arrays import chain_lengths
 from flangeway.results import Result, ResultTable
 from flangeway.types import Floats, Ints
@@ -219,7 +219,7 @@ def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLin
     return found
 
 
-def _sliding(pairs: Pairs, state: ContactState, inside: slice, n: int) -> tuple[Floats, Floats]:
+def _sliding(pairs: Constraints, state: ContactState, inside: slice, n: int) -> tuple[Floats, Floats]:
     """Tractions and slips at the n nodes of a surface; those of several constraints of a node are averaged."""
     if state.friction is None:
         return np.zeros(n), np.zeros(n)
@@ -229,7 +229,7 @@ def _sliding(pairs: Pairs, state: ContactState, inside: slice, n: int) -> tuple[
     return np.bincount(at, state.friction.forces[inside], n) / whole, slips
 
 
-def _along(pairs: Pairs, contact: Contact) -> NDArray[np.int64]:
+def _along(pairs: Constraints, contact: Contact) -> NDArray[np.int64]:
     """Keys of the constraints; guarded nodes have that of the pairing's constraint next to them."""
     nodes = contact.pairing.key_nodes(contact.secondary)
     order = np.argsort(nodes, kind="stable")
@@ -240,7 +240,7 @@ def _along(pairs: Pairs, contact: Contact) -> NDArray[np.int64]:
 def _patch(
     number: int,
     contact: Contact,
-    pairs: Pairs,
+    pairs: Constraints,
     points: Floats,
     forces: Floats,
     group: NDArray[np.int64],
@@ -329,12 +329,14 @@ def _groups(areas: Floats, least: float) -> Ints:
             del values[i]
 
 
-def _directions(pairs: Pairs) -> Floats:
+def _directions(pairs: Constraints) -> Floats:
     """Resultant on the secondary side of a unit force of each constraint, shape (m, 2)."""
-    on_secondary = pairs.gradients[:, :, : pairs.secondary_members.shape[1]].sum(axis=2)
-    directions = np.zeros((len(pairs.keys), 2))
-    np.add.at(directions, pairs.rows, on_secondary)
-    return directions
+    found = []
+    for part in pairs.parts:
+        directions = np.zeros((len(part.keys), 2))
+        np.add.at(directions, part.rows, part.gradients[:, :, : part.secondary_members.shape[1]].sum(axis=2))
+        found.append(directions)
+    return np.concatenate(found)
 
 
 def _reaches_end(members: NDArray[np.int64], n_all: int) -> bool:

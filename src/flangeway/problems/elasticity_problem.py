@@ -8,10 +8,10 @@ from typing import TypeVar
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.checks import check_positive
+from flangeway.checks import check_kind, check_positive
 from flangeway.elements import Reconstruction, batched, polygon_quadrature
 from flangeway.elements.monomials import n_monomials
-from flangeway.errors import InputError, short
+from flangeway.errors import InputError
 from flangeway.materials import Material
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.problems.edges import edge_quadrature, entries_between
@@ -86,15 +86,10 @@ class Elasticity:
         self._check_items()
 
     def _check_types(self) -> None:
-        if not isinstance(self.space, Space):
-            raise InputError(f"Elasticity({type(self.space).__name__}, ...)", "a Space", "write Space(mesh, element)")
+        check_kind("Elasticity", "space", self.space, Space, "a Space", "write Space(mesh, element)")
+        allowed, advice = "a Material, or one for each cell set", "make an Elastic or an Orthotropic"
         for material in self.materials:
-            if not isinstance(material, Material):
-                raise InputError(
-                    f"Elasticity(material={short(material)})",
-                    "a Material, or one for each cell set",
-                    "make an Elastic or an Orthotropic",
-                )
+            check_kind("Elasticity", "material", material, Material, allowed, advice)
 
     def _check_axis(self) -> None:
         if self.thickness != 1.0:
@@ -111,14 +106,11 @@ class Elasticity:
 
     def _check_items(self) -> None:
         for load in self.loads:
-            if not isinstance(load, Load):
-                raise InputError(f"the load {short(load)}", "items of flangeway.problems.loads", "make a Traction, ...")
+            check_kind("Elasticity", "a load", load, Load, "items of flangeway.problems.loads", "make a Traction, ...")
             load.check(self)
         for support in self.supports:
-            if not isinstance(support, Support):
-                raise InputError(
-                    f"the support {short(support)}", "PrescribedDisplacement, Spring or RigidHandle", "make one of them"
-                )
+            kinds = "PrescribedDisplacement, Spring or RigidHandle"
+            check_kind("Elasticity", "a support", support, Support, kinds, "make one of them")
             self.support_nodes(support)
 
     @property

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from flangeway._core import Pattern, n_threads
-from flangeway.checks import values_at
+from flangeway.checks import check_kind, values_at
 from flangeway.elements import Element, Reconstruction
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, OutOfMemoryError, short
@@ -94,10 +94,7 @@ class Space:
 
     def __post_init__(self) -> None:
         """Check the mesh and that elements fit it."""
-        if not isinstance(self.mesh, PolyMesh):
-            raise InputError(
-                f"Space({short(self.mesh)}, ...)", "a PolyMesh", "read or make one: triangulate, read_mesh"
-            )
+        check_kind("Space", "mesh", self.mesh, PolyMesh, "a PolyMesh", "read or make one: triangulate, read_mesh")
         check(self.mesh, cracks=self.cracks)
         refuse_many_threads()
         orders = {element.order for element, _ in self._regions}

@@ -179,9 +179,9 @@ def _read(file: Path, partner: str | None, named: str | None) -> FolderProfile:
         new, worn = _nominal_measures(nominal), run.measures
         signed = SIGNS[kind]
         wear = {name: sign * (worn[key] - new[key]) for name, (key, sign) in signed.items() if key in worn}
-        top, on_base = float(profile.surface.bounds()[1, 1]), frame_origin(profile) == "base"
+        top, on_base = profile.surface.top, frame_origin(profile) == "base"
         if kind == "rail" and (on_base or top < -TOP_OFF_MM):
-            wear["top_wear"] = float(nominal_profile(nominal).outline.bounds()[1, 1]) * on_base - top
+            wear["top_wear"] = nominal_profile(nominal).outline.top * on_base - top
     partner = partner or PARTNERS[kind][nominal in AMERICAN]
     try:
         return FolderProfile(run, file.name, nominal, wear, _conicity(run, partner))

@@ -73,7 +73,7 @@ class ProfileRun(Result):
         # the origin of a whole rail is on its base, also if that of its file was at the top
         if self.profile.kind == "rail" and self.body is not None:
             return FRAMES["base"]
-        origin, top = frame_origin(self.profile), float(self.profile.surface.bounds()[1, 1])
+        origin, top = frame_origin(self.profile), self.profile.surface.top
         if self.profile.kind == "wheel" or origin == "base" or abs(top) <= TOP_OFF_MM:
             return FRAMES[origin]
         return FRAMES[origin].replace(

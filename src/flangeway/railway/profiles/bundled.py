@@ -246,8 +246,8 @@ def _reference_rail() -> RailProfile:
     head = head.transformed(Placement(0.0, (-crown.centre[0], old.centre[1] - crown.centre[1])))
     pieces |= head.by_name
     first, last = nominal.running_names[-1], nominal.running_names[0]
-    pieces[first] = Line(pieces[first].start, head.segments[0].start)
-    pieces[last] = Line(head.segments[-1].end, pieces[last].end)
+    pieces[first] = Line(pieces[first].start, head.ends[0])
+    pieces[last] = Line(head.ends[1], pieces[last].end)
     return replace(
         nominal,
         title=REFERENCE_RAIL,
@@ -305,14 +305,14 @@ def _heavy_haul() -> WheelProfile:
 
 def _wheel_below(running: Contour, *, title: str, certainty: str, source: str) -> WheelProfile:
     """Close a running surface by vertical faces and a straight cut."""
-    back, outer = running.segments[0].start, running.segments[-1].end
+    back, outer = running.ends
     cut = [(outer[0], CUT_HEIGHT_MM), (back[0], CUT_HEIGHT_MM)]
     outline = Outline.closed(running.segments, cut, [*running.names, "outer_face", "cut", "back_face"])
     return WheelProfile(
         title=title,
         outline=outline,
         running_names=tuple(dict.fromkeys(running.names)),
-        flange_height_mm=-float(outline.bounds()[0, 1]),
+        flange_height_mm=-outline.bottom,
         flange_back_mm=-float(running.bounds()[0, 0]),
         certainty=certainty,
         source=source,

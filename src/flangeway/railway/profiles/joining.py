@@ -185,7 +185,7 @@ def _with_body(
     if measured.kind == "rail":
         placing = measured.first_slice and measured.first_slice.transformed(Placement(translation=shift))
         return RailProfile(title, outline, running[::-1], base, *words, placing)
-    height = -float(outline.bounds()[0, 1])
+    height = -outline.bottom
     return WheelProfile(title, outline, running, height, measured.flange_back_mm, *words)
 
 
@@ -254,7 +254,7 @@ def _above_web(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -
     words = ("gauge side", last < len(segments)), ("field side", first > 0)
     left_out = [
         f"{measured.place(point)} ({side})"
-        for (side, is_cut), point in zip(words, (kept.segments[-1].end, kept.segments[0].start), strict=True)
+        for (side, is_cut), point in zip(words, kept.ends[::-1], strict=True)
         if is_cut
     ]
     notice = f"What lies below the head is left out, beyond {' and '.join(left_out)}."
@@ -298,7 +298,7 @@ BUNDLED_NAMES = ", ".join(("136RE", "136RE-8", "136RE-14", *RAILS[1:], REFERENCE
 def _rail_shift(measured: MeasuredProfile, nominal: RailProfile) -> tuple[float, float]:
     """Return the shift of a measured head to the frame of a nominal rail."""
     origin = frame_origin(measured)
-    height = float(nominal.outline.bounds()[1, 1])
+    height = nominal.outline.top
     if origin == "base":
         return 0.0, 0.0
     if origin == "top":
@@ -315,8 +315,7 @@ def _field_shift(measured: MeasuredProfile, surface: Contour, nominal: RailProfi
         return None
     if measured.orientation.how.get("origin") == "given":
         return None
-    ends = (surface.segments[0].start, surface.segments[-1].end)
-    x, y = max(ends)
+    x, y = max(surface.ends)
     face = _field_side(nominal.outline.part(nominal.running_names))
     face = face[np.argsort(face[:, 1])]
     if not face[0, 1] - MAX_GAP_MM <= y <= face[-1, 1]:
@@ -369,7 +368,7 @@ def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
         raise InputError(f"a plain body for {measured.title}", "a running surface", "leave it out")
     middle = HALF_HEAD_MM if is_rail and frame_origin(measured) == "gauge" else 0.0
     _refuse_short(surface, measured.kind, middle)
-    start, end = surface.segments[0].start, surface.segments[-1].end
+    start, end = surface.ends
     (_, low), (_, top) = (measured.first_slice or surface).bounds()
     level = min(top - PLAIN_BASE_MM, low - 10.0) if is_rail else max(PLAIN_CUT_MM, start[1] + 10.0, end[1] + 10.0)
     around = ("gauge_face", "base", "field_face") if is_rail else ("outer_face", "cut", "back_face")
@@ -392,8 +391,8 @@ def _tape_text(measured: MeasuredProfile) -> str:
 
 
 def _unmeasured_tip(surface: Contour, outline: Outline, nominal: WheelProfile) -> tuple[str, ...]:
-    tip = -float(outline.bounds()[0, 1])
-    if float(surface.bounds()[0, 1]) <= -tip + TIP_OFF_MM:
+    tip = -outline.bottom
+    if surface.bottom <= -tip + TIP_OFF_MM:
         return ()
     return (
         f"The flange's tip is not measured: the nominal {nominal.title} has it {tip:.2f} mm below the tape line, from "
@@ -414,7 +413,7 @@ def _refuse_short(surface: Contour, kind: Kind, middle: float = 0.0) -> None:
 
 
 def _refuse_height(surface: Contour, nominal: RailProfile) -> None:
-    height = float(surface.bounds()[1, 1] - nominal.outline.bounds()[1, 1])
+    height = surface.top - nominal.outline.top
     low, high = HEIGHTS_MM
     if not low <= height <= high:
         raise InputError(
@@ -434,7 +433,7 @@ def _joints(
     limits = (MAX_GAP_MM, MAX_GAP_MM if is_rail else MAX_RIM_GAP_MM)
     total = float(nominal.outline.offsets[-1])
     places, joints = [], []
-    for i, (end, sense) in enumerate(((surface.segments[0].start, -1.0), (surface.segments[-1].end, 1.0))):
+    for i, (end, sense) in enumerate(zip(surface.ends, (-1.0, 1.0), strict=True)):
         foot_place = float(nominal.outline.lengths_at([end])[0])
         foot = point_at(nominal.outline, foot_place % total)
         gap = math.dist(end, foot)

@@ -326,7 +326,7 @@ def profile_text(
     points = profile.best_points
     if kind == "rail" and origin == "base":
         # the other formats count from the top
-        points = points - np.array([0.0, float(profile.surface.bounds()[1, 1])])
+        points = points - np.array([0.0, profile.surface.top])
     if ending in (".ban", ".whl"):
         return write_miniprof(points, kind, title, TAPE_MM if tape is None else tape)
     if ending in (".prr", ".prw"):

@@ -18,7 +18,7 @@ def graphs_of(contour: Contour, steepest_rad: float = STEEPEST_RAD) -> list[Floa
 
     Each is a table (n, 5) of its pieces: x and y of the start, angle of the tangent there, curvature, length.
     """
-    if contour.segments[-1].end[0] < contour.segments[0].start[0]:
+    if contour.ends[1][0] < contour.ends[0][0]:
         contour = contour.reversed()
     runs: list[list[tuple[float, ...]]] = [[]]
     for segment in contour.segments:

@@ -55,7 +55,7 @@ def _rail(outline: Outline, title: str, certainty: str, source: str) -> RailProf
 
 def _widest(outline: Outline, side: float) -> float:
     """Return the length along a rail's outline of the widest point of its head at a side, the lowest of several."""
-    top = float(outline.bounds()[1, 1])
+    top = outline.top
     best = (-np.inf, 0.0, 0.0)
     for i, segment in enumerate(outline.segments):
         parameters = np.linspace(0.0, 1.0, max(int(segment.length / _SPACING_MM), 2))
@@ -67,7 +67,7 @@ def _widest(outline: Outline, side: float) -> float:
 
 
 def _wheel(outline: Outline, title: str, flange_back_mm: float, certainty: str, source: str) -> WheelProfile:
-    high = float(outline.bounds()[1, 1])
+    high = outline.top
     names: dict[int, str] = {}
     for i, segment in enumerate(outline.segments):
         if isinstance(segment, Line) and segment.bounds[0, 1] >= high - _FLAT * outline.size:
@@ -81,7 +81,7 @@ def _wheel(outline: Outline, title: str, flange_back_mm: float, certainty: str, 
             i = (i + step) % n
             names[i] = name
     named = _renamed(outline, names, "running")
-    height = -float(named.bounds()[0, 1])
+    height = -named.bottom
     return WheelProfile(title, named, ("running",), height, flange_back_mm, certainty, source)
 
 

@@ -135,7 +135,7 @@ def _running(run: ProfileRun) -> Contour:
     surface = run.body.running_surface
     if run.profile.kind == "wheel":
         return surface
-    return surface.transformed(Placement(translation=(0.0, -float(surface.bounds()[1, 1]))))
+    return surface.transformed(Placement(translation=(0.0, -surface.top)))
 
 
 def deviations(reference: Contour, points: Floats) -> Floats:

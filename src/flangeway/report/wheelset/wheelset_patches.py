@@ -15,6 +15,7 @@ from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
+from flangeway.railway.wheelset.wheelset_mesh import HELD
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.report.figures.drawing import (
     COLOURS,
@@ -100,7 +101,7 @@ def _deformed(result: WheelsetResult, side: Side) -> list[Floats]:
     rims = []
     for name in (f"rail-{side}", f"wheel-{side}"):
         mesh = result.model.parts[name].body.space.mesh
-        rim = mesh.chain(*mesh.edge_sets)
+        rim = mesh.chain(*(name for name in mesh.edge_sets if name != HELD))  # its edges have other names too
         rims.append(result.placements[name].points(mesh.points[rim] + result.displacements[name][rim]))
     return rims
 

@@ -164,7 +164,7 @@ def write_dxf_profile(contour: Contour) -> str:
     rows = [(*segment.start, _bulge(segment)) for segment in contour.segments]
     closed = isinstance(contour, Outline)
     if not closed:
-        rows.append((*contour.segments[-1].end, 0.0))
+        rows.append((*contour.ends[1], 0.0))
     drawing.modelspace().add_lwpolyline(rows, format="xyb", close=closed)
     stream = io.StringIO()
     drawing.write(stream)
