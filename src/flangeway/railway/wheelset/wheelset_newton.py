@@ -110,8 +110,8 @@ MAX_COARSER = 2.5
 """Strips over those of other cells up to which derivatives of creep forces serve there too."""
 DIRECT = 4.0
 """See `_steers`."""
-MAX_YAW_RAD = 1e-3
-"""Step limit of the yaw."""
+MAX_YAW_RAD, MAX_CREEPAGE = 1e-3, 2e-3
+"""Step limits of the yaw, and of the rate of rotation over itself."""
 TILTS, RATE, YAW = (3, 4), 5, 6
 """Numbers of the unknowns behind the position: tilts of both wheels, and with friction the rate of rotation and the
 yaw."""
@@ -179,8 +179,13 @@ class WheelsetNewton:
                 transferred_creep(before, grid),
                 0.0 if raised is None else interpolated(raised, before.grid.grid.middles, grid.grid.middles),
             )
+        self.reaches: dict[int, Reach] = {}
+        """Step limits of rate and yaw: surfaces that slip everywhere have no slope that leads back."""
         if self.creep is not None:
-            self.creep.restart({} if near is None or near.rolled is None else near.rolled.creep)
+            if near is not None and near.rolled is not None:
+                self.creep.before = near.rolled.creep
+            rate = MAX_CREEPAGE * self.creep.rate_rad_s
+            self.reaches = {RATE: Reach(rate, rate), YAW: Reach(MAX_YAW_RAD, MAX_YAW_RAD)}
 
     @property
     def placed(self) -> SpatialState:
@@ -349,7 +354,9 @@ class WheelsetNewton:
             for number in numbers[pushed]:
                 if self._turns_over(jacobian, step, rows, columns, number):
                     wanted[number] = np.copysign(np.inf, self.missed[number])
-            limits[RATE] = self.creep.reach.limit_of(float(wanted[RATE]), halved=self._is_halved)
+            for number, reach in self.reaches.items():
+                if pushed[number]:  # not a yaw that steers, which follows
+                    limits[number] = reach.limit_of(float(wanted[number]), halved=self._is_halved)
         limited = pushed & (np.abs(wanted) > limits)
         if limited.any():
             part = np.where(limited, np.copysign(limits, self.missed), 0.0)
@@ -403,8 +410,9 @@ class WheelsetNewton:
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))
         self.tilts = self.tilts + step[3:5]
         if self.creep is not None:
-            self.creep.reach.last = float(step[RATE])
-            self.creep.rate_rad_s += self.creep.reach.last
+            for number, reach in self.reaches.items():
+                reach.last = float(step[number])
+            self.creep.rate_rad_s += float(step[RATE])
             self.yaw += float(step[YAW])
         return error <= tolerance and change <= most and not (tilted or moving)
 

@@ -20,7 +20,6 @@ from flangeway.contact.rolling.rolling_contact import RollingContact, box_of
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
 from flangeway.contact.rolling.theories import FAST, Theory
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
-from flangeway.railway.wheelset.equilibrium import Reach
 from flangeway.railway.wheelset.rolling.patch_rolling import (
     contact_in,
     forces_on_cells,
@@ -34,8 +33,6 @@ from flangeway.types import Bools, Floats
 
 CLOSED: tuple[Theory, ...] = ("polach", "linear")
 """Theories with a closed form."""
-MAX_CREEPAGE = 2e-3
-"""Step limit of the rate of rotation over itself."""
 STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
 """Differences by the axle's x, y and roll, the wheel's tilt, its rate of rotation over itself, and the yaw."""
 MERGED, TOUCHING = 0.25, 0.1
@@ -102,7 +99,6 @@ class WheelsetCreep:
     - `max_bent_mm`: displacement of a cell by a change of creep forces in one step, at most.
     - `tolerance`: error of the law of friction by the exact theory.
     - `before`: creep forces to start from, on other cells.
-    - `reach`: step limit of the rate of rotation.
     """
 
     motion: RollingMotion
@@ -111,17 +107,9 @@ class WheelsetCreep:
     max_bent_mm: float = np.inf
     tolerance: float = TOLERANCE
     before: Mapping[Side, SideCreep] = field(default_factory=dict)
-    reach: Reach = field(init=False)
     _contacts: dict[tuple[object, ...], RollingContact] = field(default_factory=dict)
     _last: dict[tuple[object, ...], Rolling] = field(default_factory=dict)
     _parts: dict[object, list[Bools]] = field(default_factory=dict)
-
-    def restart(self, before: Mapping[Side, SideCreep]) -> None:
-        """Go on with other cells, from creep forces on those before if there are any."""
-        self.before = before or self.before
-        # surfaces that slip everywhere have no slope that leads back
-        limit = MAX_CREEPAGE * self.rate_rad_s
-        self.reach = Reach(limit, limit)
 
     def creepages(
         self, side: Side, pose: WheelPose, rate: float, rows: tuple[Floats, Floats], contact: RollingContact
