@@ -150,7 +150,7 @@ def belt_tensions(solution: ContactSolution) -> tuple[float, float]:
     belt = solution.system.contacts[0].secondary.part
     field = solution.field(belt)
     forces = (field.problem.stiffness().full() @ field.displacements.ravel()).reshape(-1, 2)
-    space = field.problem.space
+    space = field.space
     left, right = (np.unique(space.edge_nodes(space.mesh.edge_sets[side])) for side in ("left", "right"))
     return -forces[left, 1].sum(), -forces[right, 1].sum()
 

@@ -171,15 +171,19 @@ class BeamSection:
             raise InputError("plastic moments of curved edges", "straight edges", "take mesh.straight()")
         turned = replace(mesh, points=(mesh.points - self.centroid) @ np.array([[c, -s], [s, c]]))
         polygons = turned.polygons(np.arange(mesh.n_cells))
-        left, bottom, right, top = shapely.total_bounds(polygons).tolist()
+        left, low, right, high = shapely.bounds(polygons).T
+        bottom, top = float(low.min()), float(high.max())
 
         def below(level: float) -> tuple[float, float]:
             """Weighted area and first moment below a level."""
-            parts = shapely.clip_by_rect(polygons, left - 1.0, 2.0 * bottom - 1.0, right + 1.0, level)
-            areas = stress * shapely.area(parts)
-            return float(areas.sum()), float(areas @ np.nan_to_num(shapely.get_y(shapely.centroid(parts))))
+            parts, cut = polygons.copy(), (low < level) & (level < high)
+            room = shapely.box(left.min() - 1.0, bottom - 1.0, right.max() + 1.0, level)
+            parts[cut] = shapely.intersection(polygons[cut], room)
+            there = (low < level) & ~shapely.is_empty(parts)
+            areas = stress[there] * shapely.area(parts[there])
+            return float(areas.sum()), float(areas @ shapely.get_y(shapely.centroid(parts[there])))
 
-        area, first_moment = below(2.0 * top + 1.0)
+        area, first_moment = below(top)
         level = scipy.optimize.brentq(lambda v: below(v)[0] - area / 2.0, bottom, top, xtol=1e-14 * (top - bottom))
         return float(level), first_moment - 2.0 * below(level)[1]
 

@@ -95,7 +95,7 @@ def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: i
     check_integer("stresses_along", "n_points", n_points, 2, advice="leave the default")
     share = np.linspace(0.0, 1.0, n_points)
     points = first + share[:, None] * along
-    components = values_inside(solution.problem.space, points, stress_polynomials(solution), 4)
+    components = values_inside(solution.space, points, stress_polynomials(solution), 4)
     if np.isnan(components).all():
         raise _no_body("a line", start, end)
     return StressLine(points, share * float(np.linalg.norm(along)), Stresses(components))
@@ -111,16 +111,16 @@ def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutFo
     length = float(np.linalg.norm(along))
     breaks = _crossings(solution, first, along)
     middles = first + middles_of(breaks)[:, None] * along
-    cells = locate(solution.problem.space.mesh, middles)
+    cells = locate(solution.space.mesh, middles)
     inside = cells != OUTSIDE
     if not inside.any():
         raise _no_body("a cut", start, end)
     shares = np.diff(breaks)[inside]
-    abscissae, weights = gauss(solution.problem.space.order // 2 + 1)
+    abscissae, weights = gauss(solution.space.order // 2 + 1)
     places = breaks[:-1][inside, None] + shares[:, None] * abscissae
     points = (first + places[..., None] * along).reshape(-1, 2)
     at_cells = np.repeat(cells[inside], len(abscissae))
-    xx, yy, xy, _ = polynomials_at(solution.problem.space, points, at_cells, stress_polynomials(solution), 4).T
+    xx, yy, xy, _ = polynomials_at(solution.space, points, at_cells, stress_polynomials(solution), 4).T
     normal = np.array([along[1], -along[0]]) / length
     traction = np.stack((xx * normal[0] + xy * normal[1], xy * normal[0] + yy * normal[1]), axis=1)
     lengths = (shares[:, None] * weights).ravel() * length
@@ -130,7 +130,7 @@ def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutFo
 
 
 def _at_points(solution: ElasticField, points: ArrayLike, polynomials: Polynomials, n_components: int) -> Floats:
-    given, space = floats(points), solution.problem.space
+    given, space = floats(points), solution.space
     cells = cells_of(space.mesh, given, f"body `{solution.problem.name}`")
     return polynomials_at(space, given, cells, polynomials, n_components)
 
@@ -148,7 +148,7 @@ def _no_body(what: str, start: Point, end: Point) -> InputError:
 
 def _crossings(solution: ElasticField, first: Floats, along: Floats) -> Floats:
     """Shares of the line at its ends and where it meets edges, rising."""
-    mesh = as_polylines(solution.problem.space.mesh, PIECES)
+    mesh = as_polylines(solution.space.mesh, PIECES)
     edges, line = shapely.linestrings(mesh.points[mesh.edges]), shapely.LineString((first, first + along))
     met = shapely.intersection(edges[shapely.intersects(edges, line)], line)
     shares = (shapely.get_coordinates(met) - first) @ along / (along @ along)

@@ -42,7 +42,7 @@ class RecoveredStresses(Result):
         It is the root of the integral of the differences' stress times strain. The energy of a virtual element's
         stabilisation is no part of it.
         """
-        order = self.solution.problem.space.order
+        order = self.solution.space.order
         errors = energy_norms(self.solution, lambda batch, points: self._at(batch.cells, points), 2 * order)[0]
         errors.setflags(write=False)
         return errors
@@ -50,7 +50,7 @@ class RecoveredStresses(Result):
     @property
     def table(self) -> ResultTable:
         """Places of the mesh's points and the recovered stresses there."""
-        x, y = self.solution.problem.space.mesh.points.T
+        x, y = self.solution.space.mesh.points.T
         return ResultTable(
             {"x": x, "y": y, **dict(zip(("xx", "yy", "xy", "zz"), self.nodal.components.T, strict=True))}
         )
@@ -70,16 +70,16 @@ class RecoveredStresses(Result):
     @cached_property
     def corners(self) -> Stresses:
         """Recovered stresses at the cells' corners, in the order of ``mesh.cell_points``."""
-        mesh = self.solution.problem.space.mesh
+        mesh = self.solution.space.mesh
         components = np.empty((len(mesh.cell_points), 4))
-        for batch in self.solution.problem.space.batches():
+        for batch in self.solution.space.batches():
             places = mesh.batch_places(len(batch.vertices), batch.cells)
             components[places] = self._at(batch.cells, batch.vertices).transpose(2, 1, 0)
         return Stresses(components)
 
     def at(self, points: Floats) -> Stresses:
         """Recovered stresses at points (n, 2), each of the cell that it lies in; not-a-number outside of the body."""
-        mesh = self.solution.problem.space.mesh
+        mesh = self.solution.space.mesh
         cells = locate(mesh, points)
         found = np.full((len(points), 4), np.nan)
         inside = cells != OUTSIDE
@@ -90,12 +90,12 @@ class RecoveredStresses(Result):
     @property
     def nodal(self) -> Stresses:
         """Means of the recovered stresses at the mesh's points; of all cells there, whatever their material."""
-        return at_mesh_points(self.solution.problem.space.mesh, self.corners)
+        return at_mesh_points(self.solution.space.mesh, self.corners)
 
     def _at(self, cells: Ints, points: Floats) -> Floats:
         """Values (4, n_points, n_cells) at points (n_points, 2, n_cells) of cells."""
-        centres = self.solution.problem.space.mesh.cell_centroids[cells].T
-        values = monomials.evaluate(self.solution.problem.space.order, (points - centres) / self.scales[cells])
+        centres = self.solution.space.mesh.cell_centroids[cells].T
+        values = monomials.evaluate(self.solution.space.order, (points - centres) / self.scales[cells])
         return np.einsum("esb,bqe->sqe", self.coefficients[cells], values)
 
 

@@ -94,7 +94,7 @@ def nodal_stresses(solution: ElasticField) -> Stresses:
     Averages hide jumps between cells, which show how good a mesh is, and between materials, which are real; prefer
     `corner_stresses`, or `recovered_stresses`, which are more accurate.
     """
-    return at_mesh_points(solution.problem.space.mesh, corner_stresses(solution.problem, solution.displacements))
+    return at_mesh_points(solution.space.mesh, corner_stresses(solution.problem, solution.displacements))
 
 
 def at_mesh_points(mesh: PolyMesh, corners: Stresses) -> Stresses:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.results import Result, ResultTable
+from flangeway.space import Space
 from flangeway.types import Floats
 
 
@@ -24,8 +25,13 @@ class ElasticField(Result):
     displacements: Floats
 
     @property
+    def space(self) -> Space:
+        """Space of the displacements."""
+        return self.problem.space
+
+    @property
     def table(self) -> ResultTable:
         """Places and displacements of the nodes."""
-        nodes = self.problem.space.nodes
+        nodes = self.space.nodes
         (x, y), (u, v) = nodes.T, self.displacements[: len(nodes)].T
         return ResultTable({"x": x, "y": y, "displacement_x": u, "displacement_y": v})

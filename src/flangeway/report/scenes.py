@@ -56,13 +56,11 @@ def bodies_scene(run: BodiesRun, steps: BodySteps) -> Scene:
     Bodies with very many points are shown with whole cells and the values at their corners; see `body_steps` for what
     is shown of very many steps.
     """
-    orders = [body.field.problem.space.order for body in run.bodies.values()]
+    orders = [body.field.space.order for body in run.bodies.values()]
     whole = max(orders) > 1 and sum(each.shown.mesh.n_points for each in steps.fields[-1]) > MAX_POINTS
     if whole:
         bodies = run.bodies.items()
-        steps = body_steps(
-            run, [body_fields(name, body, shown_cells(body.field.problem.space, 1)) for name, body in bodies]
-        )
+        steps = body_steps(run, [body_fields(name, body, shown_cells(body.field.space, 1)) for name, body in bodies])
     shown = [_shown_body(of_body) for of_body in zip(*steps.fields, strict=True)]
     notes = [
         "Stresses are in the axes of the picture, tension positive, not averaged between elements, as in the VTU "

@@ -59,13 +59,13 @@ class BodyResult:
     @property
     def max_displacement(self) -> float:
         """Maximum distance that a node has moved from its initial position, mm."""
-        space = self.field.problem.space
+        space = self.field.space
         return float(norms(self.moved(space.nodes, self.field.displacements[: space.n_nodes])).max())
 
     @cached_property
     def stresses(self) -> Stresses:
         """Stresses of each cell, or of higher orders at the corners of the cells, MPa."""
-        of = cell_stresses if self.field.problem.space.order == 1 else corner_stresses
+        of = cell_stresses if self.field.space.order == 1 else corner_stresses
         return of(self.field.problem, self.field.displacements)
 
 
@@ -141,8 +141,8 @@ MAX_VON_MISES: Quantity[BodyResult] = Quantity(
 )
 BODY: Quantities[BodyResult] = (
     Quantity("name", "body", "field.problem.name"),
-    Quantity("elements", "elements", "field.problem.space.mesh.n_cells", form=","),
-    Quantity("unknowns", "unknowns", lambda body: 2 * body.field.problem.space.n_nodes, form=","),
+    Quantity("elements", "elements", "field.space.mesh.n_cells", form=","),
+    Quantity("unknowns", "unknowns", lambda body: 2 * body.field.space.n_nodes, form=","),
     MAX_DISPLACEMENT,
     MAX_VON_MISES,
     Quantity("min_principal", "minimum principal stress", lambda b: b.stresses.principal[:, 2].min(), "MPa", ".6g"),

@@ -107,7 +107,7 @@ def _files_words(run: BodiesRun) -> str:
 
 
 def _elements(run: BodiesRun) -> str:
-    words = {name: _element_words(body.field.problem.space) for name, body in run.bodies.items()}
+    words = {name: _element_words(body.field.space) for name, body in run.bodies.items()}
     if len(set(words.values())) == 1:
         return next(iter(words.values()))
     return "; ".join(f"{name}: {text}" for name, text in words.items())

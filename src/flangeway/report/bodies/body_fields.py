@@ -34,7 +34,7 @@ class BodyFields:
 def bodies_fields(run: BodiesRun) -> Iterator[BodyFields]:
     """Fields of all bodies in their order, with the elements' own fields shown for their order."""
     for name, body in run.bodies.items():
-        yield body_fields(name, body, shown_cells(body.field.problem.space, body.field.problem.space.order))
+        yield body_fields(name, body, shown_cells(body.field.space, body.field.space.order))
 
 
 def body_fields(name: str, body: BodyResult, shown: ShownCells) -> BodyFields:
@@ -91,7 +91,7 @@ def _n_values(run: BodiesRun, fields: Sequence[BodyFields]) -> int:
     """Numbers of one step: displacements of the places and stresses, which elements of order 1 have one a cell."""
     total = 0
     for each in fields:
-        mesh, constant = each.shown.mesh, run.bodies[each.name].field.problem.space.order == 1
+        mesh, constant = each.shown.mesh, run.bodies[each.name].field.space.order == 1
         total += 2 * int(each.shown.places.max() + 1) + 4 * (mesh.n_cells if constant else mesh.n_points)
     return total
 

@@ -305,7 +305,7 @@ def _deformed(
     solution: ElasticField, axes: Axes | None, factor: Factor, length_unit: str | None
 ) -> tuple[DrawnBody, Axes]:
     """Return a body with its displacements multiplied, and axes with the dashed outline before, if it moves."""
-    axes, scale, space = _prepared(axes, length_unit), _factor(solution, factor), solution.problem.space
+    axes, scale, space = _prepared(axes, length_unit), _factor(solution, factor), solution.space
     if scale:
         axes.set_title(f"deformation x{scale:.3g}", fontsize=10)
         rim = as_polylines(space.mesh)
@@ -326,7 +326,7 @@ def _factor(solution: ElasticField, factor: Factor) -> float:
         if not np.isfinite(factor):
             raise InputError(f"factor = {factor}", "a finite number or 'auto'", "leave it out")
         return float(factor)
-    maximum = float(norms(solution.displacements[: solution.problem.space.n_nodes]).max())
+    maximum = float(norms(solution.displacements[: solution.space.n_nodes]).max())
     return round_factor(DEFORMATION_SHARE * solution.problem.size / maximum) if maximum > 0.0 else 1.0
 
 

@@ -76,7 +76,7 @@ def solution_frame(
         Where the body is shown; displacements and stresses are in the axes of that space.
 
     """
-    place, shown = placement or Placement(), shown_cells(solution.problem.space, pieces)
+    place, shown = placement or Placement(), shown_cells(solution.space, pieces)
     moved, stresses = shown.values(solution)
     arrays = field_arrays(place.vectors(moved), placed_stresses(stresses, place), unit, length_unit)
     return SeriesFrame(time, shown.mesh.placed(place), arrays, {"cell_number": shown.cells}, part)

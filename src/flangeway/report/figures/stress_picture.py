@@ -54,7 +54,7 @@ class DrawnBody:
     @property
     def space(self) -> Space:
         """Space of the displacements."""
-        return self.field.problem.space
+        return self.field.space
 
     @cached_property
     def shown(self) -> Display:
