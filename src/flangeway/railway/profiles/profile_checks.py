@@ -45,13 +45,11 @@ def checked_points(points: FloatArray, lines: Lines, *, unit_is_sure: bool) -> t
     """
     refuse_few(points)
     refuse_length(points, unit_is_sure)
-    points, lines, notices = _merged(points, lines)
-    points, lines, more = _without_outliers(points, lines)
-    notices += more
-    refuse_few(points)
-    points, lines, folds = _without_folds(points, lines)
-    notices += folds
-    refuse_few(points)
+    notices: list[str] = []
+    for repaired in (_merged, _without_outliers, _without_folds):
+        points, lines, more = repaired(points, lines)
+        refuse_few(points)
+        notices += more
     return points, lines, notices + _gaps(points, lines)
 
 

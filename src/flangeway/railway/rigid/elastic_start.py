@@ -11,7 +11,7 @@ from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_equilibrium import RigidEquilibrium, rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry, TouchingPositions
 from flangeway.railway.rigid.rigid_locus import ContactLocus
-from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.types import Floats
 
@@ -87,7 +87,7 @@ class RigidStart:
         start = self._beside(0.0)
         lateral, lift = float(self.geometry.axle_lateral(start)[0]), float(start.lift[0])
         points: Points = {}
-        for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
+        for side, sign in SIDE_SIGN.items():
             curves, roll = self.geometry.side(side), sign * float(start.roll[0])
             arcs = curves.close_arcs(sign * lateral, roll, lift, CLOSE_MM)
             on_wheel = np.column_stack(curves.wheel.at(arcs)[:2])

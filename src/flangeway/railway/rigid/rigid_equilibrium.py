@@ -18,7 +18,7 @@ from flangeway.exact import LineContact
 from flangeway.geometry.arrays import norms
 from flangeway.railway.rigid.rigid_geometry import PATH_STEP_MM, Intervals, RigidGeometry, TouchingPositions, levers
 from flangeway.railway.rigid.rigid_locus import ContactLocus
-from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition, lateral_over_vertical
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition, lateral_over_vertical
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.solve import Status
 from flangeway.types import Floats
@@ -57,9 +57,8 @@ class RigidContactPoint:
     @property
     def force_on_wheel_N(self) -> tuple[float, float]:  # noqa: N802
         """Force on the wheel in the track's axes."""
-        sign = -1.0 if self.side == "right" else 1.0
         return (
-            sign * self.normal_force_N * math.sin(self.contact_angle_rad),
+            -SIDE_SIGN[self.side] * self.normal_force_N * math.sin(self.contact_angle_rad),
             self.normal_force_N * math.cos(self.contact_angle_rad),
         )
 
@@ -337,10 +336,9 @@ def contact_points(locus: ContactLocus, numbers: range) -> list[RigidContactPoin
 
 
 def _derailment(path: TouchingPositions, ratios: Floats, load_ratio: float) -> InputError:
-    side = "right" if load_ratio >= 0.0 else "left"
-    outer = path.right if side == "right" else path.left
-    steepest = float(np.tan(np.nanmax(outer.angle[:, 0])))
-    held = float(np.nanmax((1.0 if side == "right" else -1.0) * ratios))
+    side: Side = "right" if load_ratio >= 0.0 else "left"
+    steepest = float(np.tan(np.nanmax(path.side(side).angle[:, 0])))
+    held = float(np.nanmax(SIDE_SIGN[side] * ratios))
     return InputError(
         f"a load of L/V {abs(load_ratio):.3f}, which is a derailment: the {side} flange climbs its rail",
         f"L/V up to {held:.3f} (flange angle {math.degrees(math.atan(steepest)):.1f} deg, no friction)",

@@ -18,7 +18,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_locus import ContactJump, ContactLocus, SideLocus
 from flangeway.railway.rigid.rigid_side import RigidSide, Touches
-from flangeway.railway.track.placements import SIDES, Side, Track, Wheelset, refuse_misfit
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, Wheelset, refuse_misfit
 from flangeway.types import Floats, floats
 
 TOUCH_TOLERANCE_MM = 1e-10  # difference of the two wheels' heights at which both touch
@@ -335,7 +335,7 @@ class RigidGeometry:
     def located(self, positions: TouchingPositions) -> ContactLocus:
         """Points of contact of positions in the frames of the profiles and of the track."""
         sides = {}
-        for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
+        for side, sign in SIDE_SIGN.items():
             curves, touches = self.side(side), positions.side(side)
             along, radii, ahead = (
                 np.where(np.isfinite(touches.lift), column, np.nan)

@@ -282,7 +282,7 @@ def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
         for each in usual
     )
     for side in SIDES:
-        outward = 1.0 if side == "right" else -1.0
+        outward = SIDE_SIGN[side]
         wheel, rail = wheelset.wheel_of(side), track.rail_of(side)
         on_wheel = wheelset.placement(side).points(wheel.running_surface.sampled(spacing=0.5)) * [outward, 1.0]
         on_rail = track.placement(side).points(rail.running_surface.sampled(spacing=0.5)) * [outward, 1.0]
