@@ -239,12 +239,15 @@ class SpatialWheelset:
                          residuals.torque_residual, residuals.yaw_residual]) * free  # fmt: skip
         force, torque_kNm = float(last.residual[0]), 0.0 if motion is None else 1e-3 * abs(motion.torque_Nm)
         place = f"where the search ended, {abs(position.lateral_mm):.1f} mm to the {_way(position.lateral_mm)}"
+        remedy = "a smaller lateral force, or friction"
+        if motion is not None:
+            unguided = motion.yaw_is_free and not motion.yaw_stiffness_Nm_per_rad
+            remedy = f"{'a yaw stiffness' if unguided else 'a smaller yaw'}, or less friction"
         if residuals.free[0]:
-            advice = "give lateral_mm to see the forces at a position, "
-            advice += "a smaller lateral force, or friction" if motion is None else "a smaller yaw, or less friction"
+            advice = f"give lateral_mm to see the forces at a position, {remedy}"
         else:
             advice = "give a lateral_mm nearer to the middle of the track"
-            advice += "" if motion is None else ", a smaller yaw, or less friction"
+            advice += "" if motion is None else f", {remedy}"
         turned = 0.0 if last.state.rolled is None else last.state.rolled.yaw_rad - self.model.yaw_rad
         carried = min(float(each.forces.sum()) for each in last.state.sides.values())
         lifted = carried < LEAST_CARRIED * self.problem.load.in_track[1] or self.rise(position) > CLIMBED_MM
