@@ -101,7 +101,7 @@ class SpatialResult:
             tractions = self.tractions_of(patch.side)
             rail = patch.field("rail", tractions)
             # without tractions both bodies of one material have the same stresses
-            alike = tractions is None and len({poisson for _, poisson in patch.materials.values()}) == 1
+            alike = tractions is None and len({each.poisson for each in patch.state.grid.surfaces.materials}) == 1
             found[patch] = {"rail": rail, "wheel": rail if alike else patch.field("wheel", tractions)}
         return found
 
@@ -234,13 +234,12 @@ def solve_position(
     begun = time.perf_counter()
     equilibrium = wheelset.solve(progress, near)
     problem = wheelset.problem
-    materials = {role: (problem.material_of(role).young, problem.material_of(role).poisson) for role in ROLES}
     patches: list[SpatialPatch] = []
     for side in SIDES if equilibrium.status.converged else ():
         state = equilibrium.state.sides[side]
         rolled = equilibrium.state.rolled
         insides = None if rolled is None else rolled.creep[side].insides
-        patches += [SpatialPatch(side, state, each, materials) for each in state.cells.patches(insides)]
+        patches += [SpatialPatch(side, state, each) for each in state.cells.patches(insides)]
     timings["contact"] = time.perf_counter() - begun
     status = equilibrium.status
     warnings = equilibrium.warnings(status, {patch.side for patch in patches})
