@@ -9,8 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
-from flangeway.contact.patch.patch_contact import CHANGE
+from flangeway.contact.patch.normal_contact import Convolution, Pressing
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
@@ -60,11 +59,7 @@ def rolling_contact_of(
     force = contact.normal_forces.sum(axis=1) @ state.normals[rows]
     total = float(np.linalg.norm(force))
     share = (state.normals[rows] @ force / total)[:, None]
-
-    def pressed(change: Floats, start: Floats) -> NormalContact:
-        return solve_normal(influence, undeformed + change, force=total, share=share, start=start, tolerance=CHANGE)
-
-    return replace(contact, pressed=pressed)
+    return replace(contact, pressed=Pressing(influence, undeformed, share, total))
 
 
 def contact_in(
