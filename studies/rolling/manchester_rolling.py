@@ -48,7 +48,7 @@ def creep_numbers(position: BenchmarkPosition, energy: Energy) -> Iterator[Row]:
     for words, name, differences, cell in VARIANTS:
         pressed: PressedWheel = getattr(position, name)
         pressed = pressed if cell is None else on_square_cells(pressed, cell)
-        patch = SpatialPatch(pressed.side, pressed.state, pressed.patches[0], {})
+        patch = SpatialPatch(pressed.side, pressed.state, pressed.patches[0])
         contact = rolling_contact_of(patch, Friction(MU), pressed.overlap[1:])
         found = energy.check(f"{TABLE}, {position.code}", roll(contact, motion, differences=differences))
         wide = ""

@@ -49,7 +49,7 @@ def values_of(key: str, given: Any, place: str) -> list[Any]:
     - `place`: file and line, before a message.
     """
     if isinstance(given, dict):
-        return _range(key, given, place)
+        return range_values(f"{place}vary.{key}", given)
     if not isinstance(given, list):
         raise InputError(
             f"{place}vary.{key} = {short(given)}", VALUES_ALLOWED, "put one value for all rows under [inputs]"
@@ -68,8 +68,8 @@ def values_of(key: str, given: Any, place: str) -> list[Any]:
     return given
 
 
-def _range(key: str, given: dict[str, Any], place: str) -> list[float]:
-    name = f"{place}vary.{key}"
+def range_values(name: str, given: dict[str, Any]) -> list[float]:
+    """Return the values of a range that a user gave under a name; an `InputError` if it is none."""
     limits = RangeTable.from_values(given, lambda _: f"{name}: ")
     low, high, number, step = (getattr(limits, each) for each in RANGE_KEYS)
     if (number is None) == (step is None):

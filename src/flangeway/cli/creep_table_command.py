@@ -19,8 +19,6 @@ from flangeway.cli.common import (
 )
 from flangeway.errors import InputError
 
-MAX_VALUES = 10_000  # of an axis of a table
-
 
 @app.command("creep-table")
 @shows_results
@@ -73,19 +71,17 @@ def creep_table(
 
 def values_of(text: str, option: str) -> list[float]:
     """Numbers of ``FROM:TO:STEP`` or ``A,B,C``; an `InputError` for what is neither."""
+    from flangeway.campaign.varying import range_values  # noqa: PLC0415
+
     parts = text.split(":")
     try:
         numbers = [float(each) for each in (parts if len(parts) == 3 else text.split(","))]
         if len(parts) != 3:
             return numbers
-        low, high, step = numbers
-        count = round((high - low) / step)
-        if not 0 < count < MAX_VALUES or abs(low + count * step - high) > 1e-9 * abs(step):
-            raise ValueError
-    except (ValueError, ZeroDivisionError, OverflowError):
+        return range_values(option, dict(zip(("from", "to", "step"), numbers, strict=True)))
+    except (ValueError, OverflowError, ZeroDivisionError, InputError):
         raise InputError(
             f"{option} {text}",
             "FROM:TO:STEP with a step that leads from one to the other, or numbers with commas: -6:6:1, or 150,200",
             f"correct it; a negative number needs an equals sign: {option}=-6:6:1",
         ) from None
-    return [round(low + number * step, 9) for number in range(count + 1)]

@@ -14,7 +14,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, located
 from flangeway.formats.abaqus_mesh import read_abaqus
 from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, repaired_mesh
 from flangeway.mesh.connectivity import next_in_row
@@ -73,16 +73,13 @@ def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
     if not file.stat().st_size:
         raise InputError(f"{file}, which is empty", "a mesh", "export it again")
     try:
-        drawn = read_abaqus(file) if file.suffix.lower() == ".inp" else _read_meshio(file)
-        return repaired_mesh(drawn, merge_points=merge_points)
+        with located(f"{file}: ", unless=str(file)):
+            drawn = read_abaqus(file) if file.suffix.lower() == ".inp" else _read_meshio(file)
+            return repaired_mesh(drawn, merge_points=merge_points)
     except OSError as reason:
         raise InputError(
             f"{file}: {reason.strerror or reason}", "a file that can be read", "check its permissions"
         ) from reason
-    except InputError as reason:
-        if str(file) in reason.given:
-            raise
-        raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
 
 
 def _read_meshio(file: Path) -> DrawnMesh:

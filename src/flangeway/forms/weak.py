@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from flangeway.elements import Reconstruction, missed_mass, monomials
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray
-from flangeway.mesh import PolyMesh
 from flangeway.post.lines import cells_of, polynomials_at
 from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
 from flangeway.space import CellBatch, FormMatrix, Space
@@ -241,10 +240,6 @@ EdgeSet = str | Indices
 """Name of an edge set, or pairs of points (n, 2)."""
 
 
-def _same(mesh: PolyMesh, other: PolyMesh) -> bool:
-    return np.array_equal(mesh.points, other.points) and np.array_equal(mesh.cell_points, other.cell_points)
-
-
 class FormRegion:
     """Cells or edges over which a form is integrated: points, weights, given fields and local functions by batches."""
 
@@ -253,7 +248,8 @@ class FormRegion:
     ) -> None:
         mesh = spaces[0].mesh
         for other in (spaces[1].mesh, *(field.space.mesh for field in fields.values())):
-            if not (other is mesh or _same(mesh, other)):
+            same = np.array_equal(mesh.points, other.points) and np.array_equal(mesh.cell_points, other.cell_points)
+            if not same:
                 raise InputError("spaces of different meshes in one form", "one mesh", "make the spaces on one mesh")
         self.spaces, self.fields, self.on = spaces, fields, on
         self.degree = max(quadrature_degree(space) for space in spaces) if degree is None else degree
@@ -273,7 +269,9 @@ class FormRegion:
             yield w, rules[0].weights.T, [_edge_functions(rule) for rule in rules], None
             return
         for batch in trial.batches():
-            degree = self.degree if self.chosen else max(self.degree, _energy_degree(batch))
+            degree = self.degree
+            if not self.chosen:  # products of gradients, which elements without stabilisation have of higher degree
+                degree = max(degree, 2 * (batch.reconstruction.for_energy.order - 1))
             points, weights = cell_quadrature(batch, degree)
             w = SimpleNamespace(
                 points=points.swapaxes(1, 2).reshape(-1, 2),
@@ -282,11 +280,6 @@ class FormRegion:
             batches = [batch] if test is trial else [batch, test.batch_like(batch)]
             functions = [(local_functions(batch, points), batch.dofs) for batch in batches]
             yield w, weights, (functions * 2)[:2], batch
-
-
-def _energy_degree(batch: CellBatch) -> int:
-    """Degree of products of gradients, which elements without stabilisation have of higher degree."""
-    return 2 * (batch.reconstruction.for_energy.order - 1)
 
 
 def _edge_functions(rule: EdgeQuadrature) -> tuple[Functions, IntArray]:

@@ -151,6 +151,11 @@ class Section:
         """The parts' regions."""
         return tuple(self.parts.values())
 
+    @property
+    def loops(self) -> tuple[Outline, ...]:
+        """Outer boundaries and holes of all parts."""
+        return tuple(loop for region in self.regions for loop in region.loops)
+
     def bounds(self) -> Floats:
         """Lower-left and upper-right corner (2, 2)."""
         return box_about(region.bounds() for region in self.regions)

@@ -138,8 +138,7 @@ def _unwrapped(segments: Sequence[Segment | Spline], number: Ints, places: Float
 def _segments(curves: Curves) -> list[Segment | Spline]:
     """All lines, arcs and splines of curves."""
     if isinstance(curves, Section | Region):
-        regions = curves.regions if isinstance(curves, Section) else [curves]
-        curves = [loop for region in regions for loop in region.loops]
+        curves = curves.loops
     segments: list[Segment | Spline] = []
     for curve in curves if isinstance(curves, Iterable) else [curves]:
         if not isinstance(curve, Contour | Spline):

@@ -348,5 +348,4 @@ def _of_section(gmsh: Any, section: Section, surfaces: dict[str, list[int]]) -> 
     for name, cells in cell_sets.items():
         if not len(cells):
             raise InputError(f"part {name}, in which Gmsh made no triangle", "a part", "reduce the size")
-    loops = [loop for region in section.regions for loop in region.loops]
-    return with_names(PolyMesh.from_cells(points, triangles, cell_sets=cell_sets), loops)
+    return with_names(PolyMesh.from_cells(points, triangles, cell_sets=cell_sets), section.loops)

@@ -199,10 +199,9 @@ class Body(LinearBody):
         axes = "".join(axis for number, axis in enumerate("xy") if not self.supported[:, number].any())
         points, corners = self.space.nodes, np.unique(self.mesh.boundary_edges)
         if self.axisymmetric:
-            first, axes = int(corners[0]), axes.replace("x", "")
-            return RigidFreedom(points[first], axes, False, {first: axes} if axes else {})
+            return self._slide(int(corners[0]), axes.replace("x", ""))
         if len(nodes) > 1:
-            return RigidFreedom(points[nodes[0]], axes, False, {int(nodes[0]): axes} if axes else {})
+            return self._slide(int(nodes[0]), axes)
         first = int(nodes[0] if len(nodes) else corners[points[corners].sum(axis=1).argmin()])
         arms = points[corners] - points[first]
         # far along one axis and close to it, so that strains do not turn the body in its frame
@@ -229,8 +228,11 @@ class Body(LinearBody):
                 "springs that hold all motions but one along x or y",
                 "add a spring against it, or hold more in Body(held=...)",
             )
-        first = int(corners[0])
-        return RigidFreedom(points[first], axes, False, {first: axes} if axes else {})
+        return self._slide(int(corners[0]), axes)
+
+    def _slide(self, node: int, axes: str) -> RigidFreedom:
+        """Freedom along axes, in which a node is pinned."""
+        return RigidFreedom(self.space.nodes[node], axes, False, {node: axes} if axes else {})
 
     @cached_property
     def _springs(self) -> sp.csc_array:

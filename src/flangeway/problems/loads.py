@@ -241,12 +241,6 @@ class Gravity(Load):
         return np.array(densities)[problem.cell_material]
 
 
-def _add(forces: Floats, batch: CellBatch, local: Floats) -> None:
-    """Add forces of cells (2, n_local, n_cells) to those of all unknowns."""
-    for component, own in enumerate(local):
-        forces[:, component] += np.bincount(batch.dofs.ravel(), own.ravel(), minlength=len(forces))
-
-
 def _volume_forces(problem: LoadedProblem, value: Vector, factors: Floats) -> Floats:
     """Forces of a force per volume times a factor of each cell (n_cells,), on projections (Moherdaui 2021, 3.81)."""
     space = problem.space
@@ -263,8 +257,7 @@ def _volume_forces(problem: LoadedProblem, value: Vector, factors: Floats) -> Fl
         values = vector_at("a force per volume", value, rows.reshape(-1, 2)).reshape(rows.shape)
         weights = weights * problem.depth(rows) * here
         products = np.einsum("aqe,qe,qei->iae", reconstruction.at(points), weights, values)
-        local = np.einsum("iae,ame->ime", products, reconstruction.projected_value)
-        _add(forces, batch, local)
+        np.add.at(forces, batch.dofs, np.einsum("iae,ame->mei", products, reconstruction.projected_value))
     return forces
 
 
@@ -303,5 +296,5 @@ class TemperatureChange(Load):
         for batch in problem.space.batches():
             reconstruction = batch.reconstruction
             local = problem.thermal_forces(batch, reconstruction, [self])
-            _add(forces, batch, local)
+            np.add.at(forces, batch.dofs, np.moveaxis(local, 0, -1))
         return forces

@@ -1,7 +1,5 @@
 """Given functions on a space: interpolation and loads."""
 
-from functools import partial
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -100,8 +98,8 @@ def interpolate(space: Space, function: Function, degree: int | None = None) -> 
     degree = quadrature_degree(space) if degree is None else degree
     at_nodes = at_points(function, space.nodes.T)
     if at_nodes.ndim > 1:
-        parts = [interpolate(space, partial(_component, function, i), degree) for i in range(len(at_nodes))]
-        return np.stack(parts, axis=1)
+        components = [lambda points, i=i: np.asarray(function(points))[:, i] for i in range(len(at_nodes))]
+        return np.stack([interpolate(space, component, degree) for component in components], axis=1)
     dofs = np.empty(space.n_dofs)
     dofs[: space.n_nodes] = at_nodes
     for batch in space.batches():
@@ -110,10 +108,6 @@ def interpolate(space: Space, function: Function, degree: int | None = None) -> 
             inside = batch.element.interior_dofs(batch.outline, function, degree)
             dofs[batch.dofs[-n_interior:]] = inside
     return dofs
-
-
-def _component(function: Function, number: int, points: Floats) -> Floats:
-    return np.asarray(function(points))[:, number]
 
 
 def load_vector(space: Space, function: Function, degree: int | None = None) -> Floats:

@@ -13,6 +13,8 @@ from flangeway.types import Bools, Complex, Floats
 MOST_ITERATIONS = 500
 NOTHING = 1e-20
 """Square of the residual over another one that is round-off."""
+CHANGE = 1e-9
+"""Change of the forces, over their sum, at which `Pressing` ends: single pressures are then within 1e-7."""
 EVEN = 1e-9
 """Asymmetry of coefficients over the largest one that is round-off: integrals of half-spaces cancel."""
 
@@ -205,6 +207,29 @@ def solve_normal(
         approach = _along(deformed, shares, touching)
     status = Status(done, f"forces change by {change:.1e} after {iteration} iterations", iteration)
     return NormalContact(forces, approach, deformed - approach * shares, status)
+
+
+@dataclass(frozen=True, eq=False)
+class Pressing:
+    """Two surfaces that are pressed together again as their gaps change; see `solve_normal`."""
+
+    influence: Convolution
+    gaps: Floats
+    share: Floats | float = 1.0
+    force: float | None = None
+    approach: float | None = None
+
+    def __call__(self, change: Floats | float = 0.0, start: Floats | None = None) -> NormalContact:
+        """Normal contact by changes of the gaps and forces to start from."""
+        return solve_normal(
+            self.influence,
+            self.gaps + change,
+            force=self.force,
+            approach=self.approach,
+            share=self.share,
+            start=start,
+            tolerance=CHANGE,
+        )
 
 
 def _along(values: Floats, shares: Floats, touching: Bools) -> float:

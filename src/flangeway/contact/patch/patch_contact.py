@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from flangeway.contact.patch.contact_ellipse import CellForces, ContactEllipse
-from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
+from flangeway.contact.patch.normal_contact import Convolution, NormalContact, Pressing
 from flangeway.contact.patch.patch_body import PatchBody
 from flangeway.contact.patch.patch_grid import (
     LEAST_ACROSS,
@@ -25,8 +25,6 @@ from flangeway.solve import ComplianceTable, Status, SurfaceCells, compliance_ta
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Bools, Floats
 
-CHANGE = 1e-9
-"""Change of the forces, over their sum, at which the iteration ends: single pressures are then within 1e-7."""
 LEAST_WAVENUMBER = 1e-4
 """Per mm: a wave of 60 m, beyond which bodies that are held or on a foundation no longer change."""
 LONGER_EDGE = 1.05
@@ -225,18 +223,11 @@ class PatchPair:
 
         """
         whole = None if approach is None else approach + self.gaps.first_touch
-        return PatchContact(
-            self,
-            solve_normal(
-                self.influence,
-                self.gaps.values,
-                force=force,
-                approach=whole,
-                share=self.gaps.normals[:, 1:],
-                start=start,
-                tolerance=CHANGE,
-            ),
-        )
+        return PatchContact(self, self.pressing(force, whole)(start=start))
+
+    def pressing(self, force: float | None = None, approach: float | None = None) -> Pressing:
+        """How they are pressed along -y by a force, or by an approach from the position as given."""
+        return Pressing(self.influence, self.gaps.values, self.gaps.normals[:, 1:], force, approach)
 
 
 def press_patch(

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from flangeway.checks import are_finite, as_numbers, check_integer, check_kind, check_positive, refused
-from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
-from flangeway.contact.patch.patch_contact import CHANGE, PatchContact
+from flangeway.contact.patch.normal_contact import Convolution, Pressing
+from flangeway.contact.patch.patch_contact import PatchContact
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.friction_solver import SlipOperator, tangential_convolution
@@ -22,9 +22,6 @@ BEYOND = 2
 """Strips beyond the grid at each end, whose displacements are needed."""
 SAME = 1e-9
 """Coupling of normal and tangential coefficients, over the others, that is none."""
-
-PressedBy = Callable[[Floats, Floats], NormalContact]
-"""Normal contact by changes of the gaps and forces to start from."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +61,7 @@ class RollingContact:
     friction: Friction
     materials: tuple[Elastic, Elastic]
     coefficients: Floats = field(repr=False)
-    pressed: PressedBy | None = field(default=None, repr=False)
+    pressed: Pressing | None = field(default=None, repr=False)
     origin: tuple[float, float] | None = None
     _operators: dict[object, Any] = field(default_factory=dict, init=False, repr=False)
 
@@ -139,13 +136,8 @@ class RollingContact:
         coefficients = _half_spaces(grid, materials)
         influence = Convolution(np.ascontiguousarray(coefficients[: grid.n_strips, 1::3, 1::3]))
 
-        def pressed(change: Floats, start: Floats | None) -> NormalContact:
-            return solve_normal(
-                influence, given + change, force=force, approach=approach, start=start, tolerance=CHANGE
-            )
-
-        forces = pressed(np.zeros(given.shape), None).forces
-        return cls(grid, forces / grid.areas, friction, materials, coefficients, pressed)
+        pressed = Pressing(influence, given, force=force, approach=approach)
+        return cls(grid, pressed().forces / grid.areas, friction, materials, coefficients, pressed)
 
     @classmethod
     def of_bodies(cls, found: PatchContact, friction: Friction) -> "RollingContact":
@@ -159,18 +151,7 @@ class RollingContact:
         """
         pair, grid = found.pair, found.pair.grid
         materials = [_isotropic(each.problem.elasticity.materials[0]) for each in (pair.first, pair.second)]
-        total = float(np.sum(found.contact.forces * pair.gaps.normals[:, 1:]))
-
-        def pressed(change: Floats, start: Floats) -> NormalContact:
-            return solve_normal(
-                pair.influence,
-                pair.gaps.values + change,
-                force=total,
-                share=pair.gaps.normals[:, 1:],
-                start=start,
-                tolerance=CHANGE,
-            )
-
+        pressed = pair.pressing(float(found.force[1]))
         coefficients = pair.coefficients(grid.n_strips + 2 * BEYOND)
         return cls(grid, found.pressures, friction, (materials[0], materials[1]), coefficients, pressed)
 

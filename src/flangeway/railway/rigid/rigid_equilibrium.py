@@ -325,12 +325,11 @@ def contact_points(locus: ContactLocus, numbers: range) -> list[RigidContactPoin
             on_wheel = at.wheel_points_mm[touch]
             if all(float(norms(on_wheel - other)) >= _ONE_POINT_MM for other in seen):
                 seen.append(on_wheel)
-                columns = (at.contact_angles_rad, at.rolling_radii_mm, at.relative_curvatures_per_mm)
-                angle, radius, curvature = (float(array[touch]) for array in columns)
+                columns = (at.contact_angles_rad, at.rolling_radii_mm, at.relative_curvatures_per_mm, at.ahead_mm)
+                angle, radius, curvature, ahead = (float(array[touch]) for array in columns)
                 wheel, on_rail, in_track = (
                     (float(x), float(y)) for x, y in (on_wheel, at.rail_points_mm[touch], at.points_mm[touch])
                 )
-                ahead = float(at.ahead_mm[touch])
                 points.append(RigidContactPoint(side, wheel, on_rail, in_track, angle, radius, curvature, 1.0, ahead))
     return points
 

@@ -1,11 +1,11 @@
 """Bending of a wheelset's axle by the forces on its wheels, by beam theory."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from flangeway.checks import as_numbers, check_positive
+from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError
 from flangeway.types import Floats
 
@@ -87,17 +87,12 @@ class Axle:
         turning = float(up @ places + moments.sum()) / half
         journals = np.array([turning - up.sum(), -turning - up.sum()]) / 2.0
         ends = np.unique(np.clip([left, right, half, -half, *drawn[:, 0], *-drawn[:, 0]], left, right))
-        abscissae, weights = np.polynomial.legendre.leggauss(8)
-        tilts = np.zeros(2)
-        for start, end in pairwise(ends):
-            x = (start + end) / 2.0 + (end - start) / 2.0 * abscissae
-            # of what acts on the right of x
-            bending = sum(np.maximum(at - x, 0.0) * force for at, force in zip((-half, half), journals, strict=True))
-            bending = bending + (right - x) * up[1] + moments[1]
-            diameter = np.interp(abs(x), drawn[:, 0], drawn[:, 1])
-            curvature = bending / (self.young * np.pi * diameter**4 / 64.0)
-            share = (x - left) / (right - left)
-            tilts += (
-                (end - start) / 2.0 * np.array([-(weights * (1.0 - share)) @ curvature, (weights * share) @ curvature])
-            )
-        return tilts
+        points, weights = gauss(8)
+        x = ends[:-1, None] + np.diff(ends)[:, None] * points
+        # of what acts on the right of x
+        bending = sum(np.maximum(at - x, 0.0) * force for at, force in zip((-half, half), journals, strict=True))
+        bending = bending + (right - x) * up[1] + moments[1]
+        diameter = np.interp(abs(x), drawn[:, 0], drawn[:, 1])
+        turned = np.diff(ends)[:, None] * weights * bending / (self.young * np.pi * diameter**4 / 64.0)
+        share = (x - left) / (right - left)
+        return np.array([-((1.0 - share) * turned).sum(), (share * turned).sum()])

@@ -1,12 +1,13 @@
 """An equilibrium of a wheelset (Moherdaui 2021, 7.2.1)."""
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
 
-from flangeway.railway.track.placements import WheelsetPosition
+from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.solve import Status
 from flangeway.types import Floats
@@ -174,3 +175,16 @@ class Equilibrium(Generic[State]):
     state: State
     residual: Floats
     stable: bool | None = None
+
+    def warnings(self, status: Status, touching: Collection[Side]) -> list[str]:
+        """Sentences about an unstable equilibrium, and about wheels in the air where a final status is good.
+
+        - `touching`: sides that touch.
+        """
+        found = []
+        if self.stable is False:
+            found.append("the equilibrium is unstable: a small push moves the wheelset away from it")
+        lost = [side for side in SIDES if side not in touching]
+        if lost and status.converged:
+            found.append(f"the {' and '.join(lost)} wheel does not touch its rail")
+        return found

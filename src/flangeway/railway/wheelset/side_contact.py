@@ -19,6 +19,7 @@ from flangeway.contact.patch.patch_grid import PatchGrid, at_edge
 from flangeway.exact import contact_modulus
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import turned_right
+from flangeway.materials import Elastic
 from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.solve import Status
@@ -144,7 +145,13 @@ class SideSurfaces:
     @property
     def modulus(self) -> float:
         """Contact modulus."""
-        return contact_modulus(self.rail_elastic.material.plane_modulus, self.wheel_elastic.material.plane_modulus)
+        rail, wheel = self.materials
+        return contact_modulus(rail.plane_modulus, wheel.plane_modulus)
+
+    @property
+    def materials(self) -> tuple[Elastic, Elastic]:
+        """Materials of rail and wheel."""
+        return self.rail_elastic.material, self.wheel_elastic.material
 
     def rail_points(self, stations: Floats) -> tuple[Floats, Floats]:
         """Points and outward normals of the rail at stations of its elastic surface, each (n, 2)."""
@@ -336,10 +343,9 @@ class GriddedSide:
         Returned: shape (n_distances, n m, n m) for n cells and m axes.
         """
         grid = self.grid
-        materials = self.surfaces.rail_elastic.material, self.surfaces.wheel_elastic.material
         frames = self.frames[rows]
         bounds = grid.bounds[rows.start : None if rows.stop is None else rows.stop + 1]
-        total = half_spaces_on(materials, bounds, frames, grid.strip, n_distances, axes)
+        total = half_spaces_on(self.surfaces.materials, bounds, frames, grid.strip, n_distances, axes)
         pairs = list(product(enumerate(axes), repeat=2))
         for elastic, weights, directions in zip(
             self._elastic, self._weights, self._directions(axes, rows), strict=True

@@ -32,7 +32,7 @@ from flangeway.railway.wheelset.side_contact import SideState, tangents_of
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
 from flangeway.railway.wheelset.supported_rail import supported_rail
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
-from flangeway.railway.wheelset.wheelset_checks import STEEL_MPa, YIELD_MPa
+from flangeway.railway.wheelset.wheelset_checks import yield_strength
 from flangeway.railway.wheelset.wheelset_newton import SpatialState
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
@@ -72,9 +72,8 @@ class SpatialResult:
 
     @property
     def yield_MPa(self) -> float | None:  # noqa: N802
-        """Yield strength: the one that was given, that of rail steel, or None for bodies that are not of steel."""
-        steel = all(STEEL_MPa[0] <= self.problem.material_of(role).young <= STEEL_MPa[1] for role in ROLES)
-        return self.problem.yield_MPa or (YIELD_MPa if steel else None)
+        """See `yield_strength`."""
+        return yield_strength(self.problem, *ROLES)
 
     def rolling_of(self, patch: SpatialPatch) -> RollingPatch | None:
         """Return a patch with its creep forces, None without friction."""
@@ -102,7 +101,7 @@ class SpatialResult:
             tractions = self.tractions_of(patch.side)
             rail = patch.field("rail", tractions)
             # without tractions both bodies of one material have the same stresses
-            alike = tractions is None and len({poisson for _, poisson in patch.materials.values()}) == 1
+            alike = tractions is None and len({each.poisson for each in patch.state.grid.surfaces.materials}) == 1
             found[patch] = {"rail": rail, "wheel": rail if alike else patch.field("wheel", tractions)}
         return found
 
@@ -235,20 +234,15 @@ def solve_position(
     begun = time.perf_counter()
     equilibrium = wheelset.solve(progress, near)
     problem = wheelset.problem
-    materials = {role: (problem.material_of(role).young, problem.material_of(role).poisson) for role in ROLES}
     patches: list[SpatialPatch] = []
     for side in SIDES if equilibrium.status.converged else ():
         state = equilibrium.state.sides[side]
         rolled = equilibrium.state.rolled
         insides = None if rolled is None else rolled.creep[side].insides
-        patches += [SpatialPatch(side, state, each, materials) for each in state.cells.patches(insides)]
+        patches += [SpatialPatch(side, state, each) for each in state.cells.patches(insides)]
     timings["contact"] = time.perf_counter() - begun
-    status, warnings = equilibrium.status, []
-    lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
-    if equilibrium.stable is False:
-        warnings.append("the equilibrium is unstable: a small push moves the wheelset away from it")
-    if lost and status.converged:
-        warnings.append(f"the {' and '.join(lost)} wheel does not touch its rail")
+    status = equilibrium.status
+    warnings = equilibrium.warnings(status, {patch.side for patch in patches})
     warnings += [
         f"{patch.side} side, {patch.region}: {patch.remark} on a narrow patch, its maximum pressure is rough"
         for patch in patches

@@ -1,6 +1,6 @@
 """Contact patch of a wheel in equilibrium on its rail, and the stresses below it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -40,7 +40,6 @@ class SpatialPatch:
     side: Side
     state: SideState
     ellipse: ContactEllipse
-    materials: Mapping[Role, tuple[float, float]]
 
     @property
     def force_on_wheel_N(self) -> Floats:  # noqa: N802
@@ -127,7 +126,7 @@ class SpatialPatch:
             loads[..., 0],
             (float(self._row @ grid.stations), float(self.ellipse.centre[2])),
             self._depths,
-            self.materials[role][1],
+            self._poisson(role),
             None if tractions is None else loads[..., 1:],
         )
 
@@ -135,7 +134,7 @@ class SpatialPatch:
         """Stresses in the volume below the patch, as `below`."""
         grid, depths = self.state.grid.grid, np.append(0.0, self._depths)
         loads = self._loads(role, tractions)
-        return stress_field(grid.cells, grid.along, loads, self.ellipse.inside, depths, self.materials[role][1])
+        return stress_field(grid.cells, grid.along, loads, self.ellipse.inside, depths, self._poisson(role))
 
     def points_below(self, role: Role, along: Floats, depths: Floats, z: Floats) -> Floats:
         """Points of a body at depths below lengths along the rail's surface, in the track's axes; (n,) each, (n, 3)."""
@@ -152,6 +151,11 @@ class SpatialPatch:
     def _depths(self) -> Floats:
         long, short = self.ellipse.semi_axes
         return np.geomspace(DEPTHS[0] * short, DEPTHS[1] * long, N_DEPTHS)
+
+    def _poisson(self, role: Role) -> float:
+        """Poisson's ratio of a body."""
+        rail, wheel = self.state.grid.surfaces.materials
+        return (wheel if role == "wheel" else rail).poisson
 
     def _loads(self, role: Role, tractions: Floats | None) -> Floats:
         """Pressure and shears of all cells of the side on a body as a half-space, (n_cells, n_strips, 1 or 3)."""

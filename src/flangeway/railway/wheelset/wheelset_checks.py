@@ -8,8 +8,9 @@ import numpy as np
 from flangeway.contact import ContactState
 from flangeway.contact.overlap import BodyOverlap
 from flangeway.post import cell_stresses, check_contact
-from flangeway.railway.track.discretisation import ROLES
+from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel
 from flangeway.solve import Status
@@ -36,6 +37,12 @@ SLICE = (
     "{:g} mm that carries the whole load alone: compare them between runs, not with a rail in track."
 )
 """Validity of a slice whose whole length is loaded, with its thickness in mm; see the page on limits."""
+
+
+def yield_strength(problem: WheelsetProblem, *roles: Role) -> float | None:
+    """Yield strength in MPa: the one that was given, that of rail steel, or None for bodies that are not of steel."""
+    steel = all(STEEL_MPa[0] <= problem.material_of(role).young <= STEEL_MPa[1] for role in roles)
+    return problem.yield_MPa or (YIELD_MPa if steel else None)
 
 
 def checked(
@@ -69,12 +76,7 @@ def checked(
     status = equilibrium.status
     if status.converged and errors:
         status = Status(False, "; ".join(errors), status.iterations)
-    warnings = list(checks.warnings)
-    if equilibrium.stable is False:
-        warnings.append("the equilibrium is unstable: a small push moves the wheelset away from it")
-    lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
-    if lost and status.converged:
-        warnings.append(f"the {' and '.join(lost)} wheel does not touch its rail")
+    warnings = [*checks.warnings, *equilibrium.warnings(status, {patch.side for patch in patches})]
     if status.converged:
         warnings += _beyond_linear(model, displacements)
         warnings += _beyond_yield(model, patches, displacements)
@@ -139,7 +141,7 @@ def _beyond_yield(
     strength = YIELD_MPa if given is None else given
     beyond = []
     for role in ROLES:
-        if given is None and not STEEL_MPa[0] <= model.problem.material_of(role).young <= STEEL_MPa[1]:
+        if yield_strength(model.problem, role) is None:
             continue
         maximum = 0.0
         for name, displacement in displacements.items():

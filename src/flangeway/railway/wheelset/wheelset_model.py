@@ -35,7 +35,6 @@ class WheelsetModel:
     - `rigid_start`: equilibria of the rigid wheelset: the search for the elastic one starts there.
     - `hertz`: Hertz's contact of one wheel for half the load and the curvatures of the rigid contact: sets the zones.
     - `parts`: the placed parts by name: ``wheel-left``, ``rail-left``, ``wheel-right``, ``rail-right``.
-    - `zones`: candidate zone of each part by name, in the frame of its profile.
     """
 
     problem: WheelsetProblem
@@ -43,7 +42,6 @@ class WheelsetModel:
     hertz: LineContact
     system: ContactSystem
     parts: dict[str, Part]
-    zones: dict[str, Zone]
 
     @property
     def rigid_position(self) -> WheelsetPosition:
@@ -151,7 +149,7 @@ def build_model(
             Surface(parts[name], edges[name], curves[name], nodes_only=True) for name in (secondary, primary)
         )
         contacts.append(Contact(second, first, settings.pairing_law(), settings.enforcement_law(hertz.modulus)))
-    return WheelsetModel(problem, start, hertz, ContactSystem(contacts), parts, zones)
+    return WheelsetModel(problem, start, hertz, ContactSystem(contacts), parts)
 
 
 def _with_wide(places: Mapping[str, Floats], close: Mapping[str, Floats], width: float) -> dict[str, Floats]:

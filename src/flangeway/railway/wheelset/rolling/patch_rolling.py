@@ -9,8 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
-from flangeway.contact.patch.patch_contact import CHANGE
+from flangeway.contact.patch.normal_contact import Convolution, Pressing
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
@@ -48,8 +47,8 @@ def rolling_contact_of(
     """
     state = patch.state
     normal, inside = state.forces, patch.ellipse.inside
-    surfaces = state.grid.surfaces
-    if surfaces.rail_elastic.material == surfaces.wheel_elastic.material:
+    rail, wheel = state.grid.surfaces.materials
+    if rail == wheel:
         return contact_in(state, normal, inside, friction, origin)
     contact = contact_in(state, normal, inside, friction, origin, whole=True)
     rows = rows_of(state, contact)
@@ -60,11 +59,7 @@ def rolling_contact_of(
     force = contact.normal_forces.sum(axis=1) @ state.normals[rows]
     total = float(np.linalg.norm(force))
     share = (state.normals[rows] @ force / total)[:, None]
-
-    def pressed(change: Floats, start: Floats) -> NormalContact:
-        return solve_normal(influence, undeformed + change, force=total, share=share, start=start, tolerance=CHANGE)
-
-    return replace(contact, pressed=pressed)
+    return replace(contact, pressed=Pressing(influence, undeformed, share, total))
 
 
 def contact_in(
@@ -87,7 +82,6 @@ def contact_in(
     - `bodies`: whether the bodies' influence coefficients are needed: fast theories do not.
     """
     side, grid = state.grid, state.grid.grid
-    materials = side.surfaces.rail_elastic.material, side.surfaces.wheel_elastic.material
     rows, strips = box_of(inside)
     if whole or not bodies:  # the ellipse of a patch that is none may be wider
         size, last = rows.stop - rows.start, len(grid.widths)
@@ -98,10 +92,10 @@ def contact_in(
     cells = PatchGrid(grid.bounds[rows.start : rows.stop + 1], grid.strip, len(z), float(z.mean()))
     forces = np.where(inside, normal, 0.0)[rows, strips]
     own = friction.of_rows(rows)
-    if not bodies:
-        return RollingContact(cells, forces / cells.areas, own, materials, np.zeros((0, 0, 0)), None, origin)
-    coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
-    return RollingContact(cells, forces / cells.areas, own, materials, coefficients, None, origin)
+    coefficients = np.zeros((0, 0, 0))
+    if bodies:
+        coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
+    return RollingContact(cells, forces / cells.areas, own, side.surfaces.materials, coefficients, None, origin)
 
 
 def rows_of(state: SideNewton | SideState, contact: RollingContact) -> slice:
