@@ -250,8 +250,8 @@ def solve_position(
     ]
     lateral, position = problem.prescribed.lateral_mm, equilibrium.position
     rise = wheelset.rise(position)
-    left = rise > CLIMBED_MM or (lateral is not None and bool(lost) and not status.converged)
-    if left and (status.converged or lateral is not None):
+    hangs = not status.converged and not all(each.forces.any() for each in equilibrium.state.sides.values())
+    if (rise > CLIMBED_MM and status.converged) or (lateral is not None and (rise > CLIMBED_MM or hangs)):
         reason = f"derailed, at {position.lateral_mm:.1f} mm the axle is {rise:.1f} mm higher than in the middle of the"
         reason += " track, a flange on its rail or the other wheel in the air"
         if lateral is not None:
