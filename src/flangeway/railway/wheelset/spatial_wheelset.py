@@ -228,8 +228,11 @@ class SpatialWheelset:
 
     def _is_off(self, position: WheelsetPosition, begun: WheelsetPosition) -> bool:
         """Whether the wheelset has left the track, or a flange has climbed on the way to a lateral position."""
-        far = bool((np.abs(np.subtract(position.components, begun.components)) > MAX_WAY).any())
-        return far or (self.problem.prescribed.lateral_mm is not None and self.rise(position) > CLIMBED_MM)
+        ways = np.abs(np.subtract(position.components, begun.components))
+        ways[0] = abs(position.lateral_mm) - abs(begun.lateral_mm)  # it may go from one flange to the other
+        return bool((ways > MAX_WAY).any()) or (
+            self.problem.prescribed.lateral_mm is not None and self.rise(position) > CLIMBED_MM
+        )
 
     def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:
         """No equilibrium: what is not balanced where the search ended, and what would hold it."""
