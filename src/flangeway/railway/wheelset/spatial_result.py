@@ -252,8 +252,12 @@ def solve_position(
     rise = wheelset.rise(position)
     hangs = not status.converged and not all(each.forces.any() for each in equilibrium.state.sides.values())
     if (rise > CLIMBED_MM and status.converged) or (lateral is not None and (rise > CLIMBED_MM or hangs)):
-        reason = f"derailed, at {position.lateral_mm:.1f} mm the axle is {rise:.1f} mm higher than in the middle of the"
-        reason += " track, a flange on its rail or the other wheel in the air"
+        reason = f"derailed, at {position.lateral_mm:.1f} mm "
+        reason += (
+            "a wheel is in the air"
+            if hangs
+            else f"the axle is {rise:.1f} mm higher than in the middle of the track, a flange on its rail"
+        )
         if lateral is not None:
             raise InputError(
                 f"lateral_mm = {lateral:g}: {reason}",

@@ -212,7 +212,7 @@ class SpatialWheelset:
                 at_peaks = cells.at_peaks(newton.placed)
                 if at_peaks != grids:
                     newton.place(at_peaks, state)
-            if self._is_off(newton.position, begun) or abs(newton.yaw - newton.guided_yaw) > MAX_TURN_RAD:
+            if self._is_off(newton, begun) or abs(newton.yaw - newton.guided_yaw) > MAX_TURN_RAD:
                 break
         return replace(found, status=self._none(found, None if newton.creep is None else newton.creep.motion))
 
@@ -226,13 +226,14 @@ class SpatialWheelset:
         geometry = self.geometry
         return float(geometry.located(geometry.touching(np.zeros(1), at_axle=True)).vertical_mm[0])
 
-    def _is_off(self, position: WheelsetPosition, begun: WheelsetPosition) -> bool:
+    def _is_off(self, newton: WheelsetNewton, begun: WheelsetPosition) -> bool:
         """Whether the wheelset has left the track, or a flange has climbed on the way to a lateral position."""
+        position = newton.position
         ways = np.abs(np.subtract(position.components, begun.components))
         ways[0] = abs(position.lateral_mm) - abs(begun.lateral_mm)  # it may go from one flange to the other
-        return bool((ways > MAX_WAY).any()) or (
-            self.problem.prescribed.lateral_mm is not None and self.rise(position) > CLIMBED_MM
-        )
+        lateral, *others = self.problem.prescribed.components
+        climbs = self.rise(position) > CLIMBED_MM or (others == [None, None] and newton.hangs)
+        return bool((ways > MAX_WAY).any()) or (lateral is not None and climbs)
 
     def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:
         """No equilibrium: what is not balanced where the search ended, and what would hold it."""

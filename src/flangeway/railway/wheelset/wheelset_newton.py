@@ -210,6 +210,11 @@ class WheelsetNewton:
         return any(each.bent for each in self.sides.values())
 
     @property
+    def hangs(self) -> bool:
+        """Whether a wheel does not touch its rail."""
+        return not all(each.touching.any() for each in self.sides.values())
+
+    @property
     def reaches_an_end(self) -> bool:
         """Whether a patch has come to an end of its cells."""
         return any(each.grid.cuts(each.forces) for each in self.sides.values())
