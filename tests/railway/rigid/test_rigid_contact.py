@@ -369,3 +369,12 @@ def test_a_cone_across_the_track():
     outline = outline_across(ends, yaw)
     assert np.abs(np.sin(outline.angles) - math.sin(cone) / math.cos(yaw)).max() < 1e-10
     assert np.abs(outline.curvatures).max() < 1e-8
+
+
+def test_an_end_of_a_yawed_wheel_that_turns_back_is_left_out():
+    """A steep outer face that becomes flat is seen farther out than its end: on the tread the outline is the cone's."""
+    tread = RigidCurve.from_graph([700.0, 800.0], [-460.0, -455.0], [0.05, 0.05])
+    ends = [700.0, 800.0, 803.0, 803.6], [-460.0, -455.0, -440.0, -436.0], [0.05, 0.05, 15.0, 0.1]
+    alone, both = (outline_across(each, 0.03).starts for each in (tread, RigidCurve.from_graph(*ends)))
+    assert both[both[:, 0] < 799.0] == pytest.approx(alone[alone[:, 0] < 799.0], abs=1e-6)
+    assert (both[:, 0].max(), both[:, 1].min()) == pytest.approx((813.7, -460.0), abs=0.2)

@@ -220,7 +220,9 @@ def outline_across(profile: RigidCurve, yaw_rad: float) -> RigidCurve:
     x, y, angle, sine = x[seen], y[seen], angle[seen], sine[seen]
     across = x * math.cos(yaw_rad) - y * sine * math.sin(abs(yaw_rad))
     height = y * np.sqrt(1.0 - sine**2)
-    kept = _lowest(across, height)
+    kept = np.flatnonzero(_lowest(across, height))
+    # an end of the profile that turns back and ends short of what is above it would be a jump: the outline ends before
+    kept = kept[np.append(True, across[kept][1:] > np.maximum.accumulate(across[kept])[:-1])]
     across, height = across[kept], height[kept]
     slope = np.tan(np.arcsin(np.sin(angle[kept]) / math.cos(yaw_rad)))
     apart = np.concatenate(([True], np.diff(across) > _APART_MM))

@@ -54,6 +54,8 @@ FEWER_ACROSS, NESTED_RESIDUAL = 0.35, 2e-3
 """Cells across a patch over the final ones while creep forces are sought, and the residual on them."""
 MAX_GRIDS = 6
 """Fine grids that are made near the equilibrium, also to add patches outside of them."""
+MAX_HANGING = 30
+"""Steps in a row in which a wheel on the way to a lateral position may touch nothing."""
 MAX_TURN_RAD = 0.05
 """Yaw beyond that of the guidance where the search for it ends; wheelsets in the sharpest curves run at half of it."""
 SEARCHED_MM = 90.0
@@ -232,7 +234,7 @@ class SpatialWheelset:
         ways = np.abs(np.subtract(position.components, begun.components))
         ways[0] = abs(position.lateral_mm) - abs(begun.lateral_mm)  # it may go from one flange to the other
         lateral, *others = self.problem.prescribed.components
-        climbs = self.rise(position) > CLIMBED_MM or (others == [None, None] and newton.hangs)
+        climbs = self.rise(position) > CLIMBED_MM or (others == [None, None] and newton.hanging > MAX_HANGING)
         return bool((ways > MAX_WAY).any()) or (lateral is not None and climbs)
 
     def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:

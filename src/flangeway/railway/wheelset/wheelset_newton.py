@@ -146,6 +146,8 @@ class WheelsetNewton:
         self.errors = [1.0]
         """Equilibrium residuals of the positions on these cells, and the last one on those before."""
         self.across = Reach(float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0]))
+        self.hanging = 0
+        """Steps in a row in which a wheel does not touch its rail."""
         self.place(grids, near)
         held = [*(value is None for value in self.problem.prescribed.components), True, True]
         if creep is not None:
@@ -210,11 +212,6 @@ class WheelsetNewton:
         return any(each.bent for each in self.sides.values())
 
     @property
-    def hangs(self) -> bool:
-        """Whether a wheel does not touch its rail."""
-        return not all(each.touching.any() for each in self.sides.values())
-
-    @property
     def reaches_an_end(self) -> bool:
         """Whether a patch has come to an end of its cells."""
         return any(each.grid.cuts(each.forces) for each in self.sides.values())
@@ -277,6 +274,7 @@ class WheelsetNewton:
         if self.creep is not None:
             self._add_equations(self.creep)
         self.errors.append(self.relative.equilibrium_residual)
+        self.hanging = 0 if all(each.touching.any() for each in self.sides.values()) else self.hanging + 1
 
     def _bent_by_creep(self, side: Side, newton: SideNewton, forces: Floats) -> None:
         """Find creep forces under normal ones, and let them bend the bodies."""
