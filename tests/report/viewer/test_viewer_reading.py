@@ -99,7 +99,7 @@ def plate(name, low, high, height, value):
 
 
 @pytest.fixture
-def opened(open_page, tmp_path):
+def plates(open_page, tmp_path):
     """A small plate 20 mm above a large one."""
     scene = Scene(
         [plate("above", 40.0, 60.0, 20.0, 700.0), plate("below", 0.0, 100.0, 0.0, 5.0)],
@@ -109,30 +109,30 @@ def opened(open_page, tmp_path):
     return open_page(write_page(tmp_path / "page.html", scene))
 
 
-def test_what_is_in_front_is_read_from_above_and_tilted(opened):
+def test_what_is_in_front_is_read_from_above_and_tilted(plates):
     """Tilted, the upper plate stands higher in the picture than from above; each view reads the plate in front."""
-    box = opened.canvas.bounding_box()
+    box = plates.canvas.bounding_box()
     middle = box["width"] / 2, box["height"] / 2
 
     def heights_of_the_upper():
         rows = [middle[1] + step for step in range(-200, 201, 4)]
-        found = [opened.point(middle[0], row) for row in rows]
+        found = [plates.point(middle[0], row) for row in rows]
         return [row for row, each in zip(rows, found, strict=True) if each.get("part") == "above"], found
 
     tilted, found = heights_of_the_upper()
     assert {each["value"] for each in found if each.get("part") == "above"} == {700.0}
     assert {round(each["y"], 6) for each in found if each.get("part") == "below"} == {0.0}
-    before = opened.shot()
-    opened.page.get_by_role("button", name="from above").click()
-    assert opened.changed(before) > 0.05
+    before = plates.shot()
+    plates.page.get_by_role("button", name="from above").click()
+    assert plates.changed(before) > 0.05
     above, _ = heights_of_the_upper()
     assert np.mean(tilted) < np.mean(above) - 20.0
     assert np.mean(above) == pytest.approx(middle[1], abs=4.0)
-    read = opened.point(*middle)
+    read = plates.point(*middle)
     assert (read["part"], read["x"], read["z"], read["y"]) == pytest.approx(("above", 50.0, 50.0, 20.0), abs=0.3)
-    opened.canvas.press("t")
-    assert opened.page.get_by_role("button", name="from above").is_visible()
-    assert opened.errors() == []
+    plates.canvas.press("t")
+    assert plates.page.get_by_role("button", name="from above").is_visible()
+    assert plates.errors() == []
 
 
 EPS = np.finfo(np.float32).eps
