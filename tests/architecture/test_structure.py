@@ -29,6 +29,14 @@ def test_base_names_of_modules_are_unique() -> None:
     assert [name for name, count in counts.items() if count > 1] == []
 
 
+def test_scripts_of_ci_name_files_that_exist() -> None:
+    """A test file that moved would leave the step with the lowest versions without its tests."""
+    root = PACKAGE.parents[1]
+    named = {name for path in (root / ".ci").iterdir() for name in re.findall(r"tests/[\w/]+\.py", path.read_text())}
+    assert named
+    assert [name for name in sorted(named) if not (root / name).exists()] == []
+
+
 def test_public_class_names_are_unique() -> None:
     """A public class is the only one of its name."""
     counts = Counter(
