@@ -1,4 +1,4 @@
-"""What a user gets who installs flangeway, and what releases are made of: workflow and container."""
+"""What a user gets who installs flangeway."""
 
 import ast
 import re
