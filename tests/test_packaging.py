@@ -1,4 +1,4 @@
-"""What a user gets who installs flangeway."""
+"""What a user gets who installs flangeway: files, types, version, dependencies and their licences."""
 
 import ast
 import re
