@@ -75,7 +75,7 @@ class SideNewton:
         self.total = found.gaps
         self.touching: Bools = self.forces > 0.0
         self.expected: Floats = self.total
-        """Gaps after the step before as far as they are linear, (n, n_z): with the forces they decide what touches."""
+        """Gaps after the step before as far as they are linear, (n, n_z): with friction they decide what touches."""
         self._factor: tuple[Floats, bool] | None = None
         self.changed = True
         self.slopes: CreepSlopes | None = None
@@ -96,7 +96,10 @@ class SideNewton:
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
         least = SAME * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
         width = least * float(grid.coefficients[0].diagonal().max())
-        touching = np.where(self.touching, self.raw > -least, self.expected < -width) & (self.gap.gaps < FAR_MM)
+        # with friction by the linear step: its normal and creep forces and these gaps belong together; without, overlaps
+        # of the deformed geometry lead on, as bodies that are pressed by them move apart
+        opening = self.total if self.slopes is None else self.expected
+        touching = np.where(self.touching, self.raw > -least, opening < -width) & (self.gap.gaps < FAR_MM)
         self.changed = bool((touching != self.touching).any())
         if self.changed or self._factor is None:
             self.touching = touching

@@ -378,7 +378,7 @@ class WheelsetNewton:
                 # on top of the energy both ways lead down: to the left, whatever round-off says; friction has no energy
                 way = -np.inf if self.creep is None else 0.0
         limit = self.across.limit_of(way, halved=self._is_halved)
-        way = float(np.clip(way, -limit, limit))
+        self.across.last = way = float(np.clip(way, -limit, limit))
         by_x[0], limits[0] = 1.0, np.inf
         step += way * by_x
         return step / max(float((np.abs(step) / limits).max()), 1.0)
@@ -412,7 +412,6 @@ class WheelsetNewton:
         tilted = float(np.abs(self.tilts - self.bent).max()) > share * FINE_TILT_RAD
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))
         self.tilts = self.tilts + step[3:5]
-        self.across.last = float(step[0])
         if self.creep is not None:
             for number, reach in self.reaches.items():
                 reach.last = float(step[number])
