@@ -96,8 +96,8 @@ class SideNewton:
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
         least = SAME * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
         width = least * float(grid.coefficients[0].diagonal().max())
-        # with friction by the linear step: its normal and creep forces and these gaps belong together; without, overlaps
-        # of the deformed geometry lead on, as bodies that are pressed by them move apart
+        # with friction by the linear step: its normal and creep forces and these gaps belong together; without it the
+        # overlaps of the deformed geometry push the wheelset on
         opening = self.total if self.slopes is None else self.expected
         touching = np.where(self.touching, self.raw > -least, opening < -width) & (self.gap.gaps < FAR_MM)
         self.changed = bool((touching != self.touching).any())
