@@ -74,8 +74,8 @@ class SideNewton:
         self.forces = self.raw = found.forces
         self.total = found.gaps
         self.touching: Bools = self.forces > 0.0
-        self.expected: Floats = self.total
-        """Gaps after the step before as far as they are linear, (n, n_z): with friction they decide what touches."""
+        self.expected: Floats | None = None
+        """With friction, gaps after the step before as far as they are linear, (n, n_z): they decide what touches."""
         self._factor: tuple[Floats, bool] | None = None
         self.changed = True
         self.slopes: CreepSlopes | None = None
@@ -98,7 +98,7 @@ class SideNewton:
         width = least * float(grid.coefficients[0].diagonal().max())
         # with friction by the linear step: its normal and creep forces and these gaps belong together; without it the
         # overlaps of the deformed geometry push the wheelset on
-        opening = self.total if self.slopes is None else self.expected
+        opening = self.total if self.expected is None else self.expected
         touching = np.where(self.touching, self.raw > -least, opening < -width) & (self.gap.gaps < FAR_MM)
         self.changed = bool((touching != self.touching).any())
         if self.changed or self._factor is None:
@@ -160,10 +160,10 @@ class SideNewton:
         if self._factor is None:
             return np.zeros(0), np.zeros((0, N_MOTIONS if rolls else 4))
         rows, strips = np.nonzero(self.touching)
-        slopes, left, of_shape = self._changes(rows, strips, rolls=rolls)
+        (slopes, left, of_shape), right = self._changes(rows, strips, rolls=rolls), self._right
         # h is that of the forces so far: their part in D is taken off
-        values = self.values[rows, strips] - left @ (self._right @ self.forces.sum(axis=1)) - of_shape @ self.shape
-        left, right = np.hstack((left, of_shape)), self._right[:, rows]
+        values = self.values[rows, strips] - left @ (right @ self.forces.sum(axis=1)) - of_shape @ self.shape
+        left, right = np.hstack((left, of_shape)), right[:, rows]
         if self.slopes is not None:
             right = np.vstack((right, self.slopes.weights[:, rows, strips]))
         found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
@@ -241,7 +241,7 @@ class SideNewton:
         now = found + own @ (weights @ forces - self.shape)
         return now, self.slopes.motion[:N_RESULTANTS] + own @ (weights @ by_motion)
 
-    def take(self, forces: Floats, step: Floats) -> float:
+    def take(self, forces: Floats, step: Floats | None = None) -> float:
         """Take forces on the cells in contact, or a part of the way to them; how much they change, over their sum.
 
         - `step`: by what the axle moves, as the derivatives of `solve`; creep forces change with it.
@@ -251,13 +251,14 @@ class SideNewton:
         self.raw[self.touching] = forces
         new[self.touching] = np.maximum(forces, 0.0)
         change = new - self.forces
-        self._expect(step)
+        if self.slopes is not None and step is not None:
+            self._expect(self.slopes, step)
         moved = np.abs(
             np.einsum("ixk,k->ix", self.grid.bending_modes[0], self.grid.bending_modes[1] @ change.sum(axis=1))
         )
         share = min(1.0, MAX_MOVED_MM / max(float(moved[self.touching.any(axis=1)].max(initial=0.0)), 1e-300))
         self.forces = self.forces + share * change if share < 1.0 else new
-        if self.slopes is not None and self.creep is not None:
+        if self.slopes is not None and self.creep is not None and step is not None:
             shape = self.slopes.weights[:, self.touching] @ self.forces[self.touching]
             change_of_rows = self.slopes.shape @ (shape - self.shape) + self.slopes.motion @ step
             self.creep = self.creep + np.outer(change_of_rows[N_RESULTANTS:], (1.0, 0.0))
@@ -265,13 +266,12 @@ class SideNewton:
         total = float(np.abs(new).sum())
         return float(np.abs(change).sum()) / total if total > 0.0 else float(change.any())
 
-    def _expect(self, step: Floats) -> None:
+    def _expect(self, creep: CreepSlopes, step: Floats) -> None:
         """Take gaps under the forces of `solve` after a step: none where the cells touch."""
         rows, strips = np.indices(self.forces.shape).reshape(2, -1)
-        slopes, left, of_shape = self._changes(rows, strips, rolls=len(step) == N_MOTIONS)
+        slopes, left, of_shape = self._changes(rows, strips, rolls=True)
         change = slopes @ step + left @ (self._right @ (self.raw - self.forces).sum(axis=1))
-        if self.slopes is not None:
-            change = change + of_shape @ (np.tensordot(self.slopes.weights, self.raw, axes=2) - self.shape)
+        change = change + of_shape @ (np.tensordot(creep.weights, self.raw, axes=2) - self.shape)
         self.expected = self.values + self.grid.influence(self.raw) + change.reshape(self.forces.shape)
 
     def state(self, status: Status, stiffness: Floats) -> SideState:
@@ -337,7 +337,7 @@ def solve_side(
         newton.linearise(pose)
         forces, by_motion = newton.solve()
         _, stiffness = newton.stiffness(forces, by_motion)
-        change = newton.take(forces, np.zeros(by_motion.shape[1]))
+        change = newton.take(forces)
         if change < tolerance and not newton.changed:
             break
     status = Status(change < tolerance, f"forces change by {change:.1e} after {steps} steps", steps)

@@ -41,7 +41,7 @@ MAX_ITERATIONS = 120
 """Newton steps until the equilibrium."""
 FAST_RESIDUAL = 1e-7
 """Equilibrium residual with friction by fast theories, whose forces are not smooth."""
-LIFTED, LEAST_CARRIED, TORQUE, YAW_MOMENT = 0.1, 1e-3, 3, 4
+LIFTED, MIN_CARRIED, TORQUE, YAW_MOMENT = 0.1, 1e-3, 3, 4
 """Vertical or moment residual of wheels that do not carry the load, or torque of those that spin; share of the load
 that a wheel carries at least; numbers of torque and yaw moment in residuals."""
 MAX_BENT_MM = 0.4
@@ -214,7 +214,7 @@ class SpatialWheelset:
                 at_peaks = cells.at_peaks(newton.placed)
                 if at_peaks != grids:
                     newton.place(at_peaks, state)
-            if self._is_off(newton, begun) or abs(newton.yaw - newton.guided_yaw) > MAX_TURN_RAD:
+            if self._is_off(newton, begun):
                 break
         return replace(found, status=self._none(found, None if newton.creep is None else newton.creep.motion))
 
@@ -229,13 +229,14 @@ class SpatialWheelset:
         return float(geometry.located(geometry.touching(np.zeros(1), at_axle=True)).vertical_mm[0])
 
     def _is_off(self, newton: WheelsetNewton, begun: WheelsetPosition) -> bool:
-        """Whether the wheelset has left the track, or a flange has climbed on the way to a lateral position."""
+        """Whether the wheelset has left the track, turns without end, or climbs on the way to a lateral position."""
         position = newton.position
         ways = np.abs(np.subtract(position.components, begun.components))
         ways[0] = abs(position.lateral_mm) - abs(begun.lateral_mm)  # it may go from one flange to the other
         lateral, *others = self.problem.prescribed.components
         climbs = self.rise(position) > CLIMBED_MM or (others == [None, None] and newton.hanging > MAX_HANGING)
-        return bool((ways > MAX_WAY).any()) or (lateral is not None and climbs)
+        turns = abs(newton.yaw - newton.guided_yaw) > MAX_TURN_RAD
+        return turns or bool((ways > MAX_WAY).any()) or (lateral is not None and climbs)
 
     def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:
         """No equilibrium: what is not balanced where the search ended, and what would hold it."""
@@ -256,7 +257,7 @@ class SpatialWheelset:
             advice += "" if motion is None else f", {remedy}"
         turned = 0.0 if last.state.rolled is None else last.state.rolled.yaw_rad - self.model.yaw_rad
         carried = min(float(each.forces.sum()) for each in last.state.sides.values())
-        lifted = carried < LEAST_CARRIED * self.problem.load.in_track[1] or self.rise(position) > CLIMBED_MM
+        lifted = carried < MIN_CARRIED * self.problem.load.in_track[1] or self.rise(position) > CLIMBED_MM
         if lifted or errors[1:3].max() > LIFTED:
             cause = f"{place}, a wheel no longer carries its load: it lifts, or climbs its rail (derailment)"
         elif torque_kNm and (errors.argmax() == TORQUE or errors[TORQUE] > LIFTED):

@@ -389,7 +389,7 @@ class WheelsetNewton:
         Its equation rises with it there: an equilibrium ahead would be one that the wheelset leaves.
         """
         rest = np.arange(len(step)) != number
-        held, _ = _solved(jacobian, -np.stack((self.missed, self.missed), axis=1), rows & rest, columns & rest)
+        (held,) = _solved(jacobian, -self.missed[:, None], rows & rest, columns & rest)
         return bool((self.missed[number] + jacobian[number] @ held) * step[number] < 0.0)
 
     def step(self, tolerance: float) -> bool:
@@ -435,7 +435,7 @@ class WheelsetNewton:
 
 
 def _solved(jacobian: Floats, right: Floats, rows: Bools, columns: Bools) -> Floats:
-    """Solutions of some equations for some unknowns, the others 0, one for each right-hand side (n, 2); (2, n)."""
+    """Solutions of some equations for some unknowns, the others 0, one for each right-hand side (n, k); (k, n)."""
     found = np.zeros(right.shape[::-1])
     found[:, columns] = np.linalg.solve(jacobian[np.ix_(rows, columns)], right[rows]).T
     return found
