@@ -176,8 +176,8 @@ class ContactSystem:
                 at = points[secondary], points[primary]
                 all_pairs[-1] = guarded(pairs, sides, at, guarded_nodes[number], before, settle=settle)
             for part in all_pairs[-1].parts:
-                mine = (secondary[part.secondary_members], edges[part.primary_edges])
-                members.append(np.concatenate(mine, axis=1))
+                nodes = secondary[part.secondary_members], edges[part.primary_edges]
+                members.append(np.concatenate(nodes, axis=1))
         return self._assembled(all_pairs, members, tuple(guarded_nodes))
 
     def describe(self, key: int, positions: Floats) -> str:
