@@ -172,10 +172,9 @@ class NodeToSegment(Pairing):
         corners = np.zeros(len(primary_edges), dtype=np.bool_) if corners is None else corners
         at_end = np.where(corners, SLACK, OVERHANG)
         margins = np.stack((np.roll(at_end, 1), at_end), axis=1)
-        smooth = ~corners & (primary_edges[:, -1] == np.roll(primary_edges[:, 0], -1, axis=0)).all(axis=1)
         normals, every = node_normals(positions, edge_places), np.arange(len(positions))
         given = positions, edge_places, primary_edges, every, normals, kept
-        nodes, edges, gaps = facing_pairs(*given, stay, margins, OVERHANG, smooth)
+        nodes, edges, gaps = facing_pairs(*given, stay, margins, OVERHANG)
         reach = 2.0 * float(np.linalg.norm(primary_edges[:, -1] - primary_edges[:, 0], axis=1).mean())
         near = gaps.gaps < reach
         return nodes[near], edges[near], gaps.take(near)
@@ -183,14 +182,14 @@ class NodeToSegment(Pairing):
 
 def facing_pairs(
     positions: Floats, edge_places: Ints, edges: Floats, wanted: Ints, directions: Floats, kept: Ints, stay: float,
-    margins: Floats, overhang: float, smooth: Bools, explained: Callable[[Ints, Ints], Floats] | None = None,
+    margins: Floats, overhang: float, explained: Callable[[Ints, Ints], Floats] | None = None,
 ) -> tuple[Ints, Ints, NodeEdgeGaps]:  # fmt: skip
     """Nodes, of those wanted, that face an edge of another surface, those edges, and the gaps.
 
     The outward directions, and the edges that were ``kept`` (-1 for none), are those of all nodes. A node stays with
     the latter up to parts ``stay`` of the edge beyond it. An open one may be beyond any edge by ``overhang``; one
-    behind an edge by the ``margins`` of its ends (n_edges, 2), if the way to it crosses no other edge than the next one
-    at a ``smooth`` joint, shape (n_edges,). With depths ``explained`` of nodes and edges only nodes that are deeper.
+    behind an edge by the ``margins`` of its ends (n_edges, 2), unless it `leads_out`. With depths ``explained`` of
+    nodes and edges only nodes that are deeper.
     """
     points = positions[wanted]
     partners = nearest_edges(points, directions[wanted], edges)
@@ -209,9 +208,8 @@ def facing_pairs(
     vectors = -gaps.gaps[behind, None] * gaps.normals[behind]
     own, on = positions[edge_places], (edge_places == nodes[behind, None, None]).any(axis=2)
     sizes = np.where(on, np.linalg.norm(own[:, -1] - own[:, 0], axis=1), 0.0).max(axis=1)
-    each, at = np.arange(len(edges)), partners[behind, None]
-    its = (at == each) | (np.roll(smooth, 1) & (at == np.roll(each, 1))) | (smooth & (at == np.roll(each, -1)))
-    near[behind] = ~leads_out(positions[nodes[behind]], vectors, sizes, (own, on), (edges, its))
+    faced = partners[behind, None] == np.arange(len(edges))
+    near[behind] = ~leads_out(positions[nodes[behind]], vectors, sizes, (own, on), (edges, faced))
     return nodes[near], partners[near], gaps.take(near)
 
 
