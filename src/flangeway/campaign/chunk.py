@@ -1,5 +1,6 @@
 """Rows that one worker computes together."""
 
+import re
 import threading
 import time
 from dataclasses import dataclass
@@ -9,9 +10,10 @@ from flangeway.campaign.campaign import Row
 from flangeway.campaign.columns import RowResult, row_of
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.case_identity import MAX_PREPARED
-from flangeway.errors import FlangewayError, MissingLibraryError, unforeseen
+from flangeway.errors import FlangewayError, InputError, MissingLibraryError, unforeseen
 from flangeway.system.latest_values import LatestValues
 from flangeway.system.versions import versions
+from flangeway.units import joined, with_texts
 
 _ALONE = threading.Lock()
 _prepared: LatestValues[Any] = LatestValues(MAX_PREPARED)
@@ -74,5 +76,6 @@ def _row(case: RunnableCase, bodies: Any) -> RowResult:
 
 
 def _failed(reason: Exception, seconds: float) -> RowResult:
-    reported = "; ".join(line.strip() for line in str(reason).splitlines())
+    lines = reason.lines if isinstance(reason, InputError) else str(reason).splitlines()
+    reported = with_texts(joined("\n", lines), lambda text: re.sub(r"\s*\n\s*", "; ", text))
     return RowResult("failed", reported if isinstance(reason, FlangewayError) else unforeseen(reason), seconds=seconds)

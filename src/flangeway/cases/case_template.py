@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from flangeway.cases.case import RunnableCase, Table, allowed, table_in
+from flangeway.cases.case import RunnableCase, Table, allowed, described_by, table_in
 from flangeway.cases.case_file import CASES, FILE_KEYS, FORMAT
 from flangeway.units import Units, UsUnit, in_us_units, us_key
 
@@ -141,8 +141,7 @@ def schema() -> dict[str, Any]:
     choices: list[dict[str, Any]] = []
     definitions: dict[str, Any] = {}
     for name, case in CASES.items():
-        # descriptions of several lines
-        described = json.loads(json.dumps(case.model_json_schema()).replace(r"\n", " "))
+        described = _with_sentences(case.model_json_schema())
         definitions |= described.pop("$defs", {})
         _add_us_keys(described)
         choices.append(
@@ -166,6 +165,18 @@ def schema() -> dict[str, Any]:
         "title": "Case file of flangeway",
         "oneOf": choices,
         "$defs": definitions,
+    }
+
+
+def _with_sentences(described: Any) -> Any:
+    """Return a description of inputs with its texts, also those of several lines, as sentences, see `described_by`."""
+    if isinstance(described, list):
+        return [*map(_with_sentences, described)]
+    if not isinstance(described, dict):
+        return described
+    return {
+        key: described_by(value) if key == "description" and isinstance(value, str) else _with_sentences(value)
+        for key, value in described.items()
     }
 
 

@@ -23,6 +23,7 @@ from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.results import Result, ResultTable
 from flangeway.system.operating_system import number_of_cores
 from flangeway.system.workers import LostWorkerError, computed_here
+from flangeway.units import joined, sentence
 
 PARTNERS: dict[Kind, tuple[str, str]] = {"rail": ("S1002", "AAR-1B"), "wheel": ("60E1", "136RE")}
 """Partner of a European profile, and of an American one."""
@@ -105,7 +106,7 @@ FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("nominal", "nominal", "nominal"),
     *map(_of_run, MEASURES[:4]),
     *(Quantity(key, label, _wear(key), "mm", "z.2f") for words in WEAR.values() for key, label in words.items()),
-    Quantity("conicity", f"conicity at {REFERENCE_AMPLITUDE_MM:g} mm", "conicity", form=".3f"),
+    Quantity("conicity", sentence("conicity at {:g mm}", REFERENCE_AMPLITUDE_MM), "conicity", form=".3f"),
 )
 """What is reported of each profile."""
 
@@ -131,12 +132,12 @@ def run_folder(
         if isinstance(found, FolderProfile):
             profiles.append(found)
         else:
-            refused.append(f"{found.given}; allowed is {found.allowed}")
+            refused.append(sentence("{}; allowed is {}", found.given, found.allowed))
     if not profiles:
         raise InputError(
             f"folder {folder} with {len(files)} files of profiles, none of which can be read",
             f"files with the endings {', '.join(FORMATS)}",
-            f"look at one: {refused[0]}" if refused else "check the name of the folder",
+            "look at one: " + refused[0] if refused else "check the name of the folder",
         )
     profiles.sort(key=lambda row: (-row.worst_mm, row.file))
     return ProfileFolder(tuple(profiles), tuple(sorted(refused)), nominal)
@@ -186,7 +187,7 @@ def _read(file: Path, partner: str | None, named: str | None) -> FolderProfile:
     try:
         return FolderProfile(run, file.name, nominal, wear, _conicity(run, partner))
     except InputError as reason:
-        notice = f"No conicity on {partner}: {reason.given}."
+        notice = sentence("No conicity on {}: {}.", partner, reason.given)
         return FolderProfile(run, file.name, nominal, wear, None, notice)
 
 
@@ -212,5 +213,9 @@ def _conicity(run: ProfileRun, partner: str) -> float:
     conicities = conicities_of(RollingRadiusDifference.of(locus), REFERENCE_AMPLITUDE_MM)
     conicity = (conicities.at_reference() or {}).get("integration", math.nan)
     if math.isnan(conicity):
-        raise InputError("; ".join(conicities.notices), "an amplitude of 3 mm", "look at the profile alone")
+        raise InputError(
+            joined("; ", conicities.notices),
+            sentence("an amplitude of {:g mm}", REFERENCE_AMPLITUDE_MM),
+            "look at the profile alone",
+        )
     return conicity

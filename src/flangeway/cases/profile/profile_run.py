@@ -31,6 +31,7 @@ from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
+from flangeway.units import sentence
 
 FRAMES = {
     "top": "x = 0 in the middle of the head, away from the track's middle; y = 0 at the top of the rail, up",
@@ -131,7 +132,7 @@ def _worn_more_at(run: ProfileRun) -> str | None:
     face, side = only_face(points), worn_side(points)
     if face is not None:
         return f"not seen: only the face of the {face} is measured"
-    return "neither" if side is None else f"{side.name}, by {side.more_mm:.2f} mm ({side.measure})"
+    return "neither" if side is None else sentence("{}, by {:.2f mm} ({})", side.name, side.more_mm, side.measure)
 
 
 MEASURES: Quantities[ProfileRun] = tuple(
@@ -222,7 +223,7 @@ def _as_cases_see_it(profile: MeasuredProfile, name: str) -> tuple[str, ...]:
         body = with_body(profile, name, profile.kind)
         RigidCurve.from_contour(body.running_surface)
     except InputError as reason:
-        return (f"Cases refuse it: {reason.given}; allowed is {reason.allowed}; {reason.advice}.",)
+        return (sentence("Cases refuse it: {}; allowed is {}; {}.", reason.given, reason.allowed, reason.advice),)
     return tuple(notice for notice in body.notices if notice.startswith(("Beyond", "What lies below")))
 
 

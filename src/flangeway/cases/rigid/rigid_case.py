@@ -16,6 +16,7 @@ from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM
 from flangeway.railway.rigid.rigid_curve import MAX_YAW_RAD
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import RUNNING_CIRCLES_MM
+from flangeway.units import sentence
 
 
 class GeometryCase(WheelsetInputs):
@@ -67,15 +68,15 @@ GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "wheelset": ("S1002 on 60E1 at 1:40, standard gauge, as `flangeway run wheelset`", _main_inputs()),
     "wheelset-tangent": ("136RE and AAR-1B on straight, level track", {}),
     "wheelset-curve": (
-        "136RE and AAR-1B in a curve of 400 m at 70 km/h, superelevation 3 cm",
+        sentence("136RE and AAR-1B in a curve of {400 m} at {70 km/h}, superelevation {3 cm}"),
         {"lateral_force_kN": 28.4, "superelevation_mm": 30.0, "maximum_lateral_mm": 9.9},
     ),
     "s1002-60e1": (
-        "S1002 on 60E1 at 1:40, gauge 1435 mm, back-to-back 1360 mm, rolling radius 460 mm",
+        sentence("S1002 on 60E1 at 1:40, gauge {1435 mm}, back-to-back {1360 mm}, rolling radius {460 mm}"),
         _STANDARD | {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0},
     ),
     "en15302": (
-        "benchmark of EN 15302: R-519-A on S-519-A at 1:20, gauge 1435.16 mm, diameter 920 mm",
+        sentence("benchmark of EN 15302: R-519-A on S-519-A at 1:20, gauge {1435.16 mm}, diameter {920 mm}"),
         _STANDARD
         | {
             "rail": "S-519-A",

@@ -39,6 +39,7 @@ from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
 from flangeway.types import Floats
+from flangeway.units import assigned, joined, sentence
 
 STEP_MM = 0.1
 FIRST_MM = 0.5
@@ -81,7 +82,7 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
     try:
         middle = difference.centred_mm
     except InputError as error:
-        return Conicities(none, none, none, (f"no equivalent conicity: {error.given}",))
+        return Conicities(none, none, none, ("no equivalent conicity: " + error.given,))
     room = min(middle - float(difference.lateral_mm[0]), float(difference.lateral_mm[-1]) - middle)
     maximum = room if maximum_mm is None else min(maximum_mm, room)
     amplitudes = np.arange(round(FIRST_MM / STEP_MM), math.floor(maximum / STEP_MM + 1e-9) + 1.0) * STEP_MM
@@ -90,13 +91,18 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
     notices = []
     reached = float(amplitudes[-1]) if len(amplitudes) else 0.0
     if maximum_mm is not None and reached < math.floor(maximum_mm / STEP_MM + 1e-9) * STEP_MM - 1e-6:
-        notices.append(f"conicity only up to an amplitude of {reached:.1f} mm")
+        notices.append(sentence("conicity only up to an amplitude of {:.1f mm}", reached))
     integration = equivalent_conicity(difference, amplitudes) if len(amplitudes) else none
     pushed = amplitudes[np.isnan(integration)]
     if len(pushed):
         notices.append(
-            f"no equivalent conicity by integration at {len(pushed)} amplitudes from {pushed[0]:.1f} to "
-            f"{pushed[-1]:.1f} mm: the rolling radius difference pushes the wheelset away from the middle"
+            sentence(
+                "no equivalent conicity by integration at {} amplitudes from {:.1f (mm)} to "
+                "{:.1f mm}: the rolling radius difference pushes the wheelset away from the middle",
+                len(pushed),
+                pushed[0],
+                pushed[-1],
+            )
         )
     regression = conicity_by_regression(difference, amplitudes) if len(amplitudes) else none
     return Conicities(amplitudes, integration, regression, tuple(notices))
@@ -191,7 +197,7 @@ POSITION_QUANTITIES: Quantities[RigidPosition] = (
 CONICITY_QUANTITIES: Quantities["GeometryRun | ConicityRun"] = (
     Quantity(
         "conicity_integration",
-        f"equivalent conicity at {REFERENCE_AMPLITUDE_MM:g} mm",
+        sentence("equivalent conicity at {:g mm}", REFERENCE_AMPLITUDE_MM),
         lambda run: (run.conicities.at_reference() or {}).get("integration"),
         form=".4f",
     ),
@@ -263,8 +269,13 @@ def run_geometry(
     locus = whole.part(slice(first, last + 1))
     if min(-locus.lateral_mm[0], locus.lateral_mm[-1]) < wanted - 0.5 * case.step_mm:
         remarks.append(
-            f"the scan of {case.maximum_lateral_mm:g} mm stops at lateral displacements of {locus.lateral_mm[0]:.2f} "
-            f"and {locus.lateral_mm[-1]:.2f} mm: beyond, a flange climbs or a running surface ends"
+            sentence(
+                "the scan of {:g mm} stops at lateral displacements of {:.2f (mm)} "
+                "and {:.2f mm}: beyond, a flange climbs or a running surface ends",
+                case.maximum_lateral_mm,
+                locus.lateral_mm[0],
+                locus.lateral_mm[-1],
+            )
         )
     progress("locating contact jumps")
     jumps = geometry.jumps(float(np.abs(locus.lateral_mm).max())) if case.roll == "free" else ()
@@ -334,5 +345,5 @@ def _title(name: str, case: GeometryCase) -> str:
         return name
     title, changes = GEOMETRY_CASES[name]
     usual = GeometryCase.from_values(changes).model_dump()
-    changed = [f"{key} = {value}" for key, value in case.model_dump(exclude={"units"}).items() if value != usual[key]]
-    return f"{title}; changed: {', '.join(changed)}" if changed else title
+    changed = [assigned(key, value) for key, value in case.model_dump(exclude={"units"}).items() if value != usual[key]]
+    return title + "; changed: " + joined(", ", changed) if changed else title

@@ -8,6 +8,7 @@ from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
 from flangeway.system.file_content import number_table
 from flangeway.types import Floats, Ints
+from flangeway.units import sentence
 
 COLUMNS = ("right_mm", "ahead_mm", "pressure_MPa")
 WANTED = f"a CSV file with the columns {', '.join(COLUMNS)}: middles of even cells, and mean pressures"
@@ -51,9 +52,9 @@ def _on_grid(path: Path, name: str, values: Floats) -> tuple[Ints, Floats]:
 
 
 def _uneven(path: Path, name: str, different: Floats) -> InputError:
-    steps = f" in steps from {np.diff(different).min():g} mm" if len(different) > 1 else ""
+    steps = sentence(" in steps from {:g mm}", np.diff(different).min()) if len(different) > 1 else ""
     return InputError(
-        f"{path}: {len(different)} different {name}{steps}",
+        sentence("{}: {} different {}{}", path, len(different), name, steps),
         f"places on a regular grid of 2 to {MAX_CELLS} cells",
         "interpolate them to even cells",
     )

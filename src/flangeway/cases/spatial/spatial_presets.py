@@ -7,6 +7,7 @@ from pydantic import Field
 from flangeway.cases.case import ElementOrder, PoissonRatio, Positive, PresetCase
 from flangeway.cases.spatial.spatial_case import SpatialCase
 from flangeway.errors import InputError
+from flangeway.units import sentence
 
 # ruff: noqa: N815 (units in names)
 
@@ -39,7 +40,9 @@ def _crowned(name: str, width: float, height: float, radius: float, *, up: bool)
     half, sign = width / 2.0, 1.0 if up else -1.0
     if radius < 0.51 * width:
         raise InputError(
-            f"a crown radius of {radius:g} mm on a width of {width:g} mm", "more than half the width", "make it larger"
+            sentence("a crown radius of {:g mm} on a width of {:g mm}", radius, width),
+            "more than half the width",
+            "make it larger",
         )
     drop = sign * ((radius**2 - half**2) ** 0.5 - radius)
     ends = [[half * sign, drop], [-half * sign, drop]]
@@ -118,8 +121,8 @@ class RollerCase(SpatialPreset):
         """
         if self.race == "outer" and self.race_radius_mm <= self.roller_radius_mm:
             raise InputError(
-                f"race_radius_mm = {self.race_radius_mm:g} of an outer race",
-                f"more than roller_radius_mm = {self.roller_radius_mm:g}",
+                sentence("{race_radius_mm = :g} of an outer race", self.race_radius_mm),
+                sentence("more than {roller_radius_mm = :g}", self.roller_radius_mm),
                 "make the race larger",
             )
         ring = _flat("race", self.roller_length_mm, self.ring_mm, up=True)

@@ -34,6 +34,7 @@ from flangeway.railway.profiles.profile_file import (
 from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.railway.track.placements import Side, Track, Wheelset
 from flangeway.system.file_content import is_file
+from flangeway.units import sentence, with_texts
 
 READ_AS_IT_IS = ReadOptions()
 USUAL_BODIES: dict[Kind, tuple[str, ...]] = {"rail": ("136RE", "60E1"), "wheel": WHEELS}
@@ -126,16 +127,20 @@ def with_body(
         if others:
             advice = f"is it the profile of another {kind}? Give {kind}_body = {' or '.join(others)}"
         given, allowed = (_as_keys(text, key) for text in (reason.given, reason.allowed))
-        raise InputError(f"{key} = {name}: {given}", allowed, advice) from reason
+        raise InputError(f"{key} = {name}: " + given, allowed, advice) from reason
 
 
 def _as_keys(text: str, key: str) -> str:
     """Return a text that names options of ``flangeway profile`` with the keys that do the same in a case."""
-    text = re.sub(r"--unit (mm|cm|m|in|ft)\b", rf"{key}_unit = \1", text)
-    text = text.replace("--no-mirror", f"{key}_mirror = false")
-    for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
-        text = re.sub(rf"--{option}\b", f"{key}_{name}", text)
-    return re.sub(r"--position( in \w+)?", position_key(key), text)
+
+    def changed(part: str) -> str:
+        part = re.sub(r"--unit (mm|cm|m|in|ft)\b", rf"{key}_unit = \1", part)
+        part = part.replace("--no-mirror", f"{key}_mirror = false")
+        for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
+            part = re.sub(rf"--{option}\b", f"{key}_{name}", part)
+        return re.sub(r"--position( in \w+)?", position_key(key), part)
+
+    return with_texts(text, changed)
 
 
 def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProfile:
@@ -151,7 +156,7 @@ def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProf
         given, allowed, advice = (_as_keys(text, key) for text in (reason.given, reason.allowed, reason.advice))
         if "--" in f"{allowed} {advice}":
             advice += f": options of `flangeway profile {name}`, whose --to writes a file for {kind}"
-        raise InputError(f"{key} = {given}", allowed, advice) from reason
+        raise InputError(f"{key} = " + given, allowed, advice) from reason
     return replace(measured, notices=tuple(_as_keys(notice, key) for notice in measured.notices))
 
 
@@ -199,8 +204,8 @@ def profile_notes(track: Track, wheelset: Wheelset) -> list[str]:
     profiles: list[tuple[str, RailProfile | WheelProfile]] = [*wheels, *rails]
     notices = [(notice, profile.title) for _, profile in profiles for notice in profile.notices]
     return [
-        *(f"{word} {profile.title}. {profile.certainty}" for word, profile in profiles),
-        *(f"{notice} ({title})" for notice, title in notices if not notice.startswith((MIRRORED, FIELD_WORN))),
+        *(sentence("{} {}. {}", word, profile.title, profile.certainty) for word, profile in profiles),
+        *(notice + f" ({title})" for notice, title in notices if not notice.startswith((MIRRORED, FIELD_WORN))),
     ]
 
 

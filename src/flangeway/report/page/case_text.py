@@ -43,7 +43,7 @@ def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any
     }
     fields = shared | own
     if case.report_title:
-        fields |= {"title": case.report_title, "subtitle": f"{fields['title']}. {fields['subtitle']}"}
+        fields |= {"title": case.report_title, "subtitle": f"{fields['title']}. " + fields["subtitle"]}
     return Record(**fields)
 
 

@@ -4,7 +4,7 @@ from flangeway.cases import Convergence
 from flangeway.report.page.record import Again, Record
 from flangeway.report.page.tables import SummaryTable
 from flangeway.results import ResultTable
-from flangeway.units import shown
+from flangeway.units import joined, sentence, shown, unit_in, with_unit
 
 SUMMARY = "converge.json"
 
@@ -13,20 +13,26 @@ def convergence_record(name: str, convergence: Convergence, command: str) -> Rec
     """Return how much each number of a case changes when its sizes are halved."""
     case, runs = convergence.case, convergence.runs
     stopped = [run.status.message for run in runs if not run.status.converged]
-    sizes = ", ".join(f"{key} {a:g} and {b:g}" for key, (a, b) in convergence.sizes.items())
+    sizes = joined(
+        ", ",
+        (
+            sentence("{} {} and {}", key, *(with_unit(size, f"({unit_in(key)})") for size in both))
+            for key, both in convergence.sizes.items()
+        ),
+    )
     parts = ("given sizes", "half of the sizes")
     return Record(
         name=name,
         title=f"{case.report_title or case.name}: the sizes halved",
-        subtitle=f"Two runs: {sizes}",
+        subtitle="Two runs: " + sizes,
         converged=convergence.converged,
-        message="; ".join(stopped),
+        message=joined("; ", stopped),
         results=_changes(convergence),
         summary=convergence.to_json(),
         summary_file=SUMMARY,
         again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
         units=case.units,
-        warnings=[f"{part}: {text}" for part, run in zip(parts, runs, strict=True) for text in case.warnings_of(run)],
+        warnings=[f"{part}: " + text for part, run in zip(parts, runs, strict=True) for text in case.warnings_of(run)],
         timings_s={part: sum(run.summary["timings_s"].values()) for part, run in zip(parts, runs, strict=True)},
     )
 

@@ -22,7 +22,7 @@ from flangeway.report.figures.drawing import (
     units_of,
 )
 from flangeway.types import Floats
-from flangeway.units import Units
+from flangeway.units import Units, in_us_units
 
 STYLES: dict[Side, str] = {"left": "--", "right": "-"}
 LIFT_MM = 12.0  # distance at which the wheels are drawn above the rails, so that lines join the points of contact
@@ -90,7 +90,7 @@ def conicity_figure(run: GeometryRun | ConicityRun, units: Units = "metric") -> 
     """Draw the equivalent conicity over the amplitude by both methods."""
     figure, ((axes,),) = panels(6.4, 4.4, units=units)
     figure.suptitle(f"Equivalent conicity: {run.summary['case']}", fontsize=10)
-    conicity = run.conicities
+    conicity, notices = run.conicities, run.summary["notices"]
     axes.plot(conicity.amplitudes_mm, conicity.integration, color=INK, lw=1.5, label="integration of the motion")
     axes.plot(conicity.amplitudes_mm, conicity.regression, "--", color=GREY, lw=1.2, label="linear regression")
     axes.set_ylim(bottom=0.0)
@@ -98,7 +98,14 @@ def conicity_figure(run: GeometryRun | ConicityRun, units: Units = "metric") -> 
     if len(conicity.amplitudes_mm):
         axes.legend(frameon=False, fontsize=8)
     else:
-        axes.text(0.5, 0.5, "\n".join(run.summary["notices"]), transform=axes.transAxes, ha="center", wrap=True)
+        axes.text(
+            0.5,
+            0.5,
+            "\n".join(map(in_us_units, notices) if units == "us" else notices),
+            transform=axes.transAxes,
+            ha="center",
+            wrap=True,
+        )
     return figure
 
 

@@ -17,7 +17,7 @@ from flangeway.report.page.case_text import input_rows
 from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, rows_of, table_across, table_of, with_whole
 from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure, pairs_figure
-from flangeway.units import Units
+from flangeway.units import Units, sentence
 
 TABLE, CONICITY, SUMMARY = "table.csv", "conicity.csv", "geometry.json"
 CONICITY_PICTURE = "conicity.png"
@@ -129,7 +129,7 @@ def conicity_record(run: ConicityRun, command: str, units: Units = "metric") -> 
         success="computed",
         message=f"at {len(run.conicities.amplitudes_mm)} amplitudes"
         if summary["equivalent_conicity"]
-        else "without a conicity at 3 mm, see the notes",
+        else sentence("without a conicity at {3 mm}, see the notes"),
         facts=_conicity_facts(run),
         results=table_across("Conicity", ("value",), [run], (middle, *CONICITY_QUANTITIES), units=units),
         pictures=[Picture(CONICITY_PICTURE, lambda: conicity_figure(run, units), f"{CONICITY_SHOWN}.")],
