@@ -126,7 +126,7 @@ class Measure:
 class Message(str):
     """A sentence whose numbers have units: as a text it is metric, `in_us_units` gives the other one.
 
-    ``+``, `joined` and `sentence` keep the numbers, all other operations on texts return the metric text alone.
+    ``+``, `joined_text` and `sentence` keep the numbers, all other operations on texts return the metric text alone.
     """
 
     parts: tuple[str | Measure, ...]
@@ -213,7 +213,7 @@ def _listed(value: Any, form: str, number_text: Callable[[float], str] | None = 
     return number_text(value) if number_text else format(value, form)
 
 
-def joined(separator: str, sentences: Iterable[str]) -> str:
+def joined_text(separator: str, sentences: Iterable[str]) -> str:
     """Return sentences as one, with a text between them."""
     return Message(part for number, each in enumerate(sentences) for part in (separator * (number > 0), *_parts(each)))
 

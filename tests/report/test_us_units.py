@@ -11,16 +11,15 @@ from matplotlib.text import Text
 from matplotlib.ticker import NullLocator
 
 from flangeway.cases import load_case
-from flangeway.cases.profile.profile_run import run_profile
-from flangeway.cases.rigid.rigid_case import find_geometry_case
-from flangeway.cases.rigid.rigid_run import run_geometry
+from flangeway.cases.profile_run import run_profile
+from flangeway.cases.rigid_run import find_geometry_case, run_geometry
 from flangeway.railway.profiles.bundled import wheel
 from flangeway.railway.profiles.formats.two_column import write_two_column
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import colour_bar, name_axes, new_figure, shade_of
 from flangeway.report.page.record import METRIC_FILES
-from flangeway.report.profile.profile_outputs import profile_record
-from flangeway.report.rigid.rigid_outputs import geometry_record
+from flangeway.report.profile_outputs import profile_record
+from flangeway.report.rigid_outputs import geometry_record
 from flangeway.results import ResultTable
 from flangeway.units import us_key, us_unit
 

@@ -17,7 +17,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.types import Floats
-from flangeway.units import joined, sentence, with_unit
+from flangeway.units import joined_text, sentence, with_unit
 
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
@@ -73,7 +73,7 @@ def usual_gauge(gauge_mm: float) -> UsualGauge:
         raise InputError(
             sentence("{gauge_mm = :g} without back_to_back_mm", gauge_mm),
             "gauge_mm and back_to_back_mm, or a gauge near "
-            + joined(", ", (with_unit(each.gauge_mm, "(mm)") for each in USUAL_GAUGES[:-1]))
+            + joined_text(", ", (with_unit(each.gauge_mm, "(mm)") for each in USUAL_GAUGES[:-1]))
             + sentence(", {:g mm}", USUAL_GAUGES[-1].gauge_mm),
             "give the distance between the wheels' inner faces as back_to_back_mm",
         )
@@ -282,7 +282,7 @@ def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
     given = sentence("{gauge_mm = :g} and {back_to_back_mm = :g} do not fit", track.gauge_mm, wheelset.back_to_back_mm)
     allowed, room = "wheels that stand on the heads of the rails, with their flanges between these", 0.0
     usual = [each for each in USUAL_GAUGES if abs(each.gauge_mm - track.gauge_mm) <= GAUGE_OFF_MM[1]]
-    advice = "check gauge_mm and back_to_back_mm" + joined(
+    advice = "check gauge_mm and back_to_back_mm" + joined_text(
         "",
         (
             sentence(

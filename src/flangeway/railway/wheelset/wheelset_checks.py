@@ -15,7 +15,7 @@ from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
-from flangeway.units import joined, sentence
+from flangeway.units import joined_text, sentence
 
 MAX_RESIDUAL = 1e-6  # difference of contact forces and load over the vertical load; the search stops below 1e-10
 
@@ -76,7 +76,7 @@ def checked(
         errors.append("displacements are not finite numbers")
     status = equilibrium.status
     if status.converged and errors:
-        status = Status(False, joined("; ", errors), status.iterations)
+        status = Status(False, joined_text("; ", errors), status.iterations)
     warnings = [*checks.warnings, *equilibrium.warnings(status, {patch.side for patch in patches})]
     if status.converged:
         warnings += _beyond_linear(model, displacements)
