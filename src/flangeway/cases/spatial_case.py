@@ -34,21 +34,19 @@ from flangeway.cases.patch_quantities import (
     ON_SURFACE,
 )
 from flangeway.cases.summary import RunResult
-from flangeway.contact.patch.contact_ellipse import ContactEllipse
-from flangeway.contact.patch.patch_body import Axis, PatchBody, cast, points_along
-from flangeway.contact.patch.patch_contact import PatchContact, press_patch
-from flangeway.contact.patch.patch_grid import PatchGrid, grid_about, grid_of
+from flangeway.contact.patch.patch_contact import ContactEllipse, PatchContact, press_patch
+from flangeway.contact.patch.patch_grid import Axis, PatchBody, PatchGrid, cast, grid_about, grid_of, points_along
 from flangeway.errors import InputError
 from flangeway.exact import PointContact
 from flangeway.geometry import Placement
 from flangeway.post.patch_stresses import DepthProfile, SectionStresses, depth_profile, patch_stresses
 from flangeway.problems import Elasticity, Foundation, Harmonic
 from flangeway.quantities import Quantities, Quantity, values
+from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
-from flangeway.units import sentence
 
 # --- Numbers of two bodies in contact in three dimensions.
 

@@ -33,10 +33,10 @@ from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, rectangle_g
 from flangeway.post import PressurePatch, displacements_at
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.quantities import Quantities, Quantity
+from flangeway.results import assigned, sentence
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Floats
-from flangeway.units import assigned, sentence
 
 # --- Published problems as presets of the general case: Hertz's contact, and the contact patch test.
 
