@@ -15,10 +15,9 @@ from pydantic import Field, create_model
 from flangeway.cases.case import GivenText, RunnableCase, Table, require_known
 from flangeway.cases.case_file import CASE_FILES, bodies_key, case_content, hash_of, is_case_file, read_case, resolved
 from flangeway.errors import InputError, located, short
-from flangeway.system.file_content import csv_table, path_of
-from flangeway.system.toml_file import TomlFile, TomlKind
-from flangeway.system.versions import versions
-from flangeway.units import Units, us_key
+from flangeway.results import Units, us_key
+from flangeway.system.file_content import TomlFile, TomlKind, csv_table, path_of
+from flangeway.system.output_folder import versions
 
 # --- Values of the inputs that vary: lists, ranges, and tables in CSV.
 
@@ -389,7 +388,7 @@ class _CampaignText(TomlFile):
             if key in varied and key not in flattened(self.data.get("vary", {})):
                 place = f"{self.file}, table: "
             row = f"row {number}: " if key in varied else ""
-            raise InputError(f"{place}{row}{reason.given}", reason.allowed, reason.advice) from reason
+            raise InputError(place + row + reason.given, reason.allowed, reason.advice) from reason
 
     def _check(self, rows: list[Row]) -> None:
         """Check more than single values: whole cases once for all rows of the same bodies, loads of each."""

@@ -1,5 +1,6 @@
 """Run a campaign: distribute the rows that are not done, compute them in chunks, and store their results."""
 
+import re
 import threading
 import time
 from collections import Counter, deque
@@ -13,8 +14,9 @@ from flangeway.campaign.database import WAITING, CampaignDatabase, RowResult, ro
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.case_file import MAX_PREPARED
 from flangeway.errors import FlangewayError, InputError, MissingLibraryError, unforeseen
-from flangeway.system.latest_values import LatestValues
-from flangeway.system.versions import versions
+from flangeway.results import joined_text, with_texts
+from flangeway.system.disk_cache import LatestValues
+from flangeway.system.output_folder import versions
 from flangeway.system.workers import ClusterWorkers, LocalWorkers, Workers, computed, n_processes
 
 # --- Rows that one worker computes together.
@@ -81,7 +83,8 @@ def _row(case: RunnableCase, bodies: Any) -> RowResult:
 
 
 def _failed(reason: Exception, seconds: float) -> RowResult:
-    reported = "; ".join(line.strip() for line in str(reason).splitlines())
+    lines = reason.lines if isinstance(reason, InputError) else str(reason).splitlines()
+    reported = with_texts(joined_text("\n", lines), lambda text: re.sub(r"\s*\n\s*", "; ", text))
     return RowResult("failed", reported if isinstance(reason, FlangewayError) else unforeseen(reason), seconds=seconds)
 
 

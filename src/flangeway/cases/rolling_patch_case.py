@@ -32,17 +32,16 @@ from flangeway.cases.patch_quantities import (
 )
 from flangeway.cases.summary import RunResult
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import creep_curve, roll
+from flangeway.contact.rolling.fast_theories import FAST, WITH_TRACTIONS, Theory
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.contact.rolling.theories import FAST, WITH_TRACTIONS, Theory
+from flangeway.contact.rolling.rolling_contact import Creepages, CreepForces, Rolling, RollingContact
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantities, Quantity, values
+from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.file_content import number_table
 from flangeway.types import Floats, Ints
@@ -92,9 +91,9 @@ def _on_grid(path: Path, name: str, values: Floats) -> tuple[Ints, Floats]:
 
 
 def _uneven(path: Path, name: str, different: Floats) -> InputError:
-    steps = f" in steps from {np.diff(different).min():g} mm" if len(different) > 1 else ""
+    steps = sentence(" in steps from {:g mm}", np.diff(different).min()) if len(different) > 1 else ""
     return InputError(
-        f"{path}: {len(different)} different {name}{steps}",
+        sentence("{}: {} different {}{}", path, len(different), name, steps),
         f"places on a regular grid of 2 to {MAX_CELLS} cells",
         "interpolate them to even cells",
     )
@@ -158,7 +157,7 @@ class RollingPatchRun(RunResult):
 
     @property
     def residuals(self) -> dict[str, float]:
-        """See `flangeway.contact.rolling.rolling_result.Rolling.residuals`; none of the fast theories."""
+        """See `flangeway.contact.rolling.rolling_contact.Rolling.residuals`; none of the fast theories."""
         forces = self.state.forces
         return forces.residuals if isinstance(forces, Rolling) else {}
 

@@ -23,7 +23,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline, Placement
 from flangeway.geometry.arrays import chain_lengths
 from flangeway.quantities import Quantity, columns, measured, values
-from flangeway.railway.profiles.formats.raw_profile import KINDS, Kind
+from flangeway.railway.profiles.formats.two_column import KINDS, Kind
 from flangeway.railway.profiles.joining import Joined, joined
 from flangeway.report.figures.drawing import (
     GREY,
@@ -36,9 +36,9 @@ from flangeway.report.figures.drawing import (
     units_of,
 )
 from flangeway.report.page.record import Again, Picture, Record, SummaryTable, table_across, table_of
+from flangeway.results import Units, in_us_units
 from flangeway.system.output_folder import refuse_unwritable
 from flangeway.types import Floats
-from flangeway.units import Units, in_us_units
 
 # --- Pictures of a profile: its shape with measured points, curvature and deviation along it, and its joints to a body.
 
@@ -254,7 +254,7 @@ def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Re
         units=units,
         notes=[
             *run.notices,
-            *(f"{key.capitalize()}: {summary[key]}" for key in ("certainty", "source") if summary[key]),
+            *(f"{key.capitalize()}: " + summary[key] for key in ("certainty", "source") if summary[key]),
         ],
         pictures=pictures,
     )
@@ -291,7 +291,7 @@ def _notes(runs: Sequence[ProfileRun]) -> list[str]:
         for notice in run.notices:
             by_notice.setdefault(notice, []).append(run.profile.title)
     return [
-        notice if len(titles) == len(runs) else f"{notice} ({', '.join(titles)})"
+        notice if len(titles) == len(runs) else notice + f" ({', '.join(titles)})"
         for notice, titles in by_notice.items()
     ]
 
@@ -317,7 +317,7 @@ def folder_record(folder: ProfileFolder, name: str, command: str, units: Units =
     for row in rows:
         files.setdefault(row.notices, []).append(row.file)
     notices = [
-        ("\n".join(names), in_us_units(" ".join(of_files)) if units == "us" else " ".join(of_files))
+        ("\n".join(names), " ".join(map(in_us_units, of_files) if units == "us" else of_files))
         for of_files, names in files.items()
         if of_files
     ]

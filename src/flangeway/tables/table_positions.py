@@ -19,6 +19,7 @@ from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
+from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache, cached
 from flangeway.tables import creep_sampling
@@ -111,7 +112,7 @@ def _computed(task: PositionTask) -> Arrays:
 def _refused(task: PositionTask, status: Status) -> InputError:
     lateral, yaw, load = task.position
     return InputError(
-        f"lateral_mm = {lateral:g}, yaw_mrad = {yaw:g}, load_kN = {load:g}: {status.message}",
+        sentence("{lateral_mm = :g}, yaw_mrad = {:g}, {load_kN = :g}: {}", lateral, yaw, load, status.message),
         "positions at which both wheels are in contact",
         "give a smaller range",
     )

@@ -14,16 +14,23 @@ import numpy as np
 from flangeway.checks import check_between, check_positive
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import Collective, SurfaceKey
-from flangeway.railway.damage.profile_limits import LIMITS, check_limits, reached, worn_measures
-from flangeway.railway.damage.surface_wear import PatchDamage, patch_damage, row_wear
-from flangeway.railway.damage.wear_laws import WearLaw
-from flangeway.railway.damage.worn_surface import FILTER_MM, SPACING_MM, WornSurface
-from flangeway.railway.track.discretisation import Role
+from flangeway.railway.damage.wear_laws import PatchDamage, WearLaw, patch_damage, row_wear
+from flangeway.railway.damage.worn_surface import (
+    FILTER_MM,
+    LIMITS,
+    SPACING_MM,
+    WornSurface,
+    check_limits,
+    reached,
+    worn_measures,
+)
+from flangeway.railway.track.wheelset_problem import Role
 from flangeway.railway.wheelset.running_surfaces import ElasticBodies, running_surfaces
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
+from flangeway.results import sentence, with_unit
 from flangeway.system.disk_cache import Cache
-from flangeway.system.versions import versions
+from flangeway.system.output_folder import versions
 from flangeway.types import Floats
 
 MM_PER_KM = 1e6
@@ -57,7 +64,7 @@ class EvolutionSettings:
     spacing_mm
         Length of the pieces of the surfaces.
     limits
-        Of `flangeway.railway.damage.profile_limits.LIMITS`: the evolution ends where one is reached.
+        Of `flangeway.railway.damage.worn_surface.LIMITS`: the evolution ends where one is reached.
 
     Raises
     ------
@@ -119,7 +126,7 @@ class EvolutionStep:
     @property
     def unconverged(self) -> tuple[str, ...]:
         """Names of the states without equilibrium."""
-        return tuple(f"{each.name}: {each.message}" for each in self.states if each.message)
+        return tuple(f"{each.name}: " + each.message for each in self.states if each.message)
 
     @property
     def row(self) -> dict[str, float]:
@@ -186,7 +193,7 @@ class Evolution:
         if len(self.laws) == 2 and self.settings.axles_per_km is None:
             raise InputError(
                 "wear of wheels and rails without axles_per_km",
-                "axles that pass a point of the rails while a wheel runs 1 km",
+                sentence("axles that pass a point of the rails while a wheel runs {1 km}"),
                 "give axles_per_km, or let one of them wear",
             )
         for name in self.settings.limits:
@@ -274,7 +281,7 @@ class Evolution:
             error = max(0.5 * way * float(np.abs(there.rates[key] - last.rates[key]).max()) for key in last.rates)
             if error <= settings.max_error_mm:
                 break
-            progress(f"an error of {error:.2g} mm is estimated: a shorter step")
+            progress(sentence("an error of {:.2g mm} is estimated: a shorter step", error))
             way *= self._stretch(error)
         half = 0.5 * way
         surfaces = {
@@ -345,7 +352,12 @@ class Evolution:
                     damage_rates[key] += unit * wear.damage * surface.deposited(wear.ends, widths * passes)
         if not solved:
             raise InputError(
-                f"no state in equilibrium at {position:.4g} {self.unit}, {states[0].name}: {states[0].message}",
+                sentence(
+                    "no state in equilibrium at {}, {}: {}",
+                    with_unit(position, self.unit, ".4g"),
+                    states[0].name,
+                    states[0].message,
+                ),
                 "states that converge",
                 "run the states as cases of their own",
             )

@@ -7,14 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
-from flangeway.contact.rolling.rolling_result import Rolling
+from flangeway.contact.rolling.rolling_contact import Rolling
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE, shakedown_state
 from flangeway.post.patch_stresses import StressField
-from flangeway.railway.profiles.measures import flange_angle_rad
+from flangeway.railway.profiles.orientation import flange_angle_rad
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
-from flangeway.railway.rigid.elastic_start import CLIMBED_MM
-from flangeway.railway.track.discretisation import ROLES, Role
+from flangeway.railway.rigid.rigid_equilibrium import CLIMBED_MM
 from flangeway.railway.track.placements import (
     RUNNING_CIRCLES_MM,
     SIDE_SIGN,
@@ -23,17 +22,17 @@ from flangeway.railway.track.placements import (
     WheelsetPosition,
     lateral_over_vertical,
 )
-from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
-from flangeway.railway.wheelset.rail_along_track import LoadedRail, RailAlongTrack, rails_along_track
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rows_of, strips_of
 from flangeway.railway.wheelset.running_surfaces import SpatialModel, running_surfaces
 from flangeway.railway.wheelset.side_contact import SideState, tangents_of
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
-from flangeway.railway.wheelset.supported_rail import supported_rail
+from flangeway.railway.wheelset.supported_rail import LoadedRail, RailAlongTrack, rails_along_track, supported_rail
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.railway.wheelset.wheelset_checks import yield_strength
 from flangeway.railway.wheelset.wheelset_newton import SpatialState
+from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
@@ -252,19 +251,21 @@ def solve_position(
     rise = wheelset.rise(position)
     hangs = not status.converged and not all(each.forces.any() for each in equilibrium.state.sides.values())
     if (rise > CLIMBED_MM and status.converged) or (lateral is not None and (rise > CLIMBED_MM or hangs)):
-        reason = f"derailed, at {position.lateral_mm:.1f} mm "
+        reason = sentence("derailed, at {:.1f mm} ", position.lateral_mm)
         reason += (
             "a wheel is in the air"
             if hangs
-            else f"the axle is {rise:.1f} mm higher than in the middle of the track, a flange on its rail"
+            else sentence("the axle is {:.1f mm} higher than in the middle of the track, a flange on its rail", rise)
         )
         if lateral is not None:
             raise InputError(
-                f"lateral_mm = {lateral:g}: {reason}",
-                f"a position at which no flange climbs, rigid ones up to {wheelset.start.motion.lateral_mm:.1f} mm",
+                sentence("{lateral_mm = :g}: {}", lateral, reason),
+                sentence(
+                    "a position at which no flange climbs, rigid ones up to {:.1f mm}", wheelset.start.motion.lateral_mm
+                ),
                 "give a smaller lateral_mm",
             )
-        status = Status(False, f"{reason}; check what is prescribed and the load", status.iterations)
+        status = Status(False, reason + "; check what is prescribed and the load", status.iterations)
     warnings += [
         f"{patch.side} side, {patch.region}: the patch is no ellipse; its semi-axes are those of its second moments"
         for patch in patches

@@ -22,6 +22,7 @@ from flangeway.railway.wheelset.equilibrium import (
 from flangeway.railway.wheelset.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep, patches_of
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose
 from flangeway.railway.wheelset.side_newton import CreepSlopes, SideNewton, interpolated, transferred, transferred_creep
+from flangeway.results import joined_text
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -57,7 +58,7 @@ class SpatialState:
         each = [state.status for state in self.sides.values()]
         return Status(
             all(one.converged for one in each),
-            "; ".join(one.message for one in each),
+            joined_text("; ", (one.message for one in each)),
             sum(one.iterations for one in each),
         )
 

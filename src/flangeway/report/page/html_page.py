@@ -23,11 +23,10 @@ from flangeway.quantities import measured
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.record import REPORT, Again, Picture, Record, SummaryTable, timings_table
 from flangeway.report.viewer import field_viewer
-from flangeway.results import ResultTable
+from flangeway.results import ResultTable, Units, in_us_units, joined_text, sentence, shown, unit_in, us_key, with_unit
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 from flangeway.system.templates import templates
 from flangeway.system.workbook import csv_tables, write_workbook
-from flangeway.units import Units, in_us_units, shown, unit_in, us_key
 
 # --- What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables.
 
@@ -59,7 +58,7 @@ def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any
     }
     fields = shared | own
     if case.report_title:
-        fields |= {"title": case.report_title, "subtitle": f"{fields['title']}. {fields['subtitle']}"}
+        fields |= {"title": case.report_title, "subtitle": f"{fields['title']}. " + fields["subtitle"]}
     return Record(**fields)
 
 
@@ -286,20 +285,26 @@ def convergence_record(name: str, convergence: Convergence, command: str) -> Rec
     """Return how much each number of a case changes when its sizes are halved."""
     case, runs = convergence.case, convergence.runs
     stopped = [run.status.message for run in runs if not run.status.converged]
-    sizes = ", ".join(f"{key} {a:g} and {b:g}" for key, (a, b) in convergence.sizes.items())
+    sizes = joined_text(
+        ", ",
+        (
+            sentence("{} {} and {}", key, *(with_unit(size, f"({unit_in(key)})") for size in both))
+            for key, both in convergence.sizes.items()
+        ),
+    )
     parts = ("given sizes", "half of the sizes")
     return Record(
         name=name,
         title=f"{case.report_title or case.name}: the sizes halved",
-        subtitle=f"Two runs: {sizes}",
+        subtitle="Two runs: " + sizes,
         converged=convergence.converged,
-        message="; ".join(stopped),
+        message=joined_text("; ", stopped),
         results=_changes(convergence),
         summary=convergence.to_json(),
         summary_file=SUMMARY,
         again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
         units=case.units,
-        warnings=[f"{part}: {text}" for part, run in zip(parts, runs, strict=True) for text in case.warnings_of(run)],
+        warnings=[f"{part}: " + text for part, run in zip(parts, runs, strict=True) for text in case.warnings_of(run)],
         timings_s={part: sum(run.summary["timings_s"].values()) for part, run in zip(parts, runs, strict=True)},
     )
 
