@@ -188,8 +188,9 @@ def test_wrong_handles_are_refused() -> None:
     for wrong in (
         {"pivot": (0.0, 0.0, 0.0)}, {"load": (0.0, 1.0)}, {"directions": [(2.0, 0.0)]}, {"load_point": (np.nan, 0.0)},
         {"directions": np.zeros((0, 2)), "turns": False}, {"stiffness": -np.eye(3)}, {"stiffness": np.eye(2)},
+        {"directions": [(1.0, 0.0), (1.0, 0.0)]}, {"turns": None}, {"soft_motions": "held"}, {"parts": high},
     ):  # fmt: skip
         with pytest.raises(InputError):
-            Handle((high,), **({"pivot": pivot} | wrong))
+            Handle(**({"parts": (high,), "pivot": pivot} | wrong))
     with pytest.raises(InputError, match="parts"):
         Handle((high, high), pivot)

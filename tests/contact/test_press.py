@@ -22,6 +22,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.post import pressure_patches
+from flangeway.problems import Part
 from flangeway.solve import StepSettings
 
 PAIRINGS = [NodeToSegment(), SegmentToSegment(), SegmentToSegment(weighting="dual")]
@@ -135,6 +136,23 @@ def in_plane_stress(surface: Surface) -> Surface:
             "a Placement by its Part",
         ),
         (lambda s, p: Contact(s, in_plane_stress(p), NodeToSegment(), Multiplier()), "both in plane strain"),
+        (lambda s, p: press_parts(Contact(s, p, NodeToSegment(), Multiplier()), {}), "a list of at least one Contact"),
+        (lambda s, p: press_parts([Contact(s, p, NodeToSegment(), Multiplier())], None), "a path of at least one"),
+        (
+            lambda s, p: press_parts([Contact(s, p, NodeToSegment(), Multiplier())], {}, loads=[(0.0, 1.0, 0.0)]),
+            "a dictionary by part",
+        ),
+        (
+            lambda s, p: press_parts([Contact(s, p, NodeToSegment(), Multiplier())], {}, response=SegmentToSegment()),
+            "an earlier press",
+        ),
+        (lambda s, _p: Surface(s.part.body, s.edges), "a Part"),
+        (lambda s, _p: Surface(s.part, s.edges, curve="rim"), "an Outline"),
+        (lambda s, _p: Part("block", s.part.body, 3.0), r"Placement\(...\)"),
+        (lambda _s, _p: Part("block", None), "Body"),
+        (lambda s, _p: replace(s.part.body, held=["top"]), "the name of an edge set"),
+        (lambda s, _p: replace(s.part.body, material="steel"), "a material"),
+        (lambda s, _p: replace(s.part.body, springs=None), "a list of Spring"),
     ],
 )
 def test_what_makes_no_sense_is_refused_by_name(press, make, message: str) -> None:

@@ -299,11 +299,11 @@ def press(
         handle move differently, there are not as many step sizes as motions, or the path is unknown.
 
     """
-    system, on_bodies = ContactSystem(contacts), body_loads or {}
-    motions = [motion] if isinstance(motion, Mapping) else list(motion)
-    _refuse_bad_inputs(system, motions, loads or {}, on_bodies, handles)
+    system, loads, on_bodies = ContactSystem(contacts), loads or {}, body_loads or {}
+    motions = [motion] if isinstance(motion, Mapping) else motion
+    _refuse_bad_inputs(system, motions, loads, on_bodies, handles)
     handle_of = {part: handle for handle in handles for part in handle.parts}
-    handle_of |= {part: alone for part in system.parts if (alone := _handle_of(part, (loads or {}).get(part)))}
+    handle_of |= {part: alone for part in system.parts if (alone := _handle_of(part, loads.get(part)))}
 
     def handles_at(placements: Sequence[Placement], share: float) -> list[Handle | None]:
         """Handle of each part at placements, with a share of its load."""
@@ -314,6 +314,8 @@ def press(
     settings_of = _step_settings(system, len(motions), steps)
     if not isinstance(settings, NewtonSettings | None):
         raise refused("press", "settings", settings, "NewtonSettings(...)", "leave it out")
+    if not isinstance(response, BodyResponse | None):
+        raise refused("press", "response", response, "that of an earlier press of the same contacts", "leave it out")
     path = _usual_path(system, floating=bool(handle_of)) if path is None else path
     if not isinstance(path, str) or path not in PATHS:
         raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
@@ -425,6 +427,9 @@ def _refuse_bad_inputs(
     body_loads: Mapping[Part, Sequence[BodyLoad]],
     handles: Sequence[Handle],
 ) -> None:
+    for name, given in (("loads", loads), ("body_loads", body_loads)):
+        if not isinstance(given, Mapping):
+            raise refused("press", name, given, "a dictionary by part", f"write {name}={{part: ...}}")
     _refuse_bad_motions(system, motions)
     _refuse_bad_loads(system, motions, loads)
     for part, items in body_loads.items():
@@ -445,7 +450,7 @@ def _refuse_without_contact(system: ContactSystem, part: Part, what: str) -> Non
 
 
 def _refuse_bad_motions(system: ContactSystem, motions: Sequence[Mapping[Part, Placement]]) -> None:
-    if not motions or not all(isinstance(each, Mapping) for each in motions):
+    if not isinstance(motions, Sequence) or not motions or not all(isinstance(each, Mapping) for each in motions):
         raise InputError(
             f"press(motion={short(motions)})",
             "a motion {part: Placement(...)}, or a path of at least one",

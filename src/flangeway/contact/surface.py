@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_kind
 from flangeway.contact.kinematics import as_complex, as_vectors
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
@@ -94,6 +95,8 @@ class Surface:
     nodes_only: bool = False
 
     def __post_init__(self) -> None:
+        check_kind("Surface", "part", self.part, Part, "a Part", "write Part(name, body)")
+        check_kind("Surface", "curve", self.curve, Contour | None, "an Outline or Polyline", "leave it out")
         edges = np.asarray(self.edges)
         if edges.ndim != 2 or edges.shape[1:] != (2,) or len(edges) == 0 or edges.dtype.kind not in "iu":
             raise InputError(

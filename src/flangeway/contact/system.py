@@ -404,8 +404,8 @@ class ContactSystem:
     """
 
     def __init__(self, contacts: Sequence[Contact]) -> None:
-        if not contacts:
-            raise InputError("no contact", "at least one", "pair two surfaces with Contact(...)")
+        if not isinstance(contacts, Sequence) or not contacts or not all(isinstance(c, Contact) for c in contacts):
+            raise InputError(f"contacts={short(contacts)}", "a list of at least one Contact(...)", "write [contact]")
         self.contacts = tuple(contacts)
         for first, second in itertools.combinations(self.contacts, 2):
             _refuse_twice(first, second)

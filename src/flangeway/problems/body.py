@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from flangeway.checks import check_positive
+from flangeway.checks import check_kind, check_positive
 from flangeway.elements import Element
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
@@ -73,9 +73,13 @@ class Body(LinearBody):
     def __post_init__(self) -> None:
         check_positive("Body", "thickness", self.thickness, "a positive length", "take 1 for forces per length")
         self._check_held()
+        for each in self.material.values() if isinstance(self.material, Mapping) else (self.material,):
+            check_kind("Body", "material", each, Material, "a material, or one by each cell set", "write Elastic(...)")
+        if not isinstance(self.springs, Sequence) or not all(isinstance(each, Spring) for each in self.springs):
+            raise InputError(
+                f"Body {self.name!r} springs={short(self.springs)}", "a list of Spring(...)", "make each one"
+            )
         object.__setattr__(self, "springs", tuple(self.springs))
-        if not all(isinstance(each, Spring) for each in self.springs):
-            raise InputError(f"Body {self.name!r} springs={short(self.springs)}", "items Spring(...)", "make each one")
         if self.axisymmetric and self.thickness != 1.0:
             raise InputError(
                 f"body {self.name!r} of revolution with the thickness {self.thickness:g}",
@@ -84,11 +88,11 @@ class Body(LinearBody):
             )
 
     def _check_held(self) -> None:
-        if self.held is not None and not self.supports:
+        if self.held is not None and (not isinstance(self.held, str | Mapping) or not self.held):
             raise InputError(
                 f"Body {self.name!r} held={self.held!r}",
-                "at least one edge set or point, or None",
-                "name what is held, or leave held out for a body that contact alone holds",
+                "the name of an edge set, components by at least one edge set or point, or None",
+                "write 'base' or {'base': 'y', (0.0, 1.0): 'x'}, or leave held out for a body that contact alone holds",
             )
         for where, components in self.supports.items():
             if components not in get_args(Components):
@@ -309,6 +313,10 @@ class Part:
     placement: Placement = field(default_factory=Placement)
 
     def __post_init__(self) -> None:
+        check_kind("Part", "name", self.name, str, "a text", "name the part")
+        kinds = "Body(...), or Body.from_stiffness(...)"
+        check_kind("Part", "body", self.body, LinearBody, kinds, "make one of them")
+        check_kind("Part", "placement", self.placement, Placement, "Placement(...)", "leave it out")
         self.refuse_off_axis("a placement", self.placement)
 
     def refuse_off_axis(self, what: str, placement: Placement) -> None:

@@ -13,11 +13,11 @@ nor are directions D of forces those of gaps and slips: there ``L = (V + Y^T W')
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
-from flangeway.checks import are_finite
+from flangeway.checks import are_finite, check_kind, refused
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import turned_right
@@ -82,9 +82,13 @@ class Handle:
     soft_motions: Literal["solved", "kept"] = "solved"
 
     def __post_init__(self) -> None:
-        parts = tuple(self.parts)
+        parts = tuple(self.parts) if isinstance(self.parts, Sequence) else ()
         if not parts or len(set(parts)) < len(parts) or not all(isinstance(each, Part) for each in parts):
-            raise InputError(f"Handle(parts={short(self.parts)})", "one or more parts, each once", "name its parts")
+            raise InputError(f"Handle(parts={short(self.parts)})", "one or more parts, each once", "write (part,)")
+        check_kind("Handle", "turns", self.turns, bool | np.bool_, "True or False", "choose one")
+        softness = get_args(type(self).__annotations__["soft_motions"])
+        if self.soft_motions not in softness:
+            raise refused("Handle", "soft_motions", self.soft_motions, " or ".join(map(repr, softness)), "leave it out")
         object.__setattr__(self, "parts", parts)
         values = {"pivot": (2,), "directions": (len(np.atleast_1d(self.directions)), 2), "load": (3,)}
         if self.load_point is not None:
@@ -98,10 +102,11 @@ class Handle:
                     f"Handle({name}={short(getattr(self, name))})", f"finite numbers {shape}", "see Handle"
                 )
             object.__setattr__(self, name, given.astype(np.float64))
-        if self.n_motions == 0 or not np.allclose(np.linalg.norm(self.directions, axis=1), 1.0):
+        independent = np.linalg.matrix_rank(self.directions) == len(self.directions)
+        if self.n_motions == 0 or not independent or not np.allclose(np.linalg.norm(self.directions, axis=1), 1.0):
             raise InputError(
                 f"Handle(directions={short(self.directions)}, turns={self.turns})",
-                "unit vectors, and at least one slide or the rotation",
+                "at most two unit vectors that are not parallel, and at least one slide or the rotation",
                 "leave them out for a handle that slides and turns, or no handle where nothing is free",
             )
         if self.stiffness is not None and (
