@@ -4,13 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from flangeway.cases import rigid_run, rolling_patch_case, spatial_case
 from flangeway.cases.bodies import bodies_run, presets
-from flangeway.cases.profile.profile_folder import FOLDER_QUANTITIES
-from flangeway.cases.profile.profile_run import QUANTITIES as PROFILE
-from flangeway.cases.rigid import rigid_run
-from flangeway.cases.rolling import rolling_patch_case
-from flangeway.cases.rolling_quantities import BY_THEORY
-from flangeway.cases.spatial import spatial_quantities
+from flangeway.cases.patch_quantities import BY_THEORY
+from flangeway.cases.profile_run import FOLDER_QUANTITIES
+from flangeway.cases.profile_run import QUANTITIES as PROFILE
 from flangeway.cases.wheelset import wheelset_quantities as wheelset
 from flangeway.quantities import Quantity, reference
 
@@ -55,9 +53,9 @@ KINDS: Kinds = {
     "Two bodies in three dimensions": (
         "`spatial`, `crane-wheel`, `roller`, `crossed-cylinders`",
         {
-            "at the top": spatial_quantities.CONTACT,
-            "patches": spatial_quantities.PATCH,
-            "bodies": spatial_quantities.BODY,
+            "at the top": spatial_case.CONTACT,
+            "patches": spatial_case.PATCH,
+            "bodies": spatial_case.BODY,
         },
     ),
     "A patch that rolls": (

@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.cases.bodies.bodies_shape import ARC, CUT, body_shape
-from flangeway.cases.bodies.bodies_tables import BodyTable
+from flangeway.cases.bodies.bodies_shape import ARC, CUT, BodyTable, body_shape
 from flangeway.contact import (
     Contact,
     ContactState,

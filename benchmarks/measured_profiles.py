@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flangeway.cases.profile.profile_run import run_profile
+from flangeway.cases.profile_run import run_profile
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_profiles import position_key, with_body
+from flangeway.cases.wheelset.wheelset_inputs import position_key, with_body
 from flangeway.errors import InputError
 from flangeway.railway.profiles.formats.slice_files import SLICES
 from flangeway.railway.profiles.orientation import ReadOptions

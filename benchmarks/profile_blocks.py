@@ -1,7 +1,7 @@
 """A wheel S1002 on a rail 60E1 in CalculiX: the numbers that ``flangeway reproduce wheelset3d`` compares with.
 
 ``python -m benchmarks.profile_blocks [SIZE]`` prints lines for ``studies/data/spatial.csv``: the blocks of
-`studies.spatial.profile_blocks`, cut at z = 0, as C3D20 with edges of SIZE mm in the contact (1.2 if left
+`studies.patches`, cut at z = 0, as C3D20 with edges of SIZE mm in the contact (1.2 if left
 out). Pressures are the stresses along the normals at the nodes, the mean of both surfaces. The semi-axes are those of
 an ellipse whose pressure as Hertz's has the same second moments.
 """
@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from benchmarks.conformal_block import PENALTY, graded
 from benchmarks.peers import run_calculix
 from benchmarks.peers.calculix_solid import CORNERS, FACES, MIDDLES, Solid, deck, read, solid
-from studies.spatial.patches import HERTZ_STEEL
-from studies.spatial.profile_blocks import APPROACH, DEPTH, HALF, LENGTH, cut_surfaces, heights
+from studies.patches import APPROACH, BLOCK_DEPTH, HALF, HERTZ_STEEL, LENGTH, cut_surfaces, heights
 
 Floats = NDArray[np.float64]
 
@@ -38,14 +37,14 @@ def blocks(size: float) -> tuple[Solid, Solid]:
     low, high, axle = cut_surfaces()
 
     def lower(x: Floats, share: Floats, z: Floats) -> Floats:
-        return np.stack((x, share * heights(low, x) - (1.0 - share) * DEPTH, z), axis=1)
+        return np.stack((x, share * heights(low, x) - (1.0 - share) * BLOCK_DEPTH, z), axis=1)
 
     def upper(x: Floats, share: Floats, z: Floats) -> Floats:
         radius = axle - heights(high, x)
-        return np.stack((x, (1.0 - share) * (axle - np.sqrt(radius**2 - z**2)) + share * DEPTH, z), axis=1)
+        return np.stack((x, (1.0 - share) * (axle - np.sqrt(radius**2 - z**2)) + share * BLOCK_DEPTH, z), axis=1)
 
     across = np.concatenate((-graded(LEFT, size, HALF, GROWTH)[:0:-1], graded(RIGHT, size, HALF, GROWTH)))
-    along, deep = graded(AHEAD, size, LENGTH / 2.0, GROWTH), graded(size, size, DEPTH, GROWTH)
+    along, deep = graded(AHEAD, size, LENGTH / 2.0, GROWTH), graded(size, size, BLOCK_DEPTH, GROWTH)
     return (
         solid(across, 1.0 - deep[::-1] / deep[-1], along, lower, upper=False),
         solid(across, deep / deep[-1], along, upper, upper=True),

@@ -18,7 +18,7 @@ from scipy.spatial import Voronoi
 
 from benchmarks.measurement import NO_PEER, Measurement
 from flangeway.cases.bodies.bodies_model import build_bodies
-from flangeway.cases.bodies.cook import (
+from flangeway.cases.bodies.presets import (
     MIDDLE,
     NEARLY_INCOMPRESSIBLE,
     NEARLY_INCOMPRESSIBLE_WORK,

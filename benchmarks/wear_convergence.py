@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flangeway.cases.damage.damage_file import DamageFile
+from flangeway.cases.damage_file import DamageFile
 from flangeway.railway.damage.collective import COLLECTIVES, ranges_of
 from flangeway.railway.damage.evolution import EvolutionSettings, EvolutionStep
 

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from benchmarks.measurement import ITSELF, Measurement, timed
 from flangeway.cases import WheelsetTangentCase
-from flangeway.cases.rigid.rigid_case import find_geometry_case
-from flangeway.cases.rigid.rigid_run import GeometryRun, run_geometry
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
+from flangeway.cases.rigid_run import GeometryRun, find_geometry_case, run_geometry
+from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flangeway.cases.rigid.rigid_case import find_geometry_case
+from flangeway.cases.rigid_run import find_geometry_case
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from studies.study import Limit, Row, Run, published_rows
 

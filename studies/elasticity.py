@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from flangeway.cases.bodies.cook import (
+from flangeway.cases.bodies.presets import (
     NEARLY_INCOMPRESSIBLE,
     NEARLY_INCOMPRESSIBLE_WORK,
     CookCode,

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.linalg
 from scipy.optimize import brentq
 
-from flangeway.cases.bodies.cook import of_unit_square
+from flangeway.cases.bodies.presets import of_unit_square
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.forms import (
     Field,

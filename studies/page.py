@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from flangeway.report.page.tables import SummaryTable, plain_table
+from flangeway.report.page.record import SummaryTable, plain_table
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import text_writer, write_together
 from studies.study import COMPARED, Computed

@@ -1,12 +1,22 @@
 """What ``flangeway reproduce`` can compute, in the order of the page of validation."""
 
-from studies import conicity, contact_patch, curved, damage, elasticity, forms, hertz, torsion, vem_contact
+from studies import (
+    conicity,
+    contact_patch,
+    curved,
+    damage,
+    elasticity,
+    forms,
+    hertz,
+    rolling_study,
+    spatial_study,
+    torsion,
+    vem_contact,
+    wheel_rail_study,
+    wheelset3d_study,
+)
 from studies.friction import friction_study
-from studies.rolling import rolling_study
-from studies.spatial import spatial_study
 from studies.study import Study
-from studies.wheel_rail import wheel_rail_study
-from studies.wheelset3d import wheelset3d_study
 
 STUDIES = {
     name: Study(name, module.rows)

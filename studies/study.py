@@ -34,8 +34,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.cases.summary import plain_numbers
 from flangeway.report.figures.drawing import SERIES, legend_below, panels
-from flangeway.report.page.record import Again, Picture, Record
-from flangeway.report.page.tables import SummaryTable
+from flangeway.report.page.record import Again, Picture, Record, SummaryTable
 from flangeway.results import ResultTable
 from flangeway.solve import Status
 from flangeway.system.file_content import packaged_rows

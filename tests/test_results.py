@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from flangeway.cases import load_case
-from flangeway.cases.profile.profile_run import run_profile
-from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
-from flangeway.cases.section.section_run import SectionRun
+from flangeway.cases.profile_run import run_profile
+from flangeway.cases.rigid_run import ConicityRun, GeometryRun
+from flangeway.cases.section_run import SectionRun
 from flangeway.contact import Contact, Multiplier, NodeToSegment, Surface, press
 from flangeway.elements import Virtual
 from flangeway.errors import InputError

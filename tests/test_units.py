@@ -11,7 +11,7 @@ import pytest
 from flangeway.cases import CASES, load_case, schema, write_template
 from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import check_case, read_case
-from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case
+from flangeway.cases.rigid_run import find_geometry_case, read_geometry_case
 from flangeway.contact import NodeToSegment, Penalty
 from flangeway.elements import TraceStabilisation, Virtual
 from flangeway.errors import InputError
@@ -32,9 +32,9 @@ from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.track.placements import Track, Wheelset
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed
-from flangeway.report.damage.damage_record import row_quantities
-from flangeway.report.page.case_text import case_text, command_line
-from flangeway.report.page.tables import About, table_across, table_of
+from flangeway.report.damage_record import row_quantities
+from flangeway.report.page.html_page import case_text, command_line
+from flangeway.report.page.record import About, table_across, table_of
 from flangeway.solve import NewtonSettings, solve_elasticity
 from flangeway.space import Space
 from flangeway.units import in_us_units, us_key, us_unit

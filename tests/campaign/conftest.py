@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from flangeway.campaign import Campaign, CampaignTable, results
-from flangeway.campaign.chunk import Chunk, compute
+from flangeway.campaign.campaign_run import Chunk, compute
 from flangeway.campaign.database import CampaignDatabase
 
 

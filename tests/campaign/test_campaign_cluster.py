@@ -9,7 +9,7 @@ import time
 import pytest
 
 from flangeway.campaign import Campaign, results, run_campaign
-from flangeway.campaign.chunk import Chunk, compute
+from flangeway.campaign.campaign_run import Chunk, compute
 from flangeway.errors import InputError, MissingLibraryError
 from flangeway.system import workers
 from tests.processes import environment

@@ -136,4 +136,4 @@ def test_campaigns_know_no_kind_of_case():
     modules = [*Path(campaign.__file__).parent.glob("*.py")]
     imported = {name for module in modules for name in re.findall(r"flangeway\.cases\.(\w+)", module.read_text())}
     assert modules
-    assert imported == {"case", "case_file", "case_identity", "damage", "summary"}
+    assert imported == {"case", "case_file", "damage_file", "summary"}

@@ -12,15 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flangeway.campaign import Campaign, CampaignProgress, chunk, results
+from flangeway.campaign import Campaign, CampaignProgress, campaign_run, results
 from flangeway.campaign.campaign import Row
-from flangeway.campaign.chunk import Chunk, compute
-from flangeway.campaign.columns import RowResult
-from flangeway.campaign.database import CampaignDatabase, export_writers
+from flangeway.campaign.campaign_run import Chunk, compute
+from flangeway.campaign.database import CampaignDatabase, RowResult, export_writers
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.errors import InputError
-from flangeway.report.campaign.campaign_figures import campaign_figures
-from flangeway.report.campaign.campaign_outputs import campaign_record, write_export
+from flangeway.report.campaign_figures import campaign_figures
+from flangeway.report.campaign_outputs import campaign_record, write_export
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import print_record
 from flangeway.system.latest_values import LatestValues
@@ -364,7 +363,7 @@ def test_a_row_is_that_of_a_run_and_does_not_depend_on_the_others(spatial_sweep,
     """A row computed alone in a worker that prepared nothing has the same bytes; `flangeway run` has its numbers."""
     campaign, found = spatial_sweep
     first, rows = campaign.chunks[0]
-    monkeypatch.setattr(chunk, "_prepared", LatestValues(1))
+    monkeypatch.setattr(campaign_run, "_prepared", LatestValues(1))
     (alone,) = compute(Chunk(rows[2:3], first)).results
     for name, value in alone.values.items():
         if name not in ("lateral_mm", "yaw_mrad"):

@@ -8,7 +8,7 @@ import pytest
 from flangeway.campaign import Campaign
 from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase
 from flangeway.cases.case import OF_REPORT, RENAMED
-from flangeway.cases.rigid.rigid_case import GeometryCase, find_geometry_case
+from flangeway.cases.rigid_run import GeometryCase, find_geometry_case
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE, shakedown_limits, shakedown_state

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from flangeway.cases import load_case
-from flangeway.cases.bodies.two_bodies import TwoBodiesCase
+from flangeway.cases.bodies.bodies_run import TwoBodiesCase
 from flangeway.errors import InputError
 from flangeway.report.case_outputs import write_case
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flangeway.cases import WheelsetTangentCase, find_case, run_halved
-from flangeway.cases.section.section_run import TorsionCase, run_section, usual_size
+from flangeway.cases.section_run import TorsionCase, run_section, usual_size
 from flangeway.errors import InputError
 from flangeway.formats import DrawnSection, PartMaterial
 from flangeway.geometry import Region, Section, circle, polygon, rectangle, square

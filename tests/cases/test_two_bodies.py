@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flangeway.cases import CASES, load_case
-from flangeway.cases.bodies.two_bodies import TwoBodiesCase
+from flangeway.cases.bodies.bodies_run import TwoBodiesCase
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.post import check_contact, cut_zones
 from flangeway.report.case_outputs import write_case

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from flangeway.campaign.damage_campaign import DamageCampaign
-from flangeway.cases.damage.damage_file import DamageFile
+from flangeway.cases.damage_file import DamageFile
 from flangeway.errors import InputError
 from flangeway.railway.profiles.profile_file import read_profile
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from flangeway.campaign import Row
-from flangeway.campaign.chunk import Chunk, compute
+from flangeway.campaign.campaign_run import Chunk, compute
 from flangeway.cases import find_case
 from flangeway.cases.case_file import read_case
 from flangeway.elements import Lagrange
@@ -63,7 +63,7 @@ def test_no_memory_is_told(call, monkeypatch, tmp_path):
     def fail(*_, **__):
         raise MemoryError(text)
 
-    monkeypatch.setattr("flangeway.cases.bodies.two_bodies.press", fail)
+    monkeypatch.setattr("flangeway.cases.bodies.bodies_run.press", fail)
     status, out, err = call(*RUN)
     assert status == 1
     assert "flangeway: out of memory" in err
@@ -188,12 +188,12 @@ def defect(*_, **__):
 def test_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call, monkeypatch, tmp_path):
     """Each command ends with status 2 and one line; ``--debug``, before or behind the command, shows the traceback."""
     for place in (
-        "flangeway.cases.bodies.cook.CookCase.run",
-        "flangeway.cases.rigid.rigid_run.run_geometry",
-        "flangeway.cases.section.section_run.run_section",
-        "flangeway.cases.profile.profile_run.run_profile",
+        "flangeway.cases.bodies.presets.CookCase.run",
+        "flangeway.cases.rigid_run.run_geometry",
+        "flangeway.cases.section_run.run_section",
+        "flangeway.cases.profile_run.run_profile",
         "flangeway.campaign.Campaign.from_file",
-        "flangeway.cases.case_template.schema",
+        "flangeway.cases.case_file.schema",
         "studies.study.Study.compute",
     ):
         monkeypatch.setattr(place, defect)
@@ -221,7 +221,7 @@ def test_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call, m
 
 def test_processes_that_work_for_others_tell_one_sentence(monkeypatch):
     """A row of a campaign and a process of the mesher store or raise the same sentence, with the traceback if asked."""
-    monkeypatch.setattr("flangeway.cases.bodies.cook.CookCase.run", defect)
+    monkeypatch.setattr("flangeway.cases.bodies.presets.CookCase.run", defect)
     case = find_case("cook").from_values({})
     (result,) = compute(Chunk((Row(1, {}, case),))).results
     assert result.status == "failed"

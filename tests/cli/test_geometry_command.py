@@ -8,8 +8,7 @@ import pytest
 
 from flangeway.cases import load_case
 from flangeway.cases.case_file import read_case
-from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case
-from flangeway.cases.rigid.rigid_run import run_geometry
+from flangeway.cases.rigid_run import find_geometry_case, read_geometry_case, run_geometry
 
 COARSE = ("--set", "step_mm=0.1")
 

@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from flangeway.cases.profile.profile_folder import run_folder
-from flangeway.cases.profile.profile_run import run_profile
-from flangeway.cases.rigid.rigid_case import find_geometry_case
-from flangeway.cases.rigid.rigid_run import run_geometry
+from flangeway.cases.profile_run import run_folder, run_profile
+from flangeway.cases.rigid_run import find_geometry_case, run_geometry
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.profiles.bundled import rail, wheel
@@ -20,8 +18,7 @@ from flangeway.railway.profiles.formats.two_column import write_two_column
 from flangeway.railway.profiles.measures import measures
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import read_profile
-from flangeway.report.profile.profile_figures import deviations
-from flangeway.report.profile.profile_outputs import folder_record
+from flangeway.report.profile_outputs import deviations, folder_record
 
 FILES = {"profile.png", "curvature.png", "report.html", "profile.json"}
 
@@ -155,7 +152,7 @@ def test_conicity_is_that_of_the_geometry(done):
 
 def test_the_command_writes_table_picture_and_report(call, done, monkeypatch, folder, tmp_path):
     """The table has a row for each profile that was read, the warnings the file that was not."""
-    monkeypatch.setattr("flangeway.cases.profile.profile_folder.run_folder", lambda *_, **__: done)
+    monkeypatch.setattr("flangeway.cases.profile_run.run_folder", lambda *_, **__: done)
     code, out, err = call("profiles", folder, "--out", tmp_path / "found")
     assert code == 0, err
     assert "empty.txt" in out

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flangeway.cases.bodies.two_bodies import TwoBodiesCase
+from flangeway.cases.bodies.bodies_run import TwoBodiesCase
 from flangeway.contact import Contact, ContactSystem, Multiplier, NodeToSegment, SegmentToSegment, Surface
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError

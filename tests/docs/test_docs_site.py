@@ -10,7 +10,7 @@ import pytest
 
 import flangeway
 from flangeway.cases import CASES, load_case
-from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, solve_cook
+from flangeway.cases.bodies.presets import NEARLY_INCOMPRESSIBLE_WORK, CookCode, solve_cook
 from flangeway.cases.case_file import FORMAT
 from flangeway.railway.profiles.profile_file import READABLE
 from flangeway.tables import write_table

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.cases.section.section_run import TorsionCase, run_section
+from flangeway.cases.section_run import TorsionCase, run_section
 from flangeway.formats import read_section
 from tests.docs.conftest import blocks_of
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flangeway.cases.bodies.cook import MIDDLE, cook_grid, solve_cook
+from flangeway.cases.bodies.presets import MIDDLE, cook_grid, solve_cook
 from flangeway.elements import (
     DiagonalStabilisation,
     IdentityStabilisation,

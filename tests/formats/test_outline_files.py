@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from flangeway.campaign.varying import read_table
+from flangeway.campaign.campaign import read_table
 from flangeway.errors import InputError
 from flangeway.formats import read_section
 from flangeway.geometry import Arc

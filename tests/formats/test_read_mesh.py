@@ -11,8 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from flangeway.cases.bodies.bodies_shape import body_shape
-from flangeway.cases.bodies.bodies_tables import BodyTable
+from flangeway.cases.bodies.bodies_shape import BodyTable, body_shape
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, write_vtu

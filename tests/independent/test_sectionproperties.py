@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flangeway.cases.section.section_run import TorsionCase, find_section, run_section
+from flangeway.cases.section_run import TorsionCase, find_section, run_section
 from flangeway.formats import DrawnSection
 from flangeway.geometry import Region, Section, polygon, rectangle, square
 

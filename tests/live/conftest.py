@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.cases.profile.profile_run import run_profile
+from flangeway.cases.profile_run import run_profile
 from flangeway.live import LiveServer
 from flangeway.railway.profiles.profile_file import profile_text
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg as sla
 
-from flangeway.cases.bodies.cook import cook_grid, solve_cook
+from flangeway.cases.bodies.presets import cook_grid, solve_cook
 from flangeway.elements import Virtual
 from flangeway.geometry import square
 from flangeway.materials import Elastic

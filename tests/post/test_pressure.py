@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from flangeway.cases.bodies.bodies_run import TwoBodiesCase
 from flangeway.cases.bodies.presets import HertzCase
-from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.contact import Contact, Multiplier, SegmentToSegment, Surface, solve_contact
 from flangeway.contact import press as press_parts
 from flangeway.contact.overlap import Boundary, passes_through
@@ -19,7 +19,7 @@ from flangeway.mesh import rectangle_grid, triangulate
 from flangeway.post import pressure_patches
 from flangeway.post.pressure import oscillation_of
 from flangeway.problems import Body, Part
-from flangeway.report.bodies.bodies_page import results_table
+from flangeway.report.bodies_page import results_table
 from flangeway.report.case_outputs import write_case
 from flangeway.solve import CondensedBodies
 

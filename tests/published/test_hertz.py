@@ -7,7 +7,7 @@ import pytest
 
 from flangeway.cases.bodies.bodies_model import build_bodies
 from flangeway.cases.bodies.presets import HertzCase
-from flangeway.cases.wheelset.wheelset_profiles import profile_named
+from flangeway.cases.wheelset.wheelset_inputs import profile_named
 from flangeway.contact import Multiplier, NodeToSegment, Penalty, SegmentToSegment
 from flangeway.elements import Virtual
 from flangeway.errors import InputError

@@ -16,8 +16,7 @@ from flangeway.post import Stresses, corner_stresses, stresses_at
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.railway.track.placements import SIDES
 from flangeway.report import part_fields
-from flangeway.report.figures.fields import write_part
-from flangeway.report.figures.series import (
+from flangeway.report.figures.display import (
     SeriesFrame,
     placed_stresses,
     solution_frame,
@@ -25,6 +24,7 @@ from flangeway.report.figures.series import (
     write_frame,
     write_series,
 )
+from flangeway.report.figures.plots import write_part
 from flangeway.report.viewer.scene_model import DISPLACEMENT
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space

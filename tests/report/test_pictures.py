@@ -23,16 +23,14 @@ from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.railway.profiles.bundled import rail
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.spatial_result import SpatialResult
+from flangeway.report import profile_outputs
 from flangeway.report.figures.drawing import COLOURS, SIGNED
-from flangeway.report.figures.fields import drawn_parts
-from flangeway.report.figures.plots import plot_stress
-from flangeway.report.profile import profile_figures
-from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure
-from flangeway.report.rolling.shakedown_figure import shakedown_figure
+from flangeway.report.figures.plots import drawn_parts, plot_stress
+from flangeway.report.patch_maps import ShownRolling, rolling_figure, shakedown_figure
 from flangeway.report.wheelset.wheelset_patches import ORDINATE_MM, contact_figure, nodes_figure, section_figure
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
-from studies.rolling.rolling_cases import elliptic
+from studies.rolling_cases import elliptic
 
 
 def figures(run):
@@ -135,7 +133,7 @@ def test_wear_is_measured_along_the_normal():
     joint = SimpleNamespace(end=(0.0, 0.0), landing=(0.0, 0.0))
     profile = SimpleNamespace(outline=nominal.outline, title="lowered")
     joined = SimpleNamespace(nominal=nominal, measured=lowered, profile=profile, joints=2 * [joint])
-    axes = profile_figures.join_figure(joined).axes[1]
+    axes = profile_outputs.join_figure(joined).axes[1]
     x, off = axes.lines[0].get_data()
     assert off.min() == pytest.approx(-0.5, abs=1e-3)
     assert off[np.abs(x).argmin()] == pytest.approx(-0.5, abs=1e-3)

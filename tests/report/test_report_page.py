@@ -14,18 +14,16 @@ import pytest
 from flangeway.cases import CASES, load_case
 from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import read_case
-from flangeway.cases.section.section_run import TorsionCase
+from flangeway.cases.section_run import TorsionCase
 from flangeway.post import corner_stresses
 from flangeway.report import scenes, write_case
-from flangeway.report.bodies.bodies_page import bodies_record
-from flangeway.report.bodies.body_fields import bodies_fields, body_fields, body_steps
+from flangeway.report.bodies_page import bodies_record
 from flangeway.report.figures.display import shown_cells
-from flangeway.report.figures.drawing import png
-from flangeway.report.figures.newton_history import load_steps, newton_figure, steps_table
+from flangeway.report.figures.drawing import load_steps, newton_figure, png, steps_table
 from flangeway.report.page import html_page
-from flangeway.report.page.case_text import case_text, command_line
-from flangeway.report.page.html_page import report_page
-from flangeway.report.section.section_page import section_record
+from flangeway.report.page.html_page import case_text, command_line, report_page
+from flangeway.report.scenes import bodies_fields, body_fields, body_steps
+from flangeway.report.section_page import section_record
 from flangeway.report.wheelset import wheelset_page as outputs
 from flangeway.report.wheelset.wheelset_page import PLANE_PICTURES as PICTURES
 from flangeway.solve import Status

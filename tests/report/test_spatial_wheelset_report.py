@@ -10,7 +10,7 @@ import pytest
 from scipy.interpolate import interp1d
 
 from flangeway.cases import CASES
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
+from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
@@ -19,8 +19,8 @@ from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rolli
 from flangeway.railway.wheelset.whole_sections import whole_sections
 from flangeway.report.case_outputs import case_record, write_case
 from flangeway.report.page import html_page
-from flangeway.report.wheelset.pressure_scene import BELOW_MM, below_fields, pressure_scene
-from flangeway.report.wheelset.running_surface_files import write_section
+from flangeway.report.wheelset.wheelset_page import BELOW_MM, below_fields, pressure_scene
+from flangeway.report.wheelset.wheelset_patches import write_section
 
 pytestmark = pytest.mark.ci
 

@@ -11,11 +11,10 @@ from matplotlib.text import Text
 from matplotlib.ticker import NullLocator
 
 from flangeway.cases import load_case
-from flangeway.cases.rigid.rigid_case import find_geometry_case
-from flangeway.cases.rigid.rigid_run import run_geometry
+from flangeway.cases.rigid_run import find_geometry_case, run_geometry
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import colour_bar, name_axes, new_figure, shade_of
-from flangeway.report.rigid.rigid_outputs import geometry_record
+from flangeway.report.rigid_outputs import geometry_record
 from flangeway.results import ResultTable
 from flangeway.units import us_key, us_unit
 

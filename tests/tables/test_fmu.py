@@ -13,7 +13,7 @@ from fmpy.validation import validate_fmu
 
 from flangeway.errors import MissingLibraryError
 from flangeway.tables.creep_table import SIDES
-from flangeway.tables.fmu import refuse_without_compiler, start_values, write_fmu
+from flangeway.tables.table_outputs import refuse_without_compiler, start_values, write_fmu
 
 STATE = {"lateral": 2e-4, "yaw": 0.0, "load": 1e5, "speed": 20.0, "rotation": 43.6, "lateral_velocity": 0.02}
 STATE |= {"yaw_rate": 1e-3, "friction": 0.25}

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from flangeway.cli.creep_table_command import values_of
+from flangeway.cli.batch_commands import values_of
 from flangeway.errors import InputError
 from flangeway.tables import (
     CreepTable,

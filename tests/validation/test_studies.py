@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flangeway.cases.bodies.cook import CookCode
+from flangeway.cases.bodies.presets import CookCode
 from studies.elasticity import patch_space
+from studies.patches import HALF, WHEEL_RADIUS, cut_surfaces, heights, published_gaps
 from studies.registry import STUDIES
-from studies.spatial.cosine_loads import exact_bar
-from studies.spatial.patches import published_gaps
-from studies.spatial.profile_blocks import HALF, RADIUS, cut_surfaces, heights
+from studies.spatial_study import exact_bar
 
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -82,7 +81,7 @@ def test_the_cut_profiles_touch_first_at_the_origin() -> None:
     assert abs(x[gap.argmin()]) < 0.02
     curvatures = [np.polyfit(x[near], gap[near], 2)[0] * 2.0 for near in (abs(x + 1.5) < 0.8, abs(x - 4.0) < 0.8)]
     assert curvatures[0] > 3.0 * curvatures[1]
-    assert axle == pytest.approx(RADIUS, abs=1.0)
+    assert axle == pytest.approx(WHEEL_RADIUS, abs=1.0)
 
 
 @pytest.mark.parametrize("space", [CookCode("H", 1, 2).space(), patch_space("HE", 2)], ids=["membrane", "patch"])

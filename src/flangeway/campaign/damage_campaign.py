@@ -5,10 +5,9 @@ from typing import Any
 
 from pydantic import Field
 
-from flangeway.campaign.campaign import CAMPAIGN_FILE
-from flangeway.campaign.varying import flattened, grid, values_of
+from flangeway.campaign.campaign import CAMPAIGN_FILE, flattened, grid, values_of
 from flangeway.cases.case import Table
-from flangeway.cases.damage.damage_file import DamageFile, DamageInputs
+from flangeway.cases.damage_file import DamageFile, DamageInputs
 from flangeway.errors import InputError
 from flangeway.system.toml_file import TomlFile
 

@@ -1,4 +1,4 @@
-"""The SQLite file of a campaign: its rows, their results and its progress; and both as tables, for other programs."""
+"""The SQLite file of a campaign: its rows, their results and its progress; and both as tables."""
 
 import csv
 import importlib
@@ -6,18 +6,15 @@ import json
 import sqlite3
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
 
 from flangeway.campaign.campaign import Campaign, Row
-from flangeway.campaign.columns import (
-    RowResult,
-    Value,
-    as_cell,
-)
+from flangeway.cases.case import Run, RunnableCase
+from flangeway.cases.summary import plain_numbers
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
 from flangeway.results import Result, ResultTable
@@ -26,6 +23,54 @@ from flangeway.system.operating_system import lock_file, optional_module
 from flangeway.system.versions import versions
 from flangeway.types import Floats
 from flangeway.units import Units, in_us_units
+
+# --- A row of a campaign: how it ended, and its numbers by columns.
+
+
+Value = float | int | str | None
+
+
+@dataclass(frozen=True)
+class RowResult:
+    """What one run gave.
+
+    - `status`: ``converged``, ``not converged`` or ``failed``.
+    - `message`: how it ended, in a sentence.
+    - `warnings`: what limits it.
+    - `values`: results by column, empty unless converged.
+    - `patches`: patches by column, without the number of the row.
+    - `seconds`: time that it took, its share of what is computed for several rows at once.
+    """
+
+    status: str
+    message: str
+    warnings: tuple[str, ...] = ()
+    values: Mapping[str, Value] = field(default_factory=dict)
+    patches: tuple[Mapping[str, Value], ...] = ()
+    seconds: float = 0.0
+
+
+def row_of(case: RunnableCase, run: Run, seconds: float) -> RowResult:
+    """Return the numbers of a run, which its case names."""
+    message, warnings = run.status.message, tuple(case.warnings_of(run))
+    if not run.status.converged:
+        return RowResult("not converged", message, warnings, seconds=seconds)
+    # None for what is not finite; SQLite knows neither
+    patches = tuple(map(plain_numbers, case.patch_rows(run)))
+    return RowResult("converged", message, warnings, plain_numbers(case.row(run)), patches, seconds)
+
+
+def as_cell(value: Any) -> Value:
+    """Return an input as it is stored: numbers and text as they are, tables and lists as JSON."""
+    if isinstance(value, bool):
+        return int(value)
+    if value is None or isinstance(value, float | int | str):
+        return value
+    return json.dumps(value, ensure_ascii=False)
+
+
+# --- The SQLite file of a campaign: its rows, their results and its progress; and both as tables, for other programs.
+
 
 FORMAT = "flangeway campaign 1"
 WAITING = "waiting"

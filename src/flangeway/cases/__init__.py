@@ -1,15 +1,12 @@
 """Cases by name, their inputs, their runs, and what these leave for programs to read."""
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
-from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, cook_grid, solve_cook
-from flangeway.cases.case import Case, Run, RunnableCase
-from flangeway.cases.case_file import CASES, find_case, load_case
-from flangeway.cases.case_template import schema, write_template
-from flangeway.cases.halved_case import Convergence, run_halved
+from flangeway.cases.bodies.presets import NEARLY_INCOMPRESSIBLE_WORK, CookCode, cook_grid, solve_cook
+from flangeway.cases.case import Case, Convergence, Run, RunnableCase, run_halved
+from flangeway.cases.case_file import CASES, find_case, load_case, schema, write_template
 from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_case import WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
+from flangeway.cases.wheelset.wheelset_case import WheelsetCase, WheelsetCurveCase, WheelsetRun, WheelsetTangentCase
 
 __all__ = [
     "CASES",

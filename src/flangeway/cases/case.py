@@ -1,4 +1,4 @@
-"""What all cases share: named inputs with ranges, checked before anything is computed."""
+"""What all cases share: named inputs with ranges, checked before anything is computed; and a case on a finer mesh."""
 
 import difflib
 import math
@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, TypeAlias, Union, cast, get_args, get_origin
@@ -15,14 +15,16 @@ import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
-from flangeway.cases.nested import mapped
-from flangeway.cases.summary import summary_numbers
+from flangeway.cases.summary import mapped, summary_numbers
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
 from flangeway.solve import Status
 from flangeway.system.file_content import toml_data
 from flangeway.types import Key
 from flangeway.units import Units, UsUnit, in_us_units, same_quantity, us_key
+
+# --- What all cases share: named inputs with ranges, checked before anything is computed.
+
 
 Progress = Callable[[str], None]
 
@@ -588,3 +590,64 @@ def _located(case: type[Table], values: Any, location: Key) -> tuple[Key, type[T
         except (KeyError, IndexError, TypeError):
             values = None
     return tuple(path), table, field, values
+
+
+# --- A case on its mesh and on the mesh with half of its sizes: how much each number changes.
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """Results with the sizes of a case and with half of them.
+
+    - `case`: the case.
+    - `sizes`: the inputs that were halved, or doubled if they are numbers of cells, with both values.
+    - `runs`: both runs, that of the case first.
+    """
+
+    case: RunnableCase
+    sizes: dict[str, tuple[float, float]]
+    runs: tuple[Run, Run]
+
+    @property
+    def converged(self) -> bool:
+        """Whether both runs converged."""
+        return all(run.status.converged for run in self.runs)
+
+    @property
+    def numbers(self) -> dict[str, tuple[float, float]]:
+        """Numbers of a row of a campaign by their keys, of both runs; those that only one of them has are left out."""
+        coarse, fine = (self.case.row(run) for run in self.runs)
+        return {
+            key: (value, fine[key])
+            for key, value in coarse.items()
+            if type(value) is float and type(fine.get(key)) is float
+        }
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what ``converge.json`` holds: of each number both values and the change, metric."""
+        names = ("value", "with_half_the_sizes")
+        return {
+            "sizes": {key: dict(zip(names, both, strict=True)) for key, both in self.sizes.items()},
+            "numbers": {
+                key: {**dict(zip(names, (a, b), strict=True)), "change": b - a} for key, (a, b) in self.numbers.items()
+            },
+            "status": [{"converged": run.status.converged, "message": run.status.message} for run in self.runs],
+            "case": self.runs[0].summary["case"],
+            "versions": self.runs[0].summary["versions"],
+        }
+
+
+def run_halved(case: RunnableCase, progress: Progress = lambda _: None) -> Convergence:
+    """Run a case with its own sizes and with half of them, of all inputs in `HALVING`.
+
+    It is an `InputError` if the inputs make no problem that can be solved, or half of a size is not allowed.
+    """
+    finer = case.halved_sizes()
+    halved = case.from_values({**case.model_dump(exclude_unset=True), **finer})
+    halved.check()
+
+    def run(of: RunnableCase, sizes: str) -> Run:
+        return of.run(lambda sentence: progress(f"{sizes}: {sentence}"))
+
+    runs = run(case, "given sizes"), run(halved, "half of the sizes")
+    return Convergence(case, {key: (getattr(case, key), value) for key, value in finer.items()}, runs)

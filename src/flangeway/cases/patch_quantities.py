@@ -1,11 +1,92 @@
-"""Numbers of contact patches in three dimensions: of wheels on rails, and of any two bodies."""
+"""What cases of contact patches share: friction as an input, and the numbers of patches that stand or roll."""
 
+# ruff: noqa: N815 (units in names)
 import math
-from typing import Any, Protocol
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, Any, Protocol
 
+import annotated_types as at
+import numpy as np
+from pydantic import Field
+
+from flangeway.cases.case import Case, Fraction, NotNegative, Positive
 from flangeway.contact.patch.contact_ellipse import ContactEllipse
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.fastsim import SimplifiedRolling
+from flangeway.contact.rolling.flash_temperature import Heat, Heating
+from flangeway.contact.rolling.friction import Friction, SlopeReduction
+from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, CreepForces, Rolling
+from flangeway.contact.rolling.theories import TITLES, WITH_TRACTIONS, Theory
+from flangeway.errors import InputError
 from flangeway.exact import PointContact
-from flangeway.quantities import Quantity
+from flangeway.quantities import Quantity, getter
+from flangeway.types import Floats
+
+# --- Inputs of friction that a rolling patch and a wheelset share: how it falls, what it warms, and surface layers.
+
+
+MAX_FRICTION = 1.0
+"""Upper bound of coefficients of friction: the driest steel on steel has 0.8, and shakedown limits end at 1."""
+FrictionCoefficient = Annotated[float, at.Ge(0.0), at.Le(MAX_FRICTION)]
+WARM_KEYS = ("friction_falls_from_C", "friction_falls_to_C")
+THERMAL_KEYS = ("temperature_C", "conductivity_W_per_m_K", "density_kg_m3", "heat_capacity_J_per_kg_K")
+
+
+FRICTION_KEYS = (
+    *("kinetic_friction", "friction_decay_m_per_s", *WARM_KEYS, *THERMAL_KEYS),
+    *("slope_factor", "slope_remaining", "slope_rate"),
+)
+
+
+class FrictionInputs(Case):
+    """How friction depends on slip velocity and temperature, thermal properties, and the slope of creep forces."""
+
+    kinetic_friction: FrictionCoefficient | None = None
+    """coefficient at high slip velocity or temperature (default: friction)"""
+    friction_decay_m_per_s: NotNegative = 0.0
+    """slip velocity in which the difference of both falls to 1/e"""
+    friction_falls_from_C: float | None = None
+    """temperature of the contact in degrees Celsius from which friction falls to kinetic_friction, linearly"""
+    friction_falls_to_C: float | None = None
+    """temperature in degrees Celsius at which it has fallen"""
+    temperature_C: float = 20.0
+    """temperature of both bodies away from the contact, degrees Celsius"""
+    conductivity_W_per_m_K: Positive = 50.0
+    """thermal conductivity of both bodies"""
+    density_kg_m3: Positive = 7850.0
+    """their density"""
+    heat_capacity_J_per_kg_K: Positive = 450.0
+    """their specific heat capacity"""
+    slope_factor: Fraction = 1.0
+    """factor of the initial slope of creep forces, below 1 by layers on the surfaces (Spiryagin's k0)"""
+    slope_remaining: float = Field(1.0, ge=0.0, le=1.0)
+    """part of slope_factor that remains at large creepages (Spiryagin's alpha)"""
+    slope_rate: NotNegative = 0.0
+    """how fast it falls with creepage (Spiryagin's beta)"""
+
+    def friction_law(self, static: float, theory: Theory) -> Friction:
+        """Return the law of friction; an `InputError` names inputs without effect."""
+        starts, ends = self.friction_falls_from_C, self.friction_falls_to_C
+        if self.kinetic_friction is None:
+            keys = ["friction_decay_m_per_s", *WARM_KEYS]
+            self.refuse_without_effect(keys, "kinetic_friction", "a coefficient below friction")
+        if (starts is None) != (ends is None):
+            raise InputError("one of friction_falls_from_C and friction_falls_to_C", "both or none", "give both")
+        if theory not in WITH_TRACTIONS:
+            self.refuse_without_effect(WARM_KEYS, "rolling_theory", "exact, fastsim or fastrip")
+        if self.slope_remaining == 1.0:
+            self.refuse_without_effect(["slope_rate"], "slope_remaining", "a part below 1")
+        body = Heat(self.temperature_C, self.conductivity_W_per_m_K, self.density_kg_m3, self.heat_capacity_J_per_kg_K)
+        falls = None if starts is None or ends is None else (starts, ends)
+        slope = SlopeReduction(self.slope_factor, self.slope_remaining, self.slope_rate)
+        heating = Heating(body, body, falls)
+        return Friction(static, self.kinetic_friction, self.friction_decay_m_per_s, heating, slope)
+
+
+# --- Numbers of contact patches in three dimensions: of wheels on rails, and of any two bodies.
+
 
 SEMI_AXES = ("a", "b")
 ON_SURFACE = ("across", "along")
@@ -60,3 +141,166 @@ ANGLE: Quantity[EllipticPatch] = Quantity(
 )
 AREA: Quantity[EllipticPatch] = Quantity("area", "area", "ellipse.area", "mm²", ".2f")
 CELLS: Quantity[Any] = Quantity("cells", "cells", "ellipse.cells", "", "d", ON_SURFACE)
+
+
+# --- Numbers of patches that roll with friction: by one theory, on one body, ahead and to the right.
+
+
+@dataclass(frozen=True, eq=False)
+class CreepResult:
+    """Creep forces of a patch on its second body.
+
+    Parameters
+    ----------
+    forces
+        Creep forces in the patch's axes.
+    creepages
+        Creepages at the patch's origin, one number each.
+    normal_force
+        In N.
+    sign
+        1 where t of the patch is to the right, -1 where it is to the left.
+    scale
+        Speed in m/s over the speed of the forces' motion.
+
+    """
+
+    forces: CreepForces
+    creepages: Creepages
+    normal_force: float
+    sign: float = 1.0
+    scale: float = 1.0
+
+    @property
+    def rolls(self) -> bool:
+        """Whether the bodies roll; otherwise the second one is shifted, and creepages are shifts."""
+        return self.forces.motion.rolls
+
+    @property
+    def theory(self) -> str:
+        """The theory's name."""
+        return TITLES["exact"] if isinstance(self.forces, Rolling) else self.forces.theory
+
+    @property
+    def moment(self) -> float:
+        """Spin moment about the normal, N m, counter-clockwise from above."""
+        return 1e-3 * self.sign * self.forces.moment
+
+    @property
+    def t_gamma(self) -> tuple[float, float, float] | None:
+        """T-gamma: power over speed; creep forces times creepages without, and with, spin; N. None for a shift."""
+        without, by_spin = self.forces.products(self.creepages)
+        return (self.forces.t_gamma, without, without + by_spin) if self.rolls else None
+
+    @property
+    def cells(self) -> Rolling | SimplifiedRolling | None:
+        """Tractions, slip and states, which only some theories have."""
+        return self.forces if isinstance(self.forces, Rolling | SimplifiedRolling) else None
+
+    @property
+    def slip_fraction(self) -> float | None:
+        """Cells that slip over those in contact."""
+        cells = self.cells
+        return None if cells is None else float((cells.states[cells.states != NO_CONTACT] == SLIPS).mean())
+
+    def maximum(self, values: str | Callable[[Rolling | SimplifiedRolling], Floats]) -> float | None:
+        """Maximum magnitude over the cells; None of theories without tractions."""
+        cells = self.cells
+        return None if cells is None else float(np.linalg.norm(np.atleast_3d(getter(values)(cells)), axis=2).max())
+
+    @property
+    def max_slip(self) -> float | None:
+        """Maximum slip velocity, m/s, of a shift the slip, mm."""
+        slip = self.maximum("slip_velocities")
+        return None if slip is None else self.scale * slip
+
+    @property
+    def flash_temperature(self) -> float | None:
+        """Maximum temperature of the cells above that without friction, K; None without temperatures."""
+        cells = self.cells
+        if cells is None or cells.flash_temperatures is None:
+            return None
+        return float(cells.flash_temperatures[cells.states != NO_CONTACT].max())
+
+    @property
+    def power_density(self) -> float | None:
+        """Maximum power over area, W/mm²; None for a shift."""
+        power = self.maximum(lambda cells: cells.power_density.clip(min=0.0))
+        return self.scale * power if self.rolls and power is not None else None
+
+
+Creep = Quantity[CreepResult]
+
+
+def _if_rolling(rolls: bool, value: str | Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
+    """A number that only rolling has, or only a shift."""
+    return lambda creep: getter(value)(creep) if creep.rolls == rolls else None
+
+
+_rolling, _shifting = partial(_if_rolling, True), partial(_if_rolling, False)
+
+
+def _t_gamma(number: int) -> Callable[[CreepResult], float | None]:
+    return lambda creep: None if creep.t_gamma is None else creep.t_gamma[number]
+
+
+THEORY: Creep = Quantity("theory", "theory", "theory")
+LONGITUDINAL_CREEPAGE: Creep = Quantity(
+    "longitudinal_creepage", "longitudinal creepage", _rolling("creepages.along"), form="z.4%"
+)
+LATERAL_CREEPAGE: Creep = Quantity(
+    "lateral_creepage", "lateral creepage", _rolling(lambda f: f.sign * f.creepages.across), form="z.4%"
+)
+SPIN_CREEPAGE: Creep = Quantity(
+    "spin_creepage", "spin creepage", _rolling(lambda f: 1e3 * f.sign * f.creepages.spin), "1/m", "z.4f"
+)
+CREEPAGES = (LONGITUDINAL_CREEPAGE, LATERAL_CREEPAGE, SPIN_CREEPAGE)
+LONGITUDINAL_FORCE: Creep = Quantity(
+    "longitudinal_force", "longitudinal force", "forces.along", "kN", "z.4f", factor=1e-3
+)
+LATERAL_FORCE: Creep = Quantity(
+    "lateral_force", "lateral force", lambda f: f.sign * f.forces.across, "kN", "z.4f", factor=1e-3
+)
+SPIN_MOMENT: Creep = Quantity("spin_moment", "spin moment", "moment", "Nm", "z.3f")
+FORCES = (LONGITUDINAL_FORCE, LATERAL_FORCE, SPIN_MOMENT)
+TRACTION: Creep = Quantity(
+    "traction_coefficient",
+    "traction coefficient",
+    lambda f: float(np.hypot(f.forces.along, f.forces.across)) / f.normal_force,
+    form=".4f",
+    meaning="creep force over normal force",
+)
+T_GAMMA: Creep = Quantity("t_gamma", "T-gamma", _t_gamma(0), "N", "z.3f", meaning="frictional power over the speed")
+T_GAMMAS: tuple[Creep, ...] = (
+    T_GAMMA,
+    Quantity("t_gamma_without_spin", "  forces times creepages", _t_gamma(1), "N", "z.3f"),
+    Quantity("t_gamma_with_spin", "  and spin moment times spin", _t_gamma(2), "N", "z.3f"),
+)
+SLIP_AREA: Creep = Quantity("slipping_share", "slip area", "slip_fraction", form=".1%")
+MAX_TRACTION: Creep = Quantity("max_traction", "maximum traction", lambda f: f.maximum("tractions"), "MPa", ".1f")
+FIELDS: tuple[Creep, ...] = (
+    SLIP_AREA,
+    MAX_TRACTION,
+    Quantity("max_slip_velocity", "maximum slip velocity", _rolling("max_slip"), "m/s", ".4f"),
+    Quantity(
+        "flash_temperature",
+        "maximum flash temperature",
+        "flash_temperature",
+        "K",
+        ".1f",
+        meaning="temperature of the surfaces in contact above that without friction",
+    ),
+    Quantity("max_power_density", "maximum frictional power density", "power_density", "W/mm²", "z.2f"),
+)
+"""What theories with tractions have."""
+BY_THEORY: tuple[Creep, ...] = (THEORY, *CREEPAGES, *FORCES, *T_GAMMAS)
+SHIFT: tuple[Creep, ...] = (
+    Quantity("shift_ahead", "shift ahead", _shifting("creepages.along"), "mm", "z.6f"),
+    Quantity("shift_right", "shift to the right", _shifting(lambda f: f.sign * f.creepages.across), "mm", "z.6f"),
+    Quantity("shift_rotation", "rotation", _shifting(lambda f: 1e3 * f.sign * f.creepages.spin), "mrad", "z.4f"),
+    Quantity("max_slip", "maximum slip", _shifting("max_slip"), "mm", ".6f"),
+    Quantity("dissipated", "work of friction", _shifting("forces.frictional_power"), "N mm", ".4g"),
+)
+POWER: Creep = Quantity(
+    "frictional_power", "frictional power", _rolling(lambda f: f.scale * f.forces.frictional_power), "W", "z.1f"
+)

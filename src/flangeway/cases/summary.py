@@ -1,16 +1,30 @@
-"""Summaries of runs, the content of ``summary.json``: plain numbers with their units in the names."""
+"""Summaries of runs, the content of ``summary.json``: plain numbers with their units in the keys."""
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, ClassVar
 
-from flangeway.cases.nested import mapped
 from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
 from flangeway.types import Key
+
+# --- Values inside tables and lists.
+
+
+def mapped(value: Any, function: Callable[[Key, Any], Any], key: Key = ()) -> Any:
+    """Return tables and lists with a function of path and value in the place of each value in them."""
+    if isinstance(value, Mapping):
+        return {name: mapped(inner, function, (*key, name)) for name, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [mapped(inner, function, (*key, number)) for number, inner in enumerate(value)]
+    return function(key, value)
+
+
+# --- Summaries of runs, the content of ``summary.json``: plain numbers with their units in the names.
+
 
 PAIRS = ("longer", "shorter")
 ENDINGS = {"cells": ("across", "along"), "semi_axes_mm": PAIRS, "hertz_semi_axes_mm": PAIRS}

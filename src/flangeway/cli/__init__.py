@@ -18,11 +18,8 @@ try:
     # each adds its commands, in the order in which help lists them
     from flangeway.cli import (
         run_cases as cases,
-        campaign_command as campaign,
-        damage_command as damage,
-        creep_table_command as creep_table,
+        batch_commands as batch,
         shape_commands as shapes,
-        live_command as live,
         reproduce_command as reproduce,
     )
     from flangeway.cli.app import app, main
@@ -30,4 +27,4 @@ except KeyboardInterrupt:
     print("flangeway: interrupted; nothing was written", file=sys.stderr)
     sys.exit(130)
 
-__all__ = ["app", "campaign", "cases", "creep_table", "damage", "live", "main", "reproduce", "shapes"]
+__all__ = ["app", "batch", "cases", "main", "reproduce", "shapes"]

@@ -97,7 +97,7 @@ def case_names() -> list[str]:
 
 def geometry_names() -> list[str]:
     """Names of all cases of ``flangeway geometry``."""
-    from flangeway.cases.rigid.rigid_case import GEOMETRY_CASES  # noqa: PLC0415
+    from flangeway.cases.rigid_run import GEOMETRY_CASES  # noqa: PLC0415
 
     return [*GEOMETRY_CASES]
 
@@ -123,7 +123,7 @@ def complete_setting(ctx: typer.Context, incomplete: str) -> list[str]:
     Bash hands over what is behind the sign alone unless its ``COMP_WORDBREAKS`` lacks it.
     """
     from flangeway.cases import CASES, find_case  # noqa: PLC0415
-    from flangeway.cases.rigid.rigid_case import GeometryCase  # noqa: PLC0415
+    from flangeway.cases.rigid_run import GeometryCase  # noqa: PLC0415
 
     # the parser has given up at a --set without a value, so that ctx lacks the case; bash and other shells name it here
     typed = f"{os.environ.get('COMP_WORDS', '')} {os.environ.get('_TYPER_COMPLETE_ARGS', '')}".split()

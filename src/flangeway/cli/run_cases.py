@@ -99,7 +99,7 @@ def run(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
 def converge(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
     """Run a case with its sizes of elements and cells and with half of them, and compare (out/CASE-converge)."""
     from flangeway.cases import run_halved  # noqa: PLC0415
-    from flangeway.report.page.halved_page import convergence_record  # noqa: PLC0415
+    from flangeway.report.page.html_page import convergence_record  # noqa: PLC0415
 
     stem = Path(name).stem
     folder = results_folder(out, f"{stem}-converge")
@@ -233,7 +233,7 @@ def schema(
     with errors_as_exit_status():
         import json  # noqa: PLC0415
 
-        from flangeway.cases.case_template import schema as case_schema  # noqa: PLC0415
+        from flangeway.cases.case_file import schema as case_schema  # noqa: PLC0415
         from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
 
         text = json.dumps(case_schema(), indent=2, ensure_ascii=False) + "\n"

@@ -1,5 +1,7 @@
-"""``flangeway geometry``, ``section`` and ``profile``."""
+"""``flangeway geometry``, ``section``, ``profile`` and ``live``."""
 
+import webbrowser
+from contextlib import suppress
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,9 +14,11 @@ from flangeway.cli.common import (
     Set,
     Show,
     Unit,
+    Units,
     choices,
     command_typed,
     completion,
+    errors_as_exit_status,
     geometry_names,
     path_given,
     profile_names,
@@ -22,9 +26,14 @@ from flangeway.cli.common import (
     section_names,
     settings_of,
     shows_results,
+    stdout,
+    units_given,
 )
 from flangeway.errors import InputError
 from flangeway.system.file_content import is_file
+
+# --- ``flangeway geometry``, ``section`` and ``profile``.
+
 
 PROFILE_FILES = (".ban", ".whl", ".prr", ".prw", ".csv", ".txt", ".dat", ".dxf", ".slcs", ".slcw")
 PROFILES_ALONE = (".ban", ".whl", ".prr", ".prw", ".dxf", ".slcs", ".slcw")  # the other endings have tables too
@@ -80,9 +89,12 @@ def geometry(
         )
     if not is_toml and (file.suffix or is_file(file)):
         return _conicity(file, settings, out, show)
-    from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case  # noqa: PLC0415
-    from flangeway.cases.rigid.rigid_run import run_geometry  # noqa: PLC0415
-    from flangeway.report.rigid.rigid_outputs import (  # noqa: PLC0415
+    from flangeway.cases.rigid_run import (  # noqa: PLC0415
+        find_geometry_case,
+        read_geometry_case,
+        run_geometry,
+    )
+    from flangeway.report.rigid_outputs import (  # noqa: PLC0415
         geometries_record,
         geometry_record,
     )
@@ -110,8 +122,8 @@ def geometry(
 
 def _conicity(file: Path, settings: dict[str, Any], out: Path | None, show: Show) -> bool:
     """Conicity of a rolling radius difference from a file."""
-    from flangeway.cases.rigid.rigid_run import run_conicity  # noqa: PLC0415
-    from flangeway.report.rigid.rigid_outputs import conicity_record  # noqa: PLC0415
+    from flangeway.cases.rigid_run import run_conicity  # noqa: PLC0415
+    from flangeway.report.rigid_outputs import conicity_record  # noqa: PLC0415
 
     with show.progress():
         done = run_conicity(file, settings)
@@ -149,12 +161,12 @@ def section(
     show: Show,
 ) -> bool:
     """Compute the constants of a cross-section; report, JSON, pictures and VTU in a folder (out/section-NAME)."""
-    from flangeway.cases.section.section_run import (  # noqa: PLC0415
+    from flangeway.cases.section_run import (  # noqa: PLC0415
         TorsionCase,
         find_section,
         run_section,
     )
-    from flangeway.report.section.section_page import section_record  # noqa: PLC0415
+    from flangeway.report.section_page import section_record  # noqa: PLC0415
 
     drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
     inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
@@ -234,9 +246,9 @@ def profile(
     show: Show,
 ) -> bool:
     """Read a rail or wheel profile: checks, pictures, curvature, conversion, joint to a body (out/profile-NAME)."""
-    from flangeway.cases.profile.profile_run import run_profiles  # noqa: PLC0415
+    from flangeway.cases.profile_run import run_profiles  # noqa: PLC0415
     from flangeway.railway.profiles.orientation import ReadOptions  # noqa: PLC0415
-    from flangeway.report.profile.profile_outputs import (  # noqa: PLC0415
+    from flangeway.report.profile_outputs import (  # noqa: PLC0415
         checked_conversion,
         profile_record,
         profiles_record,
@@ -287,11 +299,48 @@ def profiles(
     show: Show,
 ) -> bool:
     """Wear, gauge measures and conicity of all profiles in a folder, the most worn first (out/profiles-FOLDER)."""
-    from flangeway.cases.profile.profile_folder import run_folder  # noqa: PLC0415
-    from flangeway.report.profile.profile_outputs import folder_record  # noqa: PLC0415
+    from flangeway.cases.profile_run import run_folder  # noqa: PLC0415
+    from flangeway.report.profile_outputs import folder_record  # noqa: PLC0415
 
     name = folder.resolve().name
     target = results_folder(out, f"profiles-{name}")
     with show.progress() as progress:
         done = run_folder(folder, partner, nominal, progress)
     return show.record(folder_record(done, name, command_typed(), show.units or "metric"), target)
+
+
+# --- ``flangeway live``.
+
+
+@app.command()
+@errors_as_exit_status()
+def live(
+    profiles: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="[WHEEL] [RAIL]",
+            help="Files of measured profiles to begin with.",
+            autocompletion=completion(list, *PROFILE_FILES),
+        ),
+    ] = None,
+    port: Annotated[
+        int, typer.Option("--port", metavar="NUMBER", help="Port on this machine; a free one if left out.")
+    ] = 0,
+    units: Units = None,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
+) -> None:
+    """Move a wheelset on its rails with the mouse: a page in the browser, from this machine alone (Ctrl-C ends)."""
+    try:
+        from flangeway.live.server import LiveServer  # noqa: PLC0415
+    except ModuleNotFoundError as reason:
+        raise InputError(
+            f"the live page without the package {reason.name}",
+            "an installation with the extra `live`",
+            "pip install 'flangeway[live]'",
+        ) from reason
+    server = LiveServer(profiles or [], port, units_given(units) or "metric")
+    stdout().print(f"{server.address}\nThe page is served on this machine alone; Ctrl-C ends it.", soft_wrap=True)
+    if browser:
+        webbrowser.open(server.address)
+    with suppress(KeyboardInterrupt):  # the way to end it
+        server.run()

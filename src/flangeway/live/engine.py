@@ -15,11 +15,10 @@ from typing import Any
 import numpy as np
 
 from flangeway.cases.case import GivenText, grouped
-from flangeway.cases.case_file import FILE_KEYS
-from flangeway.cases.case_identity import MAX_PREPARED, bodies_key, case_content, hash_of
-from flangeway.cases.rigid.rigid_case import GeometryCase
+from flangeway.cases.case_file import FILE_KEYS, MAX_PREPARED, bodies_key, case_content, hash_of
+from flangeway.cases.rigid_run import GeometryCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
+from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.errors import FlangewayError, InputError
 from flangeway.railway.profiles.bundled import REFERENCE_RAIL, REFERENCE_WHEELS, SECTIONS, WHEELS
 from flangeway.railway.profiles.orientation import ReadOptions
@@ -29,10 +28,8 @@ from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import png
-from flangeway.report.page.case_text import case_text, command_line
-from flangeway.report.page.html_page import report_page
-from flangeway.report.wheelset.pressure_scene import below_fields, stresses_below
-from flangeway.report.wheelset.wheelset_page import results_table, wheelset_facts
+from flangeway.report.page.html_page import case_text, command_line, report_page
+from flangeway.report.wheelset.wheelset_page import below_fields, results_table, stresses_below, wheelset_facts
 from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.system.latest_values import LatestValues
 from flangeway.types import Floats, floats

@@ -1,9 +1,10 @@
 """What people look at: pictures, the HTML report, and files for ParaView."""
 
 from flangeway.report.case_outputs import RECORDS, run_html, write_case
+from flangeway.report.figures.display import SeriesFrame, solution_frame, write_frame, write_series
 from flangeway.report.figures.drawing import name_axes, panels
-from flangeway.report.figures.fields import part_fields
 from flangeway.report.figures.plots import (
+    part_fields,
     plot_deformed,
     plot_displacement,
     plot_function,
@@ -11,10 +12,8 @@ from flangeway.report.figures.plots import (
     plot_result,
     plot_stress,
 )
-from flangeway.report.figures.series import SeriesFrame, solution_frame, write_frame, write_series
-from flangeway.report.page.case_text import command_line, run_record
-from flangeway.report.page.record import Picture
-from flangeway.report.page.tables import SummaryTable, fact, rows_of
+from flangeway.report.page.html_page import command_line, run_record
+from flangeway.report.page.record import Picture, SummaryTable, fact, rows_of
 
 __all__ = [
     "RECORDS",

@@ -10,28 +10,23 @@ from flangeway.campaign import CampaignTable
 from flangeway.cases import BodiesRun, WheelsetRun
 from flangeway.cases.bodies.bodies_run import BodiesCase
 from flangeway.cases.case import Case, Progress, Run
-from flangeway.cases.profile.profile_run import ProfileRun
-from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
-from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase, RollingPatchRun
-from flangeway.cases.section.section_run import SectionRun, TorsionCase
-from flangeway.cases.spatial.spatial_case import SpatialCase, SpatialRun
-from flangeway.cases.spatial.spatial_presets import SpatialPreset
+from flangeway.cases.profile_run import ProfileRun
+from flangeway.cases.rigid_run import ConicityRun, GeometryRun
+from flangeway.cases.rolling_patch_case import RollingPatchCase, RollingPatchRun
+from flangeway.cases.section_run import SectionRun, TorsionCase
+from flangeway.cases.spatial_case import SpatialCase, SpatialPreset, SpatialRun
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import InputError
-from flangeway.report.bodies import bodies_page
-from flangeway.report.bodies.bodies_figures import stress_figure
-from flangeway.report.campaign.campaign_figures import campaign_figures
+from flangeway.report import bodies_page, rolling_patch_page, section_page, spatial_page
+from flangeway.report.bodies_page import stress_figure
+from flangeway.report.campaign_figures import campaign_figures
 from flangeway.report.figures.plots import plot_result
-from flangeway.report.page.case_text import command_line
-from flangeway.report.page.html_page import record_html, write_record
+from flangeway.report.page.html_page import command_line, record_html, write_record
 from flangeway.report.page.record import SUMMARY, Record
-from flangeway.report.profile.profile_figures import shape_figure
-from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure
-from flangeway.report.rolling import rolling_patch_page
-from flangeway.report.section import section_page
-from flangeway.report.section.section_figures import warping_figure
-from flangeway.report.spatial import spatial_page
+from flangeway.report.profile_outputs import shape_figure
+from flangeway.report.rigid_outputs import conicity_figure, locus_figure
+from flangeway.report.section_figures import warping_figure
 from flangeway.report.wheelset import wheelset_page
 from flangeway.report.wheelset.wheelset_patches import section_figure
 from flangeway.results import Result

@@ -2,7 +2,7 @@
  *
  * Axes x ahead, y to the right, z down, and SI units outside; inside those of the table: x to the right, y up, z ahead,
  * mm, N, kN for the axle load, mrad for the yaw. The table is read from resources/creep-table.bin, which
- * flangeway.tables.fmu writes: numbers of type double in the order of `read_table`.
+ * flangeway.tables.table_outputs writes: numbers of type double in the order of `read_table`.
  */
 #include <math.h>
 #include <stdarg.h>

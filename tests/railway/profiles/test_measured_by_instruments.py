@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks import worn
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
-from flangeway.cases.rigid.rigid_case import GeometryCase
-from flangeway.cases.wheelset.wheelset_profiles import profile_named, side_warnings
+from flangeway.cases.rigid_run import GeometryCase
+from flangeway.cases.wheelset.wheelset_inputs import profile_named, side_warnings
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from flangeway.cases.profile.profile_run import run_profile
+from flangeway.cases.profile_run import run_profile
 from flangeway.errors import InputError
 from flangeway.geometry import Outline
 from flangeway.railway.profiles.bundled import rail, wheel

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from flangeway.cases.rigid.rigid_case import GeometryCase
+from flangeway.cases.rigid_run import GeometryCase
 from flangeway.errors import InputError
 from flangeway.mesh import check, triangulate
 from flangeway.railway.profiles.bundled import RailProfile, rail, wheel

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipk, gamma
 
-from flangeway.cases.rigid.rigid_case import find_geometry_case
-from flangeway.cases.rigid.rigid_run import conicities_of, run_geometry
+from flangeway.cases.rigid_run import conicities_of, find_geometry_case, run_geometry
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import REFERENCE_RAIL, wheel
 from flangeway.railway.rigid.conicity import (

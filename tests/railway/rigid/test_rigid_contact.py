@@ -7,8 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from flangeway.cases.rigid.rigid_case import find_geometry_case
-from flangeway.cases.rigid.rigid_run import run_geometry
+from flangeway.cases.rigid_run import find_geometry_case, run_geometry
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement
 from flangeway.railway.profiles.bundled import RailProfile, rail, wheel

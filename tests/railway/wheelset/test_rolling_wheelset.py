@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flangeway.cases.case_identity import bodies_key
+from flangeway.cases.case_file import bodies_key
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll

@@ -11,12 +11,11 @@ import pytest
 
 from flangeway.cases import CASES
 from flangeway.post import Stresses, pressure_patches
-from flangeway.report.bodies import body_fields as body_steps
-from flangeway.report.bodies.bodies_page import bodies_record
-from flangeway.report.bodies.body_fields import bodies_fields, body_fields
+from flangeway.report import scenes as body_steps
+from flangeway.report.bodies_page import bodies_record
 from flangeway.report.case_outputs import write_case
 from flangeway.report.page.html_page import report_page
-from flangeway.report.scenes import bodies_scene
+from flangeway.report.scenes import bodies_fields, bodies_scene, body_fields
 from flangeway.report.viewer import packed_parts
 from flangeway.solve import Status
 

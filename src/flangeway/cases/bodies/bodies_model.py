@@ -7,24 +7,22 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from flangeway.cases.bodies.bodies_shape import (
-    BodyShape,
-    Ints,
-    Where,
-    body_shape,
-    edges_at,
-    free_edges,
-    keys_of_place,
-    point_at,
-)
-from flangeway.cases.bodies.bodies_tables import (
     BodiesInputs,
+    BodyShape,
     BodyTable,
     ContactTable,
+    Ints,
     LoadTable,
     PlaceTable,
     SpringTable,
     SupportTable,
+    Where,
+    body_shape,
+    edges_at,
     elastic,
+    free_edges,
+    keys_of_place,
+    point_at,
 )
 from flangeway.cases.case import require_known
 from flangeway.contact import (

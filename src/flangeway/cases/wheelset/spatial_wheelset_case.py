@@ -10,10 +10,9 @@ import numpy as np
 from pydantic import Field
 
 from flangeway.cases.case import ElementOrder, NotNegative, Positive, Progress, RunnableCase
-from flangeway.cases.rolling.friction_inputs import MAX_FRICTION, FrictionCoefficient, FrictionInputs
-from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
-from flangeway.cases.wheelset.wheelset_inputs import ROLLING_KEYS, WheelsetInputs
-from flangeway.cases.wheelset.wheelset_profiles import profile_notes
+from flangeway.cases.patch_quantities import MAX_FRICTION, FrictionCoefficient, FrictionInputs
+from flangeway.cases.wheelset.wheelset_case import WheelsetRun, WheelsetTangentCase
+from flangeway.cases.wheelset.wheelset_inputs import ROLLING_KEYS, WheelsetInputs, profile_notes
 from flangeway.cases.wheelset.wheelset_quantities import (
     ROLLING_PATCH_ROW,
     ROLLING_ROW,
@@ -21,7 +20,6 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     SPATIAL_ROW,
     WheelResult,
 )
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.patch.contact_ellipse import PARABOLIC
 from flangeway.contact.rolling.theories import Theory
 from flangeway.errors import InputError

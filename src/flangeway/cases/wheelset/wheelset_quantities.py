@@ -8,10 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.cases.patch_quantities import ANGLE, AREA, AXES, CELLS, HERTZ_AXES, HERTZ_PRESSURE
-from flangeway.cases.rolling_quantities import (
+from flangeway.cases.patch_quantities import (
+    ANGLE,
+    AREA,
+    AXES,
+    CELLS,
     CREEPAGES,
     FIELDS,
+    HERTZ_AXES,
+    HERTZ_PRESSURE,
     LATERAL_FORCE,
     LONGITUDINAL_FORCE,
     SPIN_MOMENT,

@@ -1,11 +1,7 @@
-"""What all pictures share: figures, colours that stay apart in grey, labels with units, colour bars, legends, fields.
-
-A figure has a system of units. What it draws is metric; `name_axis`, `name_axes` and `colour_bar` set labels and ticks
-of its system from the unit of the data, and `units_of` returns the system for numbers in texts, see
-`flangeway.quantities.measured`.
-"""
+"""What all pictures share, and the convergence of Newton's method as a figure."""
 
 import io
+import math
 import re
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -22,15 +18,25 @@ from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import AutoLocator, Formatter
+from matplotlib.ticker import AutoLocator, Formatter, MaxNLocator
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 from PIL import Image
 
+from flangeway.contact import ContactSolution, ContactState
 from flangeway.geometry.arrays import extent
 from flangeway.mesh import PolyMesh
+from flangeway.report.page.record import SummaryTable
 from flangeway.types import Floats, Ints
 from flangeway.units import Units, UsUnit, us_unit
+
+# --- What all pictures share: figures, colours that stay apart in grey, labels with units, colour bars, legends,
+# fields.
+#
+# A figure has a system of units. What it draws is metric; `name_axis`, `name_axes` and `colour_bar` set labels and
+# ticks of its system from the unit of the data, and `units_of` returns the system for numbers in texts, see
+# `flangeway.quantities.measured`.
+
 
 DPI = 160
 INK, GREY, LIGHT, PURPLE = "#1a1a1a", "#777777", "#dddddd", "#8b1a8b"
@@ -287,3 +293,55 @@ def cells_path(mesh: PolyMesh, points: Floats, cells: NDArray[np.integer]) -> Pa
     """One path about each of some cells (n,), the points of the mesh being drawn at `points` (n_points, 2)."""
     polygons = [points[mesh.corners(cell)] for cell in cells]
     return Path.make_compound_path(*(Path(polygon, closed=False) for polygon in polygons))
+
+
+# --- Convergence: the Newton iterations of load steps as a figure and a table.
+
+
+MIN_ERROR = 1e-17  # value for errors of exactly zero on the logarithmic axis
+ERRORS = {"residual": "residual over the total force", "change": "change over the maximum displacement"}
+
+
+def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
+    """Name and state of each load step, and where it ended without success."""
+    found: list[tuple[str, ContactState]] = []
+    legs = any(step.share > 1.0 for step in contact.steps)
+    for step in contact.steps:
+        leg = max(math.ceil(step.share), 1)
+        name = f"leg {leg}: " * legs + f"{100.0 * (step.share - leg + 1):.4g} %"
+        found.append((name, step.state))
+    if not contact.status.converged:
+        found.append(("not converged", contact.state))
+    return found
+
+
+def newton_figure(steps: Sequence[tuple[str, ContactState]]) -> Figure:
+    """Draw residual and change of all iterations, load step by load step."""
+    figure, ((axes,),) = panels(13.0, 4.0)
+    start = 1
+    for history in (state.history for _, state in steps):
+        at = np.arange(start, start + len(history))
+        for key, colour, line, marker in (("residual", INK, "-", "o"), ("change", GREY, "--", "s")):
+            errors = np.maximum([getattr(iteration, key) for iteration in history], MIN_ERROR)
+            axes.plot(at, errors, **NODES | {"color": colour, "ls": line, "marker": marker}, label=ERRORS[key])
+        start += len(history)
+        axes.axvline(start - 0.5, color=GREY, lw=0.6)
+    axes.set(yscale="log", xlim=(0.5, start - 0.5))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    name_axes(axes, "Newton iterations" + (", load step by load step" if len(steps) > 1 else ""), "relative error")
+    axes.yaxis.set_major_formatter(power_of_ten)
+    legend_below(figure, 2)
+    return figure
+
+
+def steps_table(contact: ContactSolution) -> SummaryTable:
+    """Iterations, last errors and constraints under force of each load step."""
+    rows = []
+    for name, state in load_steps(contact):
+        last = state.history[-1] if state.history else None
+        errors = ("–", "–", "–") if last is None else (
+            f"{last.residual:.1e}", f"{last.change:.1e}", f"{last.n_active}"
+        )  # fmt: skip
+        rows.append((name, f"{len(state.history)}", *errors))
+    header = ("fraction of loads and displacements", "iterations", "residual", "change", "active constraints")
+    return SummaryTable("Load steps", header, tuple(rows))

@@ -4,8 +4,11 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
+from scipy.interpolate import RegularGridInterpolator
 
+from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.cases.wheelset.wheelset_quantities import (
     APPROACH,
     CREEP_FURTHER,
@@ -32,38 +35,264 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     SPATIAL_MAIN,
     AnyResult,
     WheelResult,
+    patch_name,
 )
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
+from flangeway.mesh import PolyMesh
 from flangeway.quantities import Quantity, columns, measured, present
 from flangeway.railway.track.discretisation import ROLES, Role
-from flangeway.railway.track.placements import SIDES
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.wheelset.rail_along_track import REGIONS, RailAlongTrack
+from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.whole_sections import whole_sections
-from flangeway.report.figures.fields import part_fields, write_part
-from flangeway.report.figures.series import collection, write_contacts
-from flangeway.report.page.case_text import run_record
-from flangeway.report.page.record import Picture, Record
-from flangeway.report.page.tables import SummaryTable, fact, rows_of, table_across, table_of, with_whole
+from flangeway.report.figures.display import collection, write_contacts
+from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, Style, name_axes, panels
+from flangeway.report.figures.plots import part_fields, write_part
+from flangeway.report.page.html_page import run_record
+from flangeway.report.page.record import (
+    Picture,
+    Record,
+    SummaryTable,
+    fact,
+    rows_of,
+    table_across,
+    table_of,
+    with_whole,
+)
+from flangeway.report.patch_maps import shown_fields, strip_mesh
 from flangeway.report.scenes import wheelset_scene
-from flangeway.report.wheelset.pressure_scene import pressure_scene
-from flangeway.report.wheelset.rails_along_track import rails_csv, rails_figure, rails_table
-from flangeway.report.wheelset.rolling_patches import AXES as ROLLING_AXES
-from flangeway.report.wheelset.rolling_patches import rolling_pictures
-from flangeway.report.wheelset.running_surface_files import (
+from flangeway.report.viewer import Scene, ShownField, ShownPart, View
+from flangeway.report.wheelset.wheelset_patches import AXES as ROLLING_AXES
+from flangeway.report.wheelset.wheelset_patches import (
     DIGITS,
     PARTS,
     below_table,
+    contact_figure,
+    friction_fields,
+    nodes_figure,
+    patches_figure,
+    rolling_pictures,
+    section_figure,
+    stresses_figure,
     write_section,
     write_stresses,
     write_surface,
 )
-from flangeway.report.wheelset.wheelset_patches import (
-    contact_figure,
-    nodes_figure,
-    patches_figure,
-    section_figure,
-    stresses_figure,
-)
+from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
+from flangeway.types import Floats
+from flangeway.units import Units, us_unit
+
+# --- Pressures and friction of a wheelset on the running surfaces of its rails, in three dimensions, for the viewer.
+
+
+RAISED_MM_PER_MPA = 0.01
+SPACING_MM = 1.5
+"""Of the surface's points away from the patches."""
+ROUND_MM = 12.0
+"""Length of rail that is shown ahead of the patches and behind them."""
+DEEP_MM, LOWER_MM = 14.0, 5.0
+"""Depth of the heads that is shown, and at least below what is in contact."""
+NEAR = 40.0
+"""Width of the view of a patch in mm."""
+PRESSURE_FIELD = "pressure_MPa"
+BELOW_MM = (0.5, 1.0, 2.0, 3.0, 5.0, 8.0)
+"""Depths at which the stress is shown."""
+MISES = "von_mises_MPa"
+
+
+def pressure_scene(run: WheelsetRun) -> Scene:
+    """Running surfaces of both rails, raised where there is pressure, stresses below, and a view of each patch."""
+    patches = run.space.patches
+    views = [View(patch_name(patch), (patch.centre_mm[0], patch.centre_mm[2]), NEAR) for patch in patches]
+    note = (
+        "Running surfaces of the rails in the track's axes: x to the right, z ahead of the axle, y up. For the eye "
+        f"they are raised where there is pressure, by {RAISED_MM_PER_MPA:g} mm for 1 MPa; y is that of the raised "
+        "surface, without the rail's deflection. Pressures are means over the cells of the contact, as in the VTU "
+        "files of the rails."
+    )
+    z = np.concatenate([state.grid.grid.along for state in run.space.equilibrium.state.sides.values()])
+    ends = float(z.min()) - ROUND_MM, float(z.max()) + ROUND_MM
+    if run.space.rolling:
+        note += " Tractions and slip velocities are shown by their sizes."
+    note += (
+        " Von Mises stresses are those of the rail below each cell, along the surface's normal: the largest one of all "
+        "depths, and those at some depths; the VTU files of stresses have the volume."
+    )
+    parts = [_part(run.space, side, ends, run.case.units) for side in SIDES]
+    return Scene(
+        [part for part, _ in parts],
+        parts[0][1],
+        views,
+        notes=(note,),
+        axes=("x", "z", "y"),
+    )
+
+
+def _part(
+    result: SpatialResult, side: Side, ends: tuple[float, float], units: Units
+) -> tuple[ShownPart, list[ShownField]]:
+    """Running surface of a rail with its fields."""
+    state = result.equilibrium.state.sides[side]
+    surfaces, cells, grid = state.grid.surfaces, state.cells, state.grid.grid
+    depths = surfaces.rail_points(surfaces.rail_stations[:, 1])[0][:, 1]
+    lowest = min(-DEEP_MM, float(cells.points[:, 1].min()) - LOWER_MM)
+    stations = surfaces.rail_stations[depths > lowest, 1]
+    nodes = _with_coarse(grid.bounds, float(stations.min()), float(stations.max()))
+    z = _with_coarse(grid.strip_bounds, *ends)
+    shape = len(nodes) - 1, len(z) - 1
+    first, row = np.searchsorted(z, grid.strip_bounds[0]), np.searchsorted(nodes, grid.bounds[0])
+    window = slice(row, row + len(grid.widths)), slice(first, first + grid.n_strips)
+    later = np.ones(shape)
+    later[window] = 0.0
+    fields, found = shown_fields({PRESSURE_FIELD: cells.pressures} | friction_fields(result, side, "rail"))
+    fields, found = fields + below_fields(units), found | stresses_below(result, side)
+    arrays = {name: np.zeros(shape) for name in found}
+    for name, values in found.items():
+        arrays[name][window] = values
+    around = np.pad(arrays[PRESSURE_FIELD], 1)
+    at_nodes = (around[1:, 1:] + around[:-1, 1:] + around[1:, :-1] + around[:-1, :-1]) / 4.0
+    points, _ = surfaces.rail_points(nodes)
+    heights = np.repeat(points[:, 1], len(z)) + RAISED_MM_PER_MPA * at_nodes.ravel()
+    mesh = strip_mesh(SIDE_SIGN[side] * points[:, 0], z)
+    # first the cells of the contact, with the numbers of the VTU file
+    order = np.argsort(later.ravel(), kind="stable")
+    corners = mesh.cell_points.reshape(-1, 4)[order]
+    # lengths along the surface run to the gauge side: the cells of the right rail are turned over
+    corners = corners if side == "left" else corners[:, [1, 0, 3, 2]]
+    mesh = PolyMesh.from_cells(mesh.points, corners)
+    ordered = {name: values.reshape(-1, 1)[order] for name, values in arrays.items()}
+    return ShownPart(f"rail-{side}", mesh, cell_arrays=ordered, side=side, heights=heights), fields
+
+
+def below_fields(units: Units) -> list[ShownField]:
+    """Fields of the von Mises stress of the rail below the cells."""
+    depths = [f"at a depth of {measured(depth, 'mm', units)}" for depth in BELOW_MM]
+    names = [f"{MISES}:{number}" for number in range(len(depths) + 1)]
+    words = ("largest at any depth", *depths)
+    return [
+        ShownField(name, f"von Mises stress, {each}", "MPa", "Below the patches", name, "value")
+        for name, each in zip(names, words, strict=True)
+    ]
+
+
+def stresses_below(result: SpatialResult, side: Side) -> dict[str, Floats]:
+    """Arrays of `below_fields` on the cells of a side, (n, n_z)."""
+    grid = result.equilibrium.state.sides[side].grid.grid
+    total = np.zeros((len(BELOW_MM) + 1, len(grid.stations), grid.n_strips))
+    for patch in (each for each in result.patches if each.side == side):
+        field = result.stress_fields[patch]["rail"]
+        place = np.searchsorted(field.depths, BELOW_MM).clip(1, len(field.depths) - 1)
+        part = (BELOW_MM - field.depths[place - 1]) / np.diff(field.depths)[place - 1]
+        low, high = field.von_mises[place - 1], field.von_mises[place]
+        values = np.concatenate(
+            (field.von_mises.max(axis=0)[None], low + part.clip(0.0, 1.0)[:, None, None] * (high - low))
+        )
+        surface = RegularGridInterpolator(
+            (field.along, field.z), np.moveaxis(values, 0, 2), bounds_error=False, fill_value=0.0
+        )
+        on_cells = surface(np.stack(np.meshgrid(*grid.middles, indexing="ij"), axis=-1))
+        total = np.maximum(total, np.moveaxis(on_cells, 2, 0))
+    return {field.array: values for field, values in zip(below_fields("metric"), total, strict=True)}
+
+
+def _with_coarse(fine: Floats, low: float, high: float) -> Floats:
+    """Fine rising values, and coarser ones in their gaps and out to two ends."""
+    ends = np.unique(np.concatenate(([min(low, fine[0])], fine, [max(high, fine[-1])])))
+    steps = np.ceil(np.diff(ends) / SPACING_MM - 1e-9).astype(np.int64)
+    parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends[:-1], ends[1:], steps, strict=True)]
+    return np.append(np.concatenate(parts), ends[-1])
+
+
+# --- Rails along the track: picture, table and CSV file.
+
+
+STYLES = {"left": "-", "right": "--"}  # of symmetric wheelsets both are one line
+
+
+def _foot(rail: RailAlongTrack) -> Floats:
+    """Normal stress along the track in the middle of the base, MPa, shape (n_z,)."""
+    points = rail.stresses.points_mm
+    foot = np.flatnonzero(rail.stresses.regions == "foot")
+    lowest = foot[points[foot, 1] <= points[foot, 1].min() + 1e-6]
+    middle = lowest[np.argmin(np.abs(points[lowest, 0] - points[lowest, 0].mean()))]
+    found: Floats = rail.stresses.along_MPa[:, middle]
+    return found
+
+
+LINES: tuple[tuple[str, str, Callable[[RailAlongTrack], Floats]], ...] = (
+    ("top of the rail down", "mm", lambda rail: -rail.head[:, 1]),
+    ("gauge-face deflection, outwards", "mm", lambda rail: rail.gauge_outward_mm),
+    ("stress under the foot", "MPa", _foot),
+)
+"""What is drawn along the track, one panel each."""
+
+
+def rails_figure(run: WheelsetRun) -> Figure:
+    """Draw deflection, gauge face and stress under the foot of both rails along the track, and sleepers with forces."""
+    rails, units = run.space.rails, run.case.units
+    figure, rows = panels(9.0, 7.0, len(LINES), 1, units, sharex=True)
+    for axes, (words, unit, values) in zip(rows[:, 0], LINES, strict=True):
+        for side, rail in rails.items():
+            style: Style = {"color": SIDE_COLOURS[side], "ls": STYLES[side], "lw": 1.5, "label": f"{side} rail"}
+            axes.plot(rail.z_mm / 1e3, values(rail), **style)
+        axes.axhline(0.0, color=GREY, lw=0.8)
+        name_axes(axes, y=(words, unit))
+    top = rows[0, 0]
+    top.invert_yaxis()
+    first = next(iter(rails.values()))
+    kip = us_unit("kN") if units == "us" else None
+    for number, z in enumerate(first.sleepers_mm):
+        if abs(z) <= np.abs(first.z_mm).max():
+            top.axvline(z / 1e3, color=GREY, lw=0.6, ls=":")
+            seats = (rail.reactions[number, 1] / 1e3 for rail in rails.values())
+            forces = " / ".join(f"{kip.of(seat):z.1f}" if kip else f"{seat:z.0f}" for seat in seats)
+            place: Style = {"xycoords": ("data", "axes fraction"), "ha": "center"}
+            top.annotate(forces, (z / 1e3, 1.02), fontsize=7, color=INK, **place)
+    if len(first.sleepers_mm):
+        words = f"forces of the sleepers on the left / right rail, {kip.name if kip else 'kN'}"
+        top.set_title(words, fontsize=9, pad=16, loc="left")
+    top.legend(loc="lower right", fontsize=8)
+    name_axes(rows[-1, 0], ("z ahead of the axle", "m"))
+    return figure
+
+
+def rails_table(run: WheelsetRun) -> SummaryTable:
+    """Return maxima of both rails, with the places of the stresses."""
+    rails, units = run.space.rails, run.case.units
+    quantities: list[Quantity[RailAlongTrack]] = [
+        Quantity("down", "top of the rail down", lambda rail: -rail.head[:, 1].min(), "mm", ".3f"),
+        Quantity("gauge", "gauge-face deflection", lambda rail: rail.gauge_outward_mm.max(), "mm", ".3f"),
+    ]
+    if len(next(iter(rails.values())).sleepers_mm):
+        force: Callable[[RailAlongTrack], float] = lambda rail: rail.reactions[:, 1].max() / 1e3  # noqa: E731
+        quantities.append(Quantity("seat", "maximum force of a sleeper", force, "kN", ".2f"))
+    for region in REGIONS:
+        for name, kind in (("stress along the track", "along_MPa"), ("von Mises stress", "von_mises_MPa")):
+            peak, place = (partial(_peak, region, kind, part) for part in (0, 1))
+            quantities.append(Quantity(kind, f"{region}: {name}", peak, "MPa", ".1f"))
+            quantities.append(Quantity(f"{kind}_at", "  at", place, "mm", ".0f", ("x", "y", "z")))
+    caption = "Rails along the track: maximum values"
+    return table_across(caption, rails, list(rails.values()), quantities, units=units)
+
+
+def _peak(region: str, kind: str, part: int, rail: RailAlongTrack) -> Any:
+    """Maximum of a stress in a region, and its place."""
+    return rail.stresses.peak(region, getattr(rail.stresses, kind))[part]
+
+
+def rails_csv(run: WheelsetRun) -> str:
+    """Return both rails along the track as a CSV file, a row for each place."""
+    names = "side,z_mm,base_x_mm,base_y_mm,base_roll_rad,head_x_mm,head_y_mm,head_roll_rad,gauge_outward_mm,foot_MPa"
+    rows = []
+    for side, rail in run.space.rails.items():
+        table = np.column_stack((rail.z_mm, rail.base, rail.head, rail.gauge_outward_mm, _foot(rail)))
+        rows += [(side, *row) for row in table.tolist()]
+    columns = dict(zip(names.split(","), zip(*rows, strict=True), strict=True))
+    return ResultTable(columns).in_units(run.case.units).csv(6)
+
+
+# --- Report, files and terminal summary of a wheelset, in three dimensions or in the plane.
+
 
 Described = tuple[str, Callable[[WheelsetRun], Figure], str]
 """A picture: name of its file, what draws it, and its caption."""

@@ -1,22 +1,29 @@
-"""Pictures of a wheelset: its section with the pressures; in three dimensions its patches and the stresses below."""
+"""Pictures of a wheelset and its patches, standing or rolling, and the files of its running surfaces."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.cases.wheelset.wheelset_quantities import AnyPatch, patch_name
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
+from flangeway.contact.rolling.fastsim import SimplifiedRolling
+from flangeway.contact.rolling.rolling_result import Rolling
+from flangeway.formats import write_vtu, write_vtu_grids
 from flangeway.geometry import Placement
+from flangeway.mesh import PolyMesh
 from flangeway.quantities import measured
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.railway.wheelset.wheelset_mesh import HELD
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
+from flangeway.railway.wheelset.whole_sections import WholeSection
 from flangeway.report.figures.drawing import (
     COLOURS,
     GREY,
@@ -33,10 +40,24 @@ from flangeway.report.figures.drawing import (
     shade_of,
     units_of,
 )
-from flangeway.report.figures.fields import drawn_parts
-from flangeway.report.figures.stress_picture import pressure_curves, stress_panels
-from flangeway.report.spatial.patch_map import PatchMap, draw_depths, maps_figure
-from flangeway.types import Floats
+from flangeway.report.figures.plots import drawn_parts, pressure_curves, stress_panels
+from flangeway.report.page.record import Figures, Picture
+from flangeway.report.patch_maps import (
+    PatchMap,
+    ShownRolling,
+    at_corners,
+    cell_fields,
+    draw_depths,
+    maps_figure,
+    rolling_figure,
+    shakedown_figure,
+    strip_mesh,
+)
+from flangeway.results import ResultTable
+from flangeway.types import Bools, Floats
+
+# --- Pictures of a wheelset: its section with the pressures; in three dimensions its patches and the stresses below.
+
 
 N_LEVELS = 13
 """Limits of colours of a stress, from 0 to its maximum."""
@@ -220,3 +241,166 @@ def stresses_figure(run: WheelsetRun) -> Figure:
     if lines:
         rows[0, 2].legend(loc="lower left", fontsize=8)
     return figure
+
+
+# --- The patches of a wheelset that rolls: pictures and numbers of friction.
+
+
+MAPS, SHAKEDOWN = "rolling.png", "shakedown.png"
+CAPTIONS = {
+    MAPS: "Each patch from above, ahead is up: where it sticks and slips, with arrows of the tractions on the wheel; "
+    "slip velocity; frictional power over the area.",
+    SHAKEDOWN: "Maximum pressure over the shear strength and traction coefficient of each patch, among the limits of "
+    "a circular patch and of a line contact. Above the highest limit steel yields under each wheel.",
+}
+AXES = {
+    "creepage": "and creep force: of the wheel on the rail: ahead, and along the rail's surface to the right; spin "
+    "and its moment counter-clockwise seen from above",
+    "T-gamma": "energy that friction dissipates over the distance rolled: its power over the speed; N is J/m. Without "
+    "and with spin: creep forces times creepages at the centre of the patch, and spin moment times spin",
+}
+
+
+def rolling_pictures(run: WheelsetRun) -> list[Picture]:
+    """Pictures of the patches that roll; none without friction."""
+    result, strength, units = run.space, run.space.yield_MPa, run.case.units
+    # right of the track to the right, lengths from the middle of the rail's profile
+    shown = [
+        ShownRolling(
+            patch_name(each.patch),
+            each.forces,
+            each.speed_m_s,
+            patch_map(result, each.patch.side).origin,
+            SIDE_SIGN[each.patch.side],
+        )
+        for each in result.rolling
+        if isinstance(each.forces, Rolling | SimplifiedRolling)
+    ]
+    points = [(patch_name(each.patch), each.used_friction, each.patch.ellipse.max_pressure) for each in result.rolling]
+    figures: Figures = {}
+    if shown:
+        figures[MAPS] = lambda: rolling_figure(shown, units)
+    if points and strength is not None:
+        figures[SHAKEDOWN] = lambda: shakedown_figure(points, strength, units)
+    return [Picture(name, draw, CAPTIONS[name], chapter="Rolling") for name, draw in figures.items()]
+
+
+# --- Files of a wheelset in three dimensions: surfaces and sections for ParaView, patches and lines below as tables.
+
+
+PARTS: tuple[tuple[Side, Role], ...] = tuple((side, role) for role in ROLES for side in ("left", "right"))
+DIGITS = 6
+DEPTH = 2.0
+"""Depth of the stresses that are written over the shorter semi-axis: deeper, normals of a gauge corner cross."""
+
+
+def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> None:
+    """Write pressure and gap on the running surface of a rail, or where the wheel is opposite to it.
+
+    The points are in the track's axes, z ahead of the axle: the rail's as it is bent, the wheel's in its place, both
+    without the indentation at the contact. The gap is nan where no wheel is opposite. With friction also the tractions
+    on this body, the slip velocity of the wheel, the frictional power over the area, and the state: 0 no contact,
+    1 sticks, 2 slips.
+    """
+    state = result.equilibrium.state.sides[side]
+    nodes, z = state.grid.grid.bounds, state.grid.grid.strip_bounds
+    mesh = strip_mesh(nodes, z)
+    on_rail, on_wheel, met = _corners(state, nodes, z)
+    places = on_wheel if role == "wheel" else on_rail
+    places[..., 0] *= SIDE_SIGN[side]
+    corners = mesh.cell_points.reshape(-1, 4)
+    opposite = met.ravel()[corners].all(axis=1)
+    chosen = opposite if role == "wheel" else np.ones_like(opposite)
+    used, numbers = np.unique(corners[chosen], return_inverse=True)
+    mesh = PolyMesh.from_cells(mesh.points[used], numbers.reshape(-1, 4))
+    gaps = np.where(opposite.reshape(state.gaps.shape), state.gaps, np.nan)
+    values = {"pressure_MPa": state.cells.pressures, "gap_mm": gaps} | friction_fields(result, side, role)
+    arrays = {key: each[np.repeat(chosen, 4)] for key, each in at_corners(values).items()}
+    write_vtu(path, mesh, corner_data=arrays, positions=places.reshape(-1, 3)[used], body_id=PARTS.index((side, role)))
+
+
+def write_section(section: WholeSection, side: Side, role: Role, path: Path) -> None:
+    """Write displacement and stresses of a whole section of a body, each cell with points of its own.
+
+    A rail is drawn unloaded, a wheel in its place: "Warp By Vector" shows them as they touch.
+    """
+    arrays = {
+        "displacement_mm": section.displacement[section.mesh.cell_points],
+        "stress_MPa": section.stresses.components,
+        "von_mises_MPa": section.stresses.von_mises,
+    }
+    number = PARTS.index((side, role))
+    write_vtu(path, section.mesh, corner_data=arrays, positions=section.positions, body_id=number)
+
+
+def write_stresses(result: SpatialResult, side: Side, role: Role, path: Path) -> None:
+    """Write the stresses in the volumes below the patches of a body, of a half-space under the tractions of all cells.
+
+    The points are in the track's axes; components of the stress are those across (x), normal to the surface (y) and
+    along the track (z) at each patch.
+    """
+    found = [(each, result.stress_fields[each][role]) for each in result.patches if each.side == side]
+    grids: list[Floats] = []
+    stresses: list[Floats] = []
+    mises: list[Floats] = []
+    for patch, field in found:
+        # beyond the last cells the surface has no points of its own
+        low, high = patch.state.grid.grid.stations[[0, -1]]
+        shown = np.ix_(field.depths <= DEPTH * patch.ellipse.semi_axes[1], (field.along >= low) & (field.along <= high))
+        depths, along, z = np.meshgrid(
+            field.depths[shown[0].ravel()], field.along[shown[1].ravel()], field.z, indexing="ij"
+        )
+        grids.append(patch.points_below(role, along.ravel(), depths.ravel(), z.ravel()).reshape(*z.shape, 3))
+        stresses.append(field.components[shown])
+        mises.append(field.von_mises[shown])
+    # seven digits are enough for stresses, and halve the files
+    arrays = {
+        name: [part.astype(np.float32) for part in parts]
+        for name, parts in (("stress_MPa", stresses), ("von_mises_MPa", mises))
+    }
+    write_vtu_grids(path, grids, arrays, body_id=PARTS.index((side, role)))
+
+
+def friction_fields(result: SpatialResult, side: Side, role: Role) -> dict[str, Floats]:
+    """Arrays of friction on the cells of a side, (n, n_z) or vectors (n, n_z, 3); none without it."""
+    state, total = result.equilibrium.state.sides[side], dict[str, Floats]()
+    # directions t (across) and z of the cells in the track's axes
+    axes = np.zeros((len(state.normals), 2, 3))
+    axes[:, 0, :2] = np.stack((-SIDE_SIGN[side] * state.normals[:, 1], state.normals[:, 0]), axis=1)
+    axes[:, 1, 2] = 1.0
+    for patch in result.rolling:
+        found = patch.forces
+        if not isinstance(found, Rolling | SimplifiedRolling):
+            continue
+        for name, values in cell_fields(found, patch.speed_m_s).items():
+            here = patch.patch.side == side
+            whole = patch.on_side(values) if here else np.zeros((*state.forces.shape, *values.shape[2:]))
+            if values.ndim > 2:
+                whole = np.einsum("nma,nax->nmx", whole, axes)
+            total[name] = total.get(name, 0.0) + (-whole if name == "traction_MPa" and role == "rail" else whole)
+    return total
+
+
+def _corners(state: SideState, nodes: Floats, z: Floats) -> tuple[Floats, Floats, Bools]:
+    """Points of rail and wheel at the corners of cells, each (k, m, 3), and where the wheel is opposite, (k, m)."""
+    surfaces, stations = state.grid.surfaces, state.grid.grid.stations
+    points, normals = surfaces.rail_points(nodes)
+    moved = state.points - surfaces.rail_points(stations)[0]
+    points = points + np.stack([np.interp(nodes, stations, moved[:, axis]) for axis in (0, 1)], axis=1)
+    gap = wheel_gap(surfaces.wheel, state.pose.middle, state.pose.axis, points, normals, z)
+    rail = np.concatenate(
+        (np.repeat(points[:, None], len(z), axis=1), np.tile(z[:, None], (len(nodes), 1, 1))), axis=-1
+    )
+    wheel = gap.arms + np.append(state.pose.middle, 0.0)
+    return rail, wheel, gap.gaps < FAR_MM
+
+
+def below_table(run: WheelsetRun) -> str:
+    """Return the stresses on the normals below the centres of pressure as CSV, a row for each depth."""
+    rows: list[dict[str, object]] = []
+    for patch, role in lines_below(run.space):
+        line = patch.below(role, run.space.tractions_of(patch.side))
+        where = {"side": patch.side, "region": patch.region, "body": role}
+        columns = ResultTable({"depth_mm": line.depths, **line.stresses.by_name})
+        rows += [{**where, **dict(zip(columns.columns, row, strict=True))} for row in columns.rows()]
+    return ResultTable.of_rows(rows).in_units(run.case.units).csv(DIGITS)

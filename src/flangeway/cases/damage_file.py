@@ -1,0 +1,232 @@
+"""A file of what a collective does to profiles: ``flangeway damage FILE``."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields, replace
+from typing import Any, Literal
+
+from pydantic import ConfigDict, Field, create_model
+
+from flangeway.cases.case import Table, require_known
+from flangeway.cases.case_file import FILE_KEYS
+from flangeway.cases.summary import mapped
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.errors import InputError, located
+from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
+from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
+from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, PerPatch, UsfdLaw, WearLaw
+from flangeway.railway.track.discretisation import Role
+from flangeway.system.file_content import is_file
+from flangeway.system.toml_file import TomlFile, TomlKind
+from flangeway.types import Key
+
+LAWS: dict[str, type[Any]] = {"archard": ArchardLaw, "usfd": UsfdLaw, "energy": EnergyLaw}
+
+
+STRATEGY_NAME = re.compile(r"[\w-][\w ,.-]*")
+"""Names of strategies are those of folders as well."""
+
+
+class StateTable(Table):
+    """A state of the collective; all other keys are inputs of the case ``wheelset`` that it has beside those of all.
+
+    An input ``[first, last]`` runs over this range, see `flangeway.railway.damage.collective.parts_of`.
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    share: float
+    """fraction of the distance; all shares sum to 1"""
+    name: str | None = None
+    """name of the state (default: its number)"""
+    parts: int = Field(1, ge=1, le=1000)
+    """equal parts of its ranges, each computed in its middle"""
+
+
+class WearTables(Table):
+    """Tables of the wear laws, with their constants."""
+
+    wheel: dict[str, Any] | None = None
+    """wear law of the wheels; without it they keep their profile"""
+    rail: dict[str, Any] | None = None
+    """wear law of the rails; without it they keep their profile"""
+
+
+class DamageTables(Table):
+    """Tables of the file."""
+
+    collective: str | None = None
+    """bundled collective, instead of states"""
+    sides: Literal["mean", "separate"] = "mean"
+    """whether left and right profiles wear alike, as in curves of both hands, or each for itself"""
+    inputs: dict[str, Any] = Field({})
+    """inputs of the case wheelset that all states share"""
+    states: list[StateTable] = Field([])
+    """states of the collective"""
+    evolution: dict[str, Any]
+    """how far the profiles wear, and by which steps"""
+    wear: WearTables = Field(WearTables())
+    """wear laws of wheels and rails"""
+    limits: dict[str, float] = Field({})
+    """measures of the profiles at which it ends"""
+    strategies: dict[str, dict[str, Any]] = Field({})
+    """what other strategies change, by their names: tables and keys of this file"""
+
+
+def inputs_of(kind: type[Any], *without: str) -> type[Table]:
+    """Return the table whose keys are the fields of a record, without some of them."""
+    entries = {
+        field.name: (field.type, ... if field.default is MISSING else field.default)
+        for field in fields(kind)
+        if field.name not in without
+    }
+    table: type[Table] = create_model(kind.__name__, __base__=Table, **entries)  # type: ignore[call-overload]
+    return table
+
+
+@dataclass(frozen=True, eq=False)
+class DamageInputs:
+    """What a file of this kind gives.
+
+    - `name`: of the file.
+    - `evolution`: ready to run.
+    - `collective`: name of the bundled collective, which is assumed; empty: states of the file.
+    - `inputs`: shared by all states.
+    - `changes`: what a strategy changes, key by key.
+    """
+
+    name: str
+    evolution: Evolution
+    collective: str
+    inputs: Mapping[str, Any]
+    changes: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class DamageFile(TomlFile):
+    """The file: ``[inputs]`` of the case ``wheelset``, states, ``[evolution]``, ``[wear.wheel]``, ``[limits]``.
+
+    - `strategy`: name of the strategy whose changes are in the data; empty: the file as it is.
+    - `changed_inputs`: inputs of the strategy, which all states have in the place of their own.
+    """
+
+    strategy: str = ""
+    changed_inputs: Mapping[str, Any] = field(default_factory=dict)
+
+    kind = TomlKind(
+        name="damage file",
+        instead="",
+        get_one="correct the name",
+        lines='lines such as collective = "mixed-line", tables such as [wear.wheel]',
+        too_large="give fewer states",
+    )
+
+    def strategies(self) -> dict[str, DamageInputs]:
+        """Return the inputs of the file as it is, by its name, and those of its strategies."""
+        name = self.file.stem
+        found = {name: self.damage()}
+        for other, changes in self.data.get("strategies", {}).items():
+            if not STRATEGY_NAME.fullmatch(other) or other == name:
+                raise InputError(
+                    f"{self.place(('strategies', other))}the strategy {other!r}",
+                    f"letters, digits, spaces and - _ , . and not {name}, which is the file as it is",
+                    "give it another name: it is that of its folder",
+                )
+            data = _merged(self.data, {key: value for key, value in changes.items() if key != "inputs"})
+            data.pop("strategies")
+            file = replace(self, data=data, strategy=other, changed_inputs=changes.get("inputs", {}))
+            found[other] = replace(file.damage(), name=other, changes=[*_lines(changes)])
+        return found
+
+    def place(self, key: Key) -> str:
+        """File and line of a key; in a strategy those of its change."""
+        return super().place(("strategies", self.strategy, *key) if self.strategy else key)
+
+    def damage(self) -> DamageInputs:
+        """Check all of it; an `InputError` names file, line, key, what is allowed and what to do."""
+        tables, name = DamageTables.from_values(self.data, self.place), self.data.get("collective", "")
+        inputs: dict[str, Any] = mapped(tables.inputs, self._resolved)
+        if bool(name) == bool(tables.states):
+            raise InputError(
+                f"{self.file}: {'both a' if name else 'no'} collective and states",
+                f"collective, one of {', '.join(COLLECTIVES)}, or [[states]] with share and inputs",
+                "give one of both",
+            )
+        if name:
+            with located(self.place(("collective",))):
+                require_known("collective", name, COLLECTIVES)
+        # a bundled state gives its own track, speed and friction; inputs of the file the rest
+        for bundled in COLLECTIVES.get(name, ()):
+            for key in sorted(inputs.keys() & bundled.keys()):
+                raise InputError(
+                    f"{self.place(('inputs', key))}{key} with a bundled collective, whose states have their own",
+                    "other inputs, or [[states]] in the place of collective",
+                    f"remove {key}, or write the states into the file",
+                )
+        given = COLLECTIVES.get(name) or [
+            mapped(state.model_extra, self._resolved)
+            | {"name": state.name or f"state {number}", "share": state.share, "parts": state.parts}
+            for number, state in enumerate(tables.states, 1)
+        ]
+        found = []
+        for number, state in enumerate(given):
+            with located(self.place(("states", number) if tables.states else ("collective",))):
+                parts = parts_of(state)
+            found += [self._state(inputs | part, number if tables.states else None) for part in parts]
+        settings = self._values(("evolution",), tables.evolution, inputs_of(EvolutionSettings, "limits"))
+        given_laws: dict[Role, dict[str, Any] | None] = {"wheel": tables.wear.wheel, "rail": tables.wear.rail}
+        laws = {role: self._law(role, law) for role, law in given_laws.items() if law is not None}
+        with located(f"{self.file}: "):
+            collective = Collective(found, tables.sides == "separate")
+            evolution = Evolution(collective, laws, EvolutionSettings(**settings, limits=tables.limits))
+        return DamageInputs(self.file.stem, evolution, name, inputs)
+
+    def _state(self, values: dict[str, Any], number: int | None) -> RunningState:
+        """A state by its name, its share and its inputs; that of a number in the file."""
+        name, share = values.pop("name"), values.pop("share")
+        place = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
+        with located(f"{place}{name}: "):
+            case = SpatialWheelsetCase.from_values(values | mapped(self.changed_inputs, self._resolved))
+            if case.model == "plane":
+                raise InputError("model = 'plane'", "spatial: wear needs cells along the rail", "leave model out")
+            return RunningState(name, share, case.problem(), case.spatial_model())
+
+    def _law(self, role: Role, given: Mapping[str, Any]) -> WearLaw:
+        """The wear law of wheels or rails, for each cell, or for each patch as a whole."""
+        constants, key = dict(given), ("wear", role)
+        name, per_patch = constants.pop("law", None), constants.pop("per_patch", False)
+        with located(self.place(key)):
+            require_known("law", str(name), LAWS)
+            if not isinstance(per_patch, bool):
+                raise InputError(f"per_patch = {per_patch!r}", "true or false", "leave it out for the law of each cell")
+        values = self._values(key, constants, inputs_of(LAWS[name]))
+        with located(self.place(key)):
+            law: WearLaw = LAWS[name](**values)
+        return PerPatch(law) if per_patch else law
+
+    def _values(self, key: Key, given: Mapping[str, Any], table: type[Table]) -> dict[str, Any]:
+        """Checked entries of a table of the file."""
+        return table.from_values(given, lambda inner: self.place((*key, *inner))).model_dump(exclude_unset=True)
+
+    def _resolved(self, key: Key, value: Any) -> Any:
+        """Make the name of a file relative to this one independent of the current folder."""
+        path = self.file.parent / str(value)
+        return str(path.resolve()) if key[-1] in FILE_KEYS and is_file(path) else value
+
+
+def _merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return tables with changes inside of them; a wear law with its name takes the place of the other law."""
+    merged = dict(tables)
+    for key, value in changes.items():
+        inside = isinstance(value, Mapping) and "law" not in value
+        merged[key] = _merged(tables.get(key, {}), value) if inside else value
+    return merged
+
+
+def _lines(tables: Mapping[str, Any], before: str = "") -> Iterator[str]:
+    """Yield the values in tables as lines of TOML, with the names of the tables."""
+    for key, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from _lines(value, f"{before}{key}.")
+        else:
+            yield f"{before}{key} = {value}"

@@ -1,0 +1,472 @@
+"""Contact geometry and conicity of a rigid wheelset on rigid rails: inputs and results of ``flangeway geometry``."""
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from flangeway.cases.case import Case, Progress, closest, merged
+from flangeway.cases.case_file import CaseText, resolved
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_case import WheelsetCase
+from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs, profile_notes, side_warnings
+from flangeway.errors import InputError, short
+from flangeway.exact import LineContact, contact_modulus
+from flangeway.materials import Elastic
+from flangeway.quantities import Quantities, Quantity, values
+from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM, conforming
+from flangeway.railway.rigid.conicity import (
+    REFERENCE_AMPLITUDE_MM,
+    RollingRadiusDifference,
+    conicity_by_regression,
+    equivalent_conicity,
+    motion_middles,
+    read_rolling_radius_difference,
+)
+from flangeway.railway.rigid.rigid_curve import MAX_YAW_RAD
+from flangeway.railway.rigid.rigid_equilibrium import (
+    RigidContactPoint,
+    RigidEquilibrium,
+    RigidPosition,
+    rigid_equilibrium,
+)
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
+from flangeway.railway.rigid.rigid_locus import ContactJump, ContactLocus
+from flangeway.railway.track.placements import RUNNING_CIRCLES_MM, SIDES, Track, Wheelset
+from flangeway.results import Result, ResultTable
+from flangeway.system.memory_limits import peak_memory_bytes
+from flangeway.system.versions import versions
+from flangeway.types import Floats
+
+# --- Inputs of ``flangeway geometry``: a rigid wheelset on two rigid rails, its profiles, measures and load.
+
+
+class GeometryCase(WheelsetInputs):
+    """A rigid wheelset on two rigid rails; thickness and material are for Hertz's estimate."""
+
+    name = "geometry"
+    title = "Contact geometry of a rigid wheelset on rigid rails"
+
+    maximum_lateral_mm: float = Field(8.0, gt=0.0, le=60.0)
+    """maximum lateral displacement that is shown; less where a flange climbs before"""
+    step_mm: float = Field(0.02, ge=1e-3, le=1.0)
+    """distance of the positions"""
+    maximum_amplitude_mm: float = Field(6.0, gt=0.0, le=30.0)
+    """maximum amplitude of the conicity"""
+    roll: Literal["free", "none"] = "free"
+    """free: both wheels touch; none: no roll, as in the reference results of EN 15302"""
+
+    yaw_mrad: float = Field(0.0, ge=-1e3 * MAX_YAW_RAD, le=1e3 * MAX_YAW_RAD)
+    """yaw of the axle, counter-clockwise seen from above: the right wheel is ahead"""
+
+    @property
+    def yaw_rad(self) -> float:
+        """Yaw of the axle in radians."""
+        return 1e-3 * self.yaw_mrad
+
+    def geometry(self) -> RigidGeometry:
+        """Return the rigid geometry; an `InputError` if a profile is unknown or a length is not allowed."""
+        return RigidGeometry.of(self.track(), self.wheelset(), self.yaw_rad)
+
+
+def _main_inputs() -> dict[str, Any]:
+    """Inputs of the wheelset in three dimensions where they are not the defaults here."""
+    own, main = GeometryCase.model_fields, SpatialWheelsetCase.model_fields
+    shared = [key for key in WheelsetInputs.model_fields if main[key].default != own[key].default]
+    return {key: main[key].default for key in shared}
+
+
+_STANDARD = {
+    "gauge_depth_mm": GAUGE_DEPTH_MM,
+    "back_to_back_mm": 1360.0,
+    "wheel_radius_mm": 460.0,
+    "wheel_radius_at": "tape-line",
+    "centre_of_gravity_height_mm": 1000.0,
+    "axle_load_kN": 200.0,
+    "maximum_lateral_mm": 7.0,
+}
+"""A vehicle on standard gauge, which is measured 14 mm below the top of the rails."""
+GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
+    "wheelset": ("S1002 on 60E1 at 1:40, standard gauge, as `flangeway run wheelset`", _main_inputs()),
+    "wheelset-tangent": ("136RE and AAR-1B on straight, level track", {}),
+    "wheelset-curve": (
+        "136RE and AAR-1B in a curve of 400 m at 70 km/h, superelevation 3 cm",
+        {"lateral_force_kN": 28.4, "superelevation_mm": 30.0, "maximum_lateral_mm": 9.9},
+    ),
+    "s1002-60e1": (
+        "S1002 on 60E1 at 1:40, gauge 1435 mm, back-to-back 1360 mm, rolling radius 460 mm",
+        _STANDARD | {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0},
+    ),
+    "en15302": (
+        "benchmark of EN 15302: R-519-A on S-519-A at 1:20, gauge 1435.16 mm, diameter 920 mm",
+        _STANDARD
+        | {
+            "rail": "S-519-A",
+            "wheel": "R-519-A",
+            "gauge_mm": 1435.1654,  # tape lines and the origins of the rails' formulas are then at the same positions
+            "rail_inclination": 0.05,
+            "roll": "none",
+            "maximum_amplitude_mm": 7.4,
+        },
+    ),
+}
+"""Title and inputs that differ from the defaults, by name."""
+
+
+OWN_NAME = "geometry"  # name in a case file of nothing but the geometry
+
+
+def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:
+    """Return a case by its name with some inputs changed.
+
+    It is an `InputError` if there is none of that name, or an input is wrong.
+    """
+    if name not in GEOMETRY_CASES:
+        raise InputError(
+            f"a geometry case called {name!r}",
+            f"one of: {', '.join(GEOMETRY_CASES)}; a case file; or a file of a rolling radius difference",
+            closest(name, list(GEOMETRY_CASES)),
+        )
+    return _on_its_base(name, GeometryCase.from_values(merged(GEOMETRY_CASES[name][1], values)))
+
+
+def _on_its_base(name: str, case: GeometryCase) -> GeometryCase:
+    """Return a case whose superelevation is measured over the same base as by the case of that name."""
+    if name != SpatialWheelsetCase.name or not case.superelevation_mm or case.superelevation_base_mm is not None:
+        return case
+    return case.model_copy(update={"superelevation_base_mm": case.gauge_mm + RUNNING_CIRCLES_MM})
+
+
+def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryCase, tuple[str, ...]]:
+    """Return the geometry case of a case file, and a sentence on the keys that it does not use.
+
+    It is an `InputError` if the file is of another case, or an input is wrong; the message names file, line and key.
+    - `file`: a case file of a wheelset, as `flangeway.cases.case_file.read_case` reads it, or with ``case =
+      "geometry"``.
+    - `values`: inputs that replace those of the file.
+    """
+    text = CaseText.read(file)
+    name, given = text.name_and_values()
+    if name != OWN_NAME and name not in GEOMETRY_CASES:
+        raise InputError(
+            f"{text.place(('case',))}case = {short(name)}",
+            f"a wheelset: {', '.join((OWN_NAME, *GEOMETRY_CASES))}",
+            "`flangeway run` computes the other cases",
+        )
+    kind = SpatialWheelsetCase if name == SpatialWheelsetCase.name else WheelsetCase
+    own, known = GeometryCase.model_fields, kind.model_fields
+    unused = [key for key in given if (name_of := kind.input_named(key)[0]) in known and name_of not in own]
+    used = {key: value for key, value in given.items() if key not in unused}
+    base = GEOMETRY_CASES["s1002-60e1" if name == OWN_NAME else name][1]
+    case = GeometryCase.from_values(
+        merged(merged(base, resolved(text, used, file.parent)), values),
+        lambda key: "" if key and key[0] in values else text.place(key),
+    )
+    notice = f"not used by the geometry: {', '.join(unused)}"
+    return _on_its_base(name, case), (notice,) if unused else ()
+
+
+# --- Contact geometry and conicity of a rigid wheelset on rigid rails, as ``flangeway geometry`` computes them.
+
+
+STEP_MM = 0.1
+FIRST_MM = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Conicities(Result):
+    """Equivalent conicity over the amplitude."""
+
+    amplitudes_mm: Floats
+    integration: Floats
+    regression: Floats
+    """amplitudes_mm, integration, regression: amplitudes, and conicity by integration and by linear regression, (n,);
+    empty if the wheelset does not steer."""
+    notices: tuple[str, ...]  # sentences on amplitudes without a conicity
+
+    @property
+    def table(self) -> ResultTable:
+        """Conicity over the amplitude."""
+        columns = (self.amplitudes_mm, self.integration, self.regression)
+        return ResultTable(
+            dict(zip(("amplitude_mm", "conicity_integration", "conicity_regression"), columns, strict=True))
+        )
+
+    def at_reference(self) -> dict[str, float] | None:
+        """Conicity at the reference amplitude; None where it is not computed."""
+        at = np.flatnonzero(np.abs(self.amplitudes_mm - REFERENCE_AMPLITUDE_MM) < 1e-6)
+        if not len(at):
+            return None
+        numbers = (float(column[at[0]]) for column in (self.amplitudes_mm, self.integration, self.regression))
+        return dict(zip(("amplitude_mm", "integration", "regression"), numbers, strict=True))
+
+
+def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None) -> Conicities:
+    """Conicity at amplitudes 0.1 mm apart, as far as the difference is given.
+
+    - `maximum_mm`: maximum amplitude; None: as far as the difference goes.
+    """
+    none: Floats = np.zeros(0)
+    try:
+        middle = difference.centred_mm
+    except InputError as error:
+        return Conicities(none, none, none, (f"no equivalent conicity: {error.given}",))
+    room = min(middle - float(difference.lateral_mm[0]), float(difference.lateral_mm[-1]) - middle)
+    maximum = room if maximum_mm is None else min(maximum_mm, room)
+    amplitudes = np.arange(round(FIRST_MM / STEP_MM), math.floor(maximum / STEP_MM + 1e-9) + 1.0) * STEP_MM
+    outside = np.isnan(motion_middles(difference, amplitudes))
+    amplitudes = amplitudes[: np.argmax(outside)] if outside.any() else amplitudes
+    notices = []
+    reached = float(amplitudes[-1]) if len(amplitudes) else 0.0
+    if maximum_mm is not None and reached < math.floor(maximum_mm / STEP_MM + 1e-9) * STEP_MM - 1e-6:
+        notices.append(f"conicity only up to an amplitude of {reached:.1f} mm")
+    integration = equivalent_conicity(difference, amplitudes) if len(amplitudes) else none
+    pushed = amplitudes[np.isnan(integration)]
+    if len(pushed):
+        notices.append(
+            f"no equivalent conicity by integration at {len(pushed)} amplitudes from {pushed[0]:.1f} to "
+            f"{pushed[-1]:.1f} mm: the rolling radius difference pushes the wheelset away from the middle"
+        )
+    regression = conicity_by_regression(difference, amplitudes) if len(amplitudes) else none
+    return Conicities(amplitudes, integration, regression, tuple(notices))
+
+
+@dataclass(frozen=True, eq=False)
+class ConicityRun(Result):
+    """Equivalent conicity from a file."""
+
+    difference: RollingRadiusDifference  # content of the file
+    conicities: Conicities  # conicity over the amplitude
+    summary: dict[str, Any]  # content of ``geometry.json``
+
+    @property
+    def table(self) -> ResultTable:
+        """Conicity over the amplitude."""
+        return self.conicities.table
+
+
+class ConicityCase(Case):
+    """Inputs for the conicity of a rolling radius difference."""
+
+    name = "conicity"
+    title = "Equivalent conicity of a rolling radius difference"
+
+    unit: Literal["mm", "cm", "m", "in", "ft"] | None = None
+    """unit of both columns; that of the file if left out"""
+    maximum_amplitude_mm: float | None = Field(None, ge=FIRST_MM, le=30.0)
+    """maximum amplitude; as far as the difference is given if left out"""
+
+
+def run_conicity(file: Path, inputs: Mapping[str, Any]) -> ConicityRun:
+    """Read a rolling radius difference and compute its conicity.
+
+    It is an `InputError` if the file cannot be read as a rolling radius difference, or an input is wrong.
+    - `file`: see `flangeway.railway.rigid.conicity.read_rolling_radius_difference`.
+    - `inputs`: inputs of a `ConicityCase`.
+    """
+    start = time.perf_counter()
+    case = ConicityCase.from_values(inputs)
+    difference = read_rolling_radius_difference(file, case.unit)
+    conicities = conicities_of(difference, case.maximum_amplitude_mm)
+    summary = {
+        "case": file.stem,
+        "title": f"Equivalent conicity of the rolling radius difference in {file.name}",
+        "inputs": {"file": str(file), **case.model_dump()},
+        "lateral_without_difference_mm": difference.centred_mm if len(conicities.amplitudes_mm) else None,
+        "equivalent_conicity": conicities.at_reference(),
+        "notices": list(conicities.notices),
+        "versions": versions(),
+        "timings_s": {"total": time.perf_counter() - start},
+    }
+    return ConicityRun(difference, conicities, summary)
+
+
+_FURTHER_MM = 4.0  # beyond the maximum amplitude: an asymmetric wheelset oscillates about another position
+
+
+class LoadedContact(NamedTuple):
+    """A point of contact in equilibrium, and Hertz's line contact there; None between conforming curves."""
+
+    point: RigidContactPoint
+    hertz: LineContact | None
+
+
+CONTACT_QUANTITIES: Quantities[LoadedContact] = (
+    Quantity("side", "side", "point.side"),
+    Quantity("normal_force", "normal force", "point.normal_force_N", "kN", ".2f", factor=1e-3),
+    Quantity("contact_angle", "contact angle", lambda at: math.degrees(at.point.contact_angle_rad), "deg", ".2f"),
+    Quantity("wheel_point", "point of the wheel", "point.wheel_point_mm", "mm", "z.2f", ("x", "y")),
+    Quantity("rail_point", "point of the rail", "point.rail_point_mm", "mm", "z.2f", ("x", "y")),
+    Quantity("rolling_radius", "rolling radius", "point.rolling_radius_mm", "mm", ".2f"),
+    Quantity("ahead_of_axle", "longitudinal position of contact", "point.ahead_mm", "mm", "z.2f"),
+    Quantity("relative_curvature", "relative curvature", "point.relative_curvature_per_mm", "1/mm"),
+    Quantity("hertz_half_width", "Hertz: half width", "hertz.half_width", "mm"),
+    Quantity("hertz_max_pressure", "Hertz: maximum pressure", "hertz.max_pressure", "MPa"),
+)
+"""Numbers of a point of contact."""
+POSITION_QUANTITIES: Quantities[RigidPosition] = (
+    Quantity("lateral", "lateral position", "motion_in_space.lateral_mm", "mm", "z.3f"),
+    Quantity("vertical", "vertical position", "motion_in_space.vertical_mm", "mm", "z.4f"),
+    Quantity("roll", "roll", "motion_in_space.roll_rad", "mrad", "z.4f", factor=1e3),
+    Quantity(
+        "lateral_over_vertical",
+        "L/V",
+        lambda at: [at.lateral_over_vertical(side) for side in SIDES],
+        form="z.3f",
+        parts=SIDES,
+    ),
+)
+"""Numbers of a position in equilibrium."""
+CONICITY_QUANTITIES: Quantities["GeometryRun | ConicityRun"] = (
+    Quantity(
+        "conicity_integration",
+        f"equivalent conicity at {REFERENCE_AMPLITUDE_MM:g} mm",
+        lambda run: (run.conicities.at_reference() or {}).get("integration"),
+        form=".4f",
+    ),
+    Quantity(
+        "conicity_regression",
+        "  by linear regression",
+        lambda run: (run.conicities.at_reference() or {}).get("regression"),
+        form=".4f",
+    ),
+)
+"""Numbers of a rolling radius difference."""
+
+
+@dataclass(frozen=True, eq=False)
+class GeometryRun(Result):
+    """Contact geometry of a case."""
+
+    name: str
+    case: GeometryCase  # name, case: name to show, and inputs
+    geometry: RigidGeometry  # rigid geometry of the pair
+    locus: ContactLocus  # points of contact over the lateral displacement
+    jumps: tuple[ContactJump, ...]  # where they jump
+    conicities: Conicities  # equivalent conicity over the amplitude
+    equilibrium: RigidEquilibrium  # equilibria under the load
+    contacts: tuple[LoadedContact, ...]  # points of contact in equilibrium
+    summary: dict[str, Any]  # content of ``geometry.json``
+
+    @property
+    def table(self) -> ResultTable:
+        """Positions and their points of contact, a row a position."""
+        locus = self.locus
+        columns = {
+            "lateral_mm": locus.lateral_mm,
+            "vertical_mm": locus.vertical_mm,
+            "roll_mrad": 1e3 * locus.roll_rad,
+            "rolling_radius_difference_mm": locus.rolling_radius_difference_mm,
+        }
+        for side in SIDES:
+            at = locus.side(side)
+            columns |= {
+                f"{side}_wheel_x_mm": at.wheel_points_mm[:, 0, 0],
+                f"{side}_rail_x_mm": at.rail_points_mm[:, 0, 0],
+                f"{side}_contact_angle_deg": np.degrees(at.contact_angles_rad[:, 0]),
+                f"{side}_rolling_radius_mm": at.rolling_radii_mm[:, 0],
+                f"{side}_ahead_mm": at.ahead_mm[:, 0],
+                f"{side}_next_gap_mm": at.gaps_mm[:, 1],
+            }
+        return ResultTable(columns)
+
+
+def run_geometry(
+    name: str, case: GeometryCase, progress: Progress = lambda _: None, notices: Sequence[str] = ()
+) -> GeometryRun:
+    """Compute the contact geometry of a case.
+
+    It is an `InputError` if gauge and wheels do not fit.
+    - `notices`: sentences about the inputs, to be shown with those about the results.
+    """
+    start = time.perf_counter()
+    track, axle = case.track(), case.wheelset()
+    geometry = RigidGeometry.of(track, axle, case.yaw_rad)
+    remarks = list(notices)
+    progress("finding contact points")
+    reach = max(case.maximum_lateral_mm, case.maximum_amplitude_mm + _FURTHER_MM)
+    whole = geometry.scanned(reach, case.step_mm, roll=case.roll == "free")
+    wanted = math.floor(case.maximum_lateral_mm / case.step_mm + 1e-9) * case.step_mm
+    shown = np.abs(whole.lateral_mm) < wanted + 0.5 * case.step_mm
+    first, last = np.flatnonzero(shown)[[0, -1]]
+    locus = whole.part(slice(first, last + 1))
+    if min(-locus.lateral_mm[0], locus.lateral_mm[-1]) < wanted - 0.5 * case.step_mm:
+        remarks.append(
+            f"the scan of {case.maximum_lateral_mm:g} mm stops at lateral displacements of {locus.lateral_mm[0]:.2f} "
+            f"and {locus.lateral_mm[-1]:.2f} mm: beyond, a flange climbs or a running surface ends"
+        )
+    progress("locating contact jumps")
+    jumps = geometry.jumps(float(np.abs(locus.lateral_mm).max())) if case.roll == "free" else ()
+    progress("integrating the kinematic motion")
+    conicities = conicities_of(RollingRadiusDifference.of(whole), case.maximum_amplitude_mm)
+    remarks += conicities.notices
+    progress("finding the equilibrium under the load")
+    equilibrium = rigid_equilibrium(geometry, case.load())
+    contacts = _loaded_contacts(equilibrium, case, track, axle)
+    remarks += [*side_warnings(track), *case.derived(), *profile_notes(track, axle)]
+    status, position = equilibrium.status, equilibrium.position
+    summary = {
+        "case": name,
+        "title": _title(name, case),
+        "status": {"converged": status.converged, "message": status.message},
+        "inputs": case.model_dump(),
+        "load_lateral_over_vertical": equilibrium.load_ratio,
+        "equilibrium": position
+        and {
+            **values(POSITION_QUANTITIES, position),
+            "contacts": [values(CONTACT_QUANTITIES, contact) for contact in contacts],
+        },
+        "all_equilibria": [
+            {
+                "lateral_mm": other.motion_in_space.lateral_mm,
+                "stable": other.stable,
+                "neutral_between_mm": other.neutral_mm,
+            }
+            for other in equilibrium.positions
+        ],
+        "jumps": [
+            {
+                "side": jump.side,
+                "lateral_mm": jump.motion.lateral_mm,
+                "wheel_points_mm": jump.wheel_points_mm,
+                "rail_points_mm": jump.rail_points_mm,
+            }
+            for jump in jumps
+        ],
+        "equivalent_conicity": conicities.at_reference(),
+        "notices": remarks,
+        "versions": versions(),
+        "timings_s": {"total": time.perf_counter() - start},
+        "peak_memory_MB": peak_memory_bytes() / 1e6,
+    }
+    return GeometryRun(name, case, geometry, locus, jumps, conicities, equilibrium, contacts, summary)
+
+
+def _loaded_contacts(
+    equilibrium: RigidEquilibrium, case: GeometryCase, track: Track, axle: Wheelset
+) -> tuple[LoadedContact, ...]:
+    """Points of contact with Hertz's estimates where the bodies do not conform, see `conforming`."""
+    steel = Elastic(case.young_MPa, case.poisson).plane_modulus
+    modulus = contact_modulus(steel, steel)
+    contacts = []
+    for point in equilibrium.position.contacts if equilibrium.position else ():
+        hertz = point.hertz(case.thickness_mm, modulus)
+        bodies = axle.wheel_of(point.side), point.wheel_point_mm, track.rail_of(point.side), point.rail_point_mm
+        conforms = hertz is not None and conforming(*bodies, hertz.half_width)
+        contacts.append(LoadedContact(point, None if conforms else hertz))
+    return tuple(contacts)
+
+
+def _title(name: str, case: GeometryCase) -> str:
+    """Return the title of a case with the inputs that are changed."""
+    if name not in GEOMETRY_CASES:
+        return name
+    title, changes = GEOMETRY_CASES[name]
+    usual = GeometryCase.from_values(changes).model_dump()
+    changed = [f"{key} = {value}" for key, value in case.model_dump(exclude={"units"}).items() if value != usual[key]]
+    return f"{title}; changed: {', '.join(changed)}" if changed else title

@@ -1,0 +1,395 @@
+"""The case of one contact patch between half-spaces on which two bodies roll, or shift, with friction."""
+
+# ruff: noqa: N815 (units in names)
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from flangeway.cases.case import NotNegative, Positive, Progress, RunnableCase
+from flangeway.cases.patch_quantities import (
+    BY_THEORY,
+    CREEPAGES,
+    FIELDS,
+    FORCES,
+    FRICTION_KEYS,
+    ON_SURFACE,
+    POWER,
+    SHIFT,
+    T_GAMMAS,
+    THEORY,
+    THERMAL_KEYS,
+    TRACTION,
+    WARM_KEYS,
+    Creep,
+    CreepResult,
+    FrictionInputs,
+)
+from flangeway.cases.summary import RunResult
+from flangeway.contact.patch.patch_grid import PatchGrid
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.elliptic_contact import EllipticContact
+from flangeway.contact.rolling.exact_rolling import creep_curve, roll
+from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
+from flangeway.contact.rolling.theories import FAST, WITH_TRACTIONS, Theory
+from flangeway.errors import InputError
+from flangeway.exact import PointContact, contact_modulus
+from flangeway.materials import Elastic
+from flangeway.quantities import Quantities, Quantity, values
+from flangeway.solve import Status
+from flangeway.system.file_content import number_table
+from flangeway.types import Floats, Ints
+
+# --- Pressures of a contact patch from a CSV file, as ``cells.csv`` of a patch that rolls has them.
+
+
+COLUMNS = ("right_mm", "ahead_mm", "pressure_MPa")
+WANTED = f"a CSV file with the columns {', '.join(COLUMNS)}: middles of even cells, and mean pressures"
+OFF_GRID = 0.02
+"""Distance of a place from the regular grid, over the size of the cells, that digits explain."""
+MAX_CELLS = 120
+
+
+def read_pressures(path: Path) -> tuple[PatchGrid, Floats]:
+    """Return the cells of a file and their pressures, shape (n_cells, n_strips); those that it leaves out have none.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, lacks a column, has what is no number, or its places are on no regular grid.
+
+    """
+    values = number_table(path, COLUMNS, WANTED)
+    (row, bounds), (strip, ends) = (_on_grid(path, name, values[:, axis]) for axis, name in enumerate(COLUMNS[:2]))
+    pressures = np.full((len(bounds) - 1, len(ends) - 1), np.nan)
+    pressures[row, strip] = values[:, 2]
+    if np.isfinite(pressures).sum() < len(values):
+        raise InputError(f"{path}: a cell for the second time", "each cell once", "leave the other one out")
+    width = float(ends[1] - ends[0])
+    return PatchGrid(bounds, width, len(ends) - 1, float(ends[0] + ends[-1]) / 2.0), np.nan_to_num(pressures)
+
+
+def _on_grid(path: Path, name: str, values: Floats) -> tuple[Ints, Floats]:
+    """Numbers of the cells in which places are, and the ends of these cells."""
+    different = np.unique(values)
+    if len(different) < 2 or not np.ptp(values) < MAX_CELLS * np.diff(different).min():
+        raise _uneven(path, name, different)
+    # digits are lost in single differences, not in the whole length
+    n = round(float(np.ptp(values) / np.diff(different).min())) + 1
+    step = float(np.ptp(values)) / (n - 1)
+    exact = (values - different[0]) / step
+    cells = np.rint(exact).astype(np.int64)
+    if np.abs(exact - cells).max() > OFF_GRID:
+        raise _uneven(path, name, different)
+    return cells, different[0] + step * (np.arange(n + 1, dtype=np.float64) - 0.5)
+
+
+def _uneven(path: Path, name: str, different: Floats) -> InputError:
+    steps = f" in steps from {np.diff(different).min():g} mm" if len(different) > 1 else ""
+    return InputError(
+        f"{path}: {len(different)} different {name}{steps}",
+        f"places on a regular grid of 2 to {MAX_CELLS} cells",
+        "interpolate them to even cells",
+    )
+
+
+# --- The case of one contact patch between half-spaces on which two bodies roll, or shift, with friction.
+
+
+COMPONENTS = {"longitudinal": "along", "lateral": "across", "spin": "spin"}
+"""Components of creepages by the names of creep curves."""
+CREEPAGE_KEYS = ("longitudinal_creepage", "lateral_creepage", "spin_creepage_per_m")
+SHIFTS = ("shift_ahead_mm", "shift_right_mm", "shift_rotation_mrad")
+FORCE_KEYS = ("longitudinal_force_kN", "lateral_force_kN")
+MARGIN = 1
+"""Cells beyond the ellipse on each side, where pressures are found by contact."""
+
+
+@dataclass(frozen=True, eq=False)
+class RollingPatchRun(RunResult):
+    """A patch that rolls and what came out of it.
+
+    Parameters
+    ----------
+    case
+        The inputs.
+    timings_s
+        Seconds by stage.
+    contact
+        The patch.
+    state
+        What the chosen theory gives; t of the patch is to the right, z ahead, the speed is in m/s.
+    theories
+        What all theories give; none for a shift.
+    curve
+        Points of the creep curve by theories; none without one.
+    notices
+        What the reader should know.
+
+    """
+
+    main_table = "theories"
+
+    case: "RollingPatchCase"
+    timings_s: Mapping[str, float]
+    contact: RollingContact
+    state: CreepResult
+    theories: Sequence[CreepResult]
+    curve: Mapping[Theory, Sequence[CreepResult]]
+    notices: Sequence[str]
+
+    @property
+    def status(self) -> Status:
+        """How it ended."""
+        return self.state.forces.status
+
+    @cached_property
+    def semi_axes(self) -> tuple[float, float]:
+        """Semi-axes along and across of the ellipse with the second moments of the pressures, mm."""
+        ellipse = EllipticContact.of(self.contact, self.state.creepages if self.state.rolls else Creepages())
+        return ellipse.along, ellipse.across
+
+    @property
+    def residuals(self) -> dict[str, float]:
+        """See `flangeway.contact.rolling.rolling_result.Rolling.residuals`; none of the fast theories."""
+        forces = self.state.forces
+        return forces.residuals if isinstance(forces, Rolling) else {}
+
+    @property
+    def energy_error(self) -> float | None:
+        """Frictional power less that of forces times creepages, over the power; of the exact theory."""
+        forces = self.state.forces
+        if not self.state.rolls or not isinstance(forces, Rolling):
+            return None
+        power = abs(forces.motion.speed) * forces.t_gamma
+        return abs(forces.frictional_power - power) / (abs(power) + abs(forces.rolling_power) or 1.0)
+
+    def parts(self) -> dict[str, Any]:
+        """See `RunResult.parts`."""
+        return {
+            **values(PATCH, self),
+            **values(STATE, self.state),
+            **values([ENERGY_ERROR], self),
+            "residuals": self.residuals,
+            "theories": [values(BY_THEORY, theory) for theory in self.theories],
+            "notices": self.notices,
+        }
+
+
+MAX_PRESSURE: Quantity[RollingPatchRun] = Quantity(
+    "max_pressure", "maximum pressure", lambda run: run.contact.pressures.max(), "MPa", ".1f"
+)
+PATCH: Quantities[RollingPatchRun] = (
+    Quantity("force", "normal force", "contact.force", "kN", ".3f", factor=1e-3),
+    Quantity("semi_axis_along", "semi-axis along", "semi_axes.0", "mm", ".3f"),
+    Quantity("semi_axis_across", "semi-axis across", "semi_axes.1", "mm", ".3f"),
+    MAX_PRESSURE,
+    Quantity("cells", "", lambda run: [part.stop - part.start for part in run.contact.box], parts=ON_SURFACE),
+)
+ENERGY_ERROR: Quantity[RollingPatchRun] = Quantity(
+    "energy_error", "frictional power less forces times creepages, relative", "energy_error", form=".1e"
+)
+STATE: tuple[Creep, ...] = (THEORY, *CREEPAGES, *SHIFT, *FORCES, TRACTION, *T_GAMMAS, POWER, *FIELDS)
+
+
+class RollingPatchCase(FrictionInputs, RunnableCase):
+    """Two half-spaces pressed together by a force that roll over each other; all results are those on the upper one."""
+
+    name = "rolling-patch"
+    title = "One contact patch that rolls with friction"
+    essential = (
+        *("force_kN", "radius_along_mm", "radius_across_mm"),
+        *(*CREEPAGE_KEYS, "speed_km_h", "friction"),
+    )
+
+    force_kN: Positive = 80.0
+    """normal force"""
+    radius_along_mm: Positive = 460.0
+    """relative radius of curvature ahead, 1 / (1 / R_upper + 1 / R_lower)"""
+    radius_across_mm: Positive = 300.0
+    """relative radius of curvature across"""
+    semi_axis_along_mm: Positive | None = None
+    """semi-axis ahead of an ellipse under Hertz's pressure, instead of the radii"""
+    semi_axis_across_mm: Positive | None = None
+    """its semi-axis across"""
+    pressure_file: str | None = None
+    """CSV file of pressures, instead of force and shape: right_mm, ahead_mm, pressure_MPa of cells"""
+    young_MPa: Positive = 210e3
+    """Young's modulus"""
+    poisson: float = Field(0.3, ge=0.0, lt=0.5)
+    """Poisson's ratio"""
+    upper_young_MPa: Positive | None = None
+    """Young's modulus of the upper body (default: young_MPa)"""
+    upper_poisson: float | None = Field(None, ge=0.0, lt=0.5)
+    """Poisson's ratio of the upper body (default: poisson)"""
+    longitudinal_creepage: float = 0.001
+    """slip of the upper body on the lower one ahead, over the speed"""
+    lateral_creepage: float = 0.0
+    """slip to the right over the speed"""
+    spin_creepage_per_m: float = 0.0
+    """rotation of the upper body, counter-clockwise from above, over the speed"""
+    speed_km_h: float = 72.0
+    """speed of rolling ahead, negative: backwards, 0: the upper body is shifted and does not roll"""
+    longitudinal_force_kN: float | None = None
+    """tangential force on the upper body ahead, instead of the creepage or shift, which is found"""
+    lateral_force_kN: float | None = None
+    """the same to the right"""
+    shift_ahead_mm: float = 0.0
+    """shift of the upper body ahead, with speed_km_h = 0"""
+    shift_right_mm: float = 0.0
+    """shift to the right"""
+    shift_rotation_mrad: float = 0.0
+    """rotation, counter-clockwise from above"""
+    friction: NotNegative = 0.3
+    """coefficient of friction, 0: without friction"""
+    rolling_theory: Theory = "exact"
+    """exact theory, fastsim, fastrip, polach or linear theory"""
+    curve: Literal["longitudinal", "lateral", "spin", "none"] = "longitudinal"
+    """creepage of the creep curve by all theories; the others are those of the case"""
+    curve_end: float = Field(3.0, gt=0.0, le=1e3)
+    """its end over the creepage at which linear theory reaches the limit of friction"""
+    curve_points: int = Field(25, ge=3, le=1000)
+    """number of its points"""
+    cells_along: int = Field(30, ge=4, le=120)
+    """number of cells along the patch"""
+    cells_across: int = Field(30, ge=4, le=120)
+    """number of cells across"""
+
+    def check(self) -> None:
+        """See `RunnableCase.check`."""
+        one, other = self.semi_axis_along_mm, self.semi_axis_across_mm
+        if (one is None) != (other is None):
+            raise InputError("one of semi_axis_along_mm and semi_axis_across_mm", "both or none", "give both")
+        radii = ("radius_along_mm", "radius_across_mm")
+        given = "semi_axis_along_mm" if one is not None else None
+        if self.pressure_file is not None:
+            given, shape = "pressure_file", ("semi_axis_along_mm", "semi_axis_across_mm", "cells_along", "cells_across")
+            self.refuse_without_effect(["force_kN", *shape], given, "none")
+            read_pressures(Path(self.pressure_file))
+        if given is not None:
+            self.refuse_without_effect(radii, given, "none")
+            if self._materials[0] != self._materials[1]:
+                raise InputError(
+                    f"upper_young_MPa or upper_poisson with {given}",
+                    "one material under given pressures: between different ones friction changes the pressures",
+                    "give radius_along_mm and radius_across_mm",
+                )
+        if self.rolls:
+            self.refuse_without_effect(SHIFTS, "speed_km_h", "0")
+        else:
+            rolling = (*CREEPAGE_KEYS, "rolling_theory", "friction_decay_m_per_s", *WARM_KEYS, *THERMAL_KEYS)
+            self.refuse_without_effect(rolling, "speed_km_h", "a speed other than 0")
+        if self.rolling_theory != "exact":
+            self.refuse_without_effect(FORCE_KEYS, "rolling_theory", "exact")
+        if not self.friction:
+            self.refuse_without_effect([*FORCE_KEYS, *FRICTION_KEYS], "friction", "a coefficient above 0")
+        for force, *keys in zip(FORCE_KEYS, CREEPAGE_KEYS, SHIFTS, strict=False):
+            if getattr(self, force) is not None:
+                self.refuse_without_effect(keys, force, "none")
+        _ = self._friction
+
+    def run(self, progress: Progress = lambda _: None) -> RollingPatchRun:
+        """See `RunnableCase.run`."""
+        self.check()
+        start = time.perf_counter()
+        contact = self.contact()
+        pressed = time.perf_counter()
+        progress("rolling")
+        along, across = (None if force is None else 1e3 * force for force in self._forces)
+        exact = roll(contact, self.motion, force_along=along, force_across=across)
+        forces = exact if self.rolling_theory == "exact" else FAST[self.rolling_theory](contact, self.motion)
+        states = [exact, *(theory(contact, exact.motion) for theory in self._theories.values())] if self.rolls else []
+        rolled = time.perf_counter()
+        curve, notices = self._curve(contact, exact.motion, progress)
+        total = time.perf_counter()
+        timings = {"pressures": pressed - start, "rolling": rolled - pressed, "curve": total - rolled}
+        notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *forces.notices, *notices))]
+        state, *theories = (CreepResult(result, result.motion, contact.force) for result in (forces, *states))
+        return RollingPatchRun(self, timings | {"total": total - start}, contact, state, theories, curve, notices)
+
+    @property
+    def rolls(self) -> bool:
+        """Whether the bodies roll; otherwise the upper one is shifted."""
+        return self.speed_km_h != 0.0
+
+    @property
+    def has_curve(self) -> bool:
+        """Whether a run has a creep curve: a shift, and contact without friction, have none."""
+        return self.curve != "none" and self.rolls and self.friction > 0.0
+
+    def contact(self) -> RollingContact:
+        """Return the patch: pressures of the file, Hertz's on the ellipse, or those of contact by the radii."""
+        if self.pressure_file is not None:
+            grid, pressures = read_pressures(Path(self.pressure_file))
+            return RollingContact.between_half_spaces(grid, pressures, self._friction, self._materials)
+        force, cells = 1e3 * self.force_kN, (self.cells_across, self.cells_along)
+        if self.semi_axis_along_mm is not None and self.semi_axis_across_mm is not None:
+            axes = self.semi_axis_across_mm, self.semi_axis_along_mm
+            return RollingContact.under_hertz(axes, force, cells, self._friction, self._materials)
+        modulus = contact_modulus(*(material.plane_modulus for material in self._materials))
+        hertz = PointContact(force, self.radius_across_mm, self.radius_along_mm, modulus)
+        n_rows, n_strips = (n + 2 * MARGIN for n in cells)
+        half, strip = hertz.semi_axes[0] * n_rows / cells[0], 2.0 * hertz.semi_axes[1] / cells[1]
+        grid = PatchGrid(half * np.linspace(-1.0, 1.0, n_rows + 1), strip, n_strips)
+        across = (grid.bounds[1:] + grid.bounds[:-1]) / 2.0
+        gaps = across[:, None] ** 2 / (2.0 * self.radius_across_mm) + grid.along**2 / (2.0 * self.radius_along_mm)
+        return RollingContact.of_half_spaces(grid, gaps, self._friction, self._materials, force=force)
+
+    @property
+    def motion(self) -> Creepages:
+        """Creepages with spin in 1/mm and the speed in m/s, or the shift; 0 where a force is given."""
+        motion = [getattr(self, key) for key in (CREEPAGE_KEYS if self.rolls else SHIFTS)]
+        for number, force in enumerate(self._forces):
+            motion[number] = 0.0 if force is not None else motion[number]
+        return Creepages(motion[0], motion[1], 1e-3 * motion[2], self.speed_km_h / 3.6)
+
+    @property
+    def _forces(self) -> tuple[float | None, float | None]:
+        return self.longitudinal_force_kN, self.lateral_force_kN
+
+    @cached_property
+    def _friction(self) -> Friction:
+        return self.friction_law(self.friction, self.rolling_theory)
+
+    @property
+    def _theories(self) -> dict[Theory, Callable[[RollingContact, Creepages], CreepForces]]:
+        """Fast theories that can be computed."""
+        warm = self._friction.by_temperature
+        return {name: theory for name, theory in FAST.items() if name in WITH_TRACTIONS or not warm}
+
+    @property
+    def _materials(self) -> tuple[Elastic, Elastic]:
+        young = self.young_MPa if self.upper_young_MPa is None else self.upper_young_MPa
+        poisson = self.poisson if self.upper_poisson is None else self.upper_poisson
+        return Elastic(self.young_MPa, self.poisson), Elastic(young, poisson)
+
+    def _curve(
+        self, contact: RollingContact, motion: Creepages, progress: Progress
+    ) -> tuple[dict[Theory, list[CreepResult]], Iterable[str]]:
+        """Points of the creep curve by theories, and what is to be said about it."""
+        if not self.has_curve:
+            return {}, ()
+        progress("creep curve")
+        ellipse, name = EllipticContact.of(contact, motion), COMPONENTS[self.curve]
+        c, size = ellipse.coefficients, float(np.sqrt(ellipse.along * ellipse.across))
+        rate = {"along": c.c11, "across": c.c22, "spin": c.c23 * size}[name]
+        end = self.curve_end * ellipse.friction * ellipse.force / (ellipse.unit * rate)
+        points: Floats = np.linspace(0.0, end, self.curve_points)
+        motions = [replace(motion, **{name: point}) for point in points.tolist()]
+        exact = creep_curve(contact, motions)
+        states: dict[Theory, Sequence[CreepForces]] = {"exact": exact}
+        states |= {theory: [compute(contact, step) for step in motions] for theory, compute in self._theories.items()}
+        failed = sum(not point.status.converged for point in exact)
+        notices = [f"{failed} of {len(exact)} points of the creep curve by the exact theory did not converge"]
+        curve = {
+            theory: [CreepResult(point, point.motion, contact.force) for point in forces]
+            for theory, forces in states.items()
+        }
+        return curve, notices[:failed]

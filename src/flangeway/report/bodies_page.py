@@ -1,0 +1,288 @@
+"""Pictures, report, files and terminal summary of a case of bodies that are pressed, pulled and held."""
+
+from functools import cache, partial
+from textwrap import fill
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from flangeway.cases.bodies.bodies_run import (
+    BODY,
+    DISSIPATED,
+    FORCES,
+    FRICTION,
+    HALF_WIDTH,
+    MAX_DISPLACEMENT,
+    MAX_PRESSURE,
+    MAX_VON_MISES,
+    PAIR,
+    PATCH,
+    REACTION,
+    STICKING,
+    BodiesRun,
+    BodyResult,
+)
+from flangeway.elements import Element, Lagrange
+from flangeway.geometry import Placement
+from flangeway.geometry.arrays import extent
+from flangeway.materials import Elastic, Material
+from flangeway.quantities import measured
+from flangeway.report.figures.display import write_collection, write_contacts
+from flangeway.report.figures.drawing import (
+    GREY,
+    INK,
+    NODES,
+    box,
+    framed,
+    load_steps,
+    name_axes,
+    newton_figure,
+    panels,
+    steps_table,
+)
+from flangeway.report.figures.plots import DrawnBody, pressure_curves, stress_panels
+from flangeway.report.page.html_page import run_record
+from flangeway.report.page.record import Picture, Record, SummaryTable, fact, rows_of, table_across, table_of
+from flangeway.report.scenes import BodySteps, bodies_fields, bodies_scene, body_steps
+from flangeway.space import Space
+from flangeway.system.output_folder import Writer
+from flangeway.types import Floats
+
+# --- Pictures of a case of bodies: stresses on the deformed bodies, and the contact pressure.
+
+
+LETTERS_PER_IN = 13  # of the title
+MARGIN = 0.04
+
+
+def stress_figure(run: BodiesRun) -> Figure:
+    """Draw von Mises stress on the deformed bodies; where they touch, once more near the contact."""
+    bodies = [DrawnBody(body.field, partial(_moved, body)) for body in run.bodies.values()]
+    points = np.vstack([body.points for body in bodies])
+    size = extent(points)
+    windows = [framed(points, MARGIN)]
+    if run.patches:
+        touched = np.vstack([patch.points for patch in run.patches])
+        width = 3.0 * max(extent(touched), 1e-3 * size)
+        if width < 0.7 * size:
+            windows.append(box([touched.mean(axis=0, keepdims=True)], width / 2.0))
+    figure, _ = stress_panels(bodies, windows, run.case.units)
+    word = "" if run.status.converged else ", not converged"
+    figure.suptitle(
+        fill(f"{run.case.title}: as deformed{word}", int(LETTERS_PER_IN * figure.get_figwidth())), fontsize=10
+    )
+    return figure
+
+
+def _moved(body: BodyResult, points: Floats, displacements: Floats) -> Floats:
+    return points + body.moved(points, displacements)
+
+
+def pressure_figure(run: BodiesRun) -> Figure:
+    """Draw the pressures along each region of contact, with Hertz's where the case has it."""
+    patches = [(run.pairs[patch.contact].name, patch, run.theory) for patch in run.patches]
+    return pressure_curves(patches, run.case.units)
+
+
+def traction_figure(run: BodiesRun) -> Figure:
+    """Draw the tangential tractions of the contacts with friction between their limits, one contact below another."""
+    figure, rows = panels(8.0, 2.2 * len(run.rubbing) + 0.6, len(run.rubbing), 1, run.case.units)
+    for axes, pair in zip(rows[:, 0], run.rubbing, strict=True):
+        nodes = pair.nodes
+        steps = [np.diff(nodes[axis], prepend=nodes[axis][:1]) for axis in "xy"]
+        way = np.cumsum(np.hypot(*steps))
+        for sign in (1.0, -1.0):
+            axes.plot(way, sign * pair.contact.friction_coefficient * nodes["pressure"], color=GREY, lw=1.2, ls="--")
+        axes.plot(way, nodes["traction"], color=INK, **NODES)
+        axes.set_title(pair.name, fontsize=9)
+        name_axes(axes, ("length along the surface", "mm"), ("traction", "MPa"))
+    return figure
+
+
+# --- Report, files and terminal summary of a case of bodies that are pressed, pulled and held.
+
+
+MAX_FACTS = 6  # numbers of the case at the top of the page
+HYPOTHESES = {
+    "plane_strain": "Plane strain: no strain out of the plane.",
+    "plane_stress": "Plane stress: no stress out of the plane.",
+    "axisymmetric": "Axisymmetric: x is the radius, y the axis.",
+}
+AXES = {
+    "x, y": "to the right and up",
+    "stresses": "tension is positive; the axes are those of the picture",
+    "pressure": "of contact, positive in compression",
+    "forces": "contact forces are those on the secondary body of a pair",
+}
+ORDERS = {1: "linear", 2: "quadratic", 3: "cubic"}
+
+
+def bodies_record(run: BodiesRun) -> Record:
+    """Return what a run of a case of bodies found, its most informative picture first."""
+    axes = AXES if run.contact is not None else {name: AXES[name] for name in ("x, y", "stresses")}
+    steps = cache(lambda: body_steps(run, list(bodies_fields(run))))
+    return run_record(
+        run,
+        _files_words(run),
+        subtitle=_elements(run),
+        message=run.status.message.removeprefix("converged "),
+        facts=_facts(run),
+        results=results_table(run),
+        warnings=run.notices,
+        assumptions=_assumptions(run),
+        scene=lambda: bodies_scene(run, steps()),
+        pictures=_pictures(run),
+        tables=_tables(run),
+        axes=axes,
+        files=lambda: _files(run, steps()),
+    )
+
+
+def _tables(run: BodiesRun) -> list[SummaryTable]:
+    units = run.case.units
+    patches = [run.pairs[patch.contact].name for patch in run.patches]
+    tables = [
+        table_across("Contacts", [pair.name for pair in run.pairs], run.pairs, PAIR[2:], units=units),
+        table_across("Regions of contact", patches, run.patches, PATCH, units=units),
+        table_of("Friction", run.rubbing, FRICTION, units=units),
+        table_of("Forces on the bodies", run.in_contact, FORCES, units=units),
+        table_of("Supports", run.reactions, REACTION, units=units),
+        table_of("Bodies", [*run.bodies.values()], BODY, units=units),
+    ]
+    if run.contact is not None:
+        tables.append(steps_table(run.contact))
+    return [table for table in tables if len(table.header) > 1 and table.rows]
+
+
+def _facts(run: BodiesRun) -> list[tuple[str, str]]:
+    """Numbers that the case is about, or what there is of every case."""
+    units, bodies = run.case.units, [*run.bodies.values()]
+    about = [quantity for quantity in run.case.quantities(run) if isinstance(quantity.value(run), float)]
+    facts = [fact(quantity, run, units) for quantity in about if quantity.label]
+    if not any("pressure" in name for _, name in facts):
+        facts += [fact(MAX_PRESSURE, pair, units, pair.name) for pair in run.pairs]
+    owners = [body.field.problem.name if len(bodies) > 1 else "" for body in bodies]
+    extremes = []
+    for quantity in (MAX_DISPLACEMENT, MAX_VON_MISES):
+        place = max(range(len(bodies)), key=lambda number, of=quantity: of.value(bodies[number]))  # type: ignore[misc]
+        extremes.append(fact(quantity, bodies[place], units, owners[place]))
+    return [*facts[:MAX_FACTS], *extremes]
+
+
+def _files_words(run: BodiesRun) -> str:
+    opened = "the VTU file is for ParaView"
+    if run.contact is not None or len(run.bodies) > 1:
+        opened = "ParaView opens all bodies and load steps with `bodies.pvd`"
+    return f"The same numbers, for programs, are in `summary.json`; {opened}."
+
+
+def _elements(run: BodiesRun) -> str:
+    words = {name: _element_words(body.field.space) for name, body in run.bodies.items()}
+    if len(set(words.values())) == 1:
+        return next(iter(words.values()))
+    return "; ".join(f"{name}: {text}" for name, text in words.items())
+
+
+def _element_words(space: Space) -> str:
+    elements = [space.element] if isinstance(space.element, Element) else list(space.element.values())
+    kinds = sorted({"finite" if isinstance(element, Lagrange) else "virtual" for element in elements})
+    order = ORDERS.get(space.order, f"order {space.order}")
+    return f"{order} {' and '.join(kinds)} elements"
+
+
+def _assumptions(run: BodiesRun) -> list[str]:
+    problems, units = [body.field.problem for body in run.bodies.values()], run.case.units
+    materials: dict[Material, None] = dict.fromkeys(material for problem in problems for material in problem.materials)
+    thicknesses = sorted({problem.thickness for problem in problems})
+    sentences = [
+        *(HYPOTHESES[name] for name in dict.fromkeys(material.hypothesis for material in materials)),
+        f"Thickness {', '.join(measured(each, 'mm', units) for each in thicknesses)}: forces refer to this length out "
+        "of the plane.",
+        *(
+            f"Linear elastic, isotropic: Young's modulus {measured(each.young, 'MPa', units, '.6g')}, Poisson's ratio "
+            f"{each.poisson:g}; no "
+            "yielding, however high the stress."
+            for each in materials
+            if isinstance(each, Elastic)
+        ),
+        "Small strains. Stresses at re-entrant corners and under point forces are singular: they grow with refinement.",
+    ]
+    if run.contact is None:
+        return sentences
+    pairs = "; ".join(
+        f"{each.primary.part.name} is the primary surface for {each.secondary.part.name}"
+        for each in run.contact.system.contacts
+    )
+    coefficients = {each.friction_coefficient for each in run.contact.system.contacts}
+    law = "Frictionless contact."
+    if any(coefficients):
+        law = f"Coulomb's friction, coefficient {' and '.join(f'{each:g}' for each in sorted(coefficients))}."
+    return [*sentences, law, f"Contact pairs: {pairs}."]
+
+
+def results_table(run: BodiesRun) -> SummaryTable:
+    """What the case is about, its contacts and its bodies, one number a row."""
+    units = run.case.units
+    rows = rows_of(run.case.quantities(run), run, units)
+    for pair in run.pairs:
+        rows += rows_of([MAX_PRESSURE], pair, units, pair.name)
+        for patch in pair.patches:
+            rows += rows_of([HALF_WIDTH], patch, units, pair.name)
+        if pair.contact.friction_coefficient:
+            rows += rows_of([STICKING, DISSIPATED], pair, units, pair.name)
+    for body in run.bodies.values():
+        rows += rows_of([MAX_DISPLACEMENT, MAX_VON_MISES], body, units, body.field.problem.name)
+    return SummaryTable("Results", ("", "value"), tuple(rows))
+
+
+STEPS = "steps"  # folder of the earlier load steps
+CONTACT = "contact.vtu"
+MIN_DRAWN_ITERATIONS = 3  # of fewer the table says all
+
+
+def _files(run: BodiesRun, steps: BodySteps) -> dict[str, Writer]:
+    """Return functions that write the fields, by the files' names."""
+    writers: dict[str, Writer] = {}
+    entries = []
+    for number, fields in zip(steps.numbers, steps.fields, strict=True):
+        for place, body in enumerate(fields, 1):
+            # a name given by the user may not be allowed as that of a file
+            plain = "".join(letter if letter.isalnum() or letter in "-_" else "_" for letter in body.name)
+            stem = f"{place}-{plain}" if len(fields) > 1 else plain
+            file = f"{stem}.vtu" if number == steps.numbers[-1] else f"{STEPS}/{stem}-{number}.vtu"
+            writers[file] = partial(body.write, body_id=place - 1)
+            entries.append((float(number), body.name, file))
+        if run.contact is not None:
+            last = number == steps.numbers[-1]
+            file = CONTACT if last else f"{STEPS}/contact-{number}.vtu"
+            starts = {body.name: Placement() for body in fields}
+            state = run.contact.state if last else run.contact.steps[number - 1].state
+            writers[file] = partial(write_contacts, system=run.contact.system, state=state, starts=starts)
+            entries.append((float(number), "contact", file))
+    if len(entries) > 1:
+        writers["bodies.pvd"] = lambda path: write_collection(path, entries)
+    return writers
+
+
+def _pictures(run: BodiesRun) -> list[Picture]:
+    """Pictures, the most important first."""
+    near, contact = ", and near the contact" if run.patches else "", run.contact
+    theory = ", beside Hertz's theory for the same force" if run.theory is not None else ""
+    steps = load_steps(contact) if contact is not None else []
+    described = [
+        ("stresses.png", True, partial(stress_figure, run), f"Von Mises stress on the deformed bodies{near}."),
+        ("pressure.png", run.patches, partial(pressure_figure, run), f"Contact pressure along the surface{theory}."),
+        (
+            "traction.png",
+            run.patches and run.rubbing,
+            partial(traction_figure, run),
+            "Tangential traction along the surface (solid) between the limits of friction (dashed).",
+        ),
+        (
+            "convergence.png",
+            sum(len(state.history) for _, state in steps) >= MIN_DRAWN_ITERATIONS,
+            partial(newton_figure, steps),
+            "Convergence: residual of the forces and change of the displacements in each iteration.",
+        ),
+    ]
+    return [Picture(name, draw, caption) for name, wanted, draw, caption in described if wanted]

@@ -1,0 +1,167 @@
+"""Report, files and terminal summary of a section under torsion."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from flangeway.cases.section_run import STEEL_KG_M3, SectionRun
+from flangeway.formats import write_vtu
+from flangeway.post import corner_shear_stresses
+from flangeway.quantities import Quantity, measured, present
+from flangeway.report.page.html_page import case_text, inputs_tables
+from flangeway.report.page.record import Again, Picture, Record, SummaryTable, fact, rows_of
+from flangeway.report.scenes import section_arrays, section_scene
+from flangeway.report.section_figures import (
+    mesh_figure,
+    part_numbers,
+    prandtl_figure,
+    shear_figure,
+    warping_figure,
+)
+from flangeway.units import Units
+
+SUMMARY, FIELDS = "section.json", "section.vtu"
+ASSUMPTIONS = (
+    "Saint-Venant torsion of a straight bar: the section rotates without distortion and warps freely.",
+    "Linear elastic, isotropic material; parts that share edges are joined there.",
+    "Area, centroid and second moments are those of the outline's lines and arcs; torsion is that of the meshed "
+    "polygon.",
+)
+AXES = {
+    "x, y": "those of the outline's coordinates, to the right and up",
+    "principal axes": "1 has the larger second moment; angles are counter-clockwise from x",
+    "shear stress": "of a positive torque, which turns from x to y",
+}
+
+
+def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -> Record:
+    """Return what was found of a section; its first page is one to pass on.
+
+    - `command`: computes it again.
+    - `summary_file`: file of the numbers for programs.
+    """
+    found, case, units, unit = run.summary, run.case, run.case.units, run.drawn.unit
+    kind = "triangles" if case.method == "fem" else "polygons, virtual elements"
+    quantities = section_quantities(run, units)
+    return Record(
+        name=run.drawn.title,
+        title=run.drawn.title,
+        subtitle=f"Constants of a section; {run.space.mesh.n_cells:,} {kind} of order {case.order}, size "
+        f"{measured(run.size, unit, units)}, {run.space.n_dofs:,} unknowns",
+        converged=True,
+        success="solved",
+        message="by both formulations of torsion",
+        facts=[fact(replace(of, form=".5g"), run, units) for of in present(quantities, run) if of.key in FACTS],
+        results=SummaryTable(
+            "Constants of the section", ("", "value"), tuple(rows_of(present(quantities, run), run, units))
+        ),
+        summary=found,
+        summary_file=summary_file,
+        again=Again(
+            command,
+            case_text(case),
+            files=f"The same numbers, for programs, are in `{summary_file}`; the fields are in `section.vtu`, for "
+            "ParaView.",
+        ),
+        units=units,
+        notes=[
+            *found["notices"],
+            *weights_sentences(found),
+            *([f"Outline: {found['certainty']}"] if found["certainty"] else []),
+        ],
+        assumptions=ASSUMPTIONS,
+        scene=lambda: section_scene(run),
+        pictures=[Picture(name, partial(draw, run, units), f"{words}.") for name, (draw, words) in PICTURES.items()],
+        axes=AXES,
+        inputs=inputs_tables(case),
+        timings_s=found["timings_s"],
+        files=lambda: {FIELDS: partial(_write_fields, run)},
+    )
+
+
+FACTS = (
+    *("area_{u}2", "second_moments_{u}4 xx", "second_moments_{u}4 yy", "mass_per_metre_kg_m"),
+    *("torsion_constant_{u}4", "warping_constant_{u}6", "max_shear_stress_per_torque_per_{u}3"),
+)
+"""Keys of the numbers at the top of the page."""
+
+
+def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRun]]:
+    """Return the constants of a section, in its unit of length; round-off, which looks like a result, is zero."""
+    unit, constants, poisson = run.drawn.unit, run.constants, run.poisson
+    steel = f"steel of {measured(STEEL_KG_M3, 'kg/m³', units)}"
+    bounds = ("lower bound (Prandtl)", "upper bound (warping)")
+    if not constants.bounds_certain:
+        bounds = ("from Prandtl's function", "from the warping function")
+    shown = (
+        ("area_{u}2", "area", "{u}²", ".7g"),
+        ("mass_per_metre_kg_m", f"mass per length, {steel}", "kg/m", ".4g"),
+        ("centroid_{u}", "centroid {}", "{u}", ".6g"),
+        ("second_moments_{u}4", "second moment I{} about the centroid", "{u}⁴", ".7g"),
+        ("principal_moments_{u}4", "principal moment I{}", "{u}⁴", ".7g"),
+        ("principal_angle_deg", "angle of principal axis 1 from x, degrees", "", ".5g"),
+        ("radii_of_gyration_{u}", "radius of gyration about {0[0]}", "{u}", ".6g"),
+        ("section_moduli_{u}3", "section modulus, {}", "{u}³", ".6g"),
+        ("torsion_constant_{u}4", "torsion constant J", "{u}⁴", ".7g"),
+        ("torsion_constant_prandtl_{u}4", f"  {bounds[0]}", "{u}⁴", ".7g"),
+        ("torsion_constant_warping_{u}4", f"  {bounds[1]}", "{u}⁴", ".7g"),
+        ("half_gap", "  half their difference, relative", "", ".1e"),
+        ("shear_centre_{u}", f"shear centre{f' for ν = {poisson:g}' * bool(poisson)} {{}}", "{u}", ".6g"),
+        *([("shear_centre_trefftz_{u}", "shear centre by Trefftz {}", "{u}", ".6g")] if poisson else []),
+        ("warping_constant_{u}6", "warping constant", "{u}⁶", ".7g"),
+        ("max_shear_stress_per_torque_per_{u}3", "maximum shear stress per torque", "{u}⁻³", ".5g"),
+    )
+    (ixx, iyy, _), (low, high) = constants.second_moments, constants.torsion_bounds
+    found = run.summary | {
+        "principal_angle_deg": round(run.summary["principal_angle_deg"], 7) + 0.0,  # not -0
+        "half_gap": 0.5 * abs(high - low) / constants.torsion_constant,
+    }
+    least = {"{u}": 1e-7 * found[f"boundary_length_{unit}"], "{u}⁴": 1e-9 * math.sqrt(ixx * iyy)}
+    quantities: list[Quantity[SectionRun]] = []
+    for key, label, of, form in shown:
+        value = found.get(key.format(u=unit))
+        if isinstance(value, list):
+            value = dict(zip("12" if key.startswith("principal") else "xy", value, strict=True))
+        for part, number in value.items() if isinstance(value, dict) else (("", value),):
+            shown_value = None if number is None else number * (abs(number) >= least.get(of, 0.0))
+            words, name = label.format(part), f"{key} {part}".strip()
+            quantities.append(Quantity(name, words, partial(_same, shown_value), of.format(u=unit), form))
+    return quantities
+
+
+def _same(value: float | None, _: SectionRun) -> float | None:
+    return value
+
+
+def weights_sentences(summary: Mapping[str, Any]) -> list[str]:
+    """Return what several materials mean for the constants, nothing for one material."""
+    if "weights" not in summary:
+        return []
+    weights = summary["weights"]
+    return [
+        f"{weights['meaning']} References: E = {weights['reference_young_MPa']:.6g} MPa, "
+        f"G = {weights['reference_shear_modulus_MPa']:.6g} MPa."
+    ]
+
+
+PICTURES: dict[str, tuple[Callable[[SectionRun, Units], Figure], str]] = {
+    "mesh.png": (mesh_figure, "The mesh, with the centroid, the shear centre and the principal axes"),
+    "warping.png": (warping_figure, "Warping about the shear centre over the rate of twist, with contour lines"),
+    "shear_stress.png": (shear_figure, "Shear stress for a unit torque, with arrows in its direction"),
+    "prandtl.png": (prandtl_figure, "Prandtl's function, whose contour lines are lines of shear flow"),
+}
+"""Functions that draw the pictures, the most important first, and what they show, by the files' names."""
+
+
+def _write_fields(run: SectionRun, path: Path) -> None:
+    """Write warping about the shear centre, Prandtl's function, and shear stress per torque, unit in the names."""
+    mesh = run.space.mesh
+    points, (shear,) = section_arrays(run)
+    prandtl = run.constants.prandtl
+    corners = {shear: corner_shear_stresses(prandtl) / prandtl.torsional_rigidity}
+    write_vtu(path, mesh, points, {"part": part_numbers(mesh)}, corners)
