@@ -172,7 +172,7 @@ class SpatialWheelset:
         last = FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
         stages = (round(FEWER_ACROSS * across), NESTED_RESIDUAL), (across, last)
         cells = _Cells(self, position, stages, state.sides)
-        grids, _ = cells.fine(state, NEAR_MM)
+        grids, _ = cells.fine(state)
         creep = WheelsetCreep(motion, rate, motion.theory, MAX_BENT_MM)
         yaw, tilts = self.model.yaw_rad, self._tilts_by_forces
         return self._search(WheelsetNewton(self.problem, grids, position, yaw, tilts, state, creep), cells, progress)
