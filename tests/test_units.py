@@ -1,13 +1,20 @@
 """Numbers, quantities and US units: exact factors, keys of inputs, errors in the units that were written, results."""
 
+import ast
+import copy
+import itertools
 import json
+import pickle
 import re
 from dataclasses import dataclass
 from fractions import Fraction
+from pathlib import Path
+from string import Formatter
 
 import numpy as np
 import pytest
 
+import flangeway
 from flangeway.cases import CASES, load_case, schema, write_template
 from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import check_case, read_case
@@ -37,7 +44,9 @@ from flangeway.report.page.html_page import case_text, command_line
 from flangeway.report.page.record import About, table_across, table_of
 from flangeway.solve import NewtonSettings, solve_elasticity
 from flangeway.space import Space
-from flangeway.units import in_us_units, us_key, us_unit
+from flangeway.units import in_us_units, joined_text, sentence, us_key, us_unit, with_texts
+
+UNIT_BEHIND = re.compile(r"[ \u00a0]([\wµ²³⁴⁻]+(?:[ /][\wµ²³⁴⁻]+)?)(?![\w/])")
 
 FACTORS = [
     ("mm", "in", 25.4),
@@ -158,15 +167,67 @@ def test_the_schema_has_the_keys_with_us_units():
     assert {"anyOf": [{"required": ["radius_mm"]}, {"required": ["radius_in"]}]} in disc["allOf"]
 
 
-def test_sentences_have_their_numbers_and_keys_in_us_units():
-    """Numbers before a unit, several of them too, and keys with values; times, angles and names stay."""
-    text = "Rail 60E1, 1,200 kN m/rad every 600 mm; 8 to 10 mm; gauge_mm = 1435.1 in 400 m, 3 s, 1:40, 5 mrad, 20 rows"
-    assert in_us_units(text) == (
-        "Rail 60E1, 885.1 kip ft/rad every 23.62 in; 0.315 to 0.3937 in; gauge_in = 56.5 in 1312 ft, 3 s, 1:40, "
-        "5 mrad, 20 rows"
+SENTENCE = sentence(
+    "Rail {}, {:,.0f kN m/rad} every {:g mm}; {:g (mm)} to {:.1f mm}; {gauge_mm = :.1f} in {400 m}, {:g s}, 1:40, {!r}",
+    *("60E1", 1200.0, 600.0, 8.0, 10.04, 1435.1, 3.0, "a 5 mm.csv"),
+)
+
+
+def test_a_sentence_is_its_metric_text():
+    """Numbers have the formats of the template, in a list too, and constants and texts are as they stand."""
+    assert SENTENCE == (
+        "Rail 60E1, 1,200 kN m/rad every 600 mm; 8 to 10.0 mm; gauge_mm = 1435.1 in 400 m, 3 s, 1:40, 'a 5 mm.csv'"
     )
-    assert in_us_units("gauge_mm = 1435.1 and 25.4 mm", {"gauge_mm"}) == "gauge_in = 56.5 and 25.4 mm"
-    assert in_us_units(in_us_units(text)) == in_us_units(text)
+    assert sentence("{push_N = :g}", [1.0, 2.5]) == "push_N = [1, 2.5]"
+    assert json.dumps([SENTENCE], ensure_ascii=False) == f'["{SENTENCE}"]'
+
+
+def test_sentences_have_their_numbers_and_keys_in_us_units():
+    """Values are converted, not their rounded texts: 10.04 mm; times, angles, names and texts of users stay."""
+    assert in_us_units(SENTENCE) == (
+        "Rail 60E1, 885.1 kip ft/rad every 23.62 in; 0.315 to 0.3953 in; gauge_in = 56.5 in 1312 ft, 3 s, 1:40, "
+        "'a 5 mm.csv'"
+    )
+    assert in_us_units(sentence("{gauge_mm = :g} and {25.4 mm}", 1435.1), {"gauge_mm"}) == "gauge_in = 56.5 and 25.4 mm"
+    assert in_us_units(sentence("{push_N = :g}", [4.4482216152605, None])) == "push_lbf = [1, None]"
+    assert in_us_units("give gauge_mm, such as gauge_mm = 1435, or speed_km_h = 0") == (
+        "give gauge_in, such as gauge_mm = 1435, or speed_mph = 0"
+    )
+
+
+@pytest.mark.parametrize(
+    "same",
+    [
+        sentence("{}", SENTENCE),
+        "" + SENTENCE + "",
+        joined_text("", [SENTENCE]),
+        with_texts(SENTENCE, str.lower),
+        copy.deepcopy(SENTENCE),
+        pickle.loads(pickle.dumps(SENTENCE)),
+    ],
+)
+def test_a_sentence_in_another_one_keeps_its_numbers(same):
+    """Put into a template, added, joined, with changed words, copied and sent to another process."""
+    assert in_us_units(same).lower() == in_us_units(SENTENCE).lower()
+
+
+def test_sentences_of_the_program_have_their_numbers_as_values():
+    """No text in the source puts a number before a unit itself, and each template has as many values as fields."""
+    wrong = []
+    for path in sorted(Path(flangeway.__file__).parent.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.JoinedStr):
+                for value, text in itertools.pairwise(node.values):
+                    unit = UNIT_BEHIND.match(text.value) if isinstance(text, ast.Constant) else None
+                    if isinstance(value, ast.FormattedValue) and unit and us_unit(unit[1]):
+                        wrong.append(f"{path.name}, line {node.lineno}: {ast.unparse(node)}")
+            elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "sentence":
+                template, *values = node.args
+                if isinstance(template, ast.Constant) and not any(isinstance(value, ast.Starred) for value in values):
+                    fields = [name for _, name, *_ in Formatter().parse(template.value) if name is not None]
+                    if len(values) != sum(not name[:1].isdigit() for name in fields):
+                        wrong.append(f"{path.name}, line {node.lineno}: {template.value}")
+    assert not wrong
 
 
 def test_what_computes_it_again_keeps_units_and_exact_inputs():
@@ -197,7 +258,11 @@ def test_errors_of_a_run_have_the_units_of_its_inputs(call, monkeypatch, options
     """What only the computation finds is said in US units too, keys that were given metric in metric ones."""
 
     def fails(*_):
-        raise InputError("lateral_mm = 38.1: the axle 12.7 mm higher", "up to 6.35 mm", "give a smaller lateral_mm")
+        raise InputError(
+            sentence("{lateral_mm = :g}: the axle {:g mm} higher", 38.1, 12.7),
+            sentence("up to {:g mm}", 6.35),
+            "give a smaller lateral_mm",
+        )
 
     monkeypatch.setattr(CASES["wheelset"], "run", fails)
     status, _, err = call("run", "wheelset", *options)

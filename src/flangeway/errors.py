@@ -66,10 +66,11 @@ class InputError(FlangewayError):
     """
 
     def __init__(self, given: str, allowed: str, advice: str) -> None:
-        parts = [f"allowed: {allowed}", f"what to do: {advice}"]
+        parts = ["allowed: " + allowed, "what to do: " + advice]
         if len(allowed) > MAX_LETTERS_OF_LIST:  # nobody reads a page of keys before "did you mean"
             parts.reverse()
-        super().__init__("\n  ".join([given, *parts]))
+        self.lines = [given, *parts]
+        super().__init__("\n  ".join(self.lines))
         self.given = given
         self.allowed = allowed
         self.advice = advice
@@ -90,7 +91,7 @@ def located(place: str, *, unless: str | None = None) -> Iterator[None]:
     except InputError as reason:
         if unless is not None and unless in reason.given:
             raise
-        raise InputError(f"{place}{reason.given}", reason.allowed, reason.advice) from reason
+        raise InputError(place + reason.given, reason.allowed, reason.advice) from reason
 
 
 class UnforeseenError(RuntimeError):

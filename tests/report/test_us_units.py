@@ -11,9 +11,14 @@ from matplotlib.text import Text
 from matplotlib.ticker import NullLocator
 
 from flangeway.cases import load_case
+from flangeway.cases.profile_run import run_profile
 from flangeway.cases.rigid_run import find_geometry_case, run_geometry
+from flangeway.railway.profiles.bundled import wheel
+from flangeway.railway.profiles.formats.two_column import write_two_column
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import colour_bar, name_axes, new_figure, shade_of
+from flangeway.report.page.record import METRIC_FILES
+from flangeway.report.profile_outputs import profile_record
 from flangeway.report.rigid_outputs import geometry_record
 from flangeway.results import ResultTable
 from flangeway.units import us_key, us_unit
@@ -30,14 +35,25 @@ INPUTS = {
         "rail_support": "continuous",
         "axle": "rigid",
     },
-    "wheelset-tangent": {"size_scale": 8.0},
+    "wheelset-tangent": {
+        "axle_load_kN": 350.0,
+        "superelevation_mm": -20.0,
+        "size_scale": 8.0,
+        "penalty_factor": 0.3,
+    },
     "stack": {},
+    "shrink-fit": {},
+    "profile": {},
     "crane-wheel": {"order": 1},
     "rolling-patch": {"cells_along": 10, "cells_across": 10, "curve_points": 3},
     "torsion": {"size": 40.0, "order": 1},
     "geometry": {"step_mm": 0.5, "maximum_lateral_mm": 4.0, "maximum_amplitude_mm": 3.5},
 }
 NUMBER = re.compile(r"[-+−]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?")
+WITH_UNIT = re.compile(
+    rf"(?P<key>[a-z]\w*_\w+ = )?(?P<number>{NUMBER.pattern})"
+    rf"(?=(?:(?:,? (?:to|and|or|of) |, ){NUMBER.pattern})*(?P<unit> [a-zA-Zµ/]+(?: (?:m|ft)(?:/rad)?)?[²³⁴]?)?)"
+)
 STANDARD = "at 3 mm"  # the amplitude of EN 15302
 METRIC = re.compile(r"\d (?:mm|kN|N|MPa|m|km/h|kNm|Nm)\b|[, ](?:mm|kN|MPa|kNm)[²³⁴]?$")
 
@@ -47,10 +63,17 @@ def geometry(units):
 
 
 @pytest.fixture(scope="module", params=INPUTS)
-def records(request):
+def records(request, tmp_path_factory):
     """Records of one run in both systems of units."""
     if request.param == "geometry":
         return geometry({}), geometry({"units": "us"})
+    if request.param == "profile":
+        file = tmp_path_factory.mktemp("profile") / "noisy.txt"
+        points = wheel("S1002").running_surface.sampled(spacing=0.25)
+        noise = np.random.default_rng(1).normal(scale=0.03, size=points.shape)
+        file.write_text(write_two_column(points + noise + [0.0, 1.5], "wheel", "noisy", 65.0), encoding="utf-8")
+        run = run_profile(str(file))
+        return profile_record(run, ""), profile_record(run, "", "us")
     run = load_case(request.param, **INPUTS[request.param]).run()
     return case_record(run), case_record(replace(run, case=run.case.model_copy(update={"units": "us"})))
 
@@ -111,6 +134,32 @@ def test_tables_and_tiles(records):
         *(row[0] for _, other in tables for row in other.rows),
     ]
     assert not [text for text in said if METRIC.search(text) and STANDARD not in text]
+
+
+def sentences_of(record):
+    """All that a record says in sentences."""
+    notes = record.scene().in_units(record.units).notes if record.scene else ()
+    said = [record.title, record.subtitle, record.message, *record.sentences, *record.warnings, *record.notes]
+    return [*said, *(text for text in record.assumptions if text != METRIC_FILES), *notes]
+
+
+def test_sentences(records):
+    """Every number of a warning, message, note and assumption is within rounding, and has its unit or its key."""
+    n = 0
+    for metric, us in zip(*map(sentences_of, records), strict=True):
+        assert not METRIC.search(us)
+        for one, other in zip(WITH_UNIT.finditer(metric), WITH_UNIT.finditer(us), strict=True):
+            unit = us_key(one["key"].removesuffix(" = ")) if one["key"] else us_unit((one["unit"] or "").strip())
+            n += compared(one["number"], other["number"], unit) if unit else one["number"] == other["number"]
+            if unit:
+                assert (other["key"] or other["unit"]).strip(" =") == unit.name
+    assert n > 2
+
+
+def test_several_warnings_have_numbers():
+    """The heavy wheelset on a coarse mesh is warned of by sentences with lengths and a stress."""
+    said = " ".join(load_case("wheelset-tangent", **INPUTS["wheelset-tangent"]).run().summary["warnings"])
+    assert {"mm", "MPa"} <= {match["unit"].strip() for match in WITH_UNIT.finditer(said) if match["unit"]}
 
 
 @pytest.mark.ci

@@ -389,7 +389,7 @@ class _CampaignText(TomlFile):
             if key in varied and key not in flattened(self.data.get("vary", {})):
                 place = f"{self.file}, table: "
             row = f"row {number}: " if key in varied else ""
-            raise InputError(f"{place}{row}{reason.given}", reason.allowed, reason.advice) from reason
+            raise InputError(place + row + reason.given, reason.allowed, reason.advice) from reason
 
     def _check(self, rows: list[Row]) -> None:
         """Check more than single values: whole cases once for all rows of the same bodies, loads of each."""

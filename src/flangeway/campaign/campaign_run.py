@@ -1,5 +1,6 @@
 """Run a campaign: distribute the rows that are not done, compute them in chunks, and store their results."""
 
+import re
 import threading
 import time
 from collections import Counter, deque
@@ -16,6 +17,7 @@ from flangeway.errors import FlangewayError, InputError, MissingLibraryError, un
 from flangeway.system.latest_values import LatestValues
 from flangeway.system.versions import versions
 from flangeway.system.workers import ClusterWorkers, LocalWorkers, Workers, computed, n_processes
+from flangeway.units import joined_text, with_texts
 
 # --- Rows that one worker computes together.
 
@@ -81,7 +83,8 @@ def _row(case: RunnableCase, bodies: Any) -> RowResult:
 
 
 def _failed(reason: Exception, seconds: float) -> RowResult:
-    reported = "; ".join(line.strip() for line in str(reason).splitlines())
+    lines = reason.lines if isinstance(reason, InputError) else str(reason).splitlines()
+    reported = with_texts(joined_text("\n", lines), lambda text: re.sub(r"\s*\n\s*", "; ", text))
     return RowResult("failed", reported if isinstance(reason, FlangewayError) else unforeseen(reason), seconds=seconds)
 
 

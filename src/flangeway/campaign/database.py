@@ -88,6 +88,7 @@ CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE rows ("row" INTEGER PRIMARY KEY, identity TEXT NOT NULL UNIQUE, status TEXT NOT NULL,
                    message TEXT, warnings TEXT);
 CREATE TABLE patches ({patches}, PRIMARY KEY ("row", side, number));
+CREATE TABLE sentences (text TEXT PRIMARY KEY, us TEXT NOT NULL);
 CREATE TABLE timings ("row" INTEGER PRIMARY KEY, seconds REAL NOT NULL, finished TEXT NOT NULL);
 """
 
@@ -184,6 +185,8 @@ class CampaignDatabase:
         )
         if changed.rowcount != 1:
             return False
+        sentences = {text: in_us_units(text) for text in (result.message, *result.warnings)}
+        self._connection.executemany("INSERT OR IGNORE INTO sentences VALUES (?, ?)", sentences.items())
         for patch in result.patches:
             cells = {"row": row.number, **patch}
             self._connection.execute(f"INSERT INTO patches {_of_columns(cells)}", tuple(cells.values()))
@@ -332,6 +335,8 @@ class CampaignTable(Result):
         where there is none.
     patches
         Column by column, one entry a region of contact, numbered on each side from the field to the gauge.
+    us_sentences
+        Messages and warnings in US units by the metric ones.
     """
 
     name: str
@@ -340,6 +345,7 @@ class CampaignTable(Result):
     inputs: dict[str, Any]
     rows: Columns
     patches: Columns
+    us_sentences: dict[str, str]
 
     @property
     def table(self) -> ResultTable:
@@ -400,11 +406,14 @@ def results(database: str | Path) -> CampaignTable:
             wanted = _wanted(_names(connection, "rows"), keys, json.loads(facts["columns"]))
             rows = _columns(connection, "rows", wanted, '"row"')
             patches = _columns(connection, "patches", _names(connection, "patches"), '"row", side, number')
+            # files of earlier versions have none
+            query = "SELECT text, us FROM sentences" if _names(connection, "sentences") else "SELECT '', ''"
+            sentences = dict(connection.execute(query))
         _refuse_broken({name: cells for name, cells in rows.items() if name not in keys})
         _refuse_broken(patches)
     except (sqlite3.Error, KeyError, ValueError) as reason:
         raise unusable(path, reason) from reason
-    return CampaignTable(facts["name"], facts["case"], keys, inputs, rows, patches)
+    return CampaignTable(facts["name"], facts["case"], keys, inputs, rows, patches, sentences)
 
 
 def _wanted(names: list[str], keys: tuple[str, ...], columns: list[str]) -> list[str]:
@@ -447,7 +456,10 @@ def export_writers(table: CampaignTable, kind: str, units: Units = "metric") -> 
     refuse_format(kind)
     tables = {"results": table.rows, "patches": table.patches}
     if kind == "csv":
-        return {f"{name}.csv": _csv_writer(_in_units(columns, units)) for name, columns in tables.items()}
+        return {
+            f"{name}.csv": _csv_writer(_in_units(columns, units, table.us_sentences))
+            for name, columns in tables.items()
+        }
     library = _parquet()
     return {f"{name}.parquet": _parquet_writer(library, columns) for name, columns in tables.items()}
 
@@ -460,10 +472,15 @@ def refuse_format(kind: str) -> None:
         _parquet()
 
 
-def _in_units(columns: Columns, units: Units) -> Mapping[str, Any]:
-    converted = ResultTable(columns).in_units(units).columns
-    sentences = {"message", "warnings"} & columns.keys() if units == "us" else ()
-    return converted | {name: [text and in_us_units(str(text)) for text in columns[name]] for name in sentences}
+def _in_units(columns: Columns, units: Units, us_sentences: Mapping[str, str]) -> Mapping[str, Any]:
+    converted = dict(ResultTable(columns).in_units(units).columns)
+    if units == "us" and "message" in columns:
+        converted["message"] = [us_sentences.get(str(text), text) for text in columns["message"]]
+        converted["warnings"] = [
+            text and json.dumps([us_sentences.get(each, each) for each in json.loads(str(text))], ensure_ascii=False)
+            for text in columns["warnings"]
+        ]
+    return converted
 
 
 def _csv_writer(columns: Mapping[str, Any]) -> Callable[[Path], None]:

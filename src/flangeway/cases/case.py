@@ -21,7 +21,7 @@ from flangeway.errors import InputError, short
 from flangeway.solve import Status
 from flangeway.system.file_content import toml_data
 from flangeway.types import Key
-from flangeway.units import Units, UsUnit, in_us_units, same_quantity, us_key
+from flangeway.units import Message, Units, UsUnit, assigned, in_us_units, joined_text, same_quantity, sentence, us_key
 
 # --- What all cases share: named inputs with ranges, checked before anything is computed.
 
@@ -73,6 +73,11 @@ _IN_US_UNITS: ContextVar[set[str]] = ContextVar("_IN_US_UNITS")
 """Inputs of the case that is being made which were given in US units."""
 
 
+def described_by(text: str) -> str:
+    """Return the description of an input in one line, its numbers in braces, ``{65 mm}``, those of a `sentence`."""
+    return text if isinstance(text, Message) else sentence(" ".join(text.split()))
+
+
 class GivenText(str):
     """A value of the command line or of a CSV table: the input's type decides whether it is a number, true, or text."""
 
@@ -106,9 +111,9 @@ class Table(BaseModel):
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
-        """Join the lines of descriptions."""
+        """Make sentences of the descriptions of inputs."""
         for field in cls.model_fields.values():
-            field.description = field.description and " ".join(field.description.split())
+            field.description = field.description and described_by(field.description)
 
     _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
 
@@ -188,8 +193,9 @@ class Table(BaseModel):
         """
         for name in keys:
             if getattr(self, name) != type(self).model_fields[name].default:
+                given = assigned(f"{within}{name}", getattr(self, name)), assigned(key, getattr(self, key))
                 raise InputError(
-                    f"{within}{name} = {getattr(self, name)} with {key} = {getattr(self, key)}",
+                    joined_text(" with ", given),
                     f"{name} with {key} = {wanted}",
                     f"leave {name} out, or give {key} = {wanted}",
                 )

@@ -14,7 +14,17 @@ from pydantic.fields import FieldInfo
 
 from flangeway.cases.bodies.bodies_run import TwoBodiesCase
 from flangeway.cases.bodies.presets import ContactPatchCase, CookCase, HertzCase
-from flangeway.cases.case import OF_REPORT, RunnableCase, Table, allowed, closest, key_text, merged, table_in
+from flangeway.cases.case import (
+    OF_REPORT,
+    RunnableCase,
+    Table,
+    allowed,
+    closest,
+    described_by,
+    key_text,
+    merged,
+    table_in,
+)
 from flangeway.cases.rolling_patch_case import RollingPatchCase
 from flangeway.cases.section_run import TorsionCase
 from flangeway.cases.spatial_case import CraneWheelCase, CrossedCylindersCase, RollerCase, SpatialCase
@@ -482,8 +492,7 @@ def schema() -> dict[str, Any]:
     choices: list[dict[str, Any]] = []
     definitions: dict[str, Any] = {}
     for name, case in CASES.items():
-        # descriptions of several lines
-        described = json.loads(json.dumps(case.model_json_schema()).replace(r"\n", " "))
+        described = _with_sentences(case.model_json_schema())
         definitions |= described.pop("$defs", {})
         _add_us_keys(described)
         choices.append(
@@ -507,6 +516,18 @@ def schema() -> dict[str, Any]:
         "title": "Case file of flangeway",
         "oneOf": choices,
         "$defs": definitions,
+    }
+
+
+def _with_sentences(described: Any) -> Any:
+    """Return a description of inputs with its texts, also those of several lines, as sentences, see `described_by`."""
+    if isinstance(described, list):
+        return [*map(_with_sentences, described)]
+    if not isinstance(described, dict):
+        return described
+    return {
+        key: described_by(value) if key == "description" and isinstance(value, str) else _with_sentences(value)
+        for key, value in described.items()
     }
 
 

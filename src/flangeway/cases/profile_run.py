@@ -46,6 +46,7 @@ from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.operating_system import number_of_cores
 from flangeway.system.versions import versions
 from flangeway.system.workers import LostWorkerError, computed_here
+from flangeway.units import joined_text, sentence
 
 # --- A profile from a file or by name, checked, measured, joined and converted, as ``flangeway profile`` does it.
 
@@ -149,7 +150,7 @@ def _worn_more_at(run: ProfileRun) -> str | None:
     face, side = only_face(points), worn_side(points)
     if face is not None:
         return f"not seen: only the face of the {face} is measured"
-    return "neither" if side is None else f"{side.name}, by {side.more_mm:.2f} mm ({side.measure})"
+    return "neither" if side is None else sentence("{}, by {:.2f mm} ({})", side.name, side.more_mm, side.measure)
 
 
 MEASURES: Quantities[ProfileRun] = tuple(
@@ -240,7 +241,7 @@ def _as_cases_see_it(profile: MeasuredProfile, name: str) -> tuple[str, ...]:
         body = with_body(profile, name, profile.kind)
         RigidCurve.from_contour(body.running_surface)
     except InputError as reason:
-        return (f"Cases refuse it: {reason.given}; allowed is {reason.allowed}; {reason.advice}.",)
+        return (sentence("Cases refuse it: {}; allowed is {}; {}.", reason.given, reason.allowed, reason.advice),)
     return tuple(notice for notice in body.notices if notice.startswith(("Beyond", "What lies below")))
 
 
@@ -398,7 +399,7 @@ FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("nominal", "nominal", "nominal"),
     *map(_of_run, MEASURES[:4]),
     *(Quantity(key, label, _wear(key), "mm", "z.2f") for words in WEAR.values() for key, label in words.items()),
-    Quantity("conicity", f"conicity at {REFERENCE_AMPLITUDE_MM:g} mm", "conicity", form=".3f"),
+    Quantity("conicity", sentence("conicity at {:g mm}", REFERENCE_AMPLITUDE_MM), "conicity", form=".3f"),
 )
 """What is reported of each profile."""
 
@@ -424,12 +425,12 @@ def run_folder(
         if isinstance(found, FolderProfile):
             profiles.append(found)
         else:
-            refused.append(f"{found.given}; allowed is {found.allowed}")
+            refused.append(sentence("{}; allowed is {}", found.given, found.allowed))
     if not profiles:
         raise InputError(
             f"folder {folder} with {len(files)} files of profiles, none of which can be read",
             f"files with the endings {', '.join(FORMATS)}",
-            f"look at one: {refused[0]}" if refused else "check the name of the folder",
+            "look at one: " + refused[0] if refused else "check the name of the folder",
         )
     profiles.sort(key=lambda row: (-row.worst_mm, row.file))
     return ProfileFolder(tuple(profiles), tuple(sorted(refused)), nominal)
@@ -479,7 +480,7 @@ def _read(file: Path, partner: str | None, named: str | None) -> FolderProfile:
     try:
         return FolderProfile(run, file.name, nominal, wear, _conicity(run, partner))
     except InputError as reason:
-        notice = f"No conicity on {partner}: {reason.given}."
+        notice = sentence("No conicity on {}: {}.", partner, reason.given)
         return FolderProfile(run, file.name, nominal, wear, None, notice)
 
 
@@ -505,5 +506,9 @@ def _conicity(run: ProfileRun, partner: str) -> float:
     conicities = conicities_of(RollingRadiusDifference.of(locus), REFERENCE_AMPLITUDE_MM)
     conicity = (conicities.at_reference() or {}).get("integration", math.nan)
     if math.isnan(conicity):
-        raise InputError("; ".join(conicities.notices), "an amplitude of 3 mm", "look at the profile alone")
+        raise InputError(
+            joined_text("; ", conicities.notices),
+            sentence("an amplitude of {:g mm}", REFERENCE_AMPLITUDE_MM),
+            "look at the profile alone",
+        )
     return conicity

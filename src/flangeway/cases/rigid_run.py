@@ -42,6 +42,7 @@ from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
 from flangeway.types import Floats
+from flangeway.units import assigned, joined_text, sentence
 
 # --- Inputs of ``flangeway geometry``: a rigid wheelset on two rigid rails, its profiles, measures and load.
 
@@ -95,15 +96,15 @@ GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "wheelset": ("S1002 on 60E1 at 1:40, standard gauge, as `flangeway run wheelset`", _main_inputs()),
     "wheelset-tangent": ("136RE and AAR-1B on straight, level track", {}),
     "wheelset-curve": (
-        "136RE and AAR-1B in a curve of 400 m at 70 km/h, superelevation 3 cm",
+        sentence("136RE and AAR-1B in a curve of {400 m} at {70 km/h}, superelevation {3 cm}"),
         {"lateral_force_kN": 28.4, "superelevation_mm": 30.0, "maximum_lateral_mm": 9.9},
     ),
     "s1002-60e1": (
-        "S1002 on 60E1 at 1:40, gauge 1435 mm, back-to-back 1360 mm, rolling radius 460 mm",
+        sentence("S1002 on 60E1 at 1:40, gauge {1435 mm}, back-to-back {1360 mm}, rolling radius {460 mm}"),
         _STANDARD | {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0},
     ),
     "en15302": (
-        "benchmark of EN 15302: R-519-A on S-519-A at 1:20, gauge 1435.16 mm, diameter 920 mm",
+        sentence("benchmark of EN 15302: R-519-A on S-519-A at 1:20, gauge {1435.16 mm}, diameter {920 mm}"),
         _STANDARD
         | {
             "rail": "S-519-A",
@@ -215,7 +216,7 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
     try:
         middle = difference.centred_mm
     except InputError as error:
-        return Conicities(none, none, none, (f"no equivalent conicity: {error.given}",))
+        return Conicities(none, none, none, ("no equivalent conicity: " + error.given,))
     room = min(middle - float(difference.lateral_mm[0]), float(difference.lateral_mm[-1]) - middle)
     maximum = room if maximum_mm is None else min(maximum_mm, room)
     amplitudes = np.arange(round(FIRST_MM / STEP_MM), math.floor(maximum / STEP_MM + 1e-9) + 1.0) * STEP_MM
@@ -224,13 +225,18 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
     notices = []
     reached = float(amplitudes[-1]) if len(amplitudes) else 0.0
     if maximum_mm is not None and reached < math.floor(maximum_mm / STEP_MM + 1e-9) * STEP_MM - 1e-6:
-        notices.append(f"conicity only up to an amplitude of {reached:.1f} mm")
+        notices.append(sentence("conicity only up to an amplitude of {:.1f mm}", reached))
     integration = equivalent_conicity(difference, amplitudes) if len(amplitudes) else none
     pushed = amplitudes[np.isnan(integration)]
     if len(pushed):
         notices.append(
-            f"no equivalent conicity by integration at {len(pushed)} amplitudes from {pushed[0]:.1f} to "
-            f"{pushed[-1]:.1f} mm: the rolling radius difference pushes the wheelset away from the middle"
+            sentence(
+                "no equivalent conicity by integration at {} amplitudes from {:.1f (mm)} to "
+                "{:.1f mm}: the rolling radius difference pushes the wheelset away from the middle",
+                len(pushed),
+                pushed[0],
+                pushed[-1],
+            )
         )
     regression = conicity_by_regression(difference, amplitudes) if len(amplitudes) else none
     return Conicities(amplitudes, integration, regression, tuple(notices))
@@ -325,7 +331,7 @@ POSITION_QUANTITIES: Quantities[RigidPosition] = (
 CONICITY_QUANTITIES: Quantities["GeometryRun | ConicityRun"] = (
     Quantity(
         "conicity_integration",
-        f"equivalent conicity at {REFERENCE_AMPLITUDE_MM:g} mm",
+        sentence("equivalent conicity at {:g mm}", REFERENCE_AMPLITUDE_MM),
         lambda run: (run.conicities.at_reference() or {}).get("integration"),
         form=".4f",
     ),
@@ -397,8 +403,13 @@ def run_geometry(
     locus = whole.part(slice(first, last + 1))
     if min(-locus.lateral_mm[0], locus.lateral_mm[-1]) < wanted - 0.5 * case.step_mm:
         remarks.append(
-            f"the scan of {case.maximum_lateral_mm:g} mm stops at lateral displacements of {locus.lateral_mm[0]:.2f} "
-            f"and {locus.lateral_mm[-1]:.2f} mm: beyond, a flange climbs or a running surface ends"
+            sentence(
+                "the scan of {:g mm} stops at lateral displacements of {:.2f (mm)} "
+                "and {:.2f mm}: beyond, a flange climbs or a running surface ends",
+                case.maximum_lateral_mm,
+                locus.lateral_mm[0],
+                locus.lateral_mm[-1],
+            )
         )
     progress("locating contact jumps")
     jumps = geometry.jumps(float(np.abs(locus.lateral_mm).max())) if case.roll == "free" else ()
@@ -468,5 +479,5 @@ def _title(name: str, case: GeometryCase) -> str:
         return name
     title, changes = GEOMETRY_CASES[name]
     usual = GeometryCase.from_values(changes).model_dump()
-    changed = [f"{key} = {value}" for key, value in case.model_dump(exclude={"units"}).items() if value != usual[key]]
-    return f"{title}; changed: {', '.join(changed)}" if changed else title
+    changed = [assigned(key, value) for key, value in case.model_dump(exclude={"units"}).items() if value != usual[key]]
+    return title + "; changed: " + joined_text(", ", changed) if changed else title

@@ -46,6 +46,7 @@ from flangeway.quantities import Quantities, Quantity, values
 from flangeway.solve import Status
 from flangeway.system.file_content import number_table
 from flangeway.types import Floats, Ints
+from flangeway.units import sentence
 
 # --- Pressures of a contact patch from a CSV file, as ``cells.csv`` of a patch that rolls has them.
 
@@ -92,9 +93,9 @@ def _on_grid(path: Path, name: str, values: Floats) -> tuple[Ints, Floats]:
 
 
 def _uneven(path: Path, name: str, different: Floats) -> InputError:
-    steps = f" in steps from {np.diff(different).min():g} mm" if len(different) > 1 else ""
+    steps = sentence(" in steps from {:g mm}", np.diff(different).min()) if len(different) > 1 else ""
     return InputError(
-        f"{path}: {len(different)} different {name}{steps}",
+        sentence("{}: {} different {}{}", path, len(different), name, steps),
         f"places on a regular grid of 2 to {MAX_CELLS} cells",
         "interpolate them to even cells",
     )

@@ -48,6 +48,7 @@ from flangeway.solve import Status
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
+from flangeway.units import sentence
 
 # --- Numbers of two bodies in contact in three dimensions.
 
@@ -396,7 +397,9 @@ def _crowned(name: str, width: float, height: float, radius: float, *, up: bool)
     half, sign = width / 2.0, 1.0 if up else -1.0
     if radius < 0.51 * width:
         raise InputError(
-            f"a crown radius of {radius:g} mm on a width of {width:g} mm", "more than half the width", "make it larger"
+            sentence("a crown radius of {:g mm} on a width of {:g mm}", radius, width),
+            "more than half the width",
+            "make it larger",
         )
     drop = sign * ((radius**2 - half**2) ** 0.5 - radius)
     ends = [[half * sign, drop], [-half * sign, drop]]
@@ -475,8 +478,8 @@ class RollerCase(SpatialPreset):
         """
         if self.race == "outer" and self.race_radius_mm <= self.roller_radius_mm:
             raise InputError(
-                f"race_radius_mm = {self.race_radius_mm:g} of an outer race",
-                f"more than roller_radius_mm = {self.roller_radius_mm:g}",
+                sentence("{race_radius_mm = :g} of an outer race", self.race_radius_mm),
+                sentence("more than {roller_radius_mm = :g}", self.roller_radius_mm),
                 "make the race larger",
             )
         ring = _flat("race", self.roller_length_mm, self.ring_mm, up=True)

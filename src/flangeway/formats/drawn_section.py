@@ -14,6 +14,7 @@ from flangeway.geometry.contour import JOINT_TOLERANCE, _joined
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Section, nested_regions
 from flangeway.geometry.segments import Segment, segment_of
+from flangeway.units import sentence
 
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
 UNITS = tuple(UNITS_MM)
@@ -36,7 +37,7 @@ class PartMaterial:
     def __post_init__(self) -> None:
         """Check the ranges."""
         if not (is_finite(self.young_MPa) and self.young_MPa > 0.0):
-            raise InputError(f"young_MPa = {short(self.young_MPa)}", "a positive number", "correct it")
+            raise InputError(sentence("{young_MPa = }", short(self.young_MPa)), "a positive number", "correct it")
         if not (is_finite(self.poisson) and -1.0 < self.poisson < 0.5):
             raise InputError(f"poisson = {short(self.poisson)}", "a number above -1 and below 0.5", "correct it")
 

@@ -33,7 +33,7 @@ from flangeway.report.wheelset.wheelset_page import below_fields, results_table,
 from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.system.latest_values import LatestValues
 from flangeway.types import Floats, floats
-from flangeway.units import Units, us_unit
+from flangeway.units import Units, us_unit, with_texts
 
 LATERAL_MM, STEP_MM = 12.0, 0.05
 """Lateral positions of the rigid contact: how far to both sides, and their distance; the page interpolates between."""
@@ -113,7 +113,7 @@ class LiveEngine:
         except InputError as reason:
             if content:
                 del self.files[base]
-            given = reason.given.replace(f"{self.folder}{os.sep}", "")
+            given = with_texts(reason.given, lambda text: text.replace(f"{self.folder}{os.sep}", ""))
             raise InputError(given, reason.allowed, reason.advice) from reason
         surface = measured.surface.sampled(max_deviation=OUTLINE_MM)
         return {
@@ -151,8 +151,8 @@ class LiveEngine:
         result, table = run.space, results_table(run)
         return {
             "converged": result.status.converged,
-            "message": result.status.message,
-            "warnings": list(result.warnings),
+            "message": run.case.as_written(result.status.message),
+            "warnings": [*map(run.case.as_written, result.warnings)],
             "facts": wheelset_facts(run),
             "table": {"header": table.header, "rows": table.rows},
             "patches": _patches(run),

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from flangeway.contact import Contact, ContactState, ContactSystem, Surface
 from flangeway.contact.pairs import Constraints
 from flangeway.post.pressure import MIN_SEGMENTS, PressurePatch, pressure_remark
+from flangeway.units import sentence
 
 SMALL_PENETRATION = 0.05
 """Penetration over the elastic sinking of the surfaces: about the relative error that it makes in the pressure."""
@@ -64,30 +65,45 @@ def check_contact(
     solved = system.solved(state.linearisation, state.forces)
     for number, ((contact, pairs, _, forces), name) in enumerate(zip(solved, names, strict=True)):
         if forces.min(initial=0.0) < -MAX_PULL * np.abs(forces).max(initial=0.0):
-            errors.append(f"{name} pulls with {-forces.min():.3g} N at a node, which contact cannot")
+            errors.append(sentence("{} pulls with {:.3g N} at a node, which contact cannot", name, -forces.min()))
         mine = [patch for patch in patches if patch.contact == number]
         depth = float(-pairs.gaps[forces > 0.0].min(initial=0.0))
         sinking = max((_sinking(contact, patch) for patch in mine), default=np.inf)
         if depth > SMALL_PENETRATION * sinking:
-            sentence = (
-                f"the penetration of {name}, {depth:.1e} mm, is {100.0 * depth / sinking:.0f} % of what the surfaces "
-                f"sink; {stiffer}"
+            too_soft = sentence(
+                "the penetration of {}, {:.1e mm}, is {:.0f} % of what the surfaces sink; {}",
+                name,
+                depth,
+                100.0 * depth / sinking,
+                stiffer,
             )
-            (errors if depth > MAX_PENETRATION * sinking else warnings).append(sentence)
+            (errors if depth > MAX_PENETRATION * sinking else warnings).append(too_soft)
         # a barrier keeps surfaces apart: the mean gap by force, since at the ends of a contact it is the whole reach
         apart = float((forces * np.maximum(pairs.gaps, 0.0)).sum()) / max(float(forces.sum()), 1e-300)
         if apart > SMALL_PENETRATION * sinking:
             warnings.append(
-                f"surfaces of {name} are {apart:.1e} mm apart under pressure, {100.0 * apart / sinking:.0f} % of what "
-                "they sink, and the force is too large by about as much; take a smaller barrier"
+                sentence(
+                    "surfaces of {} are {:.1e mm} apart under pressure, {:.0f} % of what "
+                    "they sink, and the force is too large by about as much; take a smaller barrier",
+                    name,
+                    apart,
+                    100.0 * apart / sinking,
+                )
             )
         facets = _facet_depth(contact, pairs, np.flatnonzero(forces > 0.0))
         if facets > SMALL_PENETRATION * sinking:
             drawn = contact.secondary.curve is not None and contact.primary.curve is not None
             warnings.append(
-                f"straight edges in {name} are up to {facets:.1e} mm off the smooth curves they approximate, "
-                f"{100.0 * facets / sinking:.0f} % of what the surfaces sink, which makes its pressures wrong; "
-                f"{'' if drawn else 'give its surfaces their drawn curves (curved), or '}{finer}"
+                sentence(
+                    "straight edges in {} are up to {:.1e mm} off the smooth curves they approximate, "
+                    "{:.0f} % of what the surfaces sink, which makes its pressures wrong; "
+                    "{}{}",
+                    name,
+                    facets,
+                    100.0 * facets / sinking,
+                    "" if drawn else "give its surfaces their drawn curves (curved), or ",
+                    finer,
+                )
             )
         for patch in mine:
             warnings += roughness(patch.n_segments, patch.oscillation, name, finer)

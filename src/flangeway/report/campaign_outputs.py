@@ -18,7 +18,7 @@ from flangeway.report.page.html_page import input_rows
 from flangeway.report.page.record import Again, Picture, Record, SummaryTable
 from flangeway.system.output_folder import write_together
 from flangeway.system.versions import versions
-from flangeway.units import NUMBER, Units
+from flangeway.units import Units
 
 DATABASE = "campaign.sqlite"
 MAX_REASONS, MAX_WARNINGS = 10, 3  # reasons and lines of the table of results, and warnings
@@ -30,6 +30,8 @@ SHOWN = {
     RATIO: "L/V of both wheels against the varied input",
     FORCES: "Normal, lateral and vertical forces of both wheels against the varied input",
 }
+NUMBER = r"[-+]?\d[\d,.]*(?:e[-+]?\d+)?"
+"""Regular expression of a number in a warning."""
 MAX_NUMBERS = 8
 LARGER_UNITS = {"N": ("kN", 1e-3), "rad": ("mrad", 1e3)}
 """Units in which the page has forces and angles, with their factors."""
@@ -88,7 +90,7 @@ def campaign_record(
         },
         again=Again(command, files=f"A campaign goes on where it stopped; {files}."),
         units=units,
-        warnings=_warnings(failures, warned),
+        warnings=_warnings(failures, warned, table.us_sentences if units == "us" else {}),
         pictures=[Picture(name, draw, f"{SHOWN[name]}.") for name, draw in campaign_figures(table, units).items()],
         tables=[SummaryTable("Further results", ("", "minimum", "median", "maximum"), shown[MAX_REASONS:])]
         if len(ranges) > MAX_REASONS
@@ -106,10 +108,16 @@ def campaign_record(
     )
 
 
-def _warnings(failures: Sequence[tuple[tuple[str, str], Sequence[int]]], warned: Mapping[str, int]) -> list[str]:
-    """Sentences on the most frequent reasons of failures and warnings, and how many others there are."""
+def _warnings(
+    failures: Sequence[tuple[tuple[str, str], Sequence[int]]], warned: Mapping[str, int], other: Mapping[str, str]
+) -> list[str]:
+    """Sentences on the most frequent reasons of failures and warnings, and how many others there are.
+
+    - `other`: sentences in the units of the record by the metric ones, where they are others.
+    """
     found = [
-        f"{len(rows)} {status}: {message}; rows {_numbers(rows)}" for (status, message), rows in failures[:MAX_REASONS]
+        f"{len(rows)} {status}: {other.get(message, message)}; rows {_numbers(rows)}"
+        for (status, message), rows in failures[:MAX_REASONS]
     ]
     if len(failures) > MAX_REASONS:
         found.append(f"{len(failures) - MAX_REASONS} other reasons: column message of results.csv")
@@ -120,7 +128,7 @@ def _warnings(failures: Sequence[tuple[tuple[str, str], Sequence[int]]], warned:
     for kind in kinds[:MAX_WARNINGS]:
         n = sum(each for _, each in kind)
         numbers = ", numbers of the first" * (len(kind) > 1)
-        found.append(f"in {n} row{'s' * (n != 1)}{numbers}: {kind[0][0]}")
+        found.append(f"in {n} row{'s' * (n != 1)}{numbers}: {other.get(kind[0][0], kind[0][0])}")
     if len(kinds) > MAX_WARNINGS:
         found.append(f"{len(kinds) - MAX_WARNINGS} others: column warnings of results.csv")
     return found

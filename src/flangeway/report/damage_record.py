@@ -19,7 +19,7 @@ from flangeway.report.page.record import Again, Picture, Record, SummaryTable, t
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
 from flangeway.system.versions import versions
-from flangeway.units import Units
+from flangeway.units import Units, joined_text, sentence, with_unit
 
 # --- What an evolution of profiles found: profiles over distance, where they wear and crack, and their limits.
 
@@ -35,7 +35,11 @@ PROFILES_TEXT = (
 LOST_TEXT = "where a state has no equilibrium, the mean of the others is taken for its share of the line"
 CONICITY_MM = 3.0
 """Amplitude of the equivalent conicity, as EN 15302 reports it."""
-OVER_DISTANCE = {"conicity": ("conicity at 3 mm", ""), "max_pressure_MPa": ("p0", "MPa"), "t_gamma_N": ("T-gamma", "N")}
+OVER_DISTANCE = {
+    "conicity": ("conicity at 3 mm", ""),
+    "max_pressure_MPa": ("p0", "MPa"),
+    "t_gamma_N": ("T-gamma", "N"),
+}
 
 
 def damage_record(
@@ -49,12 +53,12 @@ def damage_record(
     evolution, last, unit = inputs.evolution, steps[-1], inputs.evolution.unit
     unconverged = [text for step in steps for text in step.unconverged]
     positions = limit_positions(steps, evolution.settings.limits)
-    limits = [f"{name} after {position:.6g} {unit}" for name, position in positions.items()]
-    ended = f"limit {', '.join(limits)}" if limits else "the end"
+    limits = [sentence("{} after {}", name, with_unit(position, unit, ".6g")) for name, position in positions.items()]
+    ended = "limit " + joined_text(", ", limits) if limits else "the end"
     rows = numbers_over_distance(evolution, steps)
     row = rows[-1]
-    facts = [(f"{position:.6g} {unit}", f"to the limit {name}") for name, position in positions.items()]
-    facts = facts or [(f"{last.position:.6g} {unit}", "to the end")]
+    facts = [(measured(position, unit, units, ".6g"), f"to the limit {name}") for name, position in positions.items()]
+    facts = facts or [(measured(last.position, unit, units, ".6g"), "to the end")]
     for role, side in last.surfaces:
         facts.append(
             (
@@ -67,7 +71,7 @@ def damage_record(
         title=f"{inputs.name}: profiles over {unit}",
         subtitle=f"{len(evolution.collective.states)} states, {len(steps) - 1} steps",
         converged=not unconverged,
-        message=f"{ended}; {last.position:.6g} {unit} in {len(steps) - 1} steps",
+        message=sentence("{}; {} in {} steps", ended, with_unit(last.position, unit, ".6g"), len(steps) - 1),
         success="done",
         facts=facts,
         results=table_across(
@@ -126,7 +130,7 @@ def _whose(evolution: Evolution, role: str, side: str) -> str:
 
 def _assumptions(inputs: DamageInputs) -> list[str]:
     evolution, settings = inputs.evolution, inputs.evolution.settings
-    found = [f"Wear of the {role}: {law.name}." for role, law in evolution.laws.items()]
+    found = [sentence("Wear of the {}: {}.", role, law.name) for role, law in evolution.laws.items()]
     if inputs.collective:
         found.insert(
             0,
@@ -136,8 +140,13 @@ def _assumptions(inputs: DamageInputs) -> list[str]:
     found += [
         f"Creep forces by the theory {', '.join(sorted(theories))}; T-gamma and wear depend on it.",
         "Each wheel wears alike around its circumference, each rail alike under all axles.",
-        f"Increments of the depth are filtered by a Gaussian of {settings.filter_mm:g} mm; a step is "
-        f"{settings.max_depth_mm:g} mm deep at most, with an estimated error of {settings.max_error_mm:g} mm at most.",
+        sentence(
+            "Increments of the depth are filtered by a Gaussian of {:g mm}; a step is "
+            "{:g mm} deep at most, with an estimated error of {:g mm} at most.",
+            settings.filter_mm,
+            settings.max_depth_mm,
+            settings.max_error_mm,
+        ),
         "T-gamma damage is that of the Whole Life Rail Model; steel does not yield in the contact.",
     ]
     if "fastsim" in theories:

@@ -254,7 +254,7 @@ def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Re
         units=units,
         notes=[
             *run.notices,
-            *(f"{key.capitalize()}: {summary[key]}" for key in ("certainty", "source") if summary[key]),
+            *(f"{key.capitalize()}: " + summary[key] for key in ("certainty", "source") if summary[key]),
         ],
         pictures=pictures,
     )
@@ -291,7 +291,7 @@ def _notes(runs: Sequence[ProfileRun]) -> list[str]:
         for notice in run.notices:
             by_notice.setdefault(notice, []).append(run.profile.title)
     return [
-        notice if len(titles) == len(runs) else f"{notice} ({', '.join(titles)})"
+        notice if len(titles) == len(runs) else notice + f" ({', '.join(titles)})"
         for notice, titles in by_notice.items()
     ]
 
@@ -317,7 +317,7 @@ def folder_record(folder: ProfileFolder, name: str, command: str, units: Units =
     for row in rows:
         files.setdefault(row.notices, []).append(row.file)
     notices = [
-        ("\n".join(names), in_us_units(" ".join(of_files)) if units == "us" else " ".join(of_files))
+        ("\n".join(names), " ".join(map(in_us_units, of_files) if units == "us" else of_files))
         for of_files, names in files.items()
         if of_files
     ]

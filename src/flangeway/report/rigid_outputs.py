@@ -40,7 +40,7 @@ from flangeway.report.page.record import (
     with_whole,
 )
 from flangeway.types import Floats
-from flangeway.units import Units
+from flangeway.units import Units, in_us_units, sentence
 
 # --- Pictures of the contact geometry: contact locus, rolling radius difference, conicity.
 
@@ -111,7 +111,7 @@ def conicity_figure(run: GeometryRun | ConicityRun, units: Units = "metric") -> 
     """Draw the equivalent conicity over the amplitude by both methods."""
     figure, ((axes,),) = panels(6.4, 4.4, units=units)
     figure.suptitle(f"Equivalent conicity: {run.summary['case']}", fontsize=10)
-    conicity = run.conicities
+    conicity, notices = run.conicities, run.summary["notices"]
     axes.plot(conicity.amplitudes_mm, conicity.integration, color=INK, lw=1.5, label="integration of the motion")
     axes.plot(conicity.amplitudes_mm, conicity.regression, "--", color=GREY, lw=1.2, label="linear regression")
     axes.set_ylim(bottom=0.0)
@@ -119,7 +119,14 @@ def conicity_figure(run: GeometryRun | ConicityRun, units: Units = "metric") -> 
     if len(conicity.amplitudes_mm):
         axes.legend(frameon=False, fontsize=8)
     else:
-        axes.text(0.5, 0.5, "\n".join(run.summary["notices"]), transform=axes.transAxes, ha="center", wrap=True)
+        axes.text(
+            0.5,
+            0.5,
+            "\n".join(map(in_us_units, notices) if units == "us" else notices),
+            transform=axes.transAxes,
+            ha="center",
+            wrap=True,
+        )
     return figure
 
 
@@ -253,7 +260,7 @@ def conicity_record(run: ConicityRun, command: str, units: Units = "metric") -> 
         success="computed",
         message=f"at {len(run.conicities.amplitudes_mm)} amplitudes"
         if summary["equivalent_conicity"]
-        else "without a conicity at 3 mm, see the notes",
+        else sentence("without a conicity at {3 mm}, see the notes"),
         facts=_conicity_facts(run),
         results=table_across("Conicity", ("value",), [run], (middle, *CONICITY_QUANTITIES), units=units),
         pictures=[Picture(CONICITY_PICTURE, lambda: conicity_figure(run, units), f"{CONICITY_SHOWN}.")],

@@ -38,6 +38,7 @@ from flangeway.report.viewer import Scene, ShownPart
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
 from flangeway.types import Floats
+from flangeway.units import sentence
 
 MAPS, SECTION, CURVE = "rolling.png", "tractions.png", "creep-curve.png"
 CELLS, CURVE_TABLE, PATCH_FILE = "cells.csv", "creep-curve.csv", "patch.vtu"
@@ -74,7 +75,7 @@ DIGITS = 6
 def rolling_patch_record(run: RollingPatchRun) -> Record:
     """Return what a run of one patch found."""
     case, state, units = run.case, run.state, run.case.units
-    moves = f"at {case.speed_km_h:g} km/h" if case.rolls else "shifted"
+    moves = sentence("at {:g km/h}", case.speed_km_h) if case.rolls else "shifted"
     across, along = (part.stop - part.start for part in run.contact.box)
     results = rows_of(PATCH, run, units)
     results += rows_of(present(STATE[1:], state), state, units)
@@ -83,7 +84,9 @@ def rolling_patch_record(run: RollingPatchRun) -> Record:
         "The same numbers, for programs, are in `summary.json`; pressures, tractions, slip and states of all cells in "
         f"`{CELLS}` and, for ParaView, in `{PATCH_FILE}`"
         + (f"; the creep curve in `{CURVE_TABLE}`." if run.curve else "."),
-        subtitle=f"{state.theory}, {across} by {along} cells, {moves}, coefficient of friction {case.friction:g}",
+        subtitle=sentence(
+            "{}, {} by {} cells, {}, coefficient of friction {:g}", state.theory, across, along, moves, case.friction
+        ),
         facts=[
             *(fact(quantity, state, units) for quantity in (LONGITUDINAL_FORCE, LATERAL_FORCE, TRACTION)),
             fact(MAX_PRESSURE, run, units),

@@ -23,7 +23,7 @@ from flangeway.report.section_figures import (
     shear_figure,
     warping_figure,
 )
-from flangeway.units import Units
+from flangeway.units import Units, sentence
 
 SUMMARY, FIELDS = "section.json", "section.vtu"
 ASSUMPTIONS = (
@@ -144,8 +144,12 @@ def weights_sentences(summary: Mapping[str, Any]) -> list[str]:
         return []
     weights = summary["weights"]
     return [
-        f"{weights['meaning']} References: E = {weights['reference_young_MPa']:.6g} MPa, "
-        f"G = {weights['reference_shear_modulus_MPa']:.6g} MPa."
+        sentence(
+            "{} References: E = {:.6g MPa}, G = {:.6g MPa}.",
+            weights["meaning"],
+            weights["reference_young_MPa"],
+            weights["reference_shear_modulus_MPa"],
+        )
     ]
 
 

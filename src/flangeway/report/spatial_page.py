@@ -22,6 +22,7 @@ from flangeway.report.patch_maps import PatchMap, at_corners, draw_depths, maps_
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.system.output_folder import Writer
 from flangeway.types import Ints
+from flangeway.units import sentence
 
 
 def patch_figure(run: SpatialRun) -> Figure:
@@ -141,9 +142,10 @@ def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
     fields = [ShownField(name, named(name)[0], "MPa", "Stresses", name, "value") for name in corners[0].by_name]
     patch = run.contact.patches[0]
     view = View("patch", (float(patch.centre[0]), float(patch.centre[1])), NEAR * patch.semi_axes[0])
-    note = (
-        f"Stresses in the plane z = {run.sections[0].z:z.3f} mm, of the centre of the first patch, in the axes of the "
-        "picture, tension positive, as in the VTU files of the sections."
+    note = sentence(
+        "Stresses in the plane z = {:z.3f mm}, of the centre of the first patch, in the axes of the "
+        "picture, tension positive, as in the VTU files of the sections.",
+        run.sections[0].z,
     )
     return Scene(parts, fields, [view], notes=(note,))
 

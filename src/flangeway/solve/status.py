@@ -89,7 +89,7 @@ class Status:
             return replace(self, digits=digits)
         count = "less than two digits are" if digits < MIN_DIGITS else f"about {digits:.0f} digits are"
         cause = "the body is slender, or its cells or moduli are of very different sizes"
-        message = f"{self.message}; {count} left by round-off: {cause}"
+        message = self.message + f"; {count} left by round-off: {cause}"
         return replace(self, converged=self.converged and digits >= MIN_DIGITS, message=message, digits=digits)
 
 

@@ -25,6 +25,7 @@ from flangeway.tables import creep_sampling
 from flangeway.tables.creep_sampling import SampledPatch, random_points, refined
 from flangeway.tables.creep_table import FORMAT, OF_PATCH
 from flangeway.types import Floats
+from flangeway.units import sentence
 
 FRICTION = 0.3
 """For which forces are computed; over the limit of friction they are functions of creepages over it."""
@@ -111,7 +112,7 @@ def _computed(task: PositionTask) -> Arrays:
 def _refused(task: PositionTask, status: Status) -> InputError:
     lateral, yaw, load = task.position
     return InputError(
-        f"lateral_mm = {lateral:g}, yaw_mrad = {yaw:g}, load_kN = {load:g}: {status.message}",
+        sentence("{lateral_mm = :g}, yaw_mrad = {:g}, {load_kN = :g}: {}", lateral, yaw, load, status.message),
         "positions at which both wheels are in contact",
         "give a smaller range",
     )

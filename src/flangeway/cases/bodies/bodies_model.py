@@ -64,6 +64,7 @@ from flangeway.solve.body_loads import BodyLoad
 from flangeway.solve.free_motions import refuse_floating
 from flangeway.space import Space
 from flangeway.types import Floats
+from flangeway.units import assigned
 
 _Row = TypeVar("_Row", SupportTable, LoadTable, SpringTable)
 
@@ -229,7 +230,7 @@ class _Builder:
         for component, value in (("x", table.x_mm), ("y", table.y_mm)):
             if value and component not in table.hold:
                 raise InputError(
-                    f"{key}.{component}_mm = {value:g} with hold = {table.hold!r}",
+                    assigned(f"{key}.{component}_mm", value, "g") + f" with hold = {table.hold!r}",
                     "displacements of held components",
                     f'set hold = "xy" or "{component}", or leave {component}_mm out',
                 )
@@ -391,7 +392,7 @@ class _Builder:
             moves = table.rotation_deg or table.shift_mm != (0.0, 0.0)
             if push is not None or table.leg > 1 or moves or table.push_N == (0.0, 0.0):
                 raise InputError(
-                    f"{key}.push_N = {list(table.push_N)}",
+                    assigned(f"{key}.push_N", list(table.push_N)),
                     "one push in a case, in leg 1, of a force that is not zero, without shift and rotation",
                     "press one body by a force and fix or shift the others",
                 )

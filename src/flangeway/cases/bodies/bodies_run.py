@@ -35,6 +35,7 @@ from flangeway.problems import ElasticField
 from flangeway.quantities import Quantities, Quantity, values
 from flangeway.solve import ElasticitySolution, Status, StepSettings, solve_elasticity
 from flangeway.types import Floats
+from flangeway.units import sentence
 
 # --- What came out of a case of bodies that are pressed, pulled and held: one kind of result for all of them.
 
@@ -481,8 +482,13 @@ def _alone(body: BodyModel, progress: Progress) -> ElasticitySolution:
 def _overlaps(contact: ContactSolution, tables: Sequence[ContactTable]) -> list[str]:
     """Warnings about overlaps before any motion that are not intended."""
     return [
-        f"{pair.secondary.part.name} on {pair.primary.part.name}: the surfaces overlapped by {depth:.3g} mm before any "
-        "motion; the overlap is removed as an interference fit, which interference = true calls intended."
+        sentence(
+            "{} on {}: the surfaces overlapped by {:.3g mm} before any "
+            "motion; the overlap is removed as an interference fit, which interference = true calls intended.",
+            pair.secondary.part.name,
+            pair.primary.part.name,
+            depth,
+        )
         for pair, depth, table in zip(contact.system.contacts, contact.initial_penetration, tables, strict=True)
         if depth > ROUND_OFF * contact.system.parts[0].body.elasticity.size and not table.interference
     ]

@@ -43,6 +43,7 @@ from flangeway.railway.wheelset.wheelset_model import build_model
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_condensed, solve_wheelset
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
+from flangeway.units import sentence
 
 # --- What a run of a wheelset found, in three dimensions or in the plane: results, ``summary.json``, rows of campaigns.
 
@@ -195,7 +196,7 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     rail_poisson: PoissonRatio | None = None
     """Poisson's ratio of the rails (default: poisson)"""
     yield_MPa: Positive | None = None
-    """yield strength, for a warning (default: 510 MPa, rail steel)"""
+    """yield strength, for a warning (default: {510 MPa}, rail steel)"""
     method: Method = Discretisation.method
     """fem is triangles, vem is polygons with virtual elements"""
     order: ElementOrder = Discretisation.order
@@ -271,13 +272,18 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
             materials = {"steel": problem.material}
         return [
             "Plane strain: the bodies do not stretch in the direction of the track.",
-            SLICE.format(self.thickness_mm),
-            f"Thickness {self.thickness_mm:g} mm: this length of wheel and rail carries the whole load.",
+            sentence(SLICE, self.thickness_mm),
+            sentence("Thickness {:g mm}: this length of wheel and rail carries the whole load.", self.thickness_mm),
             *self.derived(),
             *profile_notes(track, wheelset),
             *(
-                f"Linear elastic, isotropic {name}: Young's modulus {material.young:g} MPa, Poisson's ratio "
-                f"{material.poisson:g}; plasticity is not modelled."
+                sentence(
+                    "Linear elastic, isotropic {}: Young's modulus {:g MPa}, Poisson's ratio "
+                    "{:g}; plasticity is not modelled.",
+                    name,
+                    material.young,
+                    material.poisson,
+                )
                 for name, material in materials.items()
             ),
             "Contact without friction.",
@@ -335,7 +341,7 @@ class WheelsetCurveCase(WheelsetCase):
     title = "A wheelset in a curve, pressed against the outer rail"
 
     lateral_force_kN: float = 28.4
-    """horizontal force at the centre of gravity, to the right: centrifugal force of 400 m at 70 km/h"""
+    """horizontal force at the centre of gravity, to the right: centrifugal force of {400 m} at {70 km/h}"""
     superelevation_mm: float | Literal["from-speed"] = 30.0
     """height of the right rail over the left one (default: that of the outer rail); from-speed: equilibrium
     superelevation of speed and radius"""

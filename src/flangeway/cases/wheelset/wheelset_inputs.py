@@ -52,6 +52,7 @@ from flangeway.railway.track.wheelset_load import (
 )
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.system.file_content import is_file
+from flangeway.units import sentence, with_texts
 
 # --- Rails and wheels of cases by the names that users give: bundled ones, or files of profiles.
 
@@ -147,16 +148,20 @@ def with_body(
         if others:
             advice = f"is it the profile of another {kind}? Give {kind}_body = {' or '.join(others)}"
         given, allowed = (_as_keys(text, key) for text in (reason.given, reason.allowed))
-        raise InputError(f"{key} = {name}: {given}", allowed, advice) from reason
+        raise InputError(f"{key} = {name}: " + given, allowed, advice) from reason
 
 
 def _as_keys(text: str, key: str) -> str:
     """Return a text that names options of ``flangeway profile`` with the keys that do the same in a case."""
-    text = re.sub(r"--unit (mm|cm|m|in|ft)\b", rf"{key}_unit = \1", text)
-    text = text.replace("--no-mirror", f"{key}_mirror = false")
-    for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
-        text = re.sub(rf"--{option}\b", f"{key}_{name}", text)
-    return re.sub(r"--position( in \w+)?", position_key(key), text)
+
+    def changed(part: str) -> str:
+        part = re.sub(r"--unit (mm|cm|m|in|ft)\b", rf"{key}_unit = \1", part)
+        part = part.replace("--no-mirror", f"{key}_mirror = false")
+        for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
+            part = re.sub(rf"--{option}\b", f"{key}_{name}", part)
+        return re.sub(r"--position( in \w+)?", position_key(key), part)
+
+    return with_texts(text, changed)
 
 
 def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProfile:
@@ -172,7 +177,7 @@ def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProf
         given, allowed, advice = (_as_keys(text, key) for text in (reason.given, reason.allowed, reason.advice))
         if "--" in f"{allowed} {advice}":
             advice += f": options of `flangeway profile {name}`, whose --to writes a file for {kind}"
-        raise InputError(f"{key} = {given}", allowed, advice) from reason
+        raise InputError(f"{key} = " + given, allowed, advice) from reason
     return replace(measured, notices=tuple(_as_keys(notice, key) for notice in measured.notices))
 
 
@@ -220,8 +225,8 @@ def profile_notes(track: Track, wheelset: Wheelset) -> list[str]:
     profiles: list[tuple[str, RailProfile | WheelProfile]] = [*wheels, *rails]
     notices = [(notice, profile.title) for _, profile in profiles for notice in profile.notices]
     return [
-        *(f"{word} {profile.title}. {profile.certainty}" for word, profile in profiles),
-        *(f"{notice} ({title})" for notice, title in notices if not notice.startswith((MIRRORED, FIELD_WORN))),
+        *(sentence("{} {}. {}", word, profile.title, profile.certainty) for word, profile in profiles),
+        *(notice + f" ({title})" for notice, title in notices if not notice.startswith((MIRRORED, FIELD_WORN))),
     ]
 
 
@@ -341,7 +346,7 @@ class WheelsetInputs(Case):
     cant_deficiency_mm: NotNegative = 0.0
     """equilibrium superelevation less the superelevation from-speed"""
     superelevation_base_mm: Positive | None = None
-    """width over which superelevation is measured, 1500 mm between the running circles on standard gauge (default:
+    """width over which superelevation is measured, {1500 mm} between the running circles on standard gauge (default:
     the gauge)"""
     thickness_mm: Positive = WheelsetProblem.thickness_mm
     """length of the bodies along the track"""
@@ -434,15 +439,25 @@ class WheelsetInputs(Case):
         if self.back_to_back_mm is None:
             usual = usual_gauge(self.gauge_mm)
             sentences.append(
-                f"Back to back {usual.back_to_back_mm:g} mm, from the gauge of {self.gauge_mm:g} mm: {usual.source}."
+                sentence(
+                    "Back to back {:g mm}, from the gauge of {:g mm}: {}.",
+                    usual.back_to_back_mm,
+                    self.gauge_mm,
+                    usual.source,
+                )
             )
         base = self._superelevation_base
         height = self._superelevation(base)
         if height:
             which = self._base_words if self.superelevation_base_mm is None else "superelevation_base_mm"
             sentences.append(
-                f"Superelevation {height:.4g} mm over a base of {base:g} mm: {which}, tilt of the track "
-                f"{superelevation_angle(height, base):.5f} rad."
+                sentence(
+                    "Superelevation {:.4g mm} over a base of {:g mm}: {}, tilt of the track {:.5f} rad.",
+                    height,
+                    base,
+                    which,
+                    superelevation_angle(height, base),
+                )
             )
         return sentences
 
@@ -451,7 +466,11 @@ class WheelsetInputs(Case):
         given = self.superelevation_mm
         if self.curve_radius_m is None or given == "from-speed" or given >= 0.0:
             return []
-        return [f"superelevation_mm = {given:g}: adverse cant, the inner rail of the curve is {-given:g} mm higher"]
+        return [
+            sentence(
+                "{superelevation_mm = :g}: adverse cant, the inner rail of the curve is {:g mm} higher", given, -given
+            )
+        ]
 
     @property
     def _rolls(self) -> bool:
@@ -471,7 +490,7 @@ class WheelsetInputs(Case):
         if self.superelevation_mm != "from-speed":
             if self.cant_deficiency_mm:
                 raise InputError(
-                    f"cant_deficiency_mm with superelevation_mm = {float(self.superelevation_mm):g}",
+                    sentence("cant_deficiency_mm with {superelevation_mm = :g}", float(self.superelevation_mm)),
                     "superelevation_mm = from-speed, from which it is taken off",
                     "give from-speed, or leave cant_deficiency_mm out: the given one includes it",
                 )
@@ -482,19 +501,19 @@ class WheelsetInputs(Case):
                 "superelevation_mm = from-speed without speed_km_h and curve_radius_m", "both", "give them or a height"
             )
         at_equilibrium = balanced_superelevation_mm(self.speed_km_h, self.curve_radius_m, base)
-        where = f"{self.speed_km_h:g} km/h and {abs(self.curve_radius_m):g} m"
-        what = f"{abs(at_equilibrium):.4g} mm of equilibrium superelevation at {where}"
+        where = sentence("{:g km/h} and {:g m}", self.speed_km_h, abs(self.curve_radius_m))
+        what = sentence("{:.4g mm} of equilibrium superelevation at {}", abs(at_equilibrium), where)
         height = abs(at_equilibrium) - self.cant_deficiency_mm
         if height < 0.0:
             raise InputError(
-                f"cant_deficiency_mm = {self.cant_deficiency_mm:g}",
-                f"at most the {what}",
+                sentence("{cant_deficiency_mm = :g}", self.cant_deficiency_mm),
+                "at most the " + what,
                 "lower it, or raise the speed",
             )
         if height > MAX_SLOPE * base:
             raise InputError(
-                f"superelevation_mm = from-speed: the {what}",
-                f"at most {MAX_SLOPE * base:g} mm, a fifth of superelevation_base_mm",
+                "superelevation_mm = from-speed: the " + what,
+                sentence("at most {:g mm}, a fifth of superelevation_base_mm", MAX_SLOPE * base),
                 "give the actual superelevation, or cant_deficiency_mm",
             )
         return math.copysign(height, at_equilibrium)

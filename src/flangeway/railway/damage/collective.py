@@ -12,6 +12,7 @@ from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.running_surfaces import SpatialModel
+from flangeway.units import sentence
 
 SHARES_TOLERANCE = 1e-6
 """Difference of the sum of the shares from 1 that is rounding."""
@@ -224,7 +225,7 @@ def _curves(
 ) -> dict[str, Any]:
     """Curves between two radii."""
     return {
-        "name": f"curves of {radii_m[0]:g} to {radii_m[1]:g} m",
+        "name": sentence("curves of {:g (m)} to {:g m}", *radii_m),
         "share": share,
         "parts": parts,
         RADIUS: radii_m,

@@ -25,6 +25,7 @@ from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWhe
 from flangeway.system.disk_cache import Cache
 from flangeway.system.versions import versions
 from flangeway.types import Floats
+from flangeway.units import sentence, with_unit
 
 MM_PER_KM = 1e6
 MAX_COMPLIANCE_WEAR_MM = 1.0
@@ -119,7 +120,7 @@ class EvolutionStep:
     @property
     def unconverged(self) -> tuple[str, ...]:
         """Names of the states without equilibrium."""
-        return tuple(f"{each.name}: {each.message}" for each in self.states if each.message)
+        return tuple(f"{each.name}: " + each.message for each in self.states if each.message)
 
     @property
     def row(self) -> dict[str, float]:
@@ -186,7 +187,7 @@ class Evolution:
         if len(self.laws) == 2 and self.settings.axles_per_km is None:
             raise InputError(
                 "wear of wheels and rails without axles_per_km",
-                "axles that pass a point of the rails while a wheel runs 1 km",
+                sentence("axles that pass a point of the rails while a wheel runs {1 km}"),
                 "give axles_per_km, or let one of them wear",
             )
         for name in self.settings.limits:
@@ -274,7 +275,7 @@ class Evolution:
             error = max(0.5 * way * float(np.abs(there.rates[key] - last.rates[key]).max()) for key in last.rates)
             if error <= settings.max_error_mm:
                 break
-            progress(f"an error of {error:.2g} mm is estimated: a shorter step")
+            progress(sentence("an error of {:.2g mm} is estimated: a shorter step", error))
             way *= self._stretch(error)
         half = 0.5 * way
         surfaces = {
@@ -345,7 +346,12 @@ class Evolution:
                     damage_rates[key] += unit * wear.damage * surface.deposited(wear.ends, widths * passes)
         if not solved:
             raise InputError(
-                f"no state in equilibrium at {position:.4g} {self.unit}, {states[0].name}: {states[0].message}",
+                sentence(
+                    "no state in equilibrium at {}, {}: {}",
+                    with_unit(position, self.unit, ".4g"),
+                    states[0].name,
+                    states[0].message,
+                ),
                 "states that converge",
                 "run the states as cases of their own",
             )

@@ -27,6 +27,7 @@ import numpy as np
 from flangeway.checks import as_numbers, check_between, check_finite, check_kind, check_positive, refused
 from flangeway.errors import InputError
 from flangeway.types import Floats
+from flangeway.units import sentence, with_unit
 
 DENSITY_ug_per_mm3 = 7800.0
 """Density of steel, 7800 kg/m3."""
@@ -100,8 +101,14 @@ class CellLoads:
             and min(self.pressures.min(initial=0.0), speed) >= 0.0
         ):
             raise InputError(
-                f"CellLoads with pressures {shape}, tractions {self.tractions.shape}, slips {self.slips.shape}, "
-                f"dissipation {of_cells}, at {speed:g} m/s",
+                sentence(
+                    "CellLoads with pressures {}, tractions {}, slips {}, dissipation {}, at {:g m/s}",
+                    shape,
+                    self.tractions.shape,
+                    self.slips.shape,
+                    of_cells,
+                    speed,
+                ),
                 "finite numbers of shapes (...), (..., 2), (..., 2) and (...), pressures and speed >= 0",
                 "give the loads of the same cells",
             )
@@ -267,7 +274,7 @@ class EnergyLaw:
     @property
     def name(self) -> str:
         """See `WearLaw`."""
-        return f"energy, {self.constant:g} {self.unit}"
+        return "energy, " + with_unit(self.constant, self.unit)
 
     def rates(self, cells: CellLoads) -> Floats:
         """See `WearLaw`."""

@@ -22,6 +22,7 @@ from flangeway.railway.profiles.formats.segment_files import write_segment_csv
 from flangeway.railway.profiles.measures import crossings
 from flangeway.railway.profiles.smoothing import biarcs
 from flangeway.types import Floats
+from flangeway.units import sentence
 
 SPACING_MM = 0.25
 """Length of the pieces: contact cells are 0.2 to 0.6 mm wide."""
@@ -79,7 +80,11 @@ class WornSurface:
         if depth.shape != (len(self.bounds) - 1,) or not (np.isfinite(depth) & (depth >= 0.0)).all():
             raise InputError(
                 f"{depth.size} depths of {self.new.title}, or some not >= 0",
-                f"{len(self.bounds) - 1} finite depths >= 0 in mm, one for each {self.spacing_mm:g} mm of the surface",
+                sentence(
+                    "{} finite depths >= 0 in mm, one for each {:g mm} of the surface",
+                    len(self.bounds) - 1,
+                    self.spacing_mm,
+                ),
                 "give the depth on all pieces",
             )
         depth.setflags(write=False)
@@ -252,7 +257,7 @@ class WornSurface:
         try:
             return Contour.named(chain)
         except InputError as reason:
-            raise self._too_deep(f"its surface then meets itself: {reason.given}") from reason
+            raise self._too_deep("its surface then meets itself: " + reason.given) from reason
 
     def _refuse_too_deep(self) -> None:
         if self.depth[[0, -1]].any():
@@ -265,7 +270,7 @@ class WornSurface:
 
     def _too_deep(self, why: str) -> InputError:
         return InputError(
-            f"wear of {self.depth.max():.3g} mm on {self.new.title}: {why}",
+            sentence("wear of {:.3g mm} on {}: {}", self.depth.max(), self.new.title, why),
             "wear inside of the profile and its body",
             "give a profile whose measured surface reaches farther, or end at a smaller depth",
         )

@@ -21,6 +21,7 @@ from flangeway.railway.profiles.wheel_contours import (
     s1002_contour,
 )
 from flangeway.system.file_content import packaged_text
+from flangeway.units import sentence
 
 _RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
     "136RE": {10.0: "136RE_R10_A_arcs.csv", 8.0: "136RE_R8_A_arcs.csv", 14.0: "136RE_R14_arcs.csv"},
@@ -283,8 +284,10 @@ def _s1002() -> WheelProfile:
         s1002_contour(),
         title="S1002",
         certainty=(
-            "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.001 micrometres, to "
-            "0.05 in the section. The profile ends 60 mm outside the tape line; the chamfer is omitted."
+            sentence(
+                "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.001 micrometres, "
+                "to 0.05 in the section. The profile ends {60 mm} outside the tape line; the chamfer is omitted."
+            )
         ),
         source="EN 13715, S1002: formulas and coefficients as in public programs, the same in six of them.",
     )
@@ -296,8 +299,11 @@ def _heavy_haul() -> WheelProfile:
         heavy_haul_contour(),
         title="heavy-haul wheel of nine arcs",
         certainty=(
-            "The arcs are exact. The source does not say where the tape line is: it is taken "
-            f"{HEAVY_HAUL_TAPE_MM:g} mm from the flange's back."
+            sentence(
+                "The arcs are exact. The source does not say where the tape line is: it is taken "
+                "{:g mm} from the flange's back.",
+                HEAVY_HAUL_TAPE_MM,
+            )
         ),
         source="Tutorial 12 of the program GIRAFFE (BSD licence): a Brazilian heavy-haul wheel.",
     )

@@ -38,6 +38,7 @@ from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM
 from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin
 from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, extent, graphs_of
 from flangeway.railway.profiles.whole_outline import pieces_between, point_at
+from flangeway.units import sentence
 
 MIN_BLEND_MM = 1.0
 MAX_BLEND_MM = 12.0
@@ -147,12 +148,16 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     running = _running(outline, nominal.running_names)
     notices = (*measured.notices, *clipped_notices(outline.part(running), measured, shift))
     if offset:
-        notices = (*notices, f"The head is moved sideways by {offset:.2f} mm: its field side lies on the nominal one.")
+        notices = (
+            *notices,
+            sentence("The head is moved sideways by {:.2f mm}: its field side lies on the nominal one.", offset),
+        )
     _refuse_short(surface, kind)
     title = f"{measured.title} (body of {nominal.title})"
-    certainty = (
-        f"Running surface as measured, joined by straight transitions to the nominal {nominal.title}."
-        f"{_tape_text(measured)}"
+    certainty = sentence(
+        "Running surface as measured, joined by straight transitions to the nominal {}.{}",
+        nominal.title,
+        _tape_text(measured),
     )
     source = f"File: {measured.format}. Body: {nominal.source}"
     notices += (
@@ -375,7 +380,7 @@ def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     names = [*[MEASURED] * len(surface.segments), *around]
     outline = Outline.closed(surface.segments, [(end[0], level), (start[0], level)], names)
     title, source = f"{measured.title} on a plain body", f"File: {measured.format}."
-    certainty = f"Running surface as measured, on a block of steel with upright faces.{_tape_text(measured)}"
+    certainty = "Running surface as measured, on a block of steel with upright faces." + _tape_text(measured)
     notices = (*measured.notices, *clipped_notices(surface, measured))
     shift = (-0.5 * (start[0] + end[0]), -level) if is_rail else (0.0, 0.0)
     placed = outline.transformed(Placement(translation=shift))
@@ -387,7 +392,7 @@ def _tape_text(measured: MeasuredProfile) -> str:
     taken = measured.orientation
     if taken.tape_mm is None:
         return ""
-    return f" Its tape line is {taken.tape_mm:g} mm from the flange's back ({taken.how['tape line']})."
+    return sentence(" Its tape line is {:g mm} from the flange's back ({}).", taken.tape_mm, taken.how["tape line"])
 
 
 def _unmeasured_tip(surface: Contour, outline: Outline, nominal: WheelProfile) -> tuple[str, ...]:
@@ -395,8 +400,12 @@ def _unmeasured_tip(surface: Contour, outline: Outline, nominal: WheelProfile) -
     if surface.bottom <= -tip + TIP_OFF_MM:
         return ()
     return (
-        f"The flange's tip is not measured: the nominal {nominal.title} has it {tip:.2f} mm below the tape line, from "
-        "where a radius at the flange tip counts.",
+        sentence(
+            "The flange's tip is not measured: the nominal {} has it {:.2f mm} below the tape line, from "
+            "where a radius at the flange tip counts.",
+            nominal.title,
+            tip,
+        ),
     )
 
 
@@ -405,8 +414,8 @@ def _refuse_short(surface: Contour, kind: Kind, middle: float = 0.0) -> None:
     first, last = REACHES_MM[kind]
     if low > first or high < last:
         raise InputError(
-            f"a measured surface from x = {low:.4g} to {high:.4g} mm, too short for the contact",
-            f"at least from {first:g} to {last:g} mm, counted from the "
+            sentence("a measured surface from x = {:.4g (mm)} to {:.4g mm}, too short for the contact", low, high),
+            sentence("at least from {:g (mm)} to {:g mm}, counted from the ", first, last)
             + ("middle of the head" if kind == "rail" else "tape line"),
             "measure the whole running surface, or check --origin and --tape",
         )
@@ -417,8 +426,8 @@ def _refuse_height(surface: Contour, nominal: RailProfile) -> None:
     low, high = HEIGHTS_MM
     if not low <= height <= high:
         raise InputError(
-            f"a measured head whose top is {height:.3g} mm above that of the nominal {nominal.title}",
-            f"{low:g} to {high:g} mm",
+            sentence("a measured head whose top is {:.3g mm} above that of the nominal {}", height, nominal.title),
+            sentence("{:g (mm)} to {:g mm}", low, high),
             "check --origin and the name after --join",
         )
 
@@ -440,9 +449,14 @@ def _joints(
         limit = MAX_WEAR_MM if is_rail and i == 1 and end[0] > foot[0] else limits[i]
         if gap > limit:
             raise InputError(
-                f"the end of the measured surface at the {words[i]}, {where(end)}, {gap:.3g} mm from the nominal "
-                f"{nominal.title}",
-                f"up to {limit:g} mm",
+                sentence(
+                    "the end of the measured surface at the {}, {}, {:.3g mm} from the nominal {}",
+                    words[i],
+                    where(end),
+                    gap,
+                    nominal.title,
+                ),
+                sentence("up to {:g mm}", limit),
                 "check --origin, --mirror and the name after --join"
                 + ("" if is_rail else ", and the tape line: --tape"),
             )
@@ -469,7 +483,7 @@ def _closed(
         outline = Outline.named(chain)
     except InputError as reason:
         raise InputError(
-            f"the measured surface on the nominal {nominal.title}: {reason.given}",
+            sentence("the measured surface on the nominal {}: {}", nominal.title, reason.given),
             "a surface that fits the body",
             "check --origin, --mirror and the name after --join",
         ) from reason

@@ -9,6 +9,7 @@ from flangeway.geometry import Contour, FloatArray
 from flangeway.geometry.arrays import angles_of, norms
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
+from flangeway.units import sentence
 
 FACE_MM = 10.0  # distance from the tread, towards the flange's tip, at which the flange is measured (EN 15313)
 TIP_MM = 2.0  # distance below the flange's tip of the upper point of the measure qR (EN 15313)
@@ -133,9 +134,13 @@ def worn_side(points: FloatArray) -> WornSide | None:
     width = measures["field_half_width_mm"] - measures["gauge_half_width_mm"]
     # a worn face moves the middle away from itself, so that the other side seems to drop more
     if abs(width) >= min(WORN_FACE_MM, abs(drop)):
-        more, measure, clear = width, f"half width {GAUGE_DEPTH_MM:g} mm below the top", abs(width) >= WORN_FACE_MM
+        more, measure, clear = (
+            width,
+            sentence("half width {:g mm} below the top", GAUGE_DEPTH_MM),
+            abs(width) >= WORN_FACE_MM,
+        )
     else:
-        more, measure, clear = drop, f"drop {SIDE_MM:g} mm from the middle", abs(drop) >= LEFT_MM
+        more, measure, clear = drop, sentence("drop {:g mm} from the middle", SIDE_MM), abs(drop) >= LEFT_MM
     name = "gauge side" if more > 0.0 else "field side"
     return None if abs(more) < WORN_MM else WornSide(name, abs(more), measure, clear)
 
@@ -159,7 +164,7 @@ def left_hand(points: FloatArray) -> str | None:
     side = worn_side(points)
     if side is None or side.name == "gauge side" or not side.clear:
         return None
-    return f"its field side is worn more, by {side.more_mm:.2f} mm ({side.measure})"
+    return sentence("its field side is worn more, by {:.2f mm} ({})", side.more_mm, side.measure)
 
 
 def seen_back_mm(surface: Contour) -> float | None:

@@ -17,6 +17,7 @@ from flangeway.railway.profiles.formats.miniprof import TAPE_MM
 from flangeway.railway.profiles.formats.raw_profile import KINDS, RAIL_ORIGINS, WHEEL_ORIGINS, Kind, Origin, RawProfile
 from flangeway.railway.profiles.measures import crossings
 from flangeway.railway.profiles.smoothing import MIN_POINTS
+from flangeway.units import sentence
 
 TREAD_OFF_MM = 0.05  # height of the tread at the tape line above which a wheel is moved to have it at zero
 
@@ -279,7 +280,12 @@ def _origin(raw: RawProfile, kind: Kind, placed: FloatArray, origin: str | None,
     top, x = float(placed[:, 1].max()), placed[:, 0]
     if min(abs(x.min()), abs(x.max())) > _FAR_MM and x.min() * x.max() > 0.0:
         raise InputError(
-            f"lateral coordinates from {x.min():g} to {x.max():g} mm, far from where a {kind} has its origin",
+            sentence(
+                "lateral coordinates from {:g (mm)} to {:g mm}, far from where a {} has its origin",
+                x.min(),
+                x.max(),
+                kind,
+            ),
             f"(0, 0) at one of: {', '.join(allowed)}",
             f"--origin X,Y gives the position of the {'top' if kind == 'rail' else 'tread at the tape line'} in the "
             "file, in its unit; --to FILE writes the profile with its own origin, for cases",
@@ -298,7 +304,11 @@ def _tape(raw: RawProfile, tape_mm: float | None, from_back: bool, how: dict[str
     if value is None:
         return TAPE_MM if from_back else None
     if not 40.0 <= value <= 110.0:
-        raise InputError(f"a tape line {value:g} mm from the flange's back", "40 to 110 mm", "70 mm is usual")
+        raise InputError(
+            sentence("a tape line {:g mm} from the flange's back", value),
+            sentence("{40 (mm)} to {110 mm}"),
+            sentence("{70 mm} is usual"),
+        )
     return value
 
 
@@ -323,7 +333,7 @@ def _on_tread(placed: FloatArray, shift: tuple[float, float], notices: list[str]
     height = min(heights.tolist(), key=abs)
     if abs(height) <= TREAD_OFF_MM:
         return shift
-    notices.append(f"The tread was at a height of {height:.3f} mm at the tape line; it is moved to zero.")
+    notices.append(sentence("The tread was at a height of {:.3f mm} at the tape line; it is moved to zero.", height))
     return shift[0], shift[1] - height
 
 

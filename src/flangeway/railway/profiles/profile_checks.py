@@ -9,6 +9,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
 from flangeway.geometry.arrays import cross_product, norms, step_lengths
 from flangeway.railway.profiles.smoothing import MIN_POINTS, noise_um, refuse_few
+from flangeway.units import sentence
 
 SAME_MM = 0.01  # neighbours nearer than this are one point given twice
 MERGED_NOISES = 8.0
@@ -70,8 +71,8 @@ def refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
             f"is its unit {guess}? Then give --unit {guess}" if fits else "check the unit, --unit mm if it is right"
         )
         raise InputError(
-            f"a profile of {path:.4g} mm along its curve",
-            f"{low:g} to {high:g} mm",
+            sentence("a profile of {:.4g mm} along its curve", path),
+            sentence("{:g (mm)} to {:g mm}", low, high),
             "check the numbers and the unit that is named" if unit_is_sure else advice,
         )
 
@@ -92,8 +93,8 @@ def _merged(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[s
     means = np.add.reduceat(points, starts) / np.diff(np.append(starts, len(points)))[:, None]
     first = lines[np.setdiff1d(np.arange(len(points)), starts)[0]]
     why = " of each other" if reach == SAME_MM else ", denser than their noise,"
-    notice = f"{n_merged} of {len(points)} points within {reach:.2g} mm{why} are merged into means"
-    return means, lines[starts], [f"{notice}, the first in line {first}."]
+    notice = sentence("{} of {} points within {:.2g mm}{} are merged into means", n_merged, len(points), reach, why)
+    return means, lines[starts], [sentence("{}, the first in line {}.", notice, first)]
 
 
 def _starts(points: FloatArray, reach_mm: float) -> NDArray[np.int64]:
@@ -138,17 +139,16 @@ def _without_outliers(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lin
     outliers = _outliers(points)
     if not len(outliers):
         return points, lines, []
-    x, y = points[outliers[0]]
-    what = f"line {lines[outliers[0]]}: the point ({x:.6g}, {y:.6g}) mm"
+    what = sentence("line {}: the point {:.6g mm}", lines[outliers[0]], tuple(points[outliers[0]]))
     if len(outliers) > MAX_OUTLIERS * len(points):
         raise InputError(
-            f"{len(outliers)} points off the curve, the first in {what}", "a smooth curve", "measure again"
+            f"{len(outliers)} points off the curve, the first in " + what, "a smooth curve", "measure again"
         )
     kept = np.setdiff1d(np.arange(len(points)), outliers)
     return (
         points[kept],
         lines[kept],
-        [f"{len(outliers)} of {len(points)} points off the curve are left out, the first in {what}."],
+        [sentence("{} of {} points off the curve are left out, the first in {}.", len(outliers), len(points), what)],
     )
 
 
@@ -169,20 +169,18 @@ def _without_folds(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines,
             )
             return points[kept], lines[kept], [notice]
         if math.dist(points[i], last) > _MAX_FOLD_MM or len(dropped) > _MAX_FOLDED:
-            x, y = last
             raise InputError(
-                f"line {lines[i]}: the points turn back at ({x:.6g}, {y:.6g}) mm",
-                f"points in order along the profile, or overlaps up to {_MAX_FOLD_MM:g} mm",
+                sentence("line {}: the points turn back at {:.6g mm}", lines[i], tuple(last)),
+                sentence("points in order along the profile, or overlaps up to {:g mm}", _MAX_FOLD_MM),
                 "sort the points along the profile, or remove those that are wrong",
             )
     if not dropped:
         return points, lines, []
-    x, y = points[dropped[0]]
-    place = f"line {lines[dropped[0]]} at ({x:.6g}, {y:.6g}) mm"
+    place = sentence("line {} at {:.6g mm}", lines[dropped[0]], tuple(points[dropped[0]]))
     return (
         points[kept],
         lines[kept],
-        [f"{len(dropped)} of {len(points)} points that go back are left out, the first in {place}."],
+        [sentence("{} of {} points that go back are left out, the first in {}.", len(dropped), len(points), place)],
     )
 
 
@@ -193,8 +191,8 @@ def _gaps(points: FloatArray, lines: Lines) -> list[str]:
     wide = np.flatnonzero(lengths > max(_SMALL_GAP_MM, 8.0 * float(np.median(lengths))))
     notices = []
     for i in wide.tolist():
-        place = f"({points[i, 0]:.5g}, {points[i, 1]:.5g}) to ({points[i + 1, 0]:.5g}, {points[i + 1, 1]:.5g}) mm"
-        gap = f"a gap of {lengths[i]:.3g} mm from {place}, line {lines[i]}"
+        both = tuple(points[i]), tuple(points[i + 1])
+        gap = sentence("gap of {:.3g mm} from {:.5g (mm)} to {:.5g mm}, line {}", lengths[i], *both, lines[i])
         before = points[i] - points[max(i - 4, 0)]
         after = points[min(i + 5, len(points) - 1)] - points[i + 1]
         around = [d for d in (before, after) if norms(d) > 0.0]
@@ -202,9 +200,11 @@ def _gaps(points: FloatArray, lines: Lines) -> list[str]:
         at_end = len(around) < 2
         if lengths[i] > MAX_GAP_MM or turn > _TURN_OVER_GAP_DEG or at_end:
             raise InputError(
-                gap, f"gaps up to {MAX_GAP_MM:g} mm, and only where the profile is straight", "measure it again"
+                "a " + gap,
+                sentence("gaps up to {:g mm}, and only where the profile is straight", MAX_GAP_MM),
+                "measure it again",
             )
-        notices.append(f"{gap[0].upper()}{gap[1:]}, is bridged: the profile is straight there.")
+        notices.append("A " + gap + ", is bridged: the profile is straight there.")
     return notices
 
 

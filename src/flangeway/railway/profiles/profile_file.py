@@ -30,6 +30,7 @@ from flangeway.railway.profiles.profile_checks import checked_points, refuse_len
 from flangeway.railway.profiles.smoothing import USUAL_WAVELENGTH_MM, Smoothing, smoothed
 from flangeway.system.file_content import file_content, path_of
 from flangeway.types import floats
+from flangeway.units import sentence, with_unit
 
 FORMATS = {
     ".ban": "MiniProf",
@@ -137,7 +138,7 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
         if ending in SLICES:
             slices = read_slices(file, _text(content))
             position = slices.wanted(given.position)
-            stem = f"{file.stem} at {position:g} {UNITS[slices.kind]}"
+            stem = f"{file.stem} at " + with_unit(position, UNITS[slices.kind])
             read, options = partial(_slice, unit=given.unit), replace(given, unit=None)
             profile = _profile(slices.section(position, read), "slices", options, stem, slices.slice(0, read))
             return replace(profile, file=file.name)
@@ -196,7 +197,7 @@ def _profile(
         if why is not None:
             taken, notices = orientation(raw, replace(options, mirror=True))
             taken = replace(taken, how={**taken.how, "side": "from the worn side"})
-            more.append(f"{MIRRORED}: read as a right-hand one, {why}. --no-mirror keeps it as it is.")
+            more.append(sentence("{}: read as a right-hand one, {}. --no-mirror keeps it as it is.", MIRRORED, why))
     if options.mirror is False:
         taken = replace(taken, how={**taken.how, "side": "given"})
     if taken.mirrored and taken.how["side"] == "from the flange":
@@ -215,8 +216,12 @@ def _profile(
     smoothing = smoothed(points, options.smooth_mm, options.limit_um, name="measured")
     if options.smooth_mm is None and smoothing.wavelength_mm > USUAL_WAVELENGTH_MM:
         more.append(
-            f"The noise is {smoothing.noise_um:.0f} micrometres; waves shorter than {smoothing.wavelength_mm:g} mm are "
-            "smoothed away so that curvatures can be trusted."
+            sentence(
+                "The noise is {:.0f} micrometres; waves shorter than {:g mm} are "
+                "smoothed away so that curvatures can be trusted.",
+                smoothing.noise_um,
+                smoothing.wavelength_mm,
+            )
         )
     if smoothing.n_held > _MANY_HELD * len(points):
         more.append(
@@ -242,15 +247,22 @@ def _checked_against_shape(taken: Orientation, surface: Contour) -> tuple[Orient
         if (seen is None and reach <= taken.tape_mm) or abs(reach - taken.tape_mm) <= BACK_OFF_MM:
             return taken, []
         return taken, [
-            f"The profile reaches {reach:.2f} mm from the tape line to the flange's back, the tape distance "
-            f"({taken.how['tape line']}) is {taken.tape_mm:g} mm: the wheels' inner faces are taken at the latter; "
-            "--tape gives another one."
+            sentence(
+                "The profile reaches {:.2f mm} from the tape line to the flange's back, the tape distance "
+                "({}) is {:g mm}: the wheels' inner faces are taken at the latter; "
+                "--tape gives another one.",
+                reach,
+                taken.how["tape line"],
+                taken.tape_mm,
+            )
         ]
     if seen is not None:
         return replace(taken, tape_mm=seen, how={**taken.how, "tape line": "from the flange's back"}), []
     return replace(taken, tape_mm=TAPE_MM), [
-        f"The flange's back is not measured: it is taken {TAPE_MM:g} mm from the tape line; "
-        "--tape gives another distance."
+        sentence(
+            "The flange's back is not measured: it is taken {:g mm} from the tape line; --tape gives another distance.",
+            TAPE_MM,
+        )
     ]
 
 
@@ -259,7 +271,14 @@ def side_notices(head: Contour) -> list[str]:
     side = worn_side(head.sampled(spacing=_SPACING_MM, max_deviation=_DEVIATION_MM))
     if side is None or side.name == "gauge side":
         return []
-    return [f"{FIELD_WORN}, by {side.more_mm:.2f} mm ({side.measure}): a left-hand rail? --mirror reverses it."]
+    return [
+        sentence(
+            "{}, by {:.2f mm} ({}): a left-hand rail? --mirror reverses it.",
+            FIELD_WORN,
+            side.more_mm,
+            side.measure,
+        )
+    ]
 
 
 def _placed(contour: Contour, taken: Orientation) -> Contour:

@@ -24,6 +24,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Segment, as_point
 from flangeway.geometry.arrays import chain_lengths, cross_product, norms
 from flangeway.types import floats
+from flangeway.units import sentence
 
 ARC_TOLERANCE_MM = 2e-4  # maximum distance between the spline and the arcs that replace it
 
@@ -149,7 +150,9 @@ def smoothed(
     low, high = WAVELENGTHS_MM
     if wavelength_mm is not None and wavelength_mm != 0.0 and not low <= wavelength_mm <= high:
         raise InputError(
-            f"--smooth {wavelength_mm:g}", f"a wavelength of {low:g} to {high:g} mm, or 0 for none", "leave it out"
+            f"--smooth {wavelength_mm:g}",
+            sentence("a wavelength of {:g (mm)} to {:g mm}, or 0 for none", low, high),
+            "leave it out",
         )
     low, high = LIMITS_UM
     if limit_um is not None and not low <= limit_um <= high:
@@ -178,7 +181,7 @@ def _arcs(spline: BSpline, length: float, name: str) -> Contour:
         return Contour.from_segments(segments, [name] * len(segments))
     except InputError as reason:
         raise InputError(
-            f"the smooth curve: {reason.given}", "a profile that does not meet itself", "clean the points there"
+            "the smooth curve: " + reason.given, "a profile that does not meet itself", "clean the points there"
         ) from reason
 
 

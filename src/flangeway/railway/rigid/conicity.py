@@ -25,6 +25,7 @@ from flangeway.railway.profiles.formats.two_column import read_two_column
 from flangeway.railway.rigid.rigid_locus import ContactLocus
 from flangeway.system.file_content import file_content, path_of
 from flangeway.types import Floats, floats
+from flangeway.units import sentence
 
 REFERENCE_AMPLITUDE_MM = 3.0  # amplitude for which one number is usually given
 
@@ -83,8 +84,8 @@ class RollingRadiusDifference:
         slack = 1e-9 * (high - low)
         if ((wanted < low - slack) | (wanted > high + slack)).any():
             raise InputError(
-                f"a lateral displacement of {wanted[np.argmax(np.abs(wanted))]:g} mm",
-                f"{low:g} to {high:g} mm, where the rolling radius difference is given",
+                sentence("a lateral displacement of {:g mm}", wanted[np.argmax(np.abs(wanted))]),
+                sentence("{:g (mm)} to {:g mm}, where the rolling radius difference is given", low, high),
                 "give the difference over a wider range, or ask for a smaller one",
             )
 
@@ -154,13 +155,16 @@ def read_rolling_radius_difference(file: str | Path, unit: str | None = None) ->
         rows = table.points * UNITS_MM[chosen]
         if len(rows) and np.abs(rows[:, 0]).max() > MAX_LATERAL_MM:
             raise InputError(
-                f"lateral displacements up to {np.abs(rows[:, 0]).max():.4g} mm",
-                f"up to {MAX_LATERAL_MM:g} mm: a column of lateral displacements and one of rolling radius differences",
+                sentence("lateral displacements up to {:.4g mm}", np.abs(rows[:, 0]).max()),
+                sentence(
+                    "up to {:g mm}: a column of lateral displacements and one of rolling radius differences",
+                    MAX_LATERAL_MM,
+                ),
                 "check the unit; a profile is given in a case file as wheel or rail",
             )
         return RollingRadiusDifference(*(rows if len(rows) < 2 or rows[0, 0] <= rows[-1, 0] else rows[::-1]).T)
     except InputError as error:
-        raise InputError(f"{path}: {error.given}", error.allowed, error.advice) from error
+        raise InputError(f"{path}: " + error.given, error.allowed, error.advice) from error
 
 
 def equivalent_conicity(difference: RollingRadiusDifference, amplitudes_mm: ArrayLike) -> Floats:
@@ -182,8 +186,8 @@ def equivalent_conicity(difference: RollingRadiusDifference, amplitudes_mm: Arra
     if np.isnan(middles).any():
         low, high = difference.lateral_mm[[0, -1]]
         raise InputError(
-            f"an amplitude of {amplitudes[np.argmax(np.isnan(middles))]:g} mm",
-            f"a motion inside {low:g} to {high:g} mm",
+            sentence("an amplitude of {:g mm}", amplitudes[np.argmax(np.isnan(middles))]),
+            sentence("a motion inside {:g (mm)} to {:g mm}", low, high),
             "give the rolling radius difference over a wider range, or a smaller amplitude",
         )
     waves = np.array(

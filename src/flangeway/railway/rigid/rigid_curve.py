@@ -28,6 +28,7 @@ from flangeway.geometry import Contour, Placement
 from flangeway.geometry.arrays import angles_of, norms
 from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, STEEPEST_RAD, extent, graphs_of
 from flangeway.types import Floats, Ints, floats
+from flangeway.units import sentence
 
 UPRIGHT = np.finfo(float).eps
 """Cosine of the angle of an upright tangent: its slope stays a number."""
@@ -87,7 +88,7 @@ class RigidCurve:
         if len(tables) > 1 and extent(tables[1]) > MAX_CLIPPED * extent(tables[0]):
             x, y = tables[1][0, :2] + placement.translation
             raise InputError(
-                f"a surface that overhangs at x = {x:.2f}, y = {y:.2f} mm",
+                sentence("a surface that overhangs at x = {:.2f (mm)}, y = {:.2f mm}", x, y),
                 "one surface that runs from the gauge side to the field side",
                 "check the profile's axes, and remove hooks of the measurement",
             )

@@ -22,6 +22,7 @@ from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetP
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.solve import Status
 from flangeway.types import Floats
+from flangeway.units import sentence
 
 MAX_RESIDUAL = 1e-5  # maximum residual force over the load in equilibrium
 NEUTRAL_MM = 1.0  # least length of the positions of a neutral equilibrium
@@ -124,16 +125,23 @@ class RigidEquilibrium:
         """Whether there is an equilibrium that the wheelset reaches from the middle of the track; if not, why."""
         if isinstance(self.outcome, InputError):
             error = self.outcome
-            return Status(False, f"{error.given}; allowed is {error.allowed}; {error.advice}", 0)
+            return Status(False, sentence("{}; allowed is {}; {}", error.given, error.allowed, error.advice), 0)
         # no sign before a zero
         lateral, n_points = round(self.outcome.motion.lateral_mm, 3) + 0.0, len(self.outcome.contacts)
-        where = f"at a lateral displacement of {lateral:.3f} mm on {n_points} points"
+        where = sentence("at a lateral displacement of {:.3f mm} on {} points", lateral, n_points)
         if self.outcome.neutral_mm is not None:
             low, high = self.outcome.neutral_mm
             return Status(
-                True, f"in neutral equilibrium between {low:.2f} and {high:.2f} mm, without friction; shown {where}", 0
+                True,
+                sentence(
+                    "in neutral equilibrium between {:.2f (mm)} and {:.2f mm}, without friction; shown {}",
+                    low,
+                    high,
+                    where,
+                ),
+                0,
             )
-        return Status(True, f"in equilibrium {where}", 0)
+        return Status(True, "in equilibrium " + where, 0)
 
     def reached(self) -> RigidPosition:
         """Return the equilibrium that is reached.

@@ -20,6 +20,7 @@ from flangeway.railway.rigid.rigid_locus import ContactJump, ContactLocus, SideL
 from flangeway.railway.rigid.rigid_side import RigidSide, Touches
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, Wheelset, refuse_misfit
 from flangeway.types import Floats, floats
+from flangeway.units import sentence
 
 TOUCH_TOLERANCE_MM = 1e-10  # difference of the two wheels' heights at which both touch
 JUMP_MM = 0.3  # shortest jump of a point of contact along the wheel that is reported
@@ -155,8 +156,10 @@ class RigidGeometry:
             edge = self._at_edge(positions)
             if edge.any():
                 raise InputError(
-                    f"a lateral displacement of {wanted[np.argmax(edge)]:g} mm, with a touch at the end of a running "
-                    "surface",
+                    sentence(
+                        "a lateral displacement of {:g mm}, with a touch at the end of a running surface",
+                        wanted[np.argmax(edge)],
+                    ),
                     "touches inside the rails' heads and the wheels' running surfaces",
                     "check gauge_mm and back_to_back_mm, or give smaller displacements",
                 )
@@ -166,8 +169,10 @@ class RigidGeometry:
         if ((wanted < low) | (wanted > high)).any():
             worst = float(wanted[np.argmax(np.abs(wanted))])
             raise InputError(
-                f"a lateral displacement of {worst:g} mm",
-                f"{low:.2f} to {high:.2f} mm, between the ends of the running surfaces or climbing flanges",
+                sentence("a lateral displacement of {:g mm}", worst),
+                sentence(
+                    "{:.2f (mm)} to {:.2f mm}, between the ends of the running surfaces or climbing flanges", low, high
+                ),
                 "give a smaller lateral displacement",
             )
         start = np.interp(wanted, lateral, path.rail_level), np.interp(wanted, lateral, path.roll)
@@ -322,7 +327,7 @@ class RigidGeometry:
         rolls, lost = self._rolled(target, eta, phi, at_axle=at_axle)
         if len(lost):
             raise InputError(
-                f"a lateral displacement of {target[lost[0]]:g} mm: no two-wheel contact position found",
+                sentence("a lateral displacement of {:g mm}: no two-wheel contact position found", target[lost[0]]),
                 "profiles on which the touch can be followed",
                 "smooth the profiles, or change the displacement a little",
             )

@@ -16,6 +16,7 @@ from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_curve import CurvePoints, RigidCurve, on_profile, outline_across
 from flangeway.railway.track.placements import Side, Track, Wheelset, mirrored
 from flangeway.types import Floats
+from flangeway.units import sentence
 
 N_TOUCHES = 6  # points of a side that are followed: the touch, and the next smallest gaps
 
@@ -112,8 +113,11 @@ class RigidSide:
             inside = self.rail.joints[0] - self.wheel.joints[-1] - worst
             outside = worst + self.wheel.joints[0] - self.rail.joints[-1]
             raise InputError(
-                f"a lateral displacement of {worst:.1f} mm, with which the wheel misses the rail by "
-                f"{max(inside, outside):.1f} mm",
+                sentence(
+                    "a lateral displacement of {:.1f mm}, with which the wheel misses the rail by {:.1f mm}",
+                    worst,
+                    max(inside, outside),
+                ),
                 "displacements with the wheel above the head of its rail",
                 f"{'lower' if inside > 0.0 else 'raise'} gauge_mm or {'raise' if inside > 0.0 else 'lower'} "
                 "back_to_back_mm, or give a smaller displacement",

@@ -17,6 +17,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.types import Floats
+from flangeway.units import joined_text, sentence, with_unit
 
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
@@ -50,7 +51,7 @@ class UsualGauge:
     source: str
 
 
-_OF_THE_EU = "middle of the range for wheels above 840 mm in Regulation (EU) 1302/2014, 4.2.3.5.2.1"
+_OF_THE_EU = sentence("middle of the range for wheels above {840 mm} in Regulation (EU) 1302/2014, 4.2.3.5.2.1")
 USUAL_GAUGES = (
     UsualGauge(1435.0, 1360.0, _OF_THE_EU),
     UsualGauge(1520.0, 1440.0, _OF_THE_EU),
@@ -70,8 +71,10 @@ def usual_gauge(gauge_mm: float) -> UsualGauge:
     near = min(USUAL_GAUGES, key=lambda each: abs(gauge_mm - each.gauge_mm))
     if not GAUGE_OFF_MM[0] <= gauge_mm - near.gauge_mm <= GAUGE_OFF_MM[1]:
         raise InputError(
-            f"gauge_mm = {gauge_mm:g} without back_to_back_mm",
-            f"gauge_mm and back_to_back_mm, or a gauge near {', '.join(f'{e.gauge_mm:g}' for e in USUAL_GAUGES)} mm",
+            sentence("{gauge_mm = :g} without back_to_back_mm", gauge_mm),
+            "gauge_mm and back_to_back_mm, or a gauge near "
+            + joined_text(", ", (with_unit(each.gauge_mm, "(mm)") for each in USUAL_GAUGES[:-1]))
+            + sentence(", {:g mm}", USUAL_GAUGES[-1].gauge_mm),
             "give the distance between the wheels' inner faces as back_to_back_mm",
         )
     return near
@@ -132,8 +135,10 @@ class Track:
             lowest = float(points[points[:, 0] < points[np.argmax(points[:, 1]), 0], 1].min())
             if lowest > top - self.gauge_depth_mm:
                 raise InputError(
-                    f"gauge_depth_mm = {self.gauge_depth_mm:g}, below the head of the {side} rail",
-                    f"depths to {top - lowest:.1f} mm below the rail's top, as far as its gauge face goes down",
+                    sentence("{gauge_depth_mm = :g}, below the head of the {} rail", self.gauge_depth_mm, side),
+                    sentence(
+                        "depths to {:.1f mm} below the rail's top, as far as its gauge face goes down", top - lowest
+                    ),
                     "give a smaller depth, or a profile with its gauge face",
                 )
             left = float(points[points[:, 1] >= top - self.gauge_depth_mm, 0].min())
@@ -274,12 +279,19 @@ def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
 
     An `InputError` if gauge and distance of the wheels do not fit; the message says by how much.
     """
-    given = f"gauge_mm = {track.gauge_mm:g} and back_to_back_mm = {wheelset.back_to_back_mm:g} do not fit"
+    given = sentence("{gauge_mm = :g} and {back_to_back_mm = :g} do not fit", track.gauge_mm, wheelset.back_to_back_mm)
     allowed, room = "wheels that stand on the heads of the rails, with their flanges between these", 0.0
     usual = [each for each in USUAL_GAUGES if abs(each.gauge_mm - track.gauge_mm) <= GAUGE_OFF_MM[1]]
-    advice = "check gauge_mm and back_to_back_mm" + "".join(
-        f": {each.back_to_back_mm:g} goes with {each.gauge_mm:g}, and is taken where back_to_back_mm is left out"
-        for each in usual
+    advice = "check gauge_mm and back_to_back_mm" + joined_text(
+        "",
+        (
+            sentence(
+                ": {:g (mm)} goes with {:g (mm)}, and is taken where back_to_back_mm is left out",
+                each.back_to_back_mm,
+                each.gauge_mm,
+            )
+            for each in usual
+        ),
     )
     for side in SIDES:
         outward = SIDE_SIGN[side]
@@ -291,8 +303,12 @@ def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
         )
         missed = max(inner - far, near - outer)
         if missed > 0.0:
-            raise InputError(f"{given}: the {side} wheel misses its rail by {missed:.1f} mm", allowed, advice)
+            raise InputError(
+                sentence("{}: the {} wheel misses its rail by {:.1f mm}", given, side, missed), allowed, advice
+            )
         flange, head = on_wheel[on_wheel[:, 1] <= -FLANGE_MM, 0], on_rail[on_rail[:, 1] >= -FLANGE_MM, 0]
         room += float(head.min() - flange.max()) if len(flange) else math.inf
     if room < 0.0:
-        raise InputError(f"{given}: the flanges are {-room:.1f} mm too far apart for the rails", allowed, advice)
+        raise InputError(
+            sentence("{}: the flanges are {:.1f mm} too far apart for the rails", given, -room), allowed, advice
+        )

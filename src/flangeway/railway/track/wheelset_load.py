@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from flangeway.checks import check_finite, check_positive, is_finite, refused
 from flangeway.errors import InputError
+from flangeway.units import sentence
 
 GRAVITY_M_S2 = 9.80665  # standard acceleration of free fall
 MAX_SLOPE = 0.2  # largest superelevation over its base width
@@ -30,7 +31,7 @@ class WheelsetLoad:
 
     def __post_init__(self) -> None:
         allowed = "a positive weight: it presses the wheels on the rails"
-        advice = "give the load of the axle in N, 300000 for 30 t"
+        advice = sentence("give the load of the axle in N, 300000 for {30 t}")
         check_positive("WheelsetLoad", "vertical_N", self.vertical_N, allowed, advice)
         check_finite("WheelsetLoad", "lateral_N", self.lateral_N, "a finite force in N", "leave it out for none")
         if not (is_finite(self.tilt_rad) and abs(self.tilt_rad) < 0.25):
@@ -60,8 +61,8 @@ def superelevation_angle(superelevation_mm: float, base_mm: float) -> float:
     """Tilt in rad of a track whose right rail is higher by `superelevation_mm`, measured over a base width."""
     if not (base_mm > 0.0 and abs(superelevation_mm) <= MAX_SLOPE * base_mm):
         raise InputError(
-            f"superelevation_mm = {superelevation_mm:g} over a base of {base_mm:g} mm",
+            sentence("{superelevation_mm = :g} over a base of {:g mm}", superelevation_mm, base_mm),
             "at most a fifth of the base width",
-            "give both in mm; 3 cm is 30",
+            sentence("give both in mm; {3 cm} is 30"),
         )
     return math.asin(superelevation_mm / base_mm)

@@ -8,6 +8,7 @@ from flangeway.checks import as_numbers, check_positive
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError
 from flangeway.types import Floats
+from flangeway.units import sentence
 
 INCH = 25.4  # mm
 
@@ -78,7 +79,7 @@ class Axle:
         left, right = (float(place) for place in places)
         if not -drawn[-1, 0] <= left < right <= drawn[-1, 0]:
             raise InputError(
-                f"wheels at {left:g} and {right:g} mm on an axle that ends at {drawn[-1, 0]:g} mm",
+                sentence("wheels at {:g (mm)} and {:g mm} on an axle that ends at {:g mm}", left, right, drawn[-1, 0]),
                 "the left wheel before the right one, both on the axle",
                 "correct the places, or give a longer axle",
             )

@@ -79,7 +79,7 @@ class PlaneWheelset:
             error = relative.equilibrium_residual
             status = Status(True, f"contact forces and load are in equilibrium to {error:.1e} in {n} iterations", n)
         else:
-            message = f"no equilibrium: {status.message}; check that these profiles can carry the load"
+            message = "no equilibrium: " + status.message + "; check that these profiles can carry the load"
             status = Status(False, message, n)
         stable = state.stable if status.converged and all(relative.free) else None
         return Equilibrium(status, position, relative, state, residual, stable)

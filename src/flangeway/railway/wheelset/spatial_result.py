@@ -37,6 +37,7 @@ from flangeway.railway.wheelset.wheelset_newton import SpatialState
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
+from flangeway.units import sentence
 
 KLINGEL_MM = 3.0
 """Amplitude of the kinematic motion."""
@@ -252,19 +253,21 @@ def solve_position(
     rise = wheelset.rise(position)
     hangs = not status.converged and not all(each.forces.any() for each in equilibrium.state.sides.values())
     if (rise > CLIMBED_MM and status.converged) or (lateral is not None and (rise > CLIMBED_MM or hangs)):
-        reason = f"derailed, at {position.lateral_mm:.1f} mm "
+        reason = sentence("derailed, at {:.1f mm} ", position.lateral_mm)
         reason += (
             "a wheel is in the air"
             if hangs
-            else f"the axle is {rise:.1f} mm higher than in the middle of the track, a flange on its rail"
+            else sentence("the axle is {:.1f mm} higher than in the middle of the track, a flange on its rail", rise)
         )
         if lateral is not None:
             raise InputError(
-                f"lateral_mm = {lateral:g}: {reason}",
-                f"a position at which no flange climbs, rigid ones up to {wheelset.start.motion.lateral_mm:.1f} mm",
+                sentence("{lateral_mm = :g}: {}", lateral, reason),
+                sentence(
+                    "a position at which no flange climbs, rigid ones up to {:.1f mm}", wheelset.start.motion.lateral_mm
+                ),
                 "give a smaller lateral_mm",
             )
-        status = Status(False, f"{reason}; check what is prescribed and the load", status.iterations)
+        status = Status(False, reason + "; check what is prescribed and the load", status.iterations)
     warnings += [
         f"{patch.side} side, {patch.region}: the patch is no ellipse; its semi-axes are those of its second moments"
         for patch in patches

@@ -29,6 +29,7 @@ from flangeway.solve.surface_compliance import amplitudes, inverse_weights
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache, cached
 from flangeway.types import Floats, Ints
+from flangeway.units import sentence
 
 SAME = 1e-6
 """Height of a base, over the size of a section, that is round-off."""
@@ -156,7 +157,9 @@ def rail_problem(
     whole, length = float(np.ptp(bottom[..., 0])) if len(bottom) else 0.0, float(rule.weights.sum())
     if float(rule.points[..., 1].max()) > low[1] + near or abs(length - whole) > near:
         raise InputError(
-            f"edges {short(base_edges)} of {length:g} mm as the base of `{name}`, which is {whole:g} mm wide",
+            sentence(
+                "edges {} of {:g mm} as the base of `{}`, which is {:g mm} wide", short(base_edges), length, name, whole
+            ),
             "all edges of a flat base, and no others",
             "check the names of the outline's segments",
         )
@@ -324,7 +327,7 @@ class SupportedRail:
         best, shares, distances = nearest_on_segments(points, *space.mesh.points[edges].swapaxes(0, 1))
         if (maximum := float(distances.max(initial=0.0))) > MAX_OFF_MM:
             raise InputError(
-                f"points up to {maximum:.3g} mm from the surface of `{self.problem.elasticity.name}`",
+                sentence("points up to {:.3g mm} from the surface of `{}`", maximum, self.problem.elasticity.name),
                 "points on the surface, in the frame of the section",
                 "check the placement of the rail",
             )

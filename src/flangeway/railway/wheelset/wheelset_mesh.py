@@ -18,6 +18,7 @@ from flangeway.railway.track.placements import Side
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.system.disk_cache import Arrays, Cache, cached
 from flangeway.types import Bools, Floats
+from flangeway.units import sentence
 
 HELD = "support"
 """Edge set of what is held of a wheel or rail, or stands on a foundation."""
@@ -73,8 +74,14 @@ def meshed_body(
         )
     except InputError as error:
         raise InputError(
-            f"{role}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g},"
-            f" and no mesh comes of it ({error.given})",
+            sentence(
+                "{}: size_scale={:g} makes contact_size_mm {:g} and body_size_mm {:g}, and no mesh comes of it ({})",
+                role,
+                settings.size_scale,
+                size,
+                body_size,
+                error.given,
+            ),
             error.allowed,
             "change size_scale, contact_size_mm or body_size_mm",
         ) from error

@@ -24,6 +24,7 @@ from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, Whee
 from flangeway.railway.wheelset.side_newton import CreepSlopes, SideNewton, interpolated, transferred, transferred_creep
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
+from flangeway.units import joined_text
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +58,7 @@ class SpatialState:
         each = [state.status for state in self.sides.values()]
         return Status(
             all(one.converged for one in each),
-            "; ".join(one.message for one in each),
+            joined_text("; ", (one.message for one in each)),
             sum(one.iterations for one in each),
         )
 

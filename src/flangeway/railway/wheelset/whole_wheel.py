@@ -25,6 +25,7 @@ from flangeway.solve.surface_compliance import compliances
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache, cached
 from flangeway.types import Floats
+from flangeway.units import sentence
 
 ONE_BY_ONE = 8
 """Harmonics that are computed each."""
@@ -92,8 +93,13 @@ class WheelDisc:
                     check_positive("WheelDisc", each.name, number, "positive lengths", "give it in mm")
         if not (self.hub_mm[0] < self.hub_mm[1] and self.bore_radius_mm < self.hub_radius_mm):
             raise InputError(
-                f"a hub from {self.hub_mm[0]:g} to {self.hub_mm[1]:g} mm and radii of {self.bore_radius_mm:g} and "
-                f"{self.hub_radius_mm:g} mm",
+                sentence(
+                    "a hub from {:g (mm)} to {:g mm} and radii of {:g (mm)} and {:g mm}",
+                    self.hub_mm[0],
+                    self.hub_mm[1],
+                    self.bore_radius_mm,
+                    self.hub_radius_mm,
+                ),
                 "an inner face left of the outer one, and a bore smaller than the hub",
                 "exchange or correct them",
             )
@@ -147,8 +153,15 @@ def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WheelDisc | None 
     heights = [places[i][1] for i in (0, 1, 3, 5)]
     if (np.diff(heights) <= 0.0).any() or back[1] >= disc.rim_mm:
         raise InputError(
-            f"a wheel of the radius {radius_mm:g} mm, its running surface up to {max(back[1], outer[1]):.4g} mm above "
-            f"the tape line, its rim up to {disc.rim_mm:g} mm, its hub from {hub:.4g} to {bore:.4g} mm",
+            sentence(
+                "a wheel of the radius {:g mm}, its running surface up to {:.4g mm} above "
+                "the tape line, its rim up to {:g mm}, its hub from {:.4g (mm)} to {:.4g mm}",
+                radius_mm,
+                max(back[1], outer[1]),
+                disc.rim_mm,
+                hub,
+                bore,
+            ),
             "parts that follow each other",
             "correct the radii or the rim's thickness",
         )
@@ -156,7 +169,7 @@ def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WheelDisc | None 
         sides = rounded_sides(places, radii, names)
     except InputError as error:
         raise InputError(
-            f"fillets of the web: {error.given}",
+            "fillets of the web: " + error.given,
             "fillets that fit between the rim and the hub",
             "give a smaller fillet_mm, a thinner web, or another web_middle_mm",
         ) from error
@@ -218,7 +231,7 @@ def revolved(whole: WheelProfile, radius_mm: float, cells: SurfaceCells) -> Surf
     off = float(whole.outline.closest(cells.ends)[2].max())
     if off > OFF_MM:
         raise InputError(
-            f"cells {off:.3g} mm from the outline of {whole.title}",
+            sentence("cells {:.3g mm} from the outline of {}", off, whole.title),
             "cells on the wheel's running surface, in its frame",
             "take the profile that the rim was meshed from",
         )

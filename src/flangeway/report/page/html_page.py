@@ -27,7 +27,7 @@ from flangeway.results import ResultTable
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 from flangeway.system.templates import templates
 from flangeway.system.workbook import csv_tables, write_workbook
-from flangeway.units import Units, in_us_units, shown, unit_in, us_key
+from flangeway.units import Units, in_us_units, joined_text, sentence, shown, unit_in, us_key, with_unit
 
 # --- What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables.
 
@@ -59,7 +59,7 @@ def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any
     }
     fields = shared | own
     if case.report_title:
-        fields |= {"title": case.report_title, "subtitle": f"{fields['title']}. {fields['subtitle']}"}
+        fields |= {"title": case.report_title, "subtitle": f"{fields['title']}. " + fields["subtitle"]}
     return Record(**fields)
 
 
@@ -286,20 +286,26 @@ def convergence_record(name: str, convergence: Convergence, command: str) -> Rec
     """Return how much each number of a case changes when its sizes are halved."""
     case, runs = convergence.case, convergence.runs
     stopped = [run.status.message for run in runs if not run.status.converged]
-    sizes = ", ".join(f"{key} {a:g} and {b:g}" for key, (a, b) in convergence.sizes.items())
+    sizes = joined_text(
+        ", ",
+        (
+            sentence("{} {} and {}", key, *(with_unit(size, f"({unit_in(key)})") for size in both))
+            for key, both in convergence.sizes.items()
+        ),
+    )
     parts = ("given sizes", "half of the sizes")
     return Record(
         name=name,
         title=f"{case.report_title or case.name}: the sizes halved",
-        subtitle=f"Two runs: {sizes}",
+        subtitle="Two runs: " + sizes,
         converged=convergence.converged,
-        message="; ".join(stopped),
+        message=joined_text("; ", stopped),
         results=_changes(convergence),
         summary=convergence.to_json(),
         summary_file=SUMMARY,
         again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
         units=case.units,
-        warnings=[f"{part}: {text}" for part, run in zip(parts, runs, strict=True) for text in case.warnings_of(run)],
+        warnings=[f"{part}: " + text for part, run in zip(parts, runs, strict=True) for text in case.warnings_of(run)],
         timings_s={part: sum(run.summary["timings_s"].values()) for part, run in zip(parts, runs, strict=True)},
     )
 

@@ -80,7 +80,7 @@ from flangeway.report.wheelset.wheelset_patches import (
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
 from flangeway.types import Floats
-from flangeway.units import Units, us_unit
+from flangeway.units import Units, sentence, us_unit
 
 # --- Pressures and friction of a wheelset on the running surfaces of its rails, in three dimensions, for the viewer.
 
@@ -104,11 +104,12 @@ def pressure_scene(run: WheelsetRun) -> Scene:
     """Running surfaces of both rails, raised where there is pressure, stresses below, and a view of each patch."""
     patches = run.space.patches
     views = [View(patch_name(patch), (patch.centre_mm[0], patch.centre_mm[2]), NEAR) for patch in patches]
-    note = (
+    note = sentence(
         "Running surfaces of the rails in the track's axes: x to the right, z ahead of the axle, y up. For the eye "
-        f"they are raised where there is pressure, by {RAISED_MM_PER_MPA:g} mm for 1 MPa; y is that of the raised "
+        "they are raised where there is pressure, by {:g mm} for {1 MPa}; y is that of the raised "
         "surface, without the rail's deflection. Pressures are means over the cells of the contact, as in the VTU "
-        "files of the rails."
+        "files of the rails.",
+        RAISED_MM_PER_MPA,
     )
     z = np.concatenate([state.grid.grid.along for state in run.space.equilibrium.state.sides.values()])
     ends = float(z.min()) - ROUND_MM, float(z.max()) + ROUND_MM

@@ -20,6 +20,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
 from flangeway.geometry.arrays import chain_lengths
 from flangeway.railway.profiles.formats.raw_profile import Kind, RawProfile, leading_numbers
+from flangeway.units import sentence, with_unit
 
 SLICES: dict[str, Kind] = {".slcs": "rail", ".slcw": "wheel"}
 """Kinds by the ending of the file's name."""
@@ -58,9 +59,14 @@ class ProfileSlices:
         """
         first, last = float(self.positions[0]), float(self.positions[-1])
         option = f"--position in {UNITS[self.kind]}"
-        where = f"{first:g} to {last:g} {UNITS[self.kind]}, {len(self.files)} slices"
+        where = sentence(
+            "{} to {}, {} slices",
+            with_unit(first, f"({UNITS[self.kind]})"),
+            with_unit(last, UNITS[self.kind]),
+            len(self.files),
+        )
         if position is None:
-            raise InputError(f"{len(self.files)} slices without a position", f"{option}: {where}", "add it")
+            raise InputError(f"{len(self.files)} slices without a position", f"{option}: " + where, "add it")
         if self.kind == "wheel" and math.isfinite(position):
             turned = [math.remainder(position, _TURN) + _TURN * turns for turns in (0, -1, 1)]
             return next((angle for angle in turned if first <= angle <= last), min(max(turned[0], first), last))
