@@ -12,7 +12,7 @@ from typing import Any
 from benchmarks.measurement import ITSELF, Measurement, timed
 from benchmarks.samples import sample
 from flangeway.cases import WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
-from flangeway.railway.wheelset.wheelset_result import solve_wheelset
+from flangeway.railway.wheelset.plane_wheelset import solve_wheelset
 
 CASES: dict[str, tuple[type[WheelsetCase], dict[str, Any]]] = {
     "wheelset-tangent": (WheelsetTangentCase, {}),

@@ -19,8 +19,7 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
 from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
-from flangeway.railway.damage.surface_wear import row_wear
-from flangeway.railway.damage.wear_laws import UsfdLaw
+from flangeway.railway.damage.wear_laws import UsfdLaw, row_wear
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.wheelset.spatial_result import solve_spatial
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from benchmarks.peers import PeerMissingError
-from flangeway.system.versions import version_of
+from flangeway.system.output_folder import version_of
 
 Result = TypeVar("Result")
 

@@ -21,13 +21,10 @@ import numpy as np
 from benchmarks.measurement import NO_PEER, Measurement, best_time, timed
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import creep_curve, roll
-from flangeway.contact.rolling.fast_theories import linear_theory, polach
-from flangeway.contact.rolling.fastsim import fastrip, fastsim
+from flangeway.contact.rolling.fast_theories import fastrip, fastsim, linear_theory, polach
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
+from flangeway.contact.rolling.rolling_contact import Creepages, CreepForces, Rolling, RollingContact
 from flangeway.materials import Elastic
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset

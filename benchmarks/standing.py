@@ -23,7 +23,7 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RAILS, REFERENCE_WHEELS, WHEELS
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
-from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces
 from flangeway.railway.wheelset.side_newton import transferred, transferred_creep

@@ -20,7 +20,7 @@ from flangeway.cases import WheelsetTangentCase
 from flangeway.cases.rigid_run import GeometryRun, find_geometry_case, run_geometry
 from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.profiles.formats.instrument_files import write_miniprof
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 
 Floats = NDArray[np.float64]

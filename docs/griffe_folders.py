@@ -11,7 +11,7 @@ class Folders(griffe.Extension):
     """Adds folders without ``__init__.py``, which Griffe leaves out, and hides what the others re-export."""
 
     def on_attribute_instance(self, *, attr: griffe.Attribute, **_: Any) -> None:
-        """Show the numbers of descriptions of inputs, ``{65 mm}``, which `flangeway.units.sentence` reads, as texts."""
+        """Show the numbers of descriptions of inputs, ``{65 mm}``, which `results.sentence` reads, as texts."""
         if attr.docstring is not None:
             attr.docstring.value = re.sub(r"\{(\d[^{}]*)\}", r"\1", attr.docstring.value)
 

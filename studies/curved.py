@@ -15,7 +15,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, curved, dual, triangulate
 from flangeway.mesh.curved import Curves as EdgeCurves
 from flangeway.post import corner_stresses, pressure_patches
-from flangeway.post.adaptive import stress_errors
+from flangeway.post.recovery import stress_errors
 from flangeway.problems import Body, Elasticity, Load, Part, Pressure, Torsion, Traction
 from flangeway.solve import solve_elasticity, solve_torsion
 from flangeway.space import Space

@@ -6,14 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.rolling_contact import Creepages
 from flangeway.exact import contact_modulus
 from flangeway.railway.damage.rolling_fatigue import DangVan, surface_fatigue_index, t_gamma_damage
 from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
-from flangeway.railway.damage.surface_wear import patch_loads, row_wear
-from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, UsfdLaw, WearLaw
+from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, UsfdLaw, WearLaw, patch_loads, row_wear
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.wheelset.spatial_result import solve_spatial
 from flangeway.types import Floats

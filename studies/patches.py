@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.contact.patch.normal_contact import Convolution, solve_normal
-from flangeway.contact.patch.patch_body import Axis, PatchBody
 from flangeway.contact.patch.patch_contact import PatchContact, PatchPair, press_patch
-from flangeway.contact.patch.patch_grid import grid_about
+from flangeway.contact.patch.patch_grid import Axis, PatchBody, grid_about
 from flangeway.elements import Lagrange
 from flangeway.exact import PointContact, contact_modulus, half_space_influence
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement
@@ -17,7 +16,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.profiles.whole_outline import pieces_between
+from flangeway.railway.profiles.joining import pieces_between
 from flangeway.railway.track.placements import Track
 from flangeway.space import Space
 from flangeway.types import Floats

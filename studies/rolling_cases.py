@@ -5,12 +5,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import FIRST, STEADY, derivatives, roll
-from flangeway.contact.rolling.fastsim import fastrip, fastsim
+from flangeway.contact.rolling.fast_theories import fastrip, fastsim
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import STICKS, Rolling
+from flangeway.contact.rolling.rolling_contact import STICKS, Creepages, Rolling, RollingContact
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.railway.wheelset.rolling.patch_rolling import rolling_contact_of

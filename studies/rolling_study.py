@@ -9,14 +9,10 @@ from scipy.special import k0e
 
 from flangeway.contact.patch.patch_contact import press_patch
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import FIRST, creep_curve, derivatives, roll
-from flangeway.contact.rolling.fast_theories import linear_theory, polach
-from flangeway.contact.rolling.fastsim import fastrip, fastsim
-from flangeway.contact.rolling.flash_temperature import Heat, Heating
-from flangeway.contact.rolling.friction import Friction, SlopeReduction
-from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import STICKS
+from flangeway.contact.rolling.fast_theories import fastrip, fastsim, linear_theory, polach
+from flangeway.contact.rolling.friction import Friction, Heat, Heating, SlopeReduction
+from flangeway.contact.rolling.rolling_contact import STICKS, Creepages, RollingContact
 from flangeway.exact import LineContact, PointContact, contact_modulus
 from flangeway.materials import Elastic
 from studies.patches import HERTZ_STEEL, RADIUS, SEMI_AXIS, crowned

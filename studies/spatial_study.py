@@ -15,9 +15,9 @@ from flangeway.geometry.arrays import middles_of
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, dual, rectangle_grid, triangulate
 from flangeway.post import SectionConstants, Stresses
-from flangeway.post.lines import locate, polynomials_at
+from flangeway.post.stress import locate, polynomials_at
 from flangeway.problems import Elasticity, Foundation, Harmonic, LongitudinalTraction, Pressure, Traction
-from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
+from flangeway.problems.loads import EdgeQuadrature, edge_quadrature
 from flangeway.solve import HarmonicSolution, solve_harmonic
 from flangeway.space import CellBatch, Space
 from flangeway.space.functions import cell_quadrature

@@ -38,8 +38,7 @@ from flangeway.report.page.record import Again, Picture, Record, SummaryTable
 from flangeway.results import ResultTable
 from flangeway.solve import Status
 from flangeway.system.file_content import packaged_rows
-from flangeway.system.output_folder import text_writer
-from flangeway.system.versions import versions
+from flangeway.system.output_folder import text_writer, versions
 from flangeway.types import Floats
 
 ROUND_OFF = 1e-10  # numbers below it are shown as such, not with digits that change with the machine

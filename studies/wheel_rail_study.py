@@ -23,13 +23,10 @@ from flangeway.railway.profiles.flange_root import (
     with_flange_root,
     with_wide_flange_root,
 )
-from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
-from flangeway.railway.track.wheelset_load import WheelsetLoad
-from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
-from flangeway.railway.wheelset.subsurface import maximum_shear
+from flangeway.railway.track.wheelset_problem import Discretisation, Prescribed, WheelsetLoad, WheelsetProblem
+from flangeway.railway.wheelset.plane_wheelset import WheelsetResult, maximum_shear, solve_wheelset
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
-from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 from flangeway.types import Floats
 from studies.study import Limit, Published, Row, Run, published_rows
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
-from flangeway.contact.patch.contact_ellipse import ContactEllipse
-from flangeway.contact.patch.elastic_surface import ElasticSurface
+from flangeway.contact.patch.normal_contact import ElasticSurface
+from flangeway.contact.patch.patch_contact import ContactEllipse
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition

@@ -35,16 +35,14 @@ from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Spr
 from flangeway.quantities import Quantity, columns, key_unit, reference, values
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.conicity import RollingRadiusDifference
-from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_load import WheelsetLoad
-from flangeway.railway.track.wheelset_problem import Prescribed
+from flangeway.railway.track.wheelset_problem import Discretisation, Prescribed, WheelsetLoad
 from flangeway.report.damage_record import row_quantities
 from flangeway.report.page.html_page import case_text, command_line
 from flangeway.report.page.record import About, table_across, table_of
+from flangeway.results import in_us_units, joined_text, sentence, us_key, us_unit, with_texts
 from flangeway.solve import NewtonSettings, solve_elasticity
 from flangeway.space import Space
-from flangeway.units import in_us_units, joined_text, sentence, us_key, us_unit, with_texts
 
 UNIT_BEHIND = re.compile(r"[ \u00a0]([\wµ²³⁴⁻]+(?:[ /][\wµ²³⁴⁻]+)?)(?![\w/])")
 

@@ -25,8 +25,7 @@ from flangeway.contact import (
     Surface,
     press,
 )
-from flangeway.contact.enforcement import Enforcement
-from flangeway.contact.pairs import Pairing
+from flangeway.contact.pairs import Enforcement, Pairing
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.geometry import Placement, Point
 from flangeway.geometry.arrays import cross_product

@@ -10,7 +10,6 @@ ORDER = (
     "errors",
     "types",
     "checks",
-    "units",
     "results",
     "quantities",
     "system",
@@ -76,13 +75,13 @@ def test_the_guide_for_contributors_shows_this_order() -> None:
     """The tree in CONTRIBUTING.md has each sub-package once, in the order of imports."""
     text = (PACKAGE.parents[1] / "CONTRIBUTING.md").read_text(encoding="utf-8")
     tree = text.partition("src/flangeway/\n")[2].partition("core/")[0]
-    assert re.match(r"  (\w+)\.py (\w+)\.py (\w+)\.py (\w+)\.py (\w+)\.py (\w+)\.py ", tree).groups() == ORDER[:6]
+    assert re.match(r"  (\w+)\.py (\w+)\.py (\w+)\.py (\w+)\.py (\w+)\.py ", tree).groups() == ORDER[:5]
     folders, above = [], ""
     for indent, folder in re.findall(r"^( +)(\w+)/", tree, flags=re.MULTILINE):
         above = above if len(indent) == 4 else folder
         folders.append(folder if len(indent) == 2 else f"{above}.{folder}")
     shown = [folder for folder in dict.fromkeys(folders) if folder != "railway"]
-    assert shown == [folder for folder in ORDER[6:-1] if folder != "railway"]
+    assert shown == [folder for folder in ORDER[5:-1] if folder != "railway"]
 
 
 def test_only_the_command_knows_the_studies():

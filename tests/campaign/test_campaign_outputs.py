@@ -22,7 +22,7 @@ from flangeway.report.campaign_figures import campaign_figures
 from flangeway.report.campaign_outputs import campaign_record, write_export
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import print_record
-from flangeway.system.latest_values import LatestValues
+from flangeway.system.disk_cache import LatestValues
 from tests.campaign.conftest import computed, read
 
 SWEEP = """

@@ -13,7 +13,7 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE, shakedown_limits, shakedown_state
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.track.wheelset_load import superelevation_angle
+from flangeway.railway.track.wheelset_problem import superelevation_angle
 
 
 def test_defaults_are_the_published_measures():

@@ -89,6 +89,16 @@ def test_a_shrink_fit_has_lames_pressure() -> None:
     assert run.summary["contacts"][0]["max_pressure_MPa"] == pytest.approx(lame, rel=0.01)
 
 
+@pytest.mark.parametrize("pairing", ["segment-to-segment", "node-to-segment"])
+def test_a_shrink_fit_is_augmented_in_few_iterations(pairing: str) -> None:
+    """Where nodes of both surfaces are opposite each other within the penetration no part of an edge comes and goes."""
+    changes = {"contacts.1.enforcement": "augmented-lagrange", "contacts.1.pairing": pairing}
+    run = load_case("shrink-fit", **changes).run()
+    assert run.status.converged, run.status.message
+    assert run.status.iterations < 10
+    assert run.summary["contacts"][0]["max_pressure_MPa"] == pytest.approx(60.58, rel=0.01)
+
+
 def test_a_barrier_of_a_case_is_that_of_multipliers_with_a_gap() -> None:
     """The pressure of a shrink fit by a small barrier is nearly that of multipliers."""
     barrier = {"contacts.1.enforcement": "barrier", "contacts.1.barrier_N_per_mm": 1e-3}

@@ -13,10 +13,9 @@ from flangeway.cases.rigid_run import find_geometry_case, run_geometry
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.profiles.formats.instrument_files import write_miniprof
 from flangeway.railway.profiles.formats.two_column import write_two_column
-from flangeway.railway.profiles.measures import measures
-from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.orientation import ReadOptions, measures
 from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.report.profile_outputs import deviations, folder_record
 

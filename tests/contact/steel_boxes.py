@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from flangeway.contact import Contact, ContactSolution, Pairing, Surface, press
-from flangeway.contact.enforcement import Enforcement
+from flangeway.contact.pairs import Enforcement
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.geometry import Outline, Placement, rectangle
 from flangeway.materials import Elastic

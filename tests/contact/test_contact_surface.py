@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flangeway.contact import Multiplier, SegmentToSegment, Surface
-from flangeway.contact.patch.elastic_surface import elastic_surface
+from flangeway.contact.patch.normal_contact import elastic_surface
 from flangeway.elements import Lagrange
 from flangeway.errors import InputError
 from flangeway.exact import half_space_influence
@@ -17,7 +17,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid, triangulate
 from flangeway.problems import Body, Elasticity, Harmonic, Part
 from flangeway.solve import CondensedBodies, SparseBodies, SurfaceCells, compliance_table, condensed_bytes
-from flangeway.solve.half_spaces import half_spaces_on
+from flangeway.solve.surface_compliance import half_spaces_on
 from flangeway.space import Space
 from tests.contact.steel_boxes import BoxDiscretisation, pressed_boxes
 from tests.contact.test_friction import blocks, pushed
@@ -83,7 +83,7 @@ def test_the_path_that_is_chosen_has_the_same_answer(monkeypatch: pytest.MonkeyP
     needed = condensed_bytes(condensed.system.surface_nodes)
     assert needed > 8 * 6 * max(2 * len(each.nodes) for each in condensed.system.surface_nodes) ** 2
     monkeypatch.setattr(sys.modules["flangeway.contact.press"], "MOST_DENSE_BYTES", needed - 1)
-    monkeypatch.setattr("flangeway.solve.sparse.ENTRIES_AT_ONCE", 1000)
+    monkeypatch.setattr("flangeway.solve.condensed.ENTRIES_AT_ONCE", 1000)
     sparse = case.solve()
     assert isinstance(sparse.response, SparseBodies)
     assert sparse.status.converged

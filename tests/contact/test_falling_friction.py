@@ -7,7 +7,7 @@ import pytest
 
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import derivatives, roll
-from flangeway.contact.rolling.rolling_result import SLIPS, Rolling
+from flangeway.contact.rolling.rolling_contact import SLIPS, Rolling
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.rolling import (

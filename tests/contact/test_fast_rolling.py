@@ -6,15 +6,11 @@ import numpy as np
 import pytest
 
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.creep_coefficients import creep_coefficients
-from flangeway.contact.rolling.creepages import Creepages
-from flangeway.contact.rolling.elliptic_contact import EllipticContact
+from flangeway.contact.rolling.elliptic_contact import EllipticContact, creep_coefficients
 from flangeway.contact.rolling.exact_rolling import roll
-from flangeway.contact.rolling.fast_theories import linear_theory, polach
-from flangeway.contact.rolling.fastsim import fastrip, fastsim, fastsim_forces
+from flangeway.contact.rolling.fast_theories import fastrip, fastsim, fastsim_forces, linear_theory, polach
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces
+from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, STICKS, Creepages, CreepForces, RollingContact
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch

@@ -25,7 +25,7 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.geometry import polygon
 from flangeway.mesh import rectangle_grid, triangulate
-from flangeway.mesh.sizing import Refinement
+from flangeway.mesh.gmsh_mesher import Refinement
 from flangeway.solve import StepSettings
 
 PAIRINGS = [NodeToSegment(), SegmentToSegment(), SegmentToSegment(weighting="dual")]

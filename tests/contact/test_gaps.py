@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flangeway.contact.edge_pieces import PieceIntegrals, find_pieces
 from flangeway.contact.kinematics import closest_parameters, node_edge_gaps, shape_functions
 from flangeway.contact.search import candidate_pairs, nearest_edges
+from flangeway.contact.segment_to_segment import PieceIntegrals, find_pieces
 from flangeway.elements.quadrature import gauss_lobatto
 
 

@@ -7,9 +7,8 @@ from hypothesis import strategies as st
 from scipy.special import ellipeinc, ellipkinc
 
 from flangeway.contact.patch.normal_contact import Convolution, solve_normal
-from flangeway.contact.patch.patch_body import Axis, PatchBody
 from flangeway.contact.patch.patch_contact import PatchContact, press_patch
-from flangeway.contact.patch.patch_grid import grid_about
+from flangeway.contact.patch.patch_grid import Axis, PatchBody, grid_about
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, half_space_influence

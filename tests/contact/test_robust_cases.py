@@ -19,7 +19,7 @@ from flangeway.contact import (
     press,
     solve_contact,
 )
-from flangeway.contact.enforcement import Enforcement
+from flangeway.contact.pairs import Enforcement
 from flangeway.elements import Lagrange
 from flangeway.geometry import Arc, Line, Outline, Placement, polygon, rectangle
 from flangeway.materials import Elastic

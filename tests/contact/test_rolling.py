@@ -7,17 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flangeway.contact.patch.patch_body import Axis
 from flangeway.contact.patch.patch_contact import press_patch
-from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.patch.patch_grid import Axis, PatchGrid
 from flangeway.contact.rolling.exact_rolling import roll
-from flangeway.contact.rolling.fast_theories import polach
-from flangeway.contact.rolling.fastsim import fastsim
-from flangeway.contact.rolling.flash_temperature import Heating
-from flangeway.contact.rolling.friction import Friction, SlopeReduction
-from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, Rolling
+from flangeway.contact.rolling.fast_theories import fastsim, polach
+from flangeway.contact.rolling.friction import Friction, Heating, SlopeReduction
+from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, Creepages, Rolling, RollingContact
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.problems import Elasticity, Harmonic

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.elements import Lagrange, Virtual, monomials, polygon_quadrature
-from flangeway.elements.curved_cells import CurvedPolygons, outline_frame
+from flangeway.elements.projection import CurvedPolygons, outline_frame
 from flangeway.elements.quadrature import gauss_lobatto
 
 

@@ -12,7 +12,7 @@ from flangeway.post import cell_stresses
 from flangeway.problems import Elasticity, PointForce, PrescribedDisplacement, Pressure, Traction, fixed
 from flangeway.problems.harmonic import Foundation, Harmonic, LongitudinalTraction
 from flangeway.solve import solve_elasticity
-from flangeway.solve.harmonic_solution import solve_harmonic
+from flangeway.solve.solutions import solve_harmonic
 from flangeway.space import Space, interpolate
 from studies.spatial_study import exact_bar
 

@@ -8,7 +8,7 @@ import pytest
 from flangeway.elements import StabilisationFree
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, PlateWithHole, ThickCylinder
-from flangeway.exact.half_space_stresses import half_space_stresses
+from flangeway.exact.half_space import half_space_stresses
 from flangeway.exact.shakedown import shakedown_limits
 from flangeway.materials import Elastic
 from flangeway.space import Space

@@ -5,7 +5,7 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, half_space_influence
-from flangeway.exact.half_space_stresses import half_space_field, half_space_stresses
+from flangeway.exact.half_space import half_space_field, half_space_stresses
 
 YOUNG, POISSON, STRIP = 3.0, 0.3, 0.7
 BOUNDS = np.array([-1.0, -0.2, 0.5, 1.6, 2.0])

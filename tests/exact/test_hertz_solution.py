@@ -6,7 +6,7 @@ from scipy.special import roots_legendre
 
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, PointContact
-from flangeway.exact.hertz_line_contact import DEPTH_OF_MAX_SHEAR
+from flangeway.exact.hertz import DEPTH_OF_MAX_SHEAR
 
 
 @pytest.fixture

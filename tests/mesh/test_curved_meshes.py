@@ -13,8 +13,8 @@ from flangeway.errors import InputError
 from flangeway.formats import read_mesh, write_vtu
 from flangeway.geometry import Arc, Line, Outline, Placement, Spline, circle, rectangle
 from flangeway.mesh import PolyMesh, agglomerated, conforming, curved, dual, edges_halved, refined, triangulate
-from flangeway.mesh.edge_curves import EdgeCurves
-from flangeway.post.lines import locate
+from flangeway.mesh.connectivity import EdgeCurves
+from flangeway.post.stress import locate
 from flangeway.report.figures.display import display
 from flangeway.report.figures.plots import plot_mesh
 from flangeway.space import Space

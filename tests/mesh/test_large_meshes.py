@@ -20,11 +20,10 @@ from flangeway.mesh import (
     long_meshes_reported,
     rectangle_grid,
     refined,
-    sizing,
     triangulate,
     triangulate_section,
 )
-from flangeway.mesh.sizing import mesh_bound
+from flangeway.mesh.gmsh_mesher import mesh_bound
 from flangeway.system.memory_limits import refuse_beyond_memory
 from flangeway.system.own_process import in_own_process
 from tests.processes import started
@@ -59,7 +58,7 @@ import os, re
 import gmsh
 from flangeway.geometry import Region, Section, rectangle, square
 from flangeway.mesh import Refinement, triangulate, triangulate_section
-from flangeway.mesh.sizing import mesh_bound
+from flangeway.mesh.gmsh_mesher import mesh_bound
 
 def resident(name):
     return 1024 * int(re.search(name + r":\\s+(\\d+)", open("/proc/self/status").read())[1])
@@ -202,7 +201,7 @@ def test_a_process_of_its_own_makes_the_same_mesh(monkeypatch):
 
     here = list(both())
     assert reports == []
-    monkeypatch.setattr(sizing, "LONG", 0.0)
+    monkeypatch.setattr(gmsh_mesher, "LONG", 0.0)
     monkeypatch.setattr(gmsh_mesher, "load_gmsh", no_gmsh)  # of this process
     for mine, other in zip(here, both(), strict=True):
         assert same(mine, other)

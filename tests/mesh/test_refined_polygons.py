@@ -18,7 +18,7 @@ from flangeway.mesh import (
     triangulate,
     voronoi,
 )
-from flangeway.mesh.kernel import kernel_centre
+from flangeway.mesh.cutting import kernel_centre
 from flangeway.mesh.refine import cell_sides
 
 TRIANGLES = triangulate(square(1.0), size=0.4)

@@ -11,7 +11,7 @@ from flangeway.cases.bodies.bodies_run import TwoBodiesCase
 from flangeway.cases.bodies.presets import HertzCase
 from flangeway.contact import Contact, Multiplier, SegmentToSegment, Surface, solve_contact
 from flangeway.contact import press as press_parts
-from flangeway.contact.overlap import Boundary, passes_through
+from flangeway.contact.solution_checks import Boundary, passes_through
 from flangeway.elements import Lagrange
 from flangeway.geometry import Placement, circle
 from flangeway.materials import Elastic

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_quantities import PatchResult
 from flangeway.elements import Lagrange, Virtual
-from flangeway.exact.half_space_stresses import half_space_stresses
+from flangeway.exact.half_space import half_space_stresses
 from flangeway.geometry import square
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate

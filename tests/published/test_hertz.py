@@ -15,7 +15,7 @@ from flangeway.geometry import Arc
 from flangeway.post import stresses_along
 from flangeway.railway.profiles.bundled import wheel
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel, with_flange_root
-from flangeway.railway.track.discretisation import Discretisation
+from flangeway.railway.track.wheelset_problem import Discretisation
 from studies.hertz import largest_patch, oscillation, published_case
 
 P0 = 671.5

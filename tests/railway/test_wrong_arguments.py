@@ -27,12 +27,11 @@ from flangeway.railway.rigid.conicity import (
     equivalent_conicity,
     read_rolling_radius_difference,
 )
-from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.rigid.rigid_side import RigidCurve
 from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_load import WheelsetLoad, superelevation_angle
-from flangeway.railway.wheelset.axle import Axle
+from flangeway.railway.track.wheelset_problem import WheelsetLoad, superelevation_angle
 from flangeway.railway.wheelset.supported_rail import RailSupport
-from flangeway.railway.wheelset.whole_wheel import WheelDisc, whole_wheel
+from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc, whole_wheel
 
 DIFFERENCE = RollingRadiusDifference([-8.0, 8.0], [-0.8, 0.8])
 CIRCLE = 30.0 * np.column_stack((np.cos(np.linspace(0.2, 2.9, 100)), np.sin(np.linspace(0.2, 2.9, 100))))

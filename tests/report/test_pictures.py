@@ -11,9 +11,8 @@ from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 
 from flangeway.cases.wheelset.wheelset_quantities import WheelResult
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
-from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS
+from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, Creepages
 from flangeway.elements import Virtual
 from flangeway.exact.shakedown import shakedown_limits
 from flangeway.geometry import Placement

@@ -11,9 +11,9 @@ from scipy.interpolate import interp1d
 
 from flangeway.cases import CASES
 from flangeway.cases.wheelset.wheelset_case import WheelsetRun
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.rolling_contact import Creepages
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rolling_contact_of
 from flangeway.railway.wheelset.whole_sections import whole_sections

@@ -20,8 +20,7 @@ from flangeway.report.figures.drawing import colour_bar, name_axes, new_figure, 
 from flangeway.report.page.record import METRIC_FILES
 from flangeway.report.profile_outputs import profile_record
 from flangeway.report.rigid_outputs import geometry_record
-from flangeway.results import ResultTable
-from flangeway.units import us_key, us_unit
+from flangeway.results import ResultTable, us_key, us_unit
 
 INPUTS = {
     "wheelset": {

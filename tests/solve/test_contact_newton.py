@@ -22,7 +22,7 @@ from flangeway.contact import (
     press_nonlinear,
     solve_contact,
 )
-from flangeway.contact.enforcement import Enforcement
+from flangeway.contact.pairs import Enforcement
 from flangeway.elements import Lagrange, Virtual
 from flangeway.geometry import Placement, rectangle
 from flangeway.materials import Elastic, J2Plasticity, NeoHooke

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.rolling_contact import Creepages
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_sampling import (
     AXES,

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
-from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep
 from flangeway.railway.wheelset.side_contact import WheelPose
 from flangeway.tables.creep_table import FORMAT, MIRROR, OF_PATCH, CreepTable, interior, stencil

@@ -5,11 +5,10 @@ import pytest
 
 from flangeway.elements import Element, Virtual
 from flangeway.errors import InputError
-from flangeway.exact.notch import EXPONENT, Notch
+from flangeway.exact.hole_and_notch import EXPONENT, Notch
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, check, dual, rectangle_grid, refined
-from flangeway.post.adaptive import adapt, stress_errors
-from flangeway.post.recovery import recovered_stresses
+from flangeway.post.recovery import adapt, recovered_stresses, stress_errors
 from flangeway.problems import Elasticity, PrescribedDisplacement
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space

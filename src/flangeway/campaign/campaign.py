@@ -15,10 +15,9 @@ from pydantic import Field, create_model
 from flangeway.cases.case import GivenText, RunnableCase, Table, require_known
 from flangeway.cases.case_file import CASE_FILES, bodies_key, case_content, hash_of, is_case_file, read_case, resolved
 from flangeway.errors import InputError, located, short
-from flangeway.system.file_content import csv_table, path_of
-from flangeway.system.toml_file import TomlFile, TomlKind
-from flangeway.system.versions import versions
-from flangeway.units import Units, us_key
+from flangeway.results import Units, us_key
+from flangeway.system.file_content import TomlFile, TomlKind, csv_table, path_of
+from flangeway.system.output_folder import versions
 
 # --- Values of the inputs that vary: lists, ranges, and tables in CSV.
 

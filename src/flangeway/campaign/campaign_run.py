@@ -14,10 +14,10 @@ from flangeway.campaign.database import WAITING, CampaignDatabase, RowResult, ro
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.case_file import MAX_PREPARED
 from flangeway.errors import FlangewayError, InputError, MissingLibraryError, unforeseen
-from flangeway.system.latest_values import LatestValues
-from flangeway.system.versions import versions
+from flangeway.results import joined_text, with_texts
+from flangeway.system.disk_cache import LatestValues
+from flangeway.system.output_folder import versions
 from flangeway.system.workers import ClusterWorkers, LocalWorkers, Workers, computed, n_processes
-from flangeway.units import joined_text, with_texts
 
 # --- Rows that one worker computes together.
 

@@ -9,7 +9,7 @@ from flangeway.campaign.campaign import CAMPAIGN_FILE, flattened, grid, values_o
 from flangeway.cases.case import Table
 from flangeway.cases.damage_file import DamageFile, DamageInputs
 from flangeway.errors import InputError
-from flangeway.system.toml_file import TomlFile
+from flangeway.system.file_content import TomlFile
 
 
 class DamageCampaignTables(Table):

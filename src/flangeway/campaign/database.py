@@ -17,12 +17,11 @@ from flangeway.cases.case import Run, RunnableCase
 from flangeway.cases.summary import plain_numbers
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
-from flangeway.results import Result, ResultTable
+from flangeway.results import Result, ResultTable, Units, in_us_units
 from flangeway.system.file_content import path_of
 from flangeway.system.operating_system import lock_file, optional_module
-from flangeway.system.versions import versions
+from flangeway.system.output_folder import versions
 from flangeway.types import Floats
-from flangeway.units import Units, in_us_units
 
 # --- A row of a campaign: how it ended, and its numbers by columns.
 

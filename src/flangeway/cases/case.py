@@ -18,10 +18,20 @@ from pydantic.fields import FieldInfo
 from flangeway.cases.summary import mapped, summary_numbers
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
+from flangeway.results import (
+    Message,
+    Units,
+    UsUnit,
+    assigned,
+    in_us_units,
+    joined_text,
+    same_quantity,
+    sentence,
+    us_key,
+)
 from flangeway.solve import Status
 from flangeway.system.file_content import toml_data
 from flangeway.types import Key
-from flangeway.units import Message, Units, UsUnit, assigned, in_us_units, joined_text, same_quantity, sentence, us_key
 
 # --- What all cases share: named inputs with ranges, checked before anything is computed.
 

@@ -33,11 +33,10 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError, located, short
 from flangeway.railway.profiles.formats.slice_files import files_of
-from flangeway.system.file_content import is_file
-from flangeway.system.toml_file import TomlFile, TomlKind
-from flangeway.system.versions import versions
+from flangeway.results import Units, UsUnit, in_us_units, us_key
+from flangeway.system.file_content import TomlFile, TomlKind, is_file
+from flangeway.system.output_folder import versions
 from flangeway.types import Key
-from flangeway.units import Units, UsUnit, in_us_units, us_key
 
 # --- The cases by name, and in TOML files: ``case = "wheelset-curve"`` and the inputs of that case as keys.
 

@@ -15,9 +15,8 @@ from flangeway.errors import InputError, located
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
 from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, PerPatch, UsfdLaw, WearLaw
-from flangeway.railway.track.discretisation import Role
-from flangeway.system.file_content import is_file
-from flangeway.system.toml_file import TomlFile, TomlKind
+from flangeway.railway.track.wheelset_problem import Role
+from flangeway.system.file_content import TomlFile, TomlKind, is_file
 from flangeway.types import Key
 
 LAWS: dict[str, type[Any]] = {"archard": ArchardLaw, "usfd": UsfdLaw, "energy": EnergyLaw}

@@ -12,13 +12,10 @@ import numpy as np
 from pydantic import Field
 
 from flangeway.cases.case import Case, Fraction, NotNegative, Positive
-from flangeway.contact.patch.contact_ellipse import ContactEllipse
-from flangeway.contact.rolling.creepages import Creepages
-from flangeway.contact.rolling.fastsim import SimplifiedRolling
-from flangeway.contact.rolling.flash_temperature import Heat, Heating
-from flangeway.contact.rolling.friction import Friction, SlopeReduction
-from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, CreepForces, Rolling
-from flangeway.contact.rolling.theories import TITLES, WITH_TRACTIONS, Theory
+from flangeway.contact.patch.patch_contact import ContactEllipse
+from flangeway.contact.rolling.fast_theories import TITLES, WITH_TRACTIONS, SimplifiedRolling, Theory
+from flangeway.contact.rolling.friction import Friction, Heat, Heating, SlopeReduction
+from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, Creepages, CreepForces, Rolling
 from flangeway.errors import InputError
 from flangeway.exact import PointContact
 from flangeway.quantities import Quantity, getter

@@ -17,7 +17,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline
 from flangeway.quantities import Quantities, Quantity, columns, getter, values
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
-from flangeway.railway.profiles.formats.raw_profile import Kind
+from flangeway.railway.profiles.formats.two_column import Kind
 from flangeway.railway.profiles.joining import (
     BUNDLED_NAMES,
     Joined,
@@ -25,9 +25,9 @@ from flangeway.railway.profiles.joining import (
     joined,
     nominal_profile,
     on_plain_body,
+    whole_profile,
 )
-from flangeway.railway.profiles.measures import measures, only_face, worn_side
-from flangeway.railway.profiles.orientation import Orientation, ReadOptions
+from flangeway.railway.profiles.orientation import Orientation, ReadOptions, measures, only_face, worn_side
 from flangeway.railway.profiles.profile_file import (
     FORMATS,
     READABLE,
@@ -37,16 +37,14 @@ from flangeway.railway.profiles.profile_file import (
     read_profile,
     sections_of,
 )
-from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM, RollingRadiusDifference
-from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.results import Result, ResultTable
+from flangeway.railway.rigid.rigid_side import RigidCurve
+from flangeway.results import Result, ResultTable, joined_text, sentence
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.operating_system import number_of_cores
-from flangeway.system.versions import versions
+from flangeway.system.output_folder import versions
 from flangeway.system.workers import LostWorkerError, computed_here
-from flangeway.units import joined_text, sentence
 
 # --- A profile from a file or by name, checked, measured, joined and converted, as ``flangeway profile`` does it.
 

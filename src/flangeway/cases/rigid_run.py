@@ -19,7 +19,7 @@ from flangeway.errors import InputError, short
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantities, Quantity, values
-from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM, conforming
+from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, conforming
 from flangeway.railway.rigid.conicity import (
     REFERENCE_AMPLITUDE_MM,
     RollingRadiusDifference,
@@ -28,21 +28,19 @@ from flangeway.railway.rigid.conicity import (
     motion_middles,
     read_rolling_radius_difference,
 )
-from flangeway.railway.rigid.rigid_curve import MAX_YAW_RAD
 from flangeway.railway.rigid.rigid_equilibrium import (
     RigidContactPoint,
     RigidEquilibrium,
     RigidPosition,
     rigid_equilibrium,
 )
-from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.rigid.rigid_locus import ContactJump, ContactLocus
+from flangeway.railway.rigid.rigid_geometry import ContactJump, ContactLocus, RigidGeometry
+from flangeway.railway.rigid.rigid_side import MAX_YAW_RAD
 from flangeway.railway.track.placements import RUNNING_CIRCLES_MM, SIDES, Track, Wheelset
-from flangeway.results import Result, ResultTable
+from flangeway.results import Result, ResultTable, assigned, joined_text, sentence
 from flangeway.system.memory_limits import peak_memory_bytes
-from flangeway.system.versions import versions
+from flangeway.system.output_folder import versions
 from flangeway.types import Floats
-from flangeway.units import assigned, joined_text, sentence
 
 # --- Inputs of ``flangeway geometry``: a rigid wheelset on two rigid rails, its profiles, measures and load.
 

@@ -32,21 +32,19 @@ from flangeway.cases.patch_quantities import (
 )
 from flangeway.cases.summary import RunResult
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import creep_curve, roll
+from flangeway.contact.rolling.fast_theories import FAST, WITH_TRACTIONS, Theory
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.contact.rolling.theories import FAST, WITH_TRACTIONS, Theory
+from flangeway.contact.rolling.rolling_contact import Creepages, CreepForces, Rolling, RollingContact
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantities, Quantity, values
+from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.file_content import number_table
 from flangeway.types import Floats, Ints
-from flangeway.units import sentence
 
 # --- Pressures of a contact patch from a CSV file, as ``cells.csv`` of a patch that rolls has them.
 
@@ -159,7 +157,7 @@ class RollingPatchRun(RunResult):
 
     @property
     def residuals(self) -> dict[str, float]:
-        """See `flangeway.contact.rolling.rolling_result.Rolling.residuals`; none of the fast theories."""
+        """See `flangeway.contact.rolling.rolling_contact.Rolling.residuals`; none of the fast theories."""
         forces = self.state.forces
         return forces.residuals if isinstance(forces, Rolling) else {}
 

@@ -21,7 +21,7 @@ from flangeway.formats.outline_files import ENDINGS
 from flangeway.geometry import Arc, Section
 from flangeway.geometry.arrays import norms
 from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
-from flangeway.mesh.sizing import mesh_bound
+from flangeway.mesh.gmsh_mesher import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.profiles.bundled import bundled_section
 from flangeway.results import ResultTable

@@ -2,6 +2,7 @@
 
 # ruff: noqa: N815 (units in names)
 import time
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -34,21 +35,19 @@ from flangeway.cases.patch_quantities import (
     ON_SURFACE,
 )
 from flangeway.cases.summary import RunResult
-from flangeway.contact.patch.contact_ellipse import ContactEllipse
-from flangeway.contact.patch.patch_body import Axis, PatchBody, cast, points_along
-from flangeway.contact.patch.patch_contact import PatchContact, press_patch
-from flangeway.contact.patch.patch_grid import PatchGrid, grid_about, grid_of
+from flangeway.contact.patch.patch_contact import ContactEllipse, PatchContact, press_patch
+from flangeway.contact.patch.patch_grid import Axis, PatchBody, PatchGrid, cast, grid_about, grid_of, points_along
 from flangeway.errors import InputError
 from flangeway.exact import PointContact
 from flangeway.geometry import Placement
 from flangeway.post.patch_stresses import DepthProfile, SectionStresses, depth_profile, patch_stresses
 from flangeway.problems import Elasticity, Foundation, Harmonic
 from flangeway.quantities import Quantities, Quantity, values
+from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
-from flangeway.units import sentence
 
 # --- Numbers of two bodies in contact in three dimensions.
 
@@ -370,7 +369,7 @@ def _list(names: str | list[str]) -> list[str]:
 
 
 class SpatialPreset(PresetCase):
-    """Two steel bodies with a few inputs."""
+    """Two steel bodies with a few inputs, pressed together by a force."""
 
     young_MPa: Positive = 210e3
     """Young's modulus of both bodies"""
@@ -380,16 +379,17 @@ class SpatialPreset(PresetCase):
     """fem is triangles, vem is polygons with virtual elements"""
     order: ElementOrder = 2
     """order of the elements"""
+    force_kN: Positive
+    """pressing force"""
 
     def general(self) -> SpatialCase:
         """See `PresetCase.general`."""
-        own = {"young_MPa": self.young_MPa, "poisson": self.poisson, "method": self.method, "order": self.order}
-        values = self.tables()
-        return SpatialCase.from_values(values | {"bodies": [body | own for body in values["bodies"]]})
+        own = self.model_dump(include={"young_MPa", "poisson", "method", "order"})
+        return SpatialCase.from_values({"force_kN": self.force_kN, "bodies": [body | own for body in self.bodies()]})
 
-    def tables(self) -> dict[str, Any]:
-        """Inputs of the general case, without material and elements."""
-        raise NotImplementedError
+    @abstractmethod
+    def bodies(self) -> list[dict[str, Any]]:
+        """Return the bodies of the general case, without material and elements."""
 
 
 def _crowned(name: str, width: float, height: float, radius: float, *, up: bool) -> dict[str, Any]:
@@ -441,12 +441,12 @@ class CraneWheelCase(SpatialPreset):
     yaw_deg: float = Field(0.0, ge=-5.0, le=5.0)
     """skew of the wheel"""
 
-    def tables(self) -> dict[str, Any]:
-        """See `SpatialPreset.tables`."""
+    def bodies(self) -> list[dict[str, Any]]:
+        """See `SpatialPreset.bodies`."""
         rail = _crowned("rail", self.tread_width_mm, self.rim_mm, self.crown_radius_mm, up=True)
         wheel = _flat("wheel", self.tread_width_mm, self.rim_mm, up=False)
         wheel |= {"axis_mm": [0.0, self.wheel_radius_mm], "yaw_deg": self.yaw_deg}
-        return {"force_kN": self.force_kN, "bodies": [rail, wheel]}
+        return [rail, wheel]
 
 
 class RollerCase(SpatialPreset):
@@ -471,8 +471,8 @@ class RollerCase(SpatialPreset):
     ring_mm: Positive = 10.0
     """thickness of the ring"""
 
-    def tables(self) -> dict[str, Any]:
-        """See `SpatialPreset.tables`.
+    def bodies(self) -> list[dict[str, Any]]:
+        """See `SpatialPreset.bodies`.
 
         The roller is modelled to its axis, where it is held.
         """
@@ -486,7 +486,7 @@ class RollerCase(SpatialPreset):
         ring["axis_mm"] = [0.0, self.race_radius_mm if self.race == "outer" else -self.race_radius_mm]
         roller = _crowned("roller", self.roller_length_mm, self.roller_radius_mm, self.crown_radius_mm, up=False)
         roller["axis_mm"] = [0.0, self.roller_radius_mm]
-        return {"force_kN": self.force_kN, "bodies": [ring, roller]}
+        return [ring, roller]
 
 
 class CrossedCylindersCase(SpatialPreset):
@@ -505,8 +505,8 @@ class CrossedCylindersCase(SpatialPreset):
     angle_deg: float = Field(90.0, ge=45.0, le=90.0)
     """angle between both axes"""
 
-    def tables(self) -> dict[str, Any]:
-        """See `SpatialPreset.tables`.
+    def bodies(self) -> list[dict[str, Any]]:
+        """See `SpatialPreset.bodies`.
 
         The lower half cylinder is held at its diameter, the upper cylinder at its axis.
         """
@@ -514,5 +514,4 @@ class CrossedCylindersCase(SpatialPreset):
         below = {"radius_mm": lower, "centre_mm": [0.0, -lower], "half": "upper"}
         cylinder = _flat("upper", 2.0 * lower, upper, up=False)
         cylinder |= {"axis_mm": [0.0, upper], "yaw_deg": 90.0 - self.angle_deg}
-        bodies = [{"name": "lower", "disc": below, "contact_edges": "rim", "held_edges": "cut"}, cylinder]
-        return {"force_kN": self.force_kN, "bodies": bodies}
+        return [{"name": "lower", "disc": below, "contact_edges": "rim", "held_edges": "cut"}, cylinder]

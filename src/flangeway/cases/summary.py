@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
-from flangeway.system.versions import versions
+from flangeway.system.output_folder import versions
 from flangeway.types import Key
 
 # --- Values inside tables and lists.

@@ -66,7 +66,7 @@ app = typer.Typer(
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        from flangeway.system.versions import versions  # noqa: PLC0415
+        from flangeway.system.output_folder import versions  # noqa: PLC0415
 
         typer.echo(f"flangeway {versions()['flangeway']}")
         raise typer.Exit(DONE)

@@ -180,7 +180,7 @@ def _paired(
     given = positions, edge_places, edges, np.flatnonzero(guarded_nodes), directions, kept
     margins = guarded_margins(edges)
     stay = OVERHANG if settle else SLACK
-    nodes, partners, gaps = facing_pairs(*given, stay, margins, SLACK, np.zeros(len(edges), dtype=np.bool_))
+    nodes, partners, gaps = facing_pairs(*given, stay, margins, SLACK)
     found = [(nodes, partners)]
     for end, step in ((1, 1), (0, -1)):
         concave = margins[partners, end] == CONCAVE
@@ -229,7 +229,6 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
     for side, other in ((0, 1), (1, 0)):
         at, places, none = positions[side], surfaces[side].edge_places, np.full(counts[side], -1)
         given = at, places, edges[other], np.flatnonzero(near[side]), node_normals(at, places, bisecting=True), none
-        none_smooth = np.zeros(len(edges[other]), dtype=np.bool_)
         own = np.full(counts[side], np.inf)
         for column in places.T:
             np.minimum.at(own, column, sagittas[side])
@@ -238,7 +237,7 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
             return GUARDED_DEPTH * (own[nodes] + sagittas[other][partners]) + explained
 
         margins = guarded_margins(edges[other])
-        nodes, _, gaps = facing_pairs(*given, SLACK, margins, SLACK, none_smooth, allowed)
+        nodes, _, gaps = facing_pairs(*given, SLACK, margins, SLACK, allowed)
         found[side][nodes[gaps.gaps > -depth]] = True
     found = [each & ~before for each, before in zip(found, guarded_nodes, strict=True)]
     sharp = found[0] & _sharp(surfaces[0]), found[1] & _sharp(surfaces[1])

@@ -18,7 +18,7 @@ With a barrier of the product w and the reach r, forces act at a gap: ``0 <= g +
 
 A step is halved until the residual is below the maximum of the last steps (L. Grippo, F. Lampariello and S. Lucidi,
 1986, SIAM J. Numer. Anal. 23). What this does not reach from the start is reached along a path of smaller motions and
-loads (`flangeway.solve.steps`).
+loads (`flangeway.solve.status`).
 
 Where a penetration is to be within a tolerance (augmented Lagrange), C acts on ``p' - p0`` instead. Until it is, the
 forces p0 are corrected to those found (Uzawa's method), and the penalty grows with each correction (D. P. Bertsekas,
@@ -43,15 +43,15 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.contact.linearisation import (
+from flangeway.contact.system import (
     ContactLinearisation,
+    ContactSystem,
     Sliding,
     carried_forces,
     changed_keys,
     nodal_forces_of,
     residual_of,
 )
-from flangeway.contact.system import ContactSystem
 from flangeway.geometry import Placement
 from flangeway.solve import active_set
 from flangeway.solve.active_set import CoulombState

@@ -4,21 +4,21 @@ import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from flangeway.checks import are_finite, refused
-from flangeway.contact.contact_pair import Contact
-from flangeway.contact.linearisation import nodal_forces_of
 from flangeway.contact.newton import ContactState, solve_contact
-from flangeway.contact.overlap import BodyOverlap, body_overlaps, passages
-from flangeway.contact.solution_checks import check_solution
-from flangeway.contact.system import ContactSystem
+from flangeway.contact.solution_checks import BodyOverlap, body_overlaps, check_solution, passages
+from flangeway.contact.surface import Surface
+from flangeway.contact.system import Contact, ContactSystem, nodal_forces_of
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product
-from flangeway.problems import ElasticField, Part
+from flangeway.problems import Body, ElasticField, Part
+from flangeway.problems.loads import GivenForces
+from flangeway.problems.nonlinear_body import LinearisedBody, MaterialByCells, MaterialState, NonlinearBody
 from flangeway.results import Result, ResultTable
 from flangeway.solve import (
     BodyResponse,
@@ -31,8 +31,11 @@ from flangeway.solve import (
     condensed_bytes,
     follow,
 )
-from flangeway.solve.body_loads import BodyLoad, loads_on
+from flangeway.solve.body_response import BodyLoad, loads_on
 from flangeway.types import Floats
+
+# --- Bodies that are moved against each other: the contact problem as a user states it.
+
 
 MOST_DENSE_BYTES = 4e9
 """Bytes of dense matrices up to which bodies are condensed to their surfaces where nothing else is said."""
@@ -249,7 +252,7 @@ def press(
 
     The status reports whether the equations are solved and `flangeway.contact.solution_checks` finds no fault; what it
     measured is in ``status.checks``.
-    `flangeway.post.contact_checks` finds further reasons to doubt an answer, such as too few elements in the contact.
+    `flangeway.post.pressure` finds further reasons to doubt an answer, such as too few elements in the contact.
 
     Parameters
     ----------
@@ -571,3 +574,99 @@ def _penetrations(system: ContactSystem, positions: Floats) -> Floats:
     """Maximum penetration of each contact at positions of the surface nodes."""
     lin = system.linearise(positions, None)
     return np.array([float((-pairs.gaps).max(initial=0.0)) for pairs in lin.pairs])
+
+
+# --- Contact of bodies of nonlinear materials: Newton's method around the contact of their linearised bodies.
+
+
+class NonlinearContact(NamedTuple):
+    """Bodies of nonlinear materials in contact.
+
+    Parameters
+    ----------
+    contact
+        The contact of the linearised bodies.
+    displacements
+        Of the nonlinear parts, (n_dofs, 2).
+    converged
+        Whether both the last contact and the iteration converged.
+    states
+        What the nonlinear parts remember, where the next motion starts.
+
+    """
+
+    contact: ContactSolution
+    displacements: dict[Part, Floats]
+    converged: bool
+    states: dict[Part, MaterialState]
+
+
+def press_nonlinear(
+    contacts: Sequence[Contact],
+    motion: Mapping[Part, Placement],
+    materials: Mapping[Part, MaterialByCells],
+    *,
+    start: Mapping[Part, MaterialState] | None = None,
+    tolerance: float = 1e-9,
+    max_iterations: int = 20,
+) -> NonlinearContact:
+    """Move parts against each other in one step, some of them of nonlinear materials.
+
+    In each iteration the nonlinear bodies are replaced by their tangents with the forces ``K u - r``, and `press` finds
+    the contact of these linear bodies; at the end it is that of the nonlinear ones.
+
+    Parameters
+    ----------
+    contacts, motion
+        As of `press`; one motion, from the undeformed bodies. Friction starts at rest.
+    materials
+        Nonlinear material of parts; the others stay elastic.
+    start
+        The `states` of the motion before; left out, the material has no history.
+    tolerance
+        Change of the displacements over their maximum that ends the iteration.
+    max_iterations
+        Number of contacts that are solved.
+
+    Raises
+    ------
+    InputError
+        If a part with a nonlinear material is no meshed body in plane strain, or `press` refuses the contacts.
+
+    """
+    bodies, states, fields = {}, {}, {}
+    for part, material in materials.items():
+        if not isinstance(part.body, Body):
+            raise InputError(f"a nonlinear material of {part.name!r}", "a meshed Body", "make it of mesh and element")
+        bodies[part] = NonlinearBody(part.body.elasticity, material)
+        states[part] = bodies[part].start() if start is None else start[part]
+        fields[part] = states[part].displacements
+    converged = False
+    for _ in range(max_iterations):
+        now, loads = {}, {}
+        for part, body in bodies.items():
+            tangents, forces = body.linearised(states[part], fields[part])
+            own = {
+                name: getattr(part.body, name) for name in ("name", "mesh", "element", "held", "thickness", "springs")
+            }
+            linear = LinearisedBody(material=body.problem.material, **own, tangents=tangents)
+            now[part] = replace(part, body=linear)
+            offset = linear.elasticity.stiffness().times(fields[part].ravel()).reshape(-1, 2) - forces
+            if offset.any():
+                loads[now[part]] = [GivenForces(offset)]
+        moved = [replace(each, secondary=_on(each.secondary, now), primary=_on(each.primary, now)) for each in contacts]
+        motions = {now.get(part, part): placement for part, placement in motion.items()}
+        solution = press(moved, motions, body_loads=loads, path="sparse")
+        found = {part: solution.field(now[part]).displacements for part in bodies}
+        size = max(float(np.abs(each).max()) for each in found.values()) or 1.0
+        change = max(float(np.abs(found[part] - fields[part]).max()) for part in bodies) / size
+        fields = found
+        if not np.isfinite(change) or (converged := solution.status.converged and change <= tolerance):
+            break
+    after = {part: body.committed(states[part], fields[part]) for part, body in bodies.items()} if converged else states
+    return NonlinearContact(solution, fields, converged, after)
+
+
+def _on(surface: Surface, now: Mapping[Part, Part]) -> Surface:
+    """The surface on the linearised body."""
+    return replace(surface, part=now.get(surface.part, surface.part))

@@ -5,7 +5,7 @@ import shapely
 from numpy.typing import NDArray
 
 from flangeway.geometry import crossing_shares
-from flangeway.geometry.arrays import turned_right
+from flangeway.geometry.arrays import cross_product, turned_right
 from flangeway.types import Floats, Ints
 
 GROWTH = 4.0
@@ -133,7 +133,9 @@ def leads_out(
     """Whether points of a surface lie behind edges of another one that they did not enter through.
 
     The far sides of two slender bodies side by side face each other through both bodies: the vector to such an edge
-    crosses another edge. A point deep behind an edge, over its length, and much nearer to another one entered there.
+    leaves the point's own body, or enters the other one, across another edge. The next edge at a joint is crossed the
+    other way, so that a point beside the joint faces what the points around it face. A point deep behind an edge, over
+    its length, and much nearer to another one entered there.
 
     Parameters
     ----------
@@ -155,21 +157,26 @@ def leads_out(
     through, nearer = np.zeros(len(far), dtype=np.bool_), np.zeros(len(far), dtype=np.bool_)
     of, edges = candidate_pairs(ways, own[0][:, [0, -1]], depths[far] / OTHER_EDGE)
     on = own[1][far[of], edges]
-    crossed, apart = _crossed(ways[of], own[0][edges])
-    through[of[crossed & ~on]] = True
+    outwards, _, apart = _crossed(ways[of], own[0][edges])
+    through[of[outwards & ~on]] = True
     nearer[of[np.where(on, OWN_EDGE, OTHER_EDGE) * apart < depths[far[of]]]] = True
     of, edges = candidate_pairs(ways, other[0][:, [0, -1]], 0.0)
-    crossed, _ = _crossed(ways[of], other[0][edges])
-    through[of[crossed & ~other[1][far[of], edges]]] = True
+    _, inwards, _ = _crossed(ways[of], other[0][edges])
+    through[of[inwards & ~other[1][far[of], edges]]] = True
     result[far] = through | (nearer & (depths[far] > DEEP * sizes[far]))
     return result
 
 
-def _crossed(ways: Floats, edges: Floats) -> tuple[NDArray[np.bool_], Floats]:
-    """Whether straight ways (n, 2, 2) cross the edges beside them, and the distances of their ends from these, (n,)."""
+def _crossed(ways: Floats, edges: Floats) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Floats]:
+    """Whether straight ways (n, 2, 2) leave, or enter, a body across the edges beside them, whose body is on the left.
+
+    The third value is the distances of the ways' ends from these edges, (n,).
+    """
     starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
     on_way, on_edge = crossing_shares(ways[:, 0], ways[:, 1] - ways[:, 0], starts, chords)
     crossed = (on_way > 0.0) & (on_way < 1.0 - ZERO_DEPTH) & (on_edge >= 0.0) & (on_edge <= 1.0)
     beyond = ways[:, 1] - starts
     share = (beyond * chords).sum(axis=1) / (chords**2).sum(axis=1)
-    return crossed, np.linalg.norm(beyond - np.clip(share, 0.0, 1.0)[:, None] * chords, axis=1)
+    out = cross_product(chords, ways[:, 1] - ways[:, 0]) < 0.0
+    apart = np.linalg.norm(beyond - np.clip(share, 0.0, 1.0)[:, None] * chords, axis=1)
+    return crossed & out, crossed & ~out, apart

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact.taylor import as_complex, as_vectors
+from flangeway.contact.kinematics import as_complex, as_vectors
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.geometry import Contour

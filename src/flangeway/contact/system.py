@@ -1,21 +1,368 @@
-"""The system of all contacts among some parts, as the solver uses it."""
+"""Contacts between surfaces, and the system of all among some parts as the solver uses it."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.contact.contact_pair import Contact
+from flangeway.checks import is_finite, refused
 from flangeway.contact.guards import corners_on_corners, corners_under_force, guarded, key_starts, penetrating
-from flangeway.contact.linearisation import ContactLinearisation, components_of
-from flangeway.contact.pairs import Constraints
+from flangeway.contact.kinematics import Slides
+from flangeway.contact.pairs import Constraints, Enforcement, Pairing, Pairs
+from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.problems import Part
 from flangeway.solve import SurfaceNodes
+from flangeway.solve.active_set import AT_LIMIT
 from flangeway.types import Bools, Floats, Ints
+
+# --- Contact between two surfaces.
+
+
+PAIRINGS = "NodeToSegment(...), SegmentToSegment(...) or NodeToNode()"
+ENFORCEMENTS = "Penalty(...) or AugmentedLagrange(...) or Multiplier(...) or Barrier(...)"
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Contact between two surfaces of two parts or of one, without friction or with Coulomb's.
+
+    Of bodies of revolution areas, forces and dissipated work are those of the whole circumference.
+
+    Parameters
+    ----------
+    secondary
+        Surface that gives nodes, or over which gaps are averaged. The one with the finer mesh is the better choice.
+    primary
+        Surface that gives segments.
+    pairing
+        How the surfaces are compared.
+    enforcement
+        How the condition of no penetration is enforced.
+    friction
+        Coefficient of Coulomb's friction, >= 0, or a `Friction` with one such coefficient. Slip is counted from the
+        last converged step, so the answer depends on the path of the motion; see `press`.
+
+    Raises
+    ------
+    InputError
+        If the surfaces have nodes in common or belong to parts of different thickness or hypothesis, if the pairing
+        and the enforcement do not go together, if a penalty has no value (the message suggests one for these bodies),
+        or if the friction is no number >= 0 or falls with the slip velocity, which statics does not know.
+
+    """
+
+    secondary: Surface
+    primary: Surface
+    pairing: Pairing
+    enforcement: Enforcement
+    friction: float | Friction = 0.0
+
+    def __post_init__(self) -> None:
+        kinds = {"pairing": (Pairing, PAIRINGS), "enforcement": (Enforcement, ENFORCEMENTS)}
+        for name, (kind, allowed) in kinds.items():
+            if not isinstance(value := getattr(self, name), kind):
+                raise refused("Contact", name, value, allowed, "make one, with its parentheses")
+        if self.secondary.part is self.primary.part and np.intersect1d(self.secondary.nodes, self.primary.nodes).size:
+            raise InputError(
+                f"a contact of {self.primary.part.name!r} with itself, whose surfaces have nodes in common",
+                "surfaces of two parts, or two of one part that do not meet",
+                "name the edges of both; leave the edges at the common corner out of one of them",
+            )
+        if self.secondary.part.body.thickness != self.primary.part.body.thickness:
+            raise InputError(
+                f"a contact of {self._names} with thicknesses {self.secondary.part.body.thickness} and "
+                f"{self.primary.part.body.thickness}",
+                "one thickness for both",
+                "give both bodies the length over which they touch",
+            )
+        bodies = [part.body for part in self.parts]
+        hypotheses = [each.hypothesis or "a plane of unknown strain" for each in bodies]
+        known = {each.hypothesis for each in bodies if each.hypothesis is not None}
+        if len(known) > 1 or bodies[0].axisymmetric != bodies[1].axisymmetric:
+            raise InputError(
+                f"a contact of {self._names} in {' and '.join(word.replace('_', ' ') for word in hypotheses)}",
+                "both in plane strain, both in plane stress, or both axisymmetric",
+                "take one hypothesis for both materials",
+            )
+        if bodies[0].axisymmetric and isinstance(self.pairing, SegmentToSegment) and self.pairing.weighting == "dual":
+            raise InputError(
+                f"dual weighting of bodies of revolution {self._names}",
+                "weighting='standard': the dual functions average nothing at the axis",
+                "leave it out",
+            )
+        self._refuse_bad_friction()
+        mean_area = float(np.mean(self.node_areas))
+        self.enforcement.check(self.pairing, self.suggested_penalty, mean_area, self._names)
+
+    @property
+    def sides(self) -> tuple[Surface, Surface]:
+        """Secondary and primary surface."""
+        return self.secondary, self.primary
+
+    @property
+    def parts(self) -> tuple[Part, Part]:
+        """Parts of the secondary and of the primary surface."""
+        return self.secondary.part, self.primary.part
+
+    @property
+    def node_areas(self) -> Floats:
+        """Areas of the secondary nodes, length times thickness, if the primary faces them all: shape (n_nodes,)."""
+        return self.pairing.node_areas(self.secondary)
+
+    @property
+    def suggested_penalty(self) -> float:
+        """Ten times the larger stiffness over the mean length of the secondary edges, a pressure per length."""
+        stiffest = max(part.body.modulus for part in self.parts)
+        return 10.0 * stiffest / float(np.mean(self.secondary.edge_lengths))
+
+    @property
+    def friction_coefficient(self) -> float:
+        """Coefficient of friction, the same at every point and slip."""
+        return float(self.friction.limits[0][0]) if isinstance(self.friction, Friction) else float(self.friction)
+
+    def _refuse_bad_friction(self) -> None:
+        given = f"Contact(friction={short(self.friction)}) of {self._names}"
+        law = self.friction
+        if isinstance(law, Friction):
+            if not law.constant or len(law.limits[0]) != 1:
+                raise InputError(
+                    given,
+                    "one coefficient that does not depend on the slip velocity: bodies move slowly here",
+                    "give a number; flangeway rolls with other laws",
+                )
+        elif not (is_finite(law) and law >= 0.0):
+            raise InputError(given, "a number >= 0", "leave friction out for contact without it")
+
+    @property
+    def _names(self) -> str:
+        return f"{self.secondary.part.name!r} on {self.primary.part.name!r}"
+
+
+# --- Gaps of all contacts about some positions, and what is measured of two linearisations and forces.
+
+
+@dataclass(frozen=True, eq=False)
+class Sliding:
+    """Slips of the constraints of a linearisation about its positions, and the directions of tangential forces.
+
+    Parameters
+    ----------
+    slips
+        Slips, shape (m,).
+    jacobian
+        Derivatives of the slips, shape (m, 2 n_touched).
+    directions
+        Nodal forces of unit tangential forces, which do the work of the slips, shape (m, 2 n_touched).
+    curvature
+        Called with tangential forces (m,): derivatives of their nodal forces, not symmetric, (2 n_touched,
+        2 n_touched).
+
+    """
+
+    slips: Floats
+    jacobian: sp.csr_array
+    directions: sp.csr_array
+    curvature: Callable[[Floats], sp.csr_array]
+
+
+@dataclass(frozen=True, eq=False)
+class ContactLinearisation:
+    """Gaps of all contacts about some positions, to second order.
+
+    Parameters
+    ----------
+    pairs
+        The constraints of each contact; their parts follow each other.
+    starts
+        First constraint of each part, and the number of all.
+    nodes
+        Surface nodes on which any gap depends, shape (n_touched,).
+    keys
+        Identity of each constraint from one linearisation to the next, shape (m,).
+    partners
+        What each constraint is against, shape (m,); a change starts a new linear piece.
+    gaps
+        Gaps, open where positive, shape (m,).
+    compliances
+        Penetration for each force, shape (m,).
+    barriers
+        Force times gap of a barrier, and its reach, shape (m, 2): 0 and infinite where there is none.
+    tolerances
+        Maximum penetration that is tolerated, shape (m,): where finite, forces are corrected until it is reached.
+    coefficients
+        Coefficients of friction, shape (m,).
+    term_points
+        Numbers among the touched points of those of each part's terms, arrays (p, w).
+    spread
+        Positions of the touched points by those of ``nodes``, components after each other; None: they are the nodes.
+    guarded_nodes
+        Which nodes of each contact's secondary and primary surface are guarded, see `flangeway.contact.guards`.
+
+    """
+
+    pairs: tuple[Constraints, ...]
+    starts: Ints
+    nodes: Ints
+    keys: Ints
+    partners: Ints
+    gaps: Floats
+    compliances: Floats
+    barriers: Floats
+    tolerances: Floats
+    coefficients: Floats
+    term_points: tuple[Ints, ...]
+    guarded_nodes: tuple[tuple[Bools, Bools], ...]
+    spread: sp.csr_array | None = None
+
+    @property
+    def parts(self) -> list[Pairs]:
+        """Constraints of one kind each, contact by contact."""
+        return [part for pairs in self.pairs for part in pairs.parts]
+
+    @cached_property
+    def jacobian(self) -> sp.csr_array:
+        """Derivatives of the gaps, shape (m, 2 n_touched)."""
+        return self._by_nodes([part.gradients for part in self.parts])
+
+    def curvature(self, forces: Floats) -> sp.csr_array:
+        """Sum of ``force * second derivative of the gap`` over the constraints, shape (2 n_touched, 2 n_touched)."""
+        return self._second([part.curvatures for part in self.parts], forces)
+
+    def slides(self, positions: Floats, before: Floats) -> Sliding:
+        """Slips since earlier positions (n_nodes, 2) of the surface nodes, which are at others now."""
+        now, was = self.points(positions), self.points(before)
+        found = []
+        for number, (pairs, terms) in enumerate(zip(self.parts, self.term_points, strict=True)):
+            if self.coefficients[self.starts[number] : self.starts[number + 1]].any():
+                found.append(pairs.slides(now[terms], was[terms]))
+            else:
+                found.append(_no_slides(pairs))
+        jacobian = self._by_nodes([slides.rates for slides in found])
+        directions = self._by_nodes([slides.directions for slides in found])
+        slips = np.concatenate([slides.slips for slides in found])
+        return Sliding(slips, jacobian, directions, partial(self._second, [slides.turns for slides in found]))
+
+    def _by_nodes(self, all_gradients: Sequence[Floats]) -> sp.csr_array:
+        """Derivatives of all constraints by the touched nodes, from those (p, r, w, 2) of each part's terms."""
+        rows, columns, values = [], [], []
+        for start, part, place, gradients in zip(
+            self.starts[:-1], self.parts, self.term_points, all_gradients, strict=True
+        ):
+            rows.append(np.broadcast_to(start + part.rows[:, :, None, None], gradients.shape).ravel())
+            columns.append(np.broadcast_to(components_of(place)[:, None], gradients.shape).ravel())
+            values.append(gradients.ravel())
+        found = self._matrix(int(self.starts[-1]), rows, columns, values)
+        return found if self.spread is None else sp.csr_array(found @ self.spread)
+
+    def _second(self, seconds: Sequence[Callable[[Floats], tuple[Ints, Floats]]], forces: Floats) -> sp.csr_array:
+        """Sum of ``force * second derivative`` by a function of each part, which has those of its terms."""
+        rows, columns, values = [], [], []
+        for number, second in enumerate(seconds):
+            own = forces[self.starts[number] : self.starts[number + 1]]
+            if not own.any():
+                continue
+            loaded, found = second(own)
+            dofs = components_of(self.term_points[number][loaded]).reshape(len(loaded), -1)
+            rows.append(np.broadcast_to(dofs[:, :, None], found.shape).ravel())
+            columns.append(np.broadcast_to(dofs[:, None, :], found.shape).ravel())
+            values.append(found.ravel())
+        if not values:
+            return sp.csr_array((2 * len(self.nodes), 2 * len(self.nodes)))
+        found = self._matrix(None, rows, columns, values)
+        return found if self.spread is None else sp.csr_array(self.spread.T @ found @ self.spread)
+
+    def _matrix(
+        self, n_rows: int | None, rows: Sequence[Ints], columns: Sequence[Ints], values: Sequence[Floats]
+    ) -> sp.csr_array:
+        """Matrix of entries whose columns, and rows where no number is given, are components of the touched points."""
+        n = 2 * len(self.nodes) if self.spread is None else self.spread.shape[0]
+        entries = np.concatenate(rows), np.concatenate(columns)
+        shape = (n if n_rows is None else n_rows, n)
+        found = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=shape))
+        found.eliminate_zeros()
+        return found
+
+    def points(self, positions: Floats) -> Floats:
+        """Positions of the touched points by those of all surface nodes (n_nodes, 2), shape (n, 2)."""
+        touched = positions[self.nodes]
+        return touched if self.spread is None else (self.spread @ touched.ravel()).reshape(-1, 2)
+
+
+def _no_slides(pairs: Pairs) -> Slides:
+    """Those of a contact without friction."""
+    nothing = np.zeros(pairs.gradients.shape)
+    return Slides(np.zeros(len(pairs.keys)), nothing, nothing, pairs.curvatures)
+
+
+def components_of(nodes: Ints) -> Ints:
+    """Numbers of the components of nodes (..., w), shape (..., w, 2)."""
+    return 2 * nodes[..., None] + np.arange(2)
+
+
+def carried_forces(before: ContactLinearisation | None, forces: Floats, after: ContactLinearisation) -> Floats:
+    """Forces of the constraints in ``after`` that were in ``before``; zero for new ones."""
+    result = np.zeros(len(after.keys))
+    if before is None or len(before.keys) == 0:
+        return result
+    order = np.argsort(before.keys)
+    place = np.searchsorted(before.keys, after.keys, sorter=order)
+    place = order[np.minimum(place, len(order) - 1)]
+    known = before.keys[place] == after.keys
+    result[known] = forces[place[known]]
+    return result
+
+
+def nodal_forces_of(
+    lin: ContactLinearisation, forces: Floats, slides: Sliding | None, tangential: Floats, n_nodes: int
+) -> Floats:
+    """Forces on all surface nodes (n_nodes, 2) by normal and tangential forces of the constraints, each (m,)."""
+    result = np.zeros((n_nodes, 2))
+    result[lin.nodes] = (lin.jacobian.T @ forces).reshape(-1, 2)
+    if slides is not None:
+        result[lin.nodes] += (slides.directions.T @ tangential).reshape(-1, 2)
+    return result
+
+
+def residual_of(slack: Floats, forces: Floats, unbalanced: Floats, most: float, scale: float) -> float:
+    """Worst of: residual of nodal forces over the total force; violation of the law over the displacements.
+
+    The total of the forces (m,) is at least the given maximum of nodal forces and loads. ``slack`` (m,) is what gaps
+    are beyond those that the law leaves under the forces.
+    """
+    # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
+    total = max(float(forces.sum()), most)
+    if total == 0.0:
+        return float(np.maximum(-slack, 0.0).max(initial=0.0)) / scale
+    residual = float(np.abs(unbalanced).max()) / total
+    violation = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
+    return max(residual, float(violation.max(initial=0.0)) / scale)
+
+
+def changed_keys(
+    before: ContactLinearisation,
+    forces: tuple[Floats, Floats],
+    after: ContactLinearisation,
+    new_forces: tuple[Floats, Floats],
+) -> tuple[int, ...]:
+    """Keys of active constraints that came, went, changed their partner, or between stick and slip."""
+    pairs = []
+    for lin, (values, tangential) in ((before, forces), (after, new_forces)):
+        active = values > 0.0
+        signs = np.where(np.abs(tangential) >= (1.0 - AT_LIMIT) * lin.coefficients * values, np.sign(tangential), 0)
+        each = (lin.keys[active].tolist(), lin.partners[active].tolist(), signs[active].tolist())
+        pairs.append(set(zip(*each, strict=True)))
+    return tuple(sorted({key for key, _, _ in pairs[0] ^ pairs[1]}))
+
+
+# --- The system of all contacts among some parts, as the solver uses it.
+
 
 BETWEEN_NODES = 1e-3
 """Depth over the maximum displacement of the surfaces that elements leave between nodes."""

@@ -1,23 +1,23 @@
 """The mathematics of one cell, for whole batches of cells, element index last."""
 
 from flangeway.elements.cell_matrices import CellMatrices, cell_matrices
-from flangeway.elements.energy_stiffness import energy_stiffness
 from flangeway.elements.lagrange import Lagrange
 from flangeway.elements.monomials import Frame
-from flangeway.elements.polygon_quadrature import polygon_quadrature
-from flangeway.elements.reconstruction import Element, Function, Reconstruction
-from flangeway.elements.serendipity import Serendipity
-from flangeway.elements.stabilisation import (
+from flangeway.elements.quadrature import polygon_quadrature
+from flangeway.elements.reconstruction import (
     DiagonalStabilisation,
+    Element,
+    Function,
     IdentityStabilisation,
     NoStabilisation,
+    Reconstruction,
     SpectralStabilisation,
     Stabilisation,
     TraceStabilisation,
+    energy_stiffness,
     missed_mass,
 )
-from flangeway.elements.stabilisation_free import StabilisationFree
-from flangeway.elements.virtual import Virtual
+from flangeway.elements.virtual import Serendipity, StabilisationFree, Virtual
 
 __all__ = [
     "CellMatrices",

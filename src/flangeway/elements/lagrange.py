@@ -8,11 +8,10 @@ import numpy as np
 
 from flangeway.checks import check_integer
 from flangeway.elements import batched, monomials
-from flangeway.elements.curved_cells import CurvedPolygons, outline_frame
 from flangeway.elements.monomials import Frame, n_monomials
+from flangeway.elements.projection import CurvedPolygons, outline_frame
 from flangeway.elements.quadrature import gauss_lobatto, triangle
-from flangeway.elements.reconstruction import Element, Function, Reconstruction
-from flangeway.elements.stabilisation import mean_modulus
+from flangeway.elements.reconstruction import Element, Function, Reconstruction, mean_modulus
 from flangeway.errors import InputError
 from flangeway.types import Floats
 

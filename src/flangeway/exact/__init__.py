@@ -1,10 +1,8 @@
 """Solutions in closed form."""
 
-from flangeway.exact.cylinder_and_hole import PlateWithHole, ThickCylinder
 from flangeway.exact.half_space import half_space_blocks, half_space_influence
-from flangeway.exact.hertz_line_contact import LineContact, contact_modulus
-from flangeway.exact.hertz_point_contact import PointContact
-from flangeway.exact.notch import Notch
+from flangeway.exact.hertz import LineContact, PointContact, contact_modulus
+from flangeway.exact.hole_and_notch import Notch, PlateWithHole, ThickCylinder
 from flangeway.exact.torsion_bars import (
     CircularSector,
     Ellipse,

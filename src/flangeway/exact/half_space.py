@@ -1,23 +1,26 @@
-"""Displacements of a half-space's surface by uniform tractions on rectangles (Boussinesq, Cerruti; Love, 1929).
-
-With the distance ``r^2 = x^2 + z^2`` and the axes x, n (outwards) and z, unit point forces move the surface by
-
-    u_n = (1 - nu) / (2 pi G r),  u_x = (1 - 2 nu) x / (4 pi G r^2)          by a force along n,
-    u_x = ((1 - nu) / r + nu x^2 / r^3) / (2 pi G),  u_z = nu x z / (2 pi G r^3),
-    u_n = -(1 - 2 nu) x / (4 pi G r^2)                                        by a force along x
-
-(Johnson, 1985, "Contact Mechanics", 3.2 and 3.6), and alike by one along z. Every kernel is ``z^2 / r^3``,
-``x z / r^3`` or ``x / r^2`` with x and z in either order. They are integrated in closed form, over the rectangle under
-load and, for the mean displacement, over the other one.
-"""
+"""A half-space under uniform tractions on rectangles: displacements of its surface, and stresses inside."""
 
 from collections.abc import Callable, Sequence
 from itertools import product
 
 import numpy as np
+import scipy.fft
 
 from flangeway.errors import InputError
 from flangeway.types import Floats
+
+# --- Displacements of a half-space's surface by uniform tractions on rectangles (Boussinesq, Cerruti; Love, 1929).
+#
+# With the distance ``r^2 = x^2 + z^2`` and the axes x, n (outwards) and z, unit point forces move the surface by
+#
+#     u_n = (1 - nu) / (2 pi G r),  u_x = (1 - 2 nu) x / (4 pi G r^2)          by a force along n,
+#     u_x = ((1 - nu) / r + nu x^2 / r^3) / (2 pi G),  u_z = nu x z / (2 pi G r^3),
+#     u_n = -(1 - 2 nu) x / (4 pi G r^2)                                        by a force along x
+#
+# (Johnson, 1985, "Contact Mechanics", 3.2 and 3.6), and alike by one along z. Every kernel is ``z^2 / r^3``, ``x z /
+# r^3`` or ``x / r^2`` with x and z in either order. They are integrated in closed form, over the rectangle under load
+# and, for the mean displacement, over the other one.
+
 
 Primitive = Callable[[Floats, Floats, Floats], Floats]
 
@@ -134,3 +137,146 @@ _PRIMITIVES: tuple[Primitive, Primitive, Primitive] = (
 def _arctan(y: Floats, x: Floats) -> Floats:
     """``arctan(y / x)``, 0 for x = 0."""
     return np.arctan(y / np.where(x == 0.0, np.inf, x))
+
+
+# --- Stresses inside a half-space under uniform tractions on rectangles.
+#
+# With the distance r from a point of the loaded surface, ``V = int p / r``, ``X = int p log(d + r)`` and
+# ``W = int p (d log(d + r) - r)`` at the depth d, a pressure p gives (Love, 1929, Phil. Trans. R. Soc. A 228)
+#
+#     s_dd = (V_d - d V_dd) / (2 pi),       s_xd = -d V_xd / (2 pi),
+#     s_xx = (2 nu V_d - d V_xx - (1 - 2 nu) X_xx) / (2 pi),   s_xz = -(d V_xz + (1 - 2 nu) X_xz) / (2 pi)
+#
+# and alike along z, and a shear traction p along x (Cerruti; Johnson, 1985, "Contact Mechanics", 3.7)
+#
+#     s_xx = (2 (1 + nu) V_x + 2 nu W_xxx - d X_xxx) / (2 pi),      s_dd = -d V_xd / (2 pi),
+#     s_zz = (2 nu V_x + 2 nu W_xzz - d X_xzz) / (2 pi),            s_xd = (V_d - d V_xx) / (2 pi),
+#     s_xz = (V_z + 2 nu W_xxz - d X_xxz) / (2 pi),                 s_dz = -d V_xz / (2 pi).
+#
+# Derivatives of the integrals are sums over the corners of a rectangle.
+
+
+def half_space_stresses(
+    x: Floats, z: Floats, pressures: Floats, places: Floats, poisson: float, shears: Floats | None = None
+) -> Floats:
+    """Stresses at points of a half-space, summed over rectangles under uniform tractions.
+
+    Parameters
+    ----------
+    x, z
+        Ends of the rectangles across (n, 2), and along z (m, 2).
+    pressures
+        Shape (n, m).
+    places
+        Points: x, depth > 0, z, shape (k, 3).
+    poisson
+        Poisson's ratio.
+    shears
+        Shear tractions on the half-space along x and z, shape (n, m, 2); none if left out.
+
+    Returns
+    -------
+    Floats
+        xx, dd, zz, xd, dz, xz with d along the depth, tension positive, shape (k, 6).
+
+    """
+    loads = pressures[:, :, None] if shears is None else np.concatenate((pressures[:, :, None], shears), axis=2)
+    rows, columns = np.nonzero(loads.any(axis=2))
+    px, depth, pz = places.T[:, :, None, None, None]
+    kernels = _kernels(px - x[rows, :, None], pz - z[columns, None, :], depth, poisson, loads.shape[2])
+    total = sum(kernel[..., 0, 0] @ loads[rows, columns, number] for number, kernel in enumerate(kernels))
+    return np.asarray(total).T / (2.0 * np.pi)
+
+
+def half_space_field(loads: Floats, cell: tuple[float, float], depths: Floats, poisson: float, margin: int) -> Floats:
+    """Stresses below even cells under uniform tractions, at all depths under the middles of the cells.
+
+    The sum over the cells is a convolution, ``s_ij = sum over kl of K_(i-k)(j-l) t_kl``, exact by FFT at each depth.
+
+    Parameters
+    ----------
+    loads
+        Tractions on the half-space: the pressure (n, m, 1), shears along x and z (n, m, 2), or all (n, m, 3).
+    cell
+        Width of the cells along x and z.
+    depths
+        At the surface 0 is allowed, shape (k,).
+    poisson
+        Poisson's ratio.
+    margin
+        Cells around the loaded ones of which the stresses are returned too.
+
+    Returns
+    -------
+    Floats
+        Components as `half_space_stresses`, shape (6, k, n + 2 margin, m + 2 margin).
+
+    """
+    n, m = loads.shape[:2]
+    # distances from the ends of a cell to the middle of another one
+    a, b = (
+        width * (np.arange(-count - margin, count + margin, dtype=np.float64) + 0.5)
+        for width, count in zip(cell, (n, m), strict=True)
+    )
+    a, d = a[:, None], depths[:, None, None]
+    shape = [scipy.fft.next_fast_len(2 * (count + margin) - 1, real=True) for count in (n, m)]
+    spectra = scipy.fft.rfft2(loads, shape, axes=(0, 1))
+    total = sum(
+        scipy.fft.rfft2(kernel, shape) * spectra[..., number]
+        for number, kernel in enumerate(_kernels(a, b, d, poisson, loads.shape[2]))
+    )
+    field = scipy.fft.irfft2(total, shape)[..., n - 1 : 2 * (n + margin) - 1, m - 1 : 2 * (m + margin) - 1]
+    return field / (2.0 * np.pi)
+
+
+def _kernels(a: Floats, b: Floats, d: Floats, poisson: float, n_loads: int) -> list[Floats]:
+    """Sums over the corners of rectangles under unit tractions, without ``1 / 2 pi``, each (6, ..., n, m).
+
+    - `a`, `b`: distances from the ends of the rectangles along x and z, which fit each other, (..., n + 1, m + 1).
+    - `n_loads`: 1: the pressure, 2: shears along x and z, 3: all of them in this order.
+    """
+    corners = [_by_pressure(a, b, d, poisson)] if n_loads != 2 else []
+    if n_loads != 1:
+        corners += [_by_shear(a, b, d, poisson), _by_shear(b, a, d, poisson)[[2, 1, 0, 4, 3, 5]]]
+    return [np.diff(np.diff(each, axis=-2), axis=-1) for each in corners]
+
+
+def _by_pressure(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:
+    """The six sums at one corner of each rectangle, without ``1 / 2 pi``, shape (6, ...)."""
+    r = np.sqrt(a**2 + b**2 + d**2)
+    share = 1.0 - 2.0 * poisson
+    first = -np.arctan2(a * b, d * r)  # V_d
+    second = a * b * (r**2 + d**2) / (r * (a**2 + d**2) * (b**2 + d**2))  # V_dd
+    # d V_xx = d a / (r (b + r)) and alike, without cancellation for b < 0: 1 / (b + r) = (r - b) / (a^2 + d^2)
+    by_a, by_b = (r - b) / (r * (a**2 + d**2)), (r - a) / (r * (b**2 + d**2))
+    # arctan(b / a) - arctan(d b / (a r)) as one angle
+    x_aa = np.arctan2(a * b * (r - d), a**2 * r + d * b**2)
+    x_bb = np.arctan2(a * b * (r - d), b**2 * r + d * a**2)
+    return np.stack(
+        np.broadcast_arrays(
+            2.0 * poisson * first - d * a * by_a - share * x_aa,
+            first - d * second,
+            2.0 * poisson * first - d * b * by_b - share * x_bb,
+            -(d**2) * by_a,
+            -(d**2) * by_b,
+            -(d / r + share * np.log(d + r)),
+        )
+    )
+
+
+def _by_shear(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:
+    """The same by a shear traction along x; what depends on one of a and b alone cancels between corners."""
+    r = np.sqrt(a**2 + b**2 + d**2)
+    by_a = (r - b) / (r * (a**2 + d**2))  # V_xx / a
+    logs = [np.log(np.where(c > 0.0, c + r, (r**2 - c**2) / (r - np.minimum(c, 0.0)))) for c in (b, a)]  # V_x, V_z
+    rest = (2.0 * poisson + d / r) / (d + r)
+    return np.stack(
+        np.broadcast_arrays(
+            2.0 * logs[0] + b * rest + d**2 * by_a,
+            -(d**2) * by_a,
+            2.0 * poisson * logs[0] - b * rest,
+            -np.arctan2(a * b, d * r) - d * a * by_a,
+            -d / r,
+            logs[1] - a * rest,
+        )
+    )

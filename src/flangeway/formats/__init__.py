@@ -1,6 +1,6 @@
 """Files of other programs: outlines (DXF, CSV, TOML), meshes (Gmsh, Abaqus, VTU), stiffness matrices (CalculiX)."""
 
-from flangeway.formats.calculix_matrix import CalculixMatrix, read_calculix_matrix
+from flangeway.formats.abaqus_files import CalculixMatrix, read_calculix_matrix
 from flangeway.formats.drawn_section import UNITS, DrawnSection, PartMaterial
 from flangeway.formats.mesh_files import read_mesh, write_vtu, write_vtu_grids, write_vtu_lines
 from flangeway.formats.mesh_repair import MeshFile

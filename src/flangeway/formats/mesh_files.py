@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError, located
-from flangeway.formats.abaqus_mesh import read_abaqus
+from flangeway.formats.abaqus_files import read_abaqus
 from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, repaired_mesh
 from flangeway.mesh.connectivity import next_in_row
 from flangeway.mesh.curved import PIECES, as_polylines

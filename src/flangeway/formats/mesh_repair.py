@@ -16,8 +16,7 @@ from flangeway.mesh.connectivity import (
     row_numbers,
     rows_reversed,
 )
-from flangeway.mesh.meeting import touching_distance
-from flangeway.mesh.mesh_checks import check, conforming, hanging_points
+from flangeway.mesh.mesh_checks import check, conforming, hanging_points, touching_distance
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints, floats
 

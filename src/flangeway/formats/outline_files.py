@@ -1,15 +1,438 @@
 """Sections from files: TOML, CSV of lines and arcs, DXF."""
 
-from collections.abc import Callable
+import difflib
+import io
+import itertools
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from flangeway.errors import InputError, located
-from flangeway.formats.drawn_section import DrawnSection
-from flangeway.formats.outline_csv import csv_section
-from flangeway.formats.outline_dxf import dxf_section
-from flangeway.formats.outline_toml import toml_section
-from flangeway.system.file_content import file_content, utf8_text
+import numpy as np
+from scipy.spatial import cKDTree
+
+from flangeway.checks import is_finite
+from flangeway.errors import InputError, located, short
+from flangeway.formats.drawn_section import (
+    DrawnSection,
+    DrawnSegment,
+    PartMaterial,
+    agreed_unit,
+    csv_section,
+    drawn_circle,
+    repaired_outline,
+    section_of,
+)
+from flangeway.geometry.arrays import Point, cross_product, norms, point_text
+from flangeway.geometry.outline import JOINT_TOLERANCE, Outline
+from flangeway.geometry.region import Region, Section
+from flangeway.geometry.shapes import rounded_sides
+from flangeway.system.file_content import file_content, toml_data, utf8_text
+
+# --- Sections from TOML, the format to write by hand; `docs/tutorials/section.md` explains it with an example.
+
+
+_PART_KEYS = ("outer", "holes", "young_MPa", "poisson")
+_LOOP_KEYS = ("points", "names", "path", "circle")
+_HOW_IN_TOML = 'a line such as unit = "mm" at the top of the file'
+
+
+def toml_section(text: str, *, unit: str | None = None) -> DrawnSection:
+    """Return the section of a TOML file's text; an `InputError` if a key is unknown or missing, or an outline is wrong.
+
+    The unit must be the file's.
+    """
+    data = toml_data(text, 'lines such as unit = "mm", tables such as [outer]')
+    several = "parts" in data
+    allowed = ("title", "unit", "parts") if several else ("title", "unit", *_PART_KEYS)
+    _refuse_unknown(data, allowed, "the file")
+    in_file = data.get("unit")
+    agreed = agreed_unit(None if in_file is None else _name(in_file, "unit"), unit, _HOW_IN_TOML)
+    parts = _table(data["parts"], "parts") if several else {"section": data}
+    regions, materials = {}, {}
+    notices: list[str] = []
+    for name, part in parts.items():
+        what = f"part {name}: " if several else ""
+        table = _table(part, f"parts.{name}")
+        _refuse_unknown(table, allowed if not several else _PART_KEYS, f"part {name}")
+        regions[name] = _region(table, what, notices)
+        material = _material(table, what)
+        if material is not None:
+            materials[name] = material
+    return DrawnSection(_name(data.get("title", ""), "title"), Section(regions), agreed, materials, tuple(notices))
+
+
+def outline_region(table: Mapping[str, Any], what: str, notices: list[str]) -> Region:
+    """Return the region of a table with points, path or circle, by itself or in `outer`, and holes.
+
+    Repairs are added to the notices.
+    """
+    keys = (*_LOOP_KEYS, "outer", "holes")
+    _refuse_unknown(table, keys, f"{what}the table")
+    if "outer" not in table:
+        outer = {key: value for key, value in table.items() if key in _LOOP_KEYS}
+        table = {"outer": outer, **{key: value for key, value in table.items() if key not in outer}}
+    return _region(table, what, notices)
+
+
+def _region(table: Mapping[str, Any], what: str, notices: list[str]) -> Region:
+    if "outer" not in table:
+        raise InputError(f"{what}no outer boundary", "a table [outer] with points, path or circle", "add it")
+    holes = table.get("holes", [])
+    if not isinstance(holes, list):
+        raise InputError(f"{what}holes = {short(holes)}", "tables [[holes]]", "write [[holes]] above each hole")
+    outer = _outline(_table(table["outer"], f"{what}outer"), f"{what}outer boundary", notices, outer=True)
+    inner = [
+        _outline(_table(hole, f"{what}hole {i}"), f"{what}hole {i} of {len(holes)}", notices, outer=False)
+        for i, hole in enumerate(holes, 1)
+    ]
+    with located(what):
+        return Region(outer, tuple(inner))
+
+
+def _outline(table: Mapping[str, Any], what: str, notices: list[str], *, outer: bool) -> Outline:
+    _refuse_unknown(table, _LOOP_KEYS, what)
+    kinds = [kind for kind in ("points", "path", "circle") if kind in table]
+    if len(kinds) != 1 or ("names" in table and kinds != ["points"]):
+        raise InputError(
+            f"{what} with {' and '.join([*kinds, *(['names'] if 'names' in table else [])]) or 'nothing'}",
+            "one of points (with optional names), path, circle",
+            "keep one of them",
+        )
+    kind = kinds[0]
+    if kind == "points":
+        drawn = _corners(table, what, notices)
+    elif kind == "path":
+        drawn = _path(table["path"], what)
+    else:
+        circle = _table(table["circle"], f"{what}: circle")
+        _refuse_unknown(circle, ("centre", "radius"), f"{what}: circle")
+        radius = _number(circle.get("radius"), f"{what}: radius of the circle")
+        if not radius > 0.0:
+            raise InputError(f"{what}: radius of the circle = {radius:g}", "a positive length", "correct it")
+        drawn = drawn_circle(_point(circle.get("centre"), f"{what}: centre of the circle"), radius)
+    outline, repaired = repaired_outline(drawn, what, direction_matters=outer)
+    notices += repaired
+    return outline
+
+
+def _corners(table: Mapping[str, Any], what: str, notices: list[str]) -> list[DrawnSegment]:
+    """Return the sides of a polygon, its corners rounded where a third number gives a radius."""
+    rows = table["points"]
+    if not isinstance(rows, list) or len(rows) < 3:
+        raise InputError(f"{what}: points = {short(rows)}", "three points [x, y] or more", "add points")
+    corners: list[Point] = []
+    radii: list[float] = []
+    for number, row in enumerate(rows, 1):
+        here = f"{what}: point {number}"
+        if not isinstance(row, list) or len(row) not in (2, 3):
+            raise InputError(f"{here} is {short(row)}", "[x, y], or [x, y, radius] to round the corner", "correct it")
+        corners.append(_point(row[:2], here))
+        radii.append(_number(row[2], f"{here}: radius") if len(row) == 3 else 0.0)
+    names = table.get("names", [f"side_{i}" for i in range(1, len(corners) + 1)])
+    if not isinstance(names, list) or len(names) != len(corners):
+        raise InputError(
+            f"{what}: names = {short(names)}",
+            f"{len(corners)} names, one for the side from each point to the next",
+            "correct the names",
+        )
+    kept = [i for i, corner in enumerate(corners) if corner != corners[i - 1]]
+    notices += [
+        f"{what}: the point {point_text(corners[i])} is given twice; one of both is left out."
+        for i in sorted(set(range(len(corners))) - set(kept))
+    ]
+    labels = [_name(names[i], f"{what}: name {i + 1}") for i in kept]
+    with located(f"{what}: "):
+        sides = rounded_sides([corners[i] for i in kept], [radii[i] for i in kept], labels)
+    return [DrawnSegment(*side) for side in sides]
+
+
+def _path(steps: Any, what: str) -> list[DrawnSegment]:
+    """Return the segments of ``{ from = [x, y] }, { line_to = ... }, { arc_to = ..., through = ... }``."""
+    if not isinstance(steps, list) or not all(isinstance(step, dict) for step in steps) or len(steps) < 3:
+        raise InputError(
+            f"{what}: path = {short(steps)}", "steps { from }, { line_to }, { arc_to }", "see the tutorial"
+        )
+    if set(steps[0]) != {"from"}:
+        raise InputError(f"{what}: a path that starts with {short(steps[0])}", "{ from = [x, y] } first", "add it")
+    place = _point(steps[0]["from"], f"{what}: from")
+    drawn = []
+    for number, step in enumerate(steps[1:], 1):
+        segment = _step(step, place, f"{what}: step {number}")
+        drawn.append(segment)
+        place = segment.end
+    return drawn
+
+
+def _step(step: Mapping[str, Any], place: Point, here: str) -> DrawnSegment:
+    _refuse_unknown(step, ("line_to", "arc_to", "through", "centre", "turn", "name"), here)
+    name = _name(step.get("name", here.rpartition(": ")[2].replace(" ", "_")), f"{here}: name")
+    keys = set(step) - {"name"}
+    if keys == {"line_to"}:
+        return DrawnSegment(place, _point(step["line_to"], f"{here}: line_to"), name=name)
+    if keys == {"arc_to", "through"}:
+        end, middle = _point(step["arc_to"], f"{here}: arc_to"), _point(step["through"], f"{here}: through")
+        return through_arc(place, middle, end, name, here)
+    if keys == {"arc_to", "centre", "turn"} and step["turn"] in ("left", "right"):
+        end, centre = _point(step["arc_to"], f"{here}: arc_to"), _point(step["centre"], f"{here}: centre")
+        return DrawnSegment(place, end, centre, step["turn"] == "left", name)
+    raise InputError(
+        f"{here} is {short(dict(step))}",
+        '{ line_to }, { arc_to, through } or { arc_to, centre, turn = "left" or "right" }, each with an optional name',
+        "correct this step",
+    )
+
+
+def _material(table: Mapping[str, Any], what: str) -> PartMaterial | None:
+    if "young_MPa" not in table and "poisson" not in table:
+        return None
+    young = _number(table.get("young_MPa"), f"{what}young_MPa")
+    poisson = _number(table.get("poisson"), f"{what}poisson")
+    with located(what):
+        return PartMaterial(young, poisson)
+
+
+def _table(value: Any, what: str) -> Mapping[str, Any]:
+    if not isinstance(value, dict) or not value:
+        raise InputError(f"{what} = {short(value)}", "a table with keys", "see the tutorial for the format")
+    return value
+
+
+def _name(value: Any, what: str) -> str:
+    if not isinstance(value, str):
+        raise InputError(f"{what} is {short(value)}", "text in quotation marks", "correct it")
+    return value
+
+
+def _number(value: Any, what: str) -> float:
+    if not is_finite(value):
+        raise InputError(f"{what} is {'missing' if value is None else short(value)}", "a finite number", "correct it")
+    return float(value)
+
+
+def _point(value: Any, what: str) -> Point:
+    if not isinstance(value, list) or len(value) != 2:
+        raise InputError(f"{what} is {'missing' if value is None else short(value)}", "a point [x, y]", "correct it")
+    return _number(value[0], f"{what}: x"), _number(value[1], f"{what}: y")
+
+
+def _refuse_unknown(table: Mapping[str, Any], known: Sequence[str], what: str) -> None:
+    for key in table:
+        if key not in known:
+            near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+            advice = f"did you mean {near[0]}?" if near else "remove it"
+            raise InputError(f"{what} with the key {short(key)}", f"keys {', '.join(known)}", advice)
+
+
+def through_arc(start: Point, middle: Point, end: Point, name: str, what: str) -> DrawnSegment:
+    """Return the arc from `start` through `middle` to `end`; points on one line are an `InputError`."""
+    a, b = np.subtract(middle, start), np.subtract(end, start)
+    cross = float(cross_product(a, b))
+    if not abs(cross) > 1e-9 * float(norms(a) * norms(b)):
+        raise InputError(
+            f"{what}: an arc through three points on one line, {short(start)}, {short(middle)}, {short(end)}",
+            "a point that is off the line from start to end",
+            "use line_to, or move the point",
+        )
+    rays = np.array([[b[1], -a[1]], [-b[0], a[0]]]) @ np.array([a @ a, b @ b]) / (2.0 * cross)
+    centre = (start[0] + float(rays[0]), start[1] + float(rays[1]))
+    return DrawnSegment(start, end, centre, cross > 0.0, name)
+
+
+# --- Sections from DXF drawings: LINE, ARC, CIRCLE, and polylines with bulges.
+#
+# Closed polylines and circles are loops; lines, arcs and open polylines are joined at their ends. Loops inside others
+# are holes, loops inside holes are further parts. Needs nothing of the drawing's layers.
+
+
+UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}  # $INSUNITS of the DXF reference
+CURVED_ENTITIES = ("SPLINE", "ELLIPSE", "INSERT", "REGION", "MLINE", "HELIX", "3DSOLID", "BODY", "MESH", "3DFACE")
+_HOW_IN_DXF = "a drawing with $INSUNITS of inches, feet, mm, cm or m, or the input unit"
+
+
+def dxf_section(content: bytes, *, unit: str | None = None) -> DrawnSection:
+    """Return the section that the model space of a DXF drawing shows; the unit is needed if the drawing names none.
+
+    An `InputError` if it is no drawing, holds curves that are neither lines nor arcs, or an outline is wrong.
+    """
+    drawing = open_drawing(content)
+    if not len(drawing.modelspace()):
+        raise InputError(
+            "no drawing in the model space of a DXF file",
+            "lines and arcs in model space",
+            "check the format of the file, or draw the outline in model space",
+        )
+    agreed = agreed_unit(unit_of(drawing), unit, _HOW_IN_DXF)
+    with damage_reported():
+        loops, chains, ignored = pieces_of(drawing)
+        loops += joined_chains(chains)
+    if not loops:
+        raise InputError("a drawing without a closed outline in its model space", "lines and arcs", "draw the outline")
+    left_out = [f"Left out: {count} {kind}." for kind, count in sorted(ignored.items())]
+    named = [(f"loop {number} of {len(loops)} (layer {loop[0].name!r})", loop) for number, loop in enumerate(loops, 1)]
+    repaired = [repaired_outline(loop, what, direction_matters=False) for what, loop in named]
+    return section_of(repaired, agreed, left_out)
+
+
+def pieces_of(drawing: Any) -> tuple[list[list[DrawnSegment]], list[list[DrawnSegment]], Counter[str]]:
+    """Return the closed loops and open chains of a drawing, and how many entities of other kinds there are."""
+    loops: list[list[DrawnSegment]] = []
+    chains: list[list[DrawnSegment]] = []
+    ignored: Counter[str] = Counter()
+    for entity in drawing.modelspace():
+        kind = entity.dxftype()
+        if kind in CURVED_ENTITIES:
+            raise InputError(
+                f"a {kind} on layer {entity.dxf.layer!r}",
+                "LINE, ARC, CIRCLE, LWPOLYLINE and POLYLINE",
+                "explode it, or turn it into lines and arcs",
+            )
+        if kind == "CIRCLE":
+            centre = _flat(entity, entity.dxf.center)
+            loops.append(drawn_circle(centre, float(entity.dxf.radius), entity.dxf.layer))
+        elif kind in ("LINE", "ARC"):
+            chains.append([drawn_entity(entity)])
+        elif kind == "LWPOLYLINE" or (kind == "POLYLINE" and entity.is_2d_polyline):
+            pieces = [drawn_entity(piece) for piece in entity.virtual_entities()]
+            if pieces:
+                (loops if entity.is_closed else chains).append(in_order(pieces))
+        else:
+            ignored[kind] += 1
+    return loops, chains, ignored
+
+
+@contextmanager
+def damage_reported(what: str = "a damaged drawing") -> Iterator[None]:
+    """Turn what the library raises about damaged entities, of whatever kind, into an InputError."""
+    from ezdxf.lldxf.const import DXFError  # noqa: PLC0415  (slow to import, and few programs read drawings)
+
+    faults = AttributeError, TypeError, ValueError, LookupError, ArithmeticError, AssertionError, OSError, DXFError
+    try:
+        # a doubled corner with a bulge has no centre; it is refused later
+        with np.errstate(all="ignore"):
+            yield
+    except faults as reason:
+        raise InputError(f"{what}: {reason}", "DXF without errors", "save the drawing as DXF again") from reason
+
+
+def unit_of(drawing: Any) -> str | None:
+    """Return the unit of length that the drawing names, if any."""
+    number = drawing.header.get("$INSUNITS", 0)
+    return UNITS.get(number) if isinstance(number, int) else None
+
+
+def open_drawing(content: bytes) -> Any:
+    """Return the ezdxf document of a file's bytes; an InputError if it is none or damaged."""
+    from ezdxf import recover  # noqa: PLC0415  (slow to import, and few programs read drawings)
+
+    with damage_reported("a file that is no DXF drawing"):
+        drawing, auditor = recover.read(io.BytesIO(content))
+    if auditor.has_errors:
+        raise InputError(
+            f"a damaged drawing: {auditor.errors[0].message}", "DXF without errors", "save the drawing as DXF again"
+        )
+    return drawing
+
+
+def _flat(entity: Any, point: Any) -> Point:
+    """Return a point of the entity's own axes in the plane of the drawing."""
+    upwards = entity.dxf.get("extrusion", (0.0, 0.0, 1.0))
+    if not math.isclose(abs(upwards[2]), math.hypot(*upwards), rel_tol=1e-9):
+        raise InputError(
+            f"a {entity.dxftype()} on layer {entity.dxf.layer!r} that is not parallel to the x-y plane",
+            "a plane drawing",
+            "flatten the drawing",
+        )
+    place = point if entity.dxftype() == "LINE" else entity.ocs().to_wcs(point)
+    return float(place[0]), float(place[1])
+
+
+def drawn_entity(entity: Any) -> DrawnSegment:
+    """Return a LINE or ARC with its layer as name."""
+    layer = str(entity.dxf.layer)
+    if entity.dxftype() == "LINE":
+        return DrawnSegment(_flat(entity, entity.dxf.start), _flat(entity, entity.dxf.end), name=layer)
+    centre = _flat(entity, entity.dxf.center)
+    start, end = entity.start_point, entity.end_point
+    # an extrusion downwards shows the arc from below
+    upwards = entity.dxf.get("extrusion", (0.0, 0.0, 1.0))[2] > 0.0
+    return DrawnSegment(
+        (float(start[0]), float(start[1])),
+        (float(end[0]), float(end[1])),
+        centre,
+        counter_clockwise=upwards,
+        name=layer,
+    )
+
+
+def reversed_segment(segment: DrawnSegment) -> DrawnSegment:
+    """Return the segment from its end to its start."""
+    return DrawnSegment(segment.end, segment.start, segment.centre, not segment.counter_clockwise, segment.name)
+
+
+def in_order(pieces: Sequence[DrawnSegment]) -> list[DrawnSegment]:
+    """Turn the pieces of a polyline, whose arcs all run counter-clockwise, so that each follows the one before."""
+    if len(pieces) == 1:
+        return list(pieces)
+    first, second = pieces[0], pieces[1]
+
+    def gap(point: Point) -> float:
+        return min(math.dist(point, second.start), math.dist(point, second.end))
+
+    ordered = [first if gap(first.end) <= gap(first.start) else reversed_segment(first)]
+    for piece in pieces[1:]:
+        place = ordered[-1].end
+        forward = math.dist(place, piece.start) <= math.dist(place, piece.end)
+        ordered.append(piece if forward else reversed_segment(piece))
+    return ordered
+
+
+def joined_chains(chains: Sequence[list[DrawnSegment]], *, closed: bool = True) -> list[list[DrawnSegment]]:
+    """Join chains at their ends, each of which must meet exactly one other, or none where they need not be closed."""
+    if not chains:
+        return []
+    ends = np.array([point for chain in chains for point in (chain[0].start, chain[-1].end)])
+    tolerance = JOINT_TOLERANCE * max(float(norms(np.ptp(ends, axis=0))), np.finfo(float).tiny)
+    near = cKDTree(ends).query_ball_point(ends, tolerance)
+    for number, group in enumerate(near):
+        if len(group) != 2 and (closed or len(group) > 2):
+            word = "an open end" if len(group) == 1 else f"{len(group)} ends that meet"
+            raise InputError(
+                f"{word} at {point_text(ends[number])}, layer {chains[number // 2][0].name!r}",
+                f"ends that meet one other each, to {tolerance:.3g}",
+                "close the gap, or draw parts that touch as closed polylines",
+            )
+    partner = {number: other for number, group in enumerate(near) for other in group if other != number}
+    left = set(range(len(chains)))
+    joined = []
+    # open chains are entered at a free end, closed ones at one of their ends
+    for place in (*(n for n in range(len(ends)) if n not in partner), *range(0, len(ends), 2)):
+        if place // 2 not in left:
+            continue
+        chain: list[DrawnSegment] = []
+        at: int | None = place
+        while at is not None and at // 2 in left:
+            piece = chains[at // 2]
+            left.remove(at // 2)
+            chain += piece if at % 2 == 0 else [reversed_segment(s) for s in reversed(piece)]
+            at = partner.get(at ^ 1)
+        joined.append(_exact_joints(chain) if place in partner else chain)
+    return joined
+
+
+def _exact_joints(loop: list[DrawnSegment]) -> list[DrawnSegment]:
+    """Move every start onto the end before it, within the tolerance of joining."""
+    return [
+        DrawnSegment(before.end, s.end, s.centre, s.counter_clockwise, s.name)
+        for before, s in itertools.pairwise([loop[-1], *loop])
+    ]
+
+
+# --- Sections from files: TOML, CSV of lines and arcs, DXF.
+
 
 ENDINGS = (".toml", ".csv", ".dxf")
 

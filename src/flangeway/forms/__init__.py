@@ -1,16 +1,21 @@
 """One's own problem: forms in a few lines on any space, their solution, time steps, and rates of the error."""
 
-from flangeway.forms.assembled import load, mass, stiffness
-from flangeway.forms.convergence import convergence
-from flangeway.forms.nonlinear import NewtonSolution, newton
 from flangeway.forms.plate import Plate
 from flangeway.forms.section import BeamSection
-from flangeway.forms.solution import buckling, modes, solve
+from flangeway.forms.solution import (
+    NewtonSolution,
+    buckling,
+    convergence,
+    modes,
+    newmark_steps,
+    newton,
+    solve,
+    theta_steps,
+)
 from flangeway.forms.stokes import StokesSolution, stokes, stokes_matrix
-from flangeway.forms.time_steps import newmark_steps, theta_steps
-from flangeway.forms.weak import Field, bilinear, linear
+from flangeway.forms.weak import Field, bilinear, linear, load, mass, stiffness
 from flangeway.post import error_norms
-from flangeway.solve.factor import Factor
+from flangeway.solve.linear import Factor
 from flangeway.space import block_array, interpolate
 
 __all__ = [

@@ -15,12 +15,11 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import check_between
 from flangeway.errors import InputError
-from flangeway.forms.assembled import stiffness
-from flangeway.forms.weak import Field, integrals, local_functions
+from flangeway.forms.weak import Field, integrals, local_functions, stiffness
 from flangeway.mesh.mesh_checks import positive_by_cells
-from flangeway.post.lines import locate
 from flangeway.post.section_constants import SectionConstants, section_constants
-from flangeway.solve.factor import Factor
+from flangeway.post.stress import locate
+from flangeway.solve.linear import Factor
 from flangeway.space import CellBatch, Space
 from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats

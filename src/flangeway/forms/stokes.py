@@ -24,11 +24,10 @@ from flangeway.elements.monomials import Frame, exponents, index, n_monomials
 from flangeway.elements.projection import Polygons, principal_frame
 from flangeway.elements.quadrature import edge_shapes, edge_unknowns, gauss
 from flangeway.errors import InputError
-from flangeway.forms.assembled import load
-from flangeway.forms.weak import scattered
+from flangeway.forms.weak import load, scattered
 from flangeway.geometry.arrays import steps_around
 from flangeway.mesh import PolyMesh
-from flangeway.solve.factor import Factor
+from flangeway.solve.linear import Factor
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import at_points, cell_quadrature, function_of
 from flangeway.types import Bools, Floats, Indices, Ints

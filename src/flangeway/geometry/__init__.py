@@ -1,22 +1,23 @@
 """Outlines made of straight lines and circular arcs, and the regions and sections inside them."""
 
 from flangeway.geometry.arrays import FloatArray, IntArray, Point, as_point, as_points, cross_product
-from flangeway.geometry.contour import Contour
-from flangeway.geometry.outline import Outline
+from flangeway.geometry.outline import Contour, Outline
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.region import Region, Section, nested_regions
-from flangeway.geometry.section_shapes import (
+from flangeway.geometry.segments import Arc, Line, Segment, Spline, crossing_shares
+from flangeway.geometry.shapes import (
     angle_section,
     box_section,
     channel_section,
+    circle,
     i_section,
     pipe_section,
+    polygon,
+    rectangle,
     rounded_polygon,
+    square,
     tee_section,
 )
-from flangeway.geometry.segments import Arc, Line, Segment, crossing_shares
-from flangeway.geometry.shapes import circle, polygon, rectangle, square
-from flangeway.geometry.splines import Spline
 
 __all__ = [
     "Arc",

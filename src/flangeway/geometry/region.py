@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import Point, as_points, box_about, cross_product, norms, point_text
-from flangeway.geometry.contour import CROSSING_TOLERANCE
-from flangeway.geometry.outline import Outline
+from flangeway.geometry.outline import CROSSING_TOLERANCE, Outline
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import chains_meet
 from flangeway.types import Bools, Floats

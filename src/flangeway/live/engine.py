@@ -31,9 +31,9 @@ from flangeway.report.figures.drawing import png
 from flangeway.report.page.html_page import case_text, command_line, report_page
 from flangeway.report.wheelset.wheelset_page import below_fields, results_table, stresses_below, wheelset_facts
 from flangeway.report.wheelset.wheelset_patches import patch_map
-from flangeway.system.latest_values import LatestValues
+from flangeway.results import Units, us_unit, with_texts
+from flangeway.system.disk_cache import LatestValues
 from flangeway.types import Floats, floats
-from flangeway.units import Units, us_unit, with_texts
 
 LATERAL_MM, STEP_MM = 12.0, 0.05
 """Lateral positions of the rigid contact: how far to both sides, and their distance; the page interpolates between."""

@@ -19,7 +19,7 @@ from starlette.routing import Route
 
 from flangeway.errors import FlangewayError, InputError
 from flangeway.live.engine import MAX_FILE_BYTES, LiveEngine, SupersededError
-from flangeway.units import Units
+from flangeway.results import Units
 
 HOST = "127.0.0.1"
 TOKEN_BYTES = 24

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flangeway.live.server import LiveServer
-from flangeway.units import Units
+from flangeway.results import Units
 
 HEIGHT_PX = 900
 

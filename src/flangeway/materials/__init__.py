@@ -1,9 +1,7 @@
 """Materials."""
 
-from flangeway.materials.elastic import Elastic
-from flangeway.materials.material import Hypothesis, Material
+from flangeway.materials.elastic import Elastic, Hypothesis, Material, Orthotropic
 from flangeway.materials.nonlinear_material import J2Plasticity, NeoHooke, NonlinearMaterial, Response
-from flangeway.materials.orthotropic import Orthotropic
 
 __all__ = [
     "Elastic",

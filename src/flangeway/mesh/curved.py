@@ -8,12 +8,10 @@ import numpy as np
 
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import norms
-from flangeway.geometry.contour import Contour
+from flangeway.geometry.outline import Contour
 from flangeway.geometry.region import Region, Section
-from flangeway.geometry.segments import Line, Segment
-from flangeway.geometry.splines import Spline
-from flangeway.mesh.connectivity import entries_of, offsets_of, pairs_divided, places_among, shortest_edges
-from flangeway.mesh.edge_curves import EdgeCurves
+from flangeway.geometry.segments import Line, Segment, Spline
+from flangeway.mesh.connectivity import EdgeCurves, entries_of, offsets_of, pairs_divided, places_among, shortest_edges
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints
 

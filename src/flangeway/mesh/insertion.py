@@ -14,14 +14,15 @@ from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, as_point, as_points, cross_product, norms, point_text
 from flangeway.geometry.segments import Line
 from flangeway.mesh.connectivity import (
+    EdgeCurves,
     edge_places,
     offsets_of,
     ordered_pairs,
     pairs_divided,
     row_numbers,
     shortest_edges,
+    united,
 )
-from flangeway.mesh.edge_curves import EdgeCurves, united
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints
 

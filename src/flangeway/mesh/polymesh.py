@@ -15,6 +15,7 @@ from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, as_points, cross_product, point_text
 from flangeway.geometry.placement import Placement
 from flangeway.mesh.connectivity import (
+    EdgeCurves,
     EdgeNumbers,
     chain_starts,
     edge_places,
@@ -25,8 +26,8 @@ from flangeway.mesh.connectivity import (
     places_among,
     row_numbers,
     rows_reversed,
+    united,
 )
-from flangeway.mesh.edge_curves import EdgeCurves, united
 from flangeway.types import Bools, Floats, Indices, Ints
 
 

@@ -10,11 +10,9 @@ from numpy.typing import ArrayLike
 from flangeway.checks import as_numbers, check_integer, is_finite, refused
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray, cross_product, norms, point_text
-from flangeway.mesh.connectivity import entries_of, next_in_row, offsets_of, pairs_divided, row_numbers
+from flangeway.mesh.connectivity import EdgeCurves, entries_of, next_in_row, offsets_of, pairs_divided, row_numbers
 from flangeway.mesh.curved import Curves, snapped_points
-from flangeway.mesh.cutting import HALVED, cut_polygon, has_notch
-from flangeway.mesh.edge_curves import EdgeCurves
-from flangeway.mesh.kernel import GOOD_DISTANCE, visible_distances
+from flangeway.mesh.cutting import GOOD_DISTANCE, HALVED, cut_polygon, has_notch, visible_distances
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
 from flangeway.types import Bools, Floats, Ints

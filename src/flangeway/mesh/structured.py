@@ -1,5 +1,6 @@
-"""Small structured meshes of a rectangle, for tests and examples."""
+"""Structured meshes of a rectangle, and squares divided into four where a function says."""
 
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -7,8 +8,13 @@ import numpy as np
 from flangeway.checks import check_integer, check_positive
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import Point, as_point
+from flangeway.mesh.mesh_checks import conforming
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
+from flangeway.types import Bools, Floats, Ints
+
+# --- Small structured meshes of a rectangle, for tests and examples.
+
 
 BYTES_A_SQUARE = 140  # of triangles, the larger; measured
 
@@ -71,3 +77,79 @@ def rectangle_grid(
     sides = {"bottom": grid[0], "right": grid[:, -1], "top": grid[-1, ::-1], "left": grid[::-1, 0]}
     edge_sets = {name: np.column_stack([p[:-1], p[1:]]) for name, p in sides.items()}
     return PolyMesh.from_cells(np.column_stack([x.ravel(), y.ravel()]), rows, edge_sets=edge_sets)
+
+
+# --- Squares divided into four where a function says, with hanging nodes as points of polygons.
+
+
+BYTES_A_LEAF = 1000
+CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+MAX_LEVELS = 20  # 2^20 of the smallest sides on the largest
+
+
+def quadtree(
+    width: float,
+    height: float,
+    nx: int,
+    ny: int,
+    *,
+    finer: Callable[[Floats, Floats], Bools],
+    levels: int = 3,
+    origin: Point = (0.0, 0.0),
+) -> PolyMesh:
+    """Return a rectangle of rectangles, each cut into four again and again where a function says.
+
+    A corner on a side of a larger neighbour becomes a point of that cell too, which is a polygon with straight angles.
+    Neighbours may differ by any number of levels.
+
+    Parameters
+    ----------
+    width, height
+        Sides, positive.
+    nx, ny
+        Numbers of cells along the width and the height before any is cut.
+    finer
+        Takes the centres (n, 2) of cells and their longer sides (n,), gives which are cut, (n,).
+    levels
+        How often a cell can be cut, 0 to 20.
+    origin
+        Lower-left corner.
+
+    Returns
+    -------
+    PolyMesh
+        With edge sets ``bottom``, ``right``, ``top``, ``left``.
+
+    Raises
+    ------
+    InputError
+        If a length or number is not positive, or the function gives something else than truth values.
+    """
+    base = np.array(checked_rectangle("quadtree", (width, height), (nx, ny), origin))
+    check_integer("quadtree", "levels", levels, 0, MAX_LEVELS)
+    size = np.array([width / nx, height / ny]) / 2**levels  # of the smallest cells, in which places are counted
+    place = 2**levels * np.stack(np.meshgrid(np.arange(nx), np.arange(ny)), axis=-1).reshape(-1, 2)
+    done: list[tuple[Ints, int]] = []
+    for level in range(levels, -1, -1):
+        side = 2**level
+        cut = np.zeros(len(place), dtype=bool)
+        if level:
+            centres = base + (place + side / 2.0) * size
+            cut = np.asarray(finer(centres, np.full(len(place), side * size.max())))
+            if cut.shape != (len(place),) or cut.dtype != bool:
+                raise InputError(
+                    f"quadtree(finer=...) with values of shape {cut.shape} and type {cut.dtype}",
+                    f"a truth value for each of {len(place)} cells",
+                    "write it for centres (n, 2) and sides (n,)",
+                )
+        done.append((place[~cut], side))
+        place = (place[cut][:, None] + side // 2 * CORNERS).reshape(-1, 2)
+        refuse_large_mesh("the cells of a quadtree", BYTES_A_LEAF * len(place))
+    corners = np.concatenate([rows[:, None] + side * CORNERS for rows, side in done])
+    points, cells = np.unique(corners.reshape(-1, 2), axis=0, return_inverse=True)
+    mesh = conforming(PolyMesh.from_cells(base + points * size, cells.reshape(-1, 4)))
+    last = np.array([nx, ny]) * 2**levels
+    for name, axis, value in (("bottom", 1, 0), ("right", 0, last[0]), ("top", 1, last[1]), ("left", 0, 0)):
+        ends = points[mesh.boundary_edges][..., axis]
+        mesh = mesh.with_edge_set(name, mesh.boundary_edges[(ends == value).all(axis=1)])
+    return mesh

@@ -1,33 +1,40 @@
 """What is computed from a solution: stresses, contact pressure, section constants, error norms."""
 
-from flangeway.post.adaptive import (
+from flangeway.post.pressure import (
+    ContactChecks,
+    ContactLine,
+    PressurePatch,
+    check_contact,
+    contact_lines,
+    cut_zones,
+    pressure_patches,
+)
+from flangeway.post.reactions import Reaction, nodal_residual, reactions, relative_nodal_residual
+from flangeway.post.recovery import (
     AdaptiveRun,
     AdaptiveStep,
+    ErrorNorms,
+    RecoveredStresses,
     adapt,
+    error_norms,
+    recovered_stresses,
     stress_errors,
 )
-from flangeway.post.contact_checks import ContactChecks, check_contact, cut_zones
-from flangeway.post.lines import (
-    CutForce,
-    StressLine,
-    displacements_at,
-    force_through_cut,
-    locate,
-    stresses_along,
-    stresses_at,
-)
-from flangeway.post.norms import ErrorNorms, error_norms
-from flangeway.post.pressure import ContactLine, PressurePatch, contact_lines, pressure_patches
-from flangeway.post.reactions import Reaction, nodal_residual, reactions, relative_nodal_residual
-from flangeway.post.recovery import RecoveredStresses, recovered_stresses
 from flangeway.post.section_constants import SectionConstants, section_constants
 from flangeway.post.stress import (
+    CutForce,
     Stresses,
+    StressLine,
     cell_stresses,
     corner_shear_stresses,
     corner_stresses,
+    displacements_at,
+    force_through_cut,
+    locate,
     nodal_stresses,
     shear_stresses,
+    stresses_along,
+    stresses_at,
 )
 
 __all__ = [

@@ -7,13 +7,11 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from flangeway.contact.patch.contact_ellipse import ContactEllipse
-from flangeway.contact.patch.patch_body import PatchBody, points_along
-from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, PatchContact
+from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, ContactEllipse, PatchContact
+from flangeway.contact.patch.patch_grid import PatchBody, points_along
 from flangeway.elements import Reconstruction
-from flangeway.exact.half_space_stresses import half_space_field, half_space_stresses
-from flangeway.post.lines import values_inside
-from flangeway.post.stress import corner_values, von_mises
+from flangeway.exact.half_space import half_space_field, half_space_stresses
+from flangeway.post.stress import corner_values, values_inside, von_mises
 from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.surface_compliance import StripForces, wave_sums, waves
 from flangeway.space import CellBatch
@@ -199,7 +197,7 @@ def half_space_profile(
 ) -> DepthProfile:
     """Stresses below a place (x, z) of a half-space under pressures and shear tractions on rectangles.
 
-    See `flangeway.exact.half_space_stresses.half_space_stresses`; the rectangles are its x and z.
+    See `flangeway.exact.half_space.half_space_stresses`; the rectangles are its x and z.
     """
     places = np.stack((np.full(len(depths), place[0]), depths, np.full(len(depths), place[1])), axis=1)
     found = half_space_stresses(*rectangles, pressures, places, poisson, shears)

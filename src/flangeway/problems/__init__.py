@@ -1,13 +1,23 @@
 """Boundary value problems: from a space and data to stiffness and load."""
 
 from flangeway.problems.body import Body, Part
-from flangeway.problems.elasticity_problem import Elasticity
-from flangeway.problems.field import ElasticField
+from flangeway.problems.elasticity_problem import ElasticField, Elasticity
 from flangeway.problems.harmonic import Foundation, Harmonic, LongitudinalTraction
-from flangeway.problems.linear_body import LinearBody
-from flangeway.problems.loads import BodyForce, Gravity, Load, PointForce, Pressure, TemperatureChange, Traction
-from flangeway.problems.stiffness_body import StiffnessBody
-from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support, fixed
+from flangeway.problems.loads import (
+    BodyForce,
+    Gravity,
+    Load,
+    PointForce,
+    PrescribedDisplacement,
+    Pressure,
+    RigidHandle,
+    Spring,
+    Support,
+    TemperatureChange,
+    Traction,
+    fixed,
+)
+from flangeway.problems.stiffness_body import LinearBody, StiffnessBody
 from flangeway.problems.torsion_problem import Torsion
 
 __all__ = [

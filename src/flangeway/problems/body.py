@@ -17,9 +17,8 @@ from flangeway.geometry.arrays import IntArray, Point
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.problems.elasticity_problem import Elasticity
-from flangeway.problems.linear_body import LinearBody, RigidFreedom
-from flangeway.problems.stiffness_body import StiffnessBody
-from flangeway.problems.supports import Spring
+from flangeway.problems.loads import Spring
+from flangeway.problems.stiffness_body import LinearBody, RigidFreedom, StiffnessBody
 from flangeway.space import CondensedMatrix, DifferenceProduct, Space, SymmetricMatrix
 from flangeway.types import Bools, Floats, Indices
 

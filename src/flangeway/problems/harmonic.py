@@ -18,10 +18,8 @@ from flangeway.elements import Reconstruction, batched, missed_mass, monomials
 from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import Point
-from flangeway.problems.edges import EdgeQuadrature, edge_quadrature, entries_between
-from flangeway.problems.elasticity_problem import Elasticity
-from flangeway.problems.prescribed import Scalar, check_scalar, scalar_at
-from flangeway.problems.strains import StrainOperators, add_consistency, strain_operators
+from flangeway.problems.elasticity_problem import Elasticity, StrainOperators, add_consistency, strain_operators
+from flangeway.problems.loads import EdgeQuadrature, Scalar, check_scalar, edge_quadrature, entries_between, scalar_at
 from flangeway.space import CellBatch, SymmetricMatrix
 from flangeway.types import Bools, Floats, Ints
 

@@ -1,24 +1,263 @@
-"""Loads of an elastic body: items of an `Elasticity` problem.
-
-Every load gives the forces on all unknowns that do its work. Tractions are forces per area, that is per length of edge
-and per thickness; in a body of revolution they act all around the axis.
-"""
+"""Loads and supports of an elastic body: items of an `Elasticity` problem."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from flangeway.checks import are_finite, check_finite, is_finite
 from flangeway.elements import Reconstruction, polygon_quadrature
-from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import Point
+from flangeway.elements.quadrature import edge_rule
+from flangeway.errors import InputError, located, short
+from flangeway.geometry.arrays import IntArray, Point, turned_right
 from flangeway.materials import Material
-from flangeway.problems.edges import edge_quadrature
-from flangeway.problems.prescribed import Scalar, Vector, check_scalar, check_vector, scalar_at, vector_at
 from flangeway.space import CellBatch, Space
-from flangeway.types import Bools, Floats, Ints
+from flangeway.space.functions import at_points
+from flangeway.types import Bools, Floats, Indices, Ints, floats
+
+# --- Numbers and functions of the points that a user gives: loads, displacements, temperatures.
+
+
+Scalar = float | Callable[[Floats], Floats]
+"""A number, or a function of points (n, 2) with values (n,)."""
+Vector = Sequence[float] | Floats | Callable[[Floats], Floats]
+"""Two numbers, or a function of points (n, 2) with values (n, 2)."""
+
+
+def check_scalar(owner: str, value: Scalar) -> None:
+    """Refuse what is neither a finite number nor a function."""
+    if callable(value):
+        return
+    if not is_finite(value):
+        allowed = "a finite number, or a function of points (n, 2)"
+        raise InputError(f"{owner} = {short(value)}", allowed, "correct the value")
+
+
+def check_vector(owner: str, value: Vector) -> None:
+    """Refuse what is neither two finite numbers nor a function."""
+    if callable(value):
+        return
+    if not are_finite(value, 2):
+        raise InputError(
+            f"{owner} = {short(value)}",
+            "two finite numbers, for x and y, or a function of points (n, 2)",
+            "give both components, 0 for none",
+        )
+
+
+def scalar_at(owner: str, value: Scalar, points: Floats) -> Floats:
+    """Values (n,) at points (n, 2); an InputError if a function fails to give finite numbers."""
+    return _at(owner, value, points, (len(points),))
+
+
+def vector_at(owner: str, value: Vector, points: Floats) -> Floats:
+    """Values (n, 2) at points (n, 2); an InputError if a function fails to give finite numbers."""
+    return _at(owner, value, points, (len(points), 2))
+
+
+def _at(owner: str, value: Scalar | Vector, points: Floats, shape: tuple[int, ...]) -> Floats:
+    if not callable(value):
+        return np.broadcast_to(floats(value), shape)
+    with located(f"{owner}: "):
+        values = at_points(value, points.T).T
+        if values.shape != shape:
+            raise InputError(
+                f"a function that gives shape {values.shape} for {len(points)} points",
+                f"shape {shape}",
+                "write it for points of shape (n, 2)",
+            )
+    return values
+
+
+# --- Integrals along edges of a space: what tractions and springs on named edges need.
+
+
+def entries_between(unknowns: Indices, matrices: Floats) -> tuple[Ints, Ints, Floats]:
+    """Rows, columns and entries, each (m,), of symmetric matrices (..., n, n) between unknowns (..., n)."""
+    rows, columns, entries = np.broadcast_arrays(unknowns[..., None], unknowns[..., None, :], matrices)
+    return rows.ravel().astype(np.int64), columns.ravel().astype(np.int64), entries.ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeQuadrature:
+    """Gauss points on edges with the traces of the nodes."""
+
+    nodes: IntArray  # nodes of each edge in its direction, (n_edges, order + 1)
+    points: Floats  # (n_edges, n_points, 2)
+    weights: Floats  # lengths that belong to the points, (n_edges, n_points)
+    shapes: Floats  # values of the nodes' functions at the points, the same on every edge, (n_points, order + 1)
+    normals: Floats  # outward unit normals, (n_edges, n_points, 2)
+
+    def products(self, depth: Floats | float) -> Floats:
+        """Integrals of products of the nodes' functions times a depth (n_edges, n_points), (n_edges, n, n)."""
+        return np.einsum("eq,qm,qn->emn", self.weights * depth, self.shapes, self.shapes)
+
+
+def edge_quadrature(space: Space, pairs: Indices, n_points: int | None = None) -> EdgeQuadrature:
+    """Quadrature on edges given as pairs of points (n, 2), body on the left.
+
+    Exact to degree ``2 n_points - 1``, by default ``2 order + 3``.
+
+    On curved edges that is the degree along the edge of the integrand times its length or normal.
+    """
+    weights, shapes, slopes = edge_rule(space.order, space.order + 2 if n_points is None else n_points)
+    nodes = space.edge_nodes(pairs)
+    start = space.nodes[nodes[:, :1]]
+    local = space.nodes[nodes] - start  # no digits are lost far from the origin
+    along = slopes @ local
+    lengths = np.linalg.norm(along, axis=2)
+    normals = turned_right(along) / lengths[..., None]
+    return EdgeQuadrature(nodes, start + shapes @ local, lengths * weights, shapes, normals)
+
+
+# --- Supports of an elastic body: items of an `Elasticity` problem.
+
+
+def _check_place(owner: str, where: str | Point) -> None:
+    if not isinstance(where, str) and not are_finite(where, 2):
+        raise InputError(f"{owner} at {short(where)}", "the name of an edge set, or a point (x, y)", "correct it")
+
+
+def axes(angle: float) -> Floats:
+    """Directions of the first and second axis of a frame turned counter-clockwise, the rows of (2, 2)."""
+    turn = angle / (np.pi / 2.0)
+    if turn == round(turn):  # quarter turns without round-off, so that unknowns stay apart
+        angle_cos, angle_sin = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[round(turn) % 4]
+    else:
+        angle_cos, angle_sin = np.cos(angle), np.sin(angle)
+    return np.array([[angle_cos, angle_sin], [-angle_sin, angle_cos]])
+
+
+@dataclass(frozen=True)
+class PrescribedDisplacement:
+    """Displacements given on named edges or at a point, each component on its own.
+
+    Parameters
+    ----------
+    where
+        Name of an edge set, or a point of the mesh.
+    x, y
+        Displacement along each axis: a number, a function of points (n, 2) with values (n,), or None for free.
+    angle
+        Angle in radians from the x axis of space to the x axis of this support, counter-clockwise.
+
+    """
+
+    where: str | Point
+    x: Scalar | None = None
+    y: Scalar | None = None
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        owner = f"PrescribedDisplacement({short(self.where)})"
+        _check_place(owner, self.where)
+        check_finite(owner, "angle", self.angle, "a finite angle in radians", "correct it")
+        for name, value in (("x", self.x), ("y", self.y)):
+            if value is not None:
+                check_scalar(f"{owner}: {name}", value)
+        if self.x is None and self.y is None:
+            raise InputError(f"{owner} without x and y", "at least one of them", "give x=0.0 or y=0.0, or leave it out")
+
+
+def fixed(where: str | Point) -> PrescribedDisplacement:
+    """Support that holds both components of named edges, or of a point, at zero."""
+    return PrescribedDisplacement(where, x=0.0, y=0.0)
+
+
+@dataclass(frozen=True)
+class Spring:
+    """Elastic support on named edges or at a point, fixed at its other end.
+
+    Parameters
+    ----------
+    where
+        Name of an edge set, or a point of the mesh.
+    x, y
+        Stiffness along each axis, 0 for none: pressure per displacement on edges, force per displacement at a point
+        (in a body of revolution, of the whole circle).
+    angle
+        Angle in radians from the x axis of space to the x axis of this support, counter-clockwise.
+
+    """
+
+    where: str | Point
+    x: float = 0.0
+    y: float = 0.0
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        owner = f"Spring({short(self.where)})"
+        _check_place(owner, self.where)
+        check_finite(owner, "angle", self.angle, "a finite angle in radians", "correct it")
+        if not all(is_finite(k) and k >= 0.0 for k in (self.x, self.y)) or self.x == self.y == 0.0:
+            raise InputError(
+                f"{owner}: stiffnesses x={self.x}, y={self.y}",
+                "numbers >= 0, and one of them positive",
+                "give the stiffness along each axis; to hold a component take PrescribedDisplacement",
+            )
+
+
+@dataclass(frozen=True)
+class RigidHandle:
+    """Named edges that move as a rigid line: each of three motions is prescribed, or free under a force.
+
+    Parameters
+    ----------
+    edges
+        Name of an edge set.
+    x, y
+        Translation of the pivot, or None for free.
+    rotation
+        Rotation in radians, counter-clockwise and small, or None for free.
+    force
+        Applied force x, y; only along free translations.
+    moment
+        Applied moment about the pivot, counter-clockwise; only on a free rotation.
+    pivot
+        Point that the motion and the moment refer to; None is the middle of the edges' bounding box.
+
+    """
+
+    edges: str
+    x: float | None = None
+    y: float | None = None
+    rotation: float | None = None
+    force: Point = (0.0, 0.0)
+    moment: float = 0.0
+    pivot: Point | None = None
+
+    def __post_init__(self) -> None:
+        owner = f"RigidHandle({short(self.edges)})"
+        for name, value in (("x", self.x), ("y", self.y), ("rotation", self.rotation), ("moment", self.moment)):
+            if value is not None:
+                check_scalar(f"{owner}: {name}", value)
+        check_vector(f"{owner}: force", self.force)
+        if self.pivot is not None:
+            check_vector(f"{owner}: pivot", self.pivot)
+        actions = zip(("force x", "force y", "moment"), (*self.force, self.moment), strict=True)
+        for name, motion, (action, load) in zip(("x", "y", "rotation"), self.prescribed, actions, strict=True):
+            if motion is not None and load != 0.0:
+                raise InputError(
+                    f"{owner}: {name}={motion} and {action} = {load}",
+                    "a motion, or a force on a free motion",
+                    f"leave {name}=None to apply the {action}",
+                )
+
+    @property
+    def prescribed(self) -> tuple[float | None, float | None, float | None]:
+        """Translations x, y and rotation, None where free."""
+        return self.x, self.y, self.rotation
+
+
+Support = PrescribedDisplacement | Spring | RigidHandle
+
+
+# --- Loads of an elastic body: items of an `Elasticity` problem.
+#
+# Every load gives the forces on all unknowns that do its work. Tractions are forces per area, that is per length of
+# edge and per thickness; in a body of revolution they act all around the axis.
 
 
 class LoadedProblem(Protocol):

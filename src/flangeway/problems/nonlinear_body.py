@@ -15,11 +15,11 @@ import numpy as np
 from flangeway.elements import Reconstruction, monomials
 from flangeway.errors import InputError, short
 from flangeway.materials import NonlinearMaterial
-from flangeway.materials.material import bulk_limited
+from flangeway.materials.elastic import bulk_limited
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.problems.body import Body
 from flangeway.problems.elasticity_problem import Elasticity
-from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Support
+from flangeway.problems.loads import PrescribedDisplacement, RigidHandle, Support
 from flangeway.space import CellBatch, Space
 from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats

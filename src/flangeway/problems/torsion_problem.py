@@ -19,7 +19,7 @@ from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray
 from flangeway.mesh.connectivity import first_connected, next_in_row
 from flangeway.mesh.mesh_checks import positive_by_cells
-from flangeway.problems.edges import edge_quadrature
+from flangeway.problems.loads import edge_quadrature
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 from flangeway.types import Floats, floats
 

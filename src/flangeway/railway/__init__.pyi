@@ -10,10 +10,10 @@ from .rigid.rigid_equilibrium import rigid_equilibrium as rigid_equilibrium
 from .rigid.rigid_geometry import RigidGeometry as RigidGeometry
 from .track.placements import Track as Track
 from .track.placements import Wheelset as Wheelset
-from .track.wheelset_load import WheelsetLoad as WheelsetLoad
-from .track.wheelset_load import superelevation_angle as superelevation_angle
+from .track.wheelset_problem import WheelsetLoad as WheelsetLoad
 from .track.wheelset_problem import WheelsetProblem as WheelsetProblem
-from .wheelset.rolling.rolling_motion import RollingMotion as RollingMotion
+from .track.wheelset_problem import superelevation_angle as superelevation_angle
+from .wheelset.rolling.patch_rolling import RollingMotion as RollingMotion
 from .wheelset.running_surfaces import SpatialModel as SpatialModel
 from .wheelset.running_surfaces import running_surfaces as running_surfaces
 from .wheelset.spatial_result import SpatialResult as SpatialResult

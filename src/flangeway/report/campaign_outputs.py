@@ -16,9 +16,8 @@ from flangeway.report.campaign_figures import FORCES, LOCUS, PRESSURE, PRESSURE_
 from flangeway.report.figures.drawing import named
 from flangeway.report.page.html_page import input_rows
 from flangeway.report.page.record import Again, Picture, Record, SummaryTable
-from flangeway.system.output_folder import write_together
-from flangeway.system.versions import versions
-from flangeway.units import Units
+from flangeway.results import Units
+from flangeway.system.output_folder import versions, write_together
 
 DATABASE = "campaign.sqlite"
 MAX_REASONS, MAX_WARNINGS = 10, 3  # reasons and lines of the table of results, and warnings

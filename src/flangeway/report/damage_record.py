@@ -16,10 +16,8 @@ from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.report.figures.drawing import SERIES, legend_below, name_axes, named, new_figure
 from flangeway.report.page.record import Again, Picture, Record, SummaryTable, table_across, table_of
-from flangeway.results import ResultTable
-from flangeway.system.output_folder import Writer, text_writer
-from flangeway.system.versions import versions
-from flangeway.units import Units, joined_text, sentence, with_unit
+from flangeway.results import ResultTable, Units, joined_text, sentence, with_unit
+from flangeway.system.output_folder import Writer, text_writer, versions
 
 # --- What an evolution of profiles found: profiles over distance, where they wear and crack, and their limits.
 

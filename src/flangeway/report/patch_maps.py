@@ -11,9 +11,9 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Patch
 
-from flangeway.contact.patch.contact_ellipse import CellForces, ContactEllipse
-from flangeway.contact.rolling.fastsim import SimplifiedRolling
-from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
+from flangeway.contact.patch.patch_contact import CellForces, ContactEllipse
+from flangeway.contact.rolling.fast_theories import SimplifiedRolling
+from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, STICKS, Rolling
 from flangeway.exact import PointContact
 from flangeway.exact.shakedown import shakedown_limits
 from flangeway.mesh import PolyMesh
@@ -35,8 +35,8 @@ from flangeway.report.figures.drawing import (
     units_of,
 )
 from flangeway.report.viewer import ShownField
+from flangeway.results import Units
 from flangeway.types import Floats
-from flangeway.units import Units
 
 # --- Patches on the cells of a surface: pressures from above, along both axes, stresses below; the surface as a mesh.
 

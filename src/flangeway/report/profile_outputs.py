@@ -23,7 +23,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline, Placement
 from flangeway.geometry.arrays import chain_lengths
 from flangeway.quantities import Quantity, columns, measured, values
-from flangeway.railway.profiles.formats.raw_profile import KINDS, Kind
+from flangeway.railway.profiles.formats.two_column import KINDS, Kind
 from flangeway.railway.profiles.joining import Joined, joined
 from flangeway.report.figures.drawing import (
     GREY,
@@ -36,9 +36,9 @@ from flangeway.report.figures.drawing import (
     units_of,
 )
 from flangeway.report.page.record import Again, Picture, Record, SummaryTable, table_across, table_of
+from flangeway.results import Units, in_us_units
 from flangeway.system.output_folder import refuse_unwritable
 from flangeway.types import Floats
-from flangeway.units import Units, in_us_units
 
 # --- Pictures of a profile: its shape with measured points, curvature and deviation along it, and its joints to a body.
 

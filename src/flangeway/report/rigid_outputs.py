@@ -16,7 +16,7 @@ from flangeway.cases.rigid_run import (
     GeometryRun,
 )
 from flangeway.quantities import Quantities, Quantity, columns, measured, of_part
-from flangeway.railway.rigid.rigid_locus import ContactJump, ContactLocus, SideLocus
+from flangeway.railway.rigid.rigid_geometry import ContactJump, ContactLocus, SideLocus
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.report.figures.drawing import (
     GREY,
@@ -39,8 +39,8 @@ from flangeway.report.page.record import (
     table_of,
     with_whole,
 )
+from flangeway.results import Units, in_us_units, sentence
 from flangeway.types import Floats
-from flangeway.units import Units, in_us_units, sentence
 
 # --- Pictures of the contact geometry: contact locus, rolling radius difference, conicity.
 

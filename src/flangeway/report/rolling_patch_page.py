@@ -26,7 +26,7 @@ from flangeway.cases.rolling_patch_case import (
     STATE,
     RollingPatchRun,
 )
-from flangeway.contact.rolling.theories import TITLES, Theory
+from flangeway.contact.rolling.fast_theories import TITLES, Theory
 from flangeway.errors import InputError
 from flangeway.formats import write_vtu
 from flangeway.quantities import columns, numbers, present
@@ -35,10 +35,9 @@ from flangeway.report.page.html_page import run_record
 from flangeway.report.page.record import Figures, Picture, Record, SummaryTable, fact, rows_of, table_across
 from flangeway.report.patch_maps import ShownRolling, at_corners, cell_fields, rolling_figure, shown_fields, strip_mesh
 from flangeway.report.viewer import Scene, ShownPart
-from flangeway.results import ResultTable
+from flangeway.results import ResultTable, sentence
 from flangeway.system.output_folder import Writer, text_writer
 from flangeway.types import Floats
-from flangeway.units import sentence
 
 MAPS, SECTION, CURVE = "rolling.png", "tractions.png", "creep-curve.png"
 CELLS, CURVE_TABLE, PATCH_FILE = "cells.csv", "creep-curve.csv", "patch.vtu"

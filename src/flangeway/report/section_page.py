@@ -23,7 +23,7 @@ from flangeway.report.section_figures import (
     shear_figure,
     warping_figure,
 )
-from flangeway.units import Units, sentence
+from flangeway.results import Units, sentence
 
 SUMMARY, FIELDS = "section.json", "section.vtu"
 ASSUMPTIONS = (

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from flangeway.cases.patch_quantities import AXES as SEMI_AXES
 from flangeway.cases.patch_quantities import MAX_PRESSURE
 from flangeway.cases.spatial_case import APPROACH, BODY, LOAD, MAX_VON_MISES, PATCH, SpatialRun
-from flangeway.contact.patch.patch_body import points_along
+from flangeway.contact.patch.patch_grid import points_along
 from flangeway.formats import write_vtu
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
@@ -20,9 +20,9 @@ from flangeway.report.page.html_page import run_record
 from flangeway.report.page.record import Picture, Record, SummaryTable, fact, rows_of, table_across, with_whole
 from flangeway.report.patch_maps import PatchMap, at_corners, draw_depths, maps_figure, station_of, strip_mesh
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
+from flangeway.results import sentence
 from flangeway.system.output_folder import Writer
 from flangeway.types import Ints
-from flangeway.units import sentence
 
 
 def patch_figure(run: SpatialRun) -> Figure:

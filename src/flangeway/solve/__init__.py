@@ -1,17 +1,19 @@
 """Linear solvers, condensation, handles, laws of contact, and adaptive steps."""
 
 from flangeway.solve.body_response import BodyResponse, SurfaceNodes
-from flangeway.solve.condensed import CondensedBodies, condensed_bytes
-from flangeway.solve.elasticity_solution import ElasticitySolution, solve_elasticity
+from flangeway.solve.condensed import CondensedBodies, SparseBodies, condensed_bytes
 from flangeway.solve.handles import Handle
-from flangeway.solve.harmonic_solution import HarmonicSolution, solve_harmonic
 from flangeway.solve.nonlinear_solution import NonlinearSolution, solve_nonlinear
-from flangeway.solve.sparse import SparseBodies
-from flangeway.solve.status import Checks, Iteration, NewtonSettings, Status
-from flangeway.solve.steps import StepSettings, follow
-from flangeway.solve.surface_cells import SurfaceCells
-from flangeway.solve.surface_compliance import ComplianceTable, compliance_table
-from flangeway.solve.torsion_solution import TorsionSolution, solve_torsion
+from flangeway.solve.solutions import (
+    ElasticitySolution,
+    HarmonicSolution,
+    TorsionSolution,
+    solve_elasticity,
+    solve_harmonic,
+    solve_torsion,
+)
+from flangeway.solve.status import Checks, Iteration, NewtonSettings, Status, StepSettings, follow
+from flangeway.solve.surface_compliance import ComplianceTable, SurfaceCells, compliance_table
 
 __all__ = [
     "BodyResponse",

@@ -23,7 +23,7 @@ from flangeway.geometry import Placement
 from flangeway.geometry.arrays import turned_right
 from flangeway.problems import Part
 from flangeway.solve.body_response import BodyResponse
-from flangeway.solve.free_motions import described_motions
+from flangeway.solve.constraints import described_motions
 from flangeway.types import Bools, Floats, Ints
 
 LONGEST_MOVE = 0.1

@@ -17,9 +17,8 @@ from flangeway.problems.nonlinear_body import (
     NonlinearBody,
     scaled,
 )
-from flangeway.solve.elasticity_solution import ElasticitySolution, forces_on_handles, solve_elasticity
-from flangeway.solve.status import NewtonSettings, Status
-from flangeway.solve.steps import StepSettings, follow
+from flangeway.solve.solutions import ElasticitySolution, forces_on_handles, solve_elasticity
+from flangeway.solve.status import NewtonSettings, Status, StepSettings, follow
 from flangeway.types import Floats
 
 

@@ -1,9 +1,17 @@
-"""How a computation ended, and the limits and the history of Newton's method."""
+"""How a computation ended, the limits and the history of Newton's method, and adaptive steps along a path."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
-from flangeway.checks import check_integer, check_tolerance
+import numpy as np
+
+from flangeway.checks import are_finite, check_integer, check_positive, check_tolerance
+from flangeway.errors import InputError, short
+from flangeway.types import Floats
+
+# --- How a computation ended, and the limits and the history of Newton's method.
+
 
 ROUND_OFF = 1e-7
 """Residual below which an iteration has converged if it no longer falls: where slender bodies bend, round-off of their
@@ -147,3 +155,134 @@ def is_at_round_off(history: Sequence[Iteration]) -> bool:
     last = [each for each in history[-STALLED - 1 :] if not each.changed]
     small = len(last) > STALLED and max(each.residual for each in last) <= ROUND_OFF
     return small and min(each.residual for each in last[1:]) > last[0].residual / 2.0
+
+
+# --- Adaptive steps along a path (Moherdaui 2021, 3.5.7.1).
+
+
+FEW_ITERATIONS = 8
+MANY_ITERATIONS = 15
+SMALL_ERROR = 0.2
+"""Error of a step, over its limit, below which the next one is longer: that of a step grows with its square."""
+
+
+@dataclass(frozen=True)
+class StepSettings:
+    """Sizes of steps on a path from 0 to 1.
+
+    Parameters
+    ----------
+    first
+        First step, 0 < first <= 1.
+    maximum
+        Maximum step; equal to ``first`` for equal steps where all converge.
+    smallest
+        Step below which the path is given up.
+    error
+        Maximum error of the nodal forces of a step, over the maximum total force of the path, where the solution
+        depends on the path: each step is also taken as two halves, and made shorter until both agree. None: no control.
+
+    """
+
+    first: float = 1.0
+    maximum: float = 1.0
+    smallest: float = 1.0 / 1024.0
+    error: float | None = None
+
+    def __post_init__(self) -> None:
+        sizes = self.smallest, self.first, self.maximum
+        if not (are_finite(sizes, 3) and 0.0 < sizes[0] <= sizes[1] <= sizes[2] <= 1.0):
+            raise InputError(
+                "StepSettings(smallest={}, first={}, maximum={})".format(*map(short, sizes)),
+                "0 < smallest <= first <= maximum <= 1",
+                "for n equal steps take first=1/n, maximum=1/n",
+            )
+        if self.error is not None:
+            check_positive("StepSettings", "error", self.error, "a number > 0", "take 0.01, or leave it out")
+
+
+class PathState(Protocol):
+    """What a path asks of the solutions on it: how they ended, and forces (n, 2) to compare."""
+
+    @property
+    def status(self) -> Status: ...  # noqa: D102
+    @property
+    def nodal_forces(self) -> Floats: ...  # noqa: D102
+
+
+State = TypeVar("State", bound=PathState)
+
+
+def follow(
+    solve_at: Callable[[float, State | None], State],
+    start: State | None,
+    settings: StepSettings | None = None,
+    accepted: Callable[[float, State], None] = lambda *_: None,
+    uncertain: Callable[[State], float] = lambda _: 0.0,
+) -> State:
+    """Follow a solution along a path from 0 (excluded) to 1.
+
+    A step that needed few iterations, and whose error is far below its limit, is followed by one of twice its length,
+    one that needed many by one of half; a step that failed, or whose error is too large, is tried again at half its
+    length from the last solution.
+
+    Parameters
+    ----------
+    solve_at
+        Solves at a position of the path, starting from a neighbouring solution.
+    start
+        Solution at 0, if there is one.
+    settings
+        Sizes of the steps.
+    accepted
+        Called with each position and solution of the path.
+    uncertain
+        Sum of the nodal forces that a solution leaves open, as within the tolerance of its laws: no smaller error is
+        asked of a step.
+
+    Returns
+    -------
+    State
+        The solution at 1, or the failed attempt where the smallest step did not converge.
+
+    """
+    settings = settings or StepSettings()
+    state, position, size = start, 0.0, settings.first
+    attempt: State | None = None
+    maximum_total = 0.0
+    while True:
+        target = position + size
+        if target > 1.0 - settings.smallest / 2.0:  # no sliver at the end
+            target = 1.0
+        size = target - position
+        attempt = attempt or solve_at(target, state)
+        reached, error = [(target, attempt)], 0.0
+        if attempt.status.converged and settings.error is not None:
+            middle = solve_at(position + size / 2.0, state)
+            end = solve_at(target, middle) if middle.status.converged else middle
+            maximum_total = max(maximum_total, _total(attempt))
+            allowed = settings.error * maximum_total + uncertain(attempt) or 1.0
+            error = _total(attempt, end) / allowed if end.status.converged else np.inf
+            reached = [(position + size / 2.0, middle), (target, end)]
+        shorter = reached[0][1] if settings.error is not None and reached[0][1].status.converged else None
+        if not attempt.status.converged or (error > 1.0 and size / 2.0 >= settings.smallest):
+            size /= 2.0
+            if size < settings.smallest:
+                return attempt
+            attempt = shorter if attempt.status.converged else None
+            continue
+        for each in reached:
+            accepted(*each)
+        position, state, attempt = *reached[-1], None
+        if target >= 1.0:
+            return state
+        if max(each.status.iterations for _, each in reached) <= FEW_ITERATIONS and error <= SMALL_ERROR:
+            size = min(2.0 * size, settings.maximum)
+        elif state.status.iterations > MANY_ITERATIONS:
+            size /= 2.0
+
+
+def _total(state: PathState, other: PathState | None = None) -> float:
+    """Sum of the nodal forces' norms, or of those of their differences from another state at the same position."""
+    forces = state.nodal_forces if other is None else state.nodal_forces - other.nodal_forces
+    return float(np.linalg.norm(forces, axis=1).sum())

@@ -1,10 +1,4 @@
-"""Arrays kept on disk by the content that they were computed from.
-
-``FLANGEWAY_CACHE`` names the folder, or is ``off``; left out it is ``flangeway`` in `cache_parent`.
-``FLANGEWAY_CACHE_MB`` limits its size (2000 by default): what was used longest ago is removed. A file holds a checksum,
-is written under another name and then renamed, so that no process sees half of it; a damaged one is noticed, removed
-and made anew. Nothing is ever wrong for lack of a cache: where the disk refuses, all is computed.
-"""
+"""Values that are kept: arrays on disk by the content that they were computed from, and the last ones in memory."""
 
 import contextlib
 import hashlib
@@ -13,17 +7,26 @@ import os
 import tempfile
 import warnings
 import zipfile
+from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.system.memory_limits import size_of_variable
 from flangeway.system.operating_system import cache_parent
+
+# --- Arrays kept on disk by the content that they were computed from.
+#
+# ``FLANGEWAY_CACHE`` names the folder, or is ``off``; left out it is ``flangeway`` in `cache_parent`.
+# ``FLANGEWAY_CACHE_MB`` limits its size (2000 by default): what was used longest ago is removed. A file holds a
+# checksum, is written under another name and then renamed, so that no process sees half of it; a damaged one is
+# noticed, removed and made anew. Nothing is ever wrong for lack of a cache: where the disk refuses, all is computed.
+
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -189,3 +192,28 @@ def _unpacked(content: bytes) -> dict[str, NDArray[Any]] | None:
 
 def _warn(message: str) -> None:
     warnings.warn(f"cache: {message}", CacheWarning, stacklevel=4)
+
+
+# --- Values that are costly to compute, of which the last ones are kept.
+
+
+T = TypeVar("T")
+
+
+class LatestValues(Generic[T]):
+    """The values that were used last, by key.
+
+    - `capacity`: number of values that are kept.
+    """
+
+    def __init__(self, capacity: int) -> None:
+        self._capacity, self._values = capacity, OrderedDict[str, T]()
+
+    def get(self, key: str, compute: Callable[[], T]) -> T:
+        """Return the value of a key, computed if it is not kept."""
+        if key not in self._values:
+            self._values[key] = compute()
+            while len(self._values) > self._capacity:
+                self._values.popitem(last=False)
+        self._values.move_to_end(key)
+        return self._values[key]

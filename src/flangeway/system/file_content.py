@@ -1,4 +1,4 @@
-"""What readers of files share: whether there is a file, its bytes, the cells of lines in CSV, and what TOML says."""
+"""What readers of files share: whether there is a file, its bytes, the cells of lines in CSV, and files in TOML."""
 
 import csv
 import errno
@@ -6,16 +6,21 @@ import re
 import stat
 import tomllib
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from flangeway.checks import check_kind
 from flangeway.errors import InputError, located
-from flangeway.types import Floats
+from flangeway.types import Floats, Key
+
+# --- What readers of files share: whether there is a file, its bytes, the cells of lines in CSV, and what TOML says.
+
 
 MAX_BYTES = 50_000_000
 COMMA_NUMBER = re.compile(r"[+-]?\d*,\d*(?:[eE][+-]?\d+)?")
@@ -174,3 +179,91 @@ def _depth(data: dict[str, Any]) -> int:
         ]
         level = [value_inside for value_inside in inner if isinstance(value_inside, dict | list)]
     return depth
+
+
+# --- What case files and campaigns share: a file in TOML, and the lines of its keys.
+
+
+MAX_TOML_BYTES = 5_000_000
+
+_HEADER = re.compile(r"\s*(\[\[?)([\w.\s\"'-]+)\]\]?\s*(?:#.*)?$")
+_NAME = r"(?:[\w-]+|\"[^\"]*\"|'[^']*')"
+_KEY = re.compile(rf"\s*({_NAME}(?:\s*\.\s*{_NAME})*)\s*=")
+
+
+@dataclass(frozen=True)
+class TomlKind:
+    """What messages about a file in TOML say: its name, what may be given instead, and advice for each fault."""
+
+    name: str
+    instead: str
+    get_one: str
+    lines: str
+    too_large: str
+
+
+@dataclass(frozen=True)
+class TomlFile:
+    """A file in TOML, its text, and the data in it."""
+
+    file: Path
+    text: str
+    data: dict[str, Any]
+
+    kind: ClassVar[TomlKind]
+
+    @classmethod
+    def read(cls, file: Path) -> Self:
+        """Read a file; `InputError` if it cannot be read, is larger than `MAX_TOML_BYTES`, or is no TOML in UTF-8."""
+        kind = cls.kind
+        try:
+            size, content = limited_bytes(file, MAX_TOML_BYTES)
+        except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
+            raise InputError(
+                f"{kind.name} {file}: {getattr(reason, 'strerror', None) or reason}",
+                f"a file that can be read{kind.instead}",
+                kind.get_one,
+            ) from reason
+        if size > MAX_TOML_BYTES:
+            raise InputError(
+                f"{kind.name} {file} of {size} bytes", f"a file of up to {MAX_TOML_BYTES} bytes", kind.too_large
+            )
+        with located(f"{file}: "):
+            text = utf8_text(content)
+            return cls(file, text, toml_data(text, kind.lines))
+
+    def place(self, key: Key) -> str:
+        """File and line of a key, or of the nearest one above it, for the start of a message."""
+        lines = self._lines
+        for end in range(len(key), 0, -1):
+            if key[:end] in lines:
+                return f"{self.file}, line {lines[key[:end]]}: "
+        return f"{self.file}: "
+
+    @cached_property
+    def _lines(self) -> dict[Key, int]:
+        """Line of each table and key."""
+        lines: dict[Key, int] = {}
+        items: dict[Key, int] = {}
+        table: Key = ()
+        for number, row in enumerate(self.text.split("\n"), 1):
+            if header := _HEADER.match(row):
+                table = ()
+                names = _names(header[2])
+                for place, name in enumerate(names):
+                    table = (*table, name)
+                    if place == len(names) - 1 and header[1] == "[[":
+                        items[table] = items.get(table, -1) + 1
+                    if table in items:
+                        table = (*table, items[table])
+                lines.setdefault(table, number)
+            elif key := _KEY.match(row):
+                names = _names(key[1])
+                for end in range(1, len(names) + 1):
+                    lines.setdefault((*table, *names[:end]), number)
+        return lines
+
+
+def _names(dotted: str) -> list[str]:
+    """Parts of a name with points between them; a point inside quotation marks is part of a name."""
+    return [name.strip("\"'") for name in re.findall(_NAME, dotted)]

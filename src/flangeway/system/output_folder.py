@@ -1,11 +1,36 @@
-"""A folder of results that is filled at once or not at all."""
+"""A folder of results that is filled at once or not at all, and the versions of the programs that made it."""
 
 import os
+import platform
 import tempfile
 from collections.abc import Callable, Iterable
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from flangeway.errors import InputError
+
+# --- Versions of the programs that made a result.
+
+
+PACKAGES = ("flangeway", "numpy", "scipy", "gmsh")
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of flangeway, Python and the libraries that decide the numbers."""
+    by_name = {name: version_of(name) for name in PACKAGES}
+    return {"flangeway": by_name.pop("flangeway"), "python": platform.python_version(), **by_name}
+
+
+def version_of(name: str) -> str:
+    """Return the version of an installed package."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"  # run from its source folder
+
+
+# --- A folder of results that is filled at once or not at all.
+
 
 Writer = Callable[[Path], None]
 ENDINGS = (

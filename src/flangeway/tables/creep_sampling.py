@@ -7,11 +7,9 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import derivatives, roll
-from flangeway.contact.rolling.fastsim import fastsim_forces
-from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
+from flangeway.contact.rolling.fast_theories import fastsim_forces
+from flangeway.contact.rolling.rolling_contact import Creepages, CreepForces, Rolling, RollingContact
 from flangeway.geometry.arrays import angles_of, norms
 from flangeway.tables.creep_table import SATURATED, ForceAxes, direction
 from flangeway.types import Floats

@@ -13,7 +13,7 @@ from flangeway.cases.wheelset.wheelset_inputs import CURVE_KEYS
 from flangeway.errors import InputError
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.system.disk_cache import Cache
-from flangeway.system.versions import versions
+from flangeway.system.output_folder import versions
 from flangeway.system.workers import LostWorkerError, computed_here, n_processes
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_table import AXES, FORMAT, OF_PATCH, SIDES, CreepTable

@@ -19,13 +19,13 @@ from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
+from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache, cached
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_sampling import SampledPatch, random_points, refined
 from flangeway.tables.creep_table import FORMAT, OF_PATCH
 from flangeway.types import Floats
-from flangeway.units import sentence
 
 FRICTION = 0.3
 """For which forces are computed; over the limit of friction they are functions of creepages over it."""

@@ -12,10 +12,18 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings, EvolutionStep, limit_positions
-from flangeway.railway.damage.profile_limits import reached, worn_measures
-from flangeway.railway.damage.surface_wear import patch_damage, patch_loads, row_wear
-from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, OwnLaw, PerPatch, UsfdLaw, WearLaw
-from flangeway.railway.damage.worn_surface import WornSurface
+from flangeway.railway.damage.wear_laws import (
+    ArchardLaw,
+    EnergyLaw,
+    OwnLaw,
+    PerPatch,
+    UsfdLaw,
+    WearLaw,
+    patch_damage,
+    patch_loads,
+    row_wear,
+)
+from flangeway.railway.damage.worn_surface import WornSurface, reached, worn_measures
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.wheelset.spatial_result import solve_spatial
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace

@@ -14,7 +14,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.profiles.formats.instrument_files import write_miniprof
 from flangeway.railway.profiles.joining import joined, on_plain_body
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import read_profile
@@ -22,7 +22,7 @@ from flangeway.railway.profiles.smoothing import smoothed, usual_wavelength_mm
 from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_load import WheelsetLoad
+from flangeway.railway.track.wheelset_problem import WheelsetLoad
 from flangeway.railway.wheelset.supported_rail import RailSupport, supported_rail
 
 GAUGE = {"gauge_mm": 1435.0, "rail_inclination": 0.025, "gauge_depth_mm": 14.0}

@@ -14,9 +14,7 @@ from flangeway.cases.profile_run import run_profile
 from flangeway.errors import InputError
 from flangeway.geometry import Outline
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.profiles.formats.miniprof import write_miniprof
-from flangeway.railway.profiles.formats.segment_files import write_segment_csv
-from flangeway.railway.profiles.formats.simpack import write_simpack
+from flangeway.railway.profiles.formats.instrument_files import write_miniprof, write_segment_csv, write_simpack
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import FORMATS, MeasuredProfile, profile_text, read_profile
 

@@ -9,7 +9,7 @@ from flangeway.cases.rigid_run import GeometryCase
 from flangeway.errors import InputError
 from flangeway.mesh import check, triangulate
 from flangeway.railway.profiles.bundled import RailProfile, rail, wheel
-from flangeway.railway.profiles.formats.segment_files import write_segment_csv
+from flangeway.railway.profiles.formats.instrument_files import write_segment_csv
 from flangeway.railway.profiles.joining import (
     BLEND_FACTOR,
     MAX_BLEND_MM,
@@ -17,10 +17,10 @@ from flangeway.railway.profiles.joining import (
     joined,
     nominal_profile,
     on_plain_body,
+    whole_profile,
 )
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import read_profile
-from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.railway.track.placements import Track
 
 

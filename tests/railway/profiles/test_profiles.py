@@ -9,10 +9,20 @@ import pytest
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Line
 from flangeway.mesh import check, triangulate
-from flangeway.railway.profiles.bundled import RAILS, REFERENCE_RAIL, WHEELS, bundled_name, bundled_section, rail, wheel
+from flangeway.railway.profiles.bundled import (
+    POLYNOMIAL_TOLERANCE_MM,
+    RAILS,
+    REFERENCE_RAIL,
+    WHEELS,
+    bundled_name,
+    bundled_section,
+    heavy_haul_contour,
+    rail,
+    s1002_contour,
+    wheel,
+)
 from flangeway.railway.profiles.joining import nominal_profile
-from flangeway.railway.profiles.measures import flange_angle_rad, measures
-from flangeway.railway.profiles.wheel_contours import POLYNOMIAL_TOLERANCE_MM, heavy_haul_contour, s1002_contour
+from flangeway.railway.profiles.orientation import flange_angle_rad, measures
 from flangeway.railway.track.placements import Track
 
 # printed in the files: area mm2, centroid above base mm, Ix mm4, Iy mm4

@@ -15,9 +15,8 @@ from flangeway.railway.rigid.conicity import (
     equivalent_conicity,
     read_rolling_radius_difference,
 )
-from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.rigid.rigid_side import RigidSide
+from flangeway.railway.rigid.rigid_side import RigidCurve, RigidSide
 
 AMPLITUDES = np.array([0.1, 1.0, 3.0, 7.5])
 

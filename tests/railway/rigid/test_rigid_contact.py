@@ -11,14 +11,13 @@ from flangeway.cases.rigid_run import find_geometry_case, run_geometry
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement
 from flangeway.railway.profiles.bundled import RailProfile, rail, wheel
-from flangeway.railway.profiles.running_graphs import STEEPEST_RAD
+from flangeway.railway.profiles.smoothing import STEEPEST_RAD
 from flangeway.railway.rigid.conicity import read_rolling_radius_difference
-from flangeway.railway.rigid.rigid_curve import RigidCurve, outline_across
 from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.rigid.rigid_side import RigidSide
+from flangeway.railway.rigid.rigid_side import RigidCurve, RigidSide, outline_across
 from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_load import WheelsetLoad
+from flangeway.railway.track.wheelset_problem import WheelsetLoad
 
 HALF_DISTANCE, RADIUS, CONE = 750.0, 460.0, math.atan(1.0 / 20.0)
 

@@ -10,13 +10,11 @@ from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError
 from flangeway.exact import contact_modulus
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.rigid.elastic_start import rigid_start
-from flangeway.railway.rigid.rigid_curve import RigidCurve
-from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
+from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.rigid.rigid_side import RigidSide
+from flangeway.railway.rigid.rigid_side import RigidCurve, RigidSide
 from flangeway.railway.track.placements import SIDES, Track, Wheelset
-from flangeway.railway.track.wheelset_load import WheelsetLoad, curve_force_N, superelevation_angle
+from flangeway.railway.track.wheelset_problem import WheelsetLoad, curve_force_N, superelevation_angle
 
 WEIGHT = 300e3
 CURVE = WheelsetLoad(WEIGHT, 28.4e3, superelevation_angle(30.0, 1600.0))

@@ -9,11 +9,11 @@ import pytest
 from benchmarks.standing import MAX_FORCE, checks, combinations, stand
 from flangeway.contact.rolling.friction import Friction
 from flangeway.railway.profiles.bundled import rail
-from flangeway.railway.profiles.formats.miniprof import write_miniprof
-from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.profiles.formats.instrument_files import write_miniprof
+from flangeway.railway.rigid.rigid_side import RigidCurve
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.railway.wheelset.equilibrium import Reach, loads_of
-from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import FAR_MM, wheel_gap
 from flangeway.railway.wheelset.spatial_result import solve_position, solve_spatial

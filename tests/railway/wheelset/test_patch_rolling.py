@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fast_theories import polach
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
-from flangeway.contact.rolling.rolling_result import Rolling
+from flangeway.contact.rolling.rolling_contact import BEYOND, Creepages, Rolling, RollingContact
 from flangeway.materials import Elastic
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, box_of, rolling_contact_of
 from flangeway.railway.wheelset.running_surfaces import running_surfaces

@@ -14,11 +14,14 @@ from flangeway.mesh import dual, triangulate
 from flangeway.post.section_constants import section_constants
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import rail
-from flangeway.railway.wheelset.rail_along_track import LoadedRail, RailAlongTrack, narrowest_web, rails_along_track
 from flangeway.railway.wheelset.supported_rail import (
+    LoadedRail,
+    RailAlongTrack,
     RailSupport,
     SupportedRail,
+    narrowest_web,
     rail_problem,
+    rails_along_track,
     sleeper_compliance,
     supported_rail,
 )

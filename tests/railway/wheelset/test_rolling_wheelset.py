@@ -5,16 +5,15 @@ import pytest
 
 from flangeway.cases.case_file import bodies_key
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_contact import Creepages, RollingContact
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.railway.rigid.conicity import klingel_wavelength
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed
-from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, patches_of
 from flangeway.railway.wheelset.side_contact import WheelPose
 from flangeway.railway.wheelset.spatial_result import solve_position

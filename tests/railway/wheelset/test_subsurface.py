@@ -5,14 +5,14 @@ import pytest
 
 from flangeway.cases import WheelsetTangentCase
 from flangeway.post import cell_stresses
-from flangeway.railway.profiles.measures import conforming
-from flangeway.railway.wheelset.subsurface import (
+from flangeway.railway.profiles.orientation import conforming
+from flangeway.railway.wheelset.plane_wheelset import (
     maximum_on,
     maximum_shear,
+    solve_wheelset,
     stresses_below,
 )
 from flangeway.railway.wheelset.wheelset_checks import below_contacts
-from flangeway.railway.wheelset.wheelset_result import solve_wheelset
 from flangeway.report.wheelset.wheelset_page import results_table
 
 

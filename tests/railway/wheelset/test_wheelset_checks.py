@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from flangeway.cases import WheelsetTangentCase
-from flangeway.contact.overlap import BodyOverlap, body_overlaps
+from flangeway.contact.solution_checks import BodyOverlap, body_overlaps
+from flangeway.railway.wheelset.plane_wheelset import solve_wheelset
 from flangeway.railway.wheelset.wheelset_checks import checked
-from flangeway.railway.wheelset.wheelset_result import solve_wheelset
 from flangeway.solve import CondensedBodies
 
 COARSE = {"size_scale": 3.0}

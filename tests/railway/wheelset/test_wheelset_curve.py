@@ -9,7 +9,7 @@ import pytest
 
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.railway.track.wheelset_problem import Prescribed
-from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
+from flangeway.railway.wheelset.plane_wheelset import WheelsetResult, solve_wheelset
 
 S1002_ON_60E1: dict[str, str | float] = {
     "rail": "60E1",

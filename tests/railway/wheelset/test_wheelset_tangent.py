@@ -8,13 +8,10 @@ import pytest
 
 from flangeway.materials import Elastic
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_load import WheelsetLoad
-from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
-from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset
+from flangeway.railway.track.wheelset_problem import Discretisation, Prescribed, WheelsetLoad, WheelsetProblem
+from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset, WheelsetResult, solve_wheelset
 from flangeway.railway.wheelset.wheelset_model import build_model
-from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 from flangeway.solve import CondensedBodies
 
 
@@ -123,7 +120,7 @@ def test_a_second_run_meshes_and_condenses_nothing(tmp_path, monkeypatch: pytest
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("computed again")
 
-    monkeypatch.setattr("flangeway.railway.wheelset.wheelset_mesh.triangulate", refuse)
+    monkeypatch.setattr("flangeway.railway.wheelset.wheelset_model.triangulate", refuse)
     monkeypatch.setattr("flangeway.solve.condensed.CondensedBody._computed", refuse)
     second = solve_wheelset(problem(size_scale=6.0))
     assert second.status == first.status

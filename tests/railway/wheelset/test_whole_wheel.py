@@ -12,11 +12,10 @@ from flangeway.materials import Elastic
 from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import WHEELS, WheelProfile, wheel
-from flangeway.railway.profiles.formats.segment_files import write_segment_csv
+from flangeway.railway.profiles.formats.instrument_files import write_segment_csv
+from flangeway.railway.profiles.joining import whole_profile
 from flangeway.railway.profiles.profile_file import read_profile
-from flangeway.railway.profiles.whole_outline import whole_profile
-from flangeway.railway.wheelset.axle import Axle
-from flangeway.railway.wheelset.whole_wheel import WheelDisc, revolved, wheel_correction, whole_wheel
+from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc, revolved, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells
 from flangeway.space import Space
 

@@ -37,7 +37,7 @@ from flangeway.contact import (
     SegmentToSegment,
     Surface,
 )
-from flangeway.contact.enforcement import Enforcement
+from flangeway.contact.pairs import Enforcement
 from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
 from flangeway.errors import InputError, located
 from flangeway.geometry import Arc, Placement
@@ -59,12 +59,12 @@ from flangeway.problems import (
 )
 from flangeway.problems.body import Components
 from flangeway.problems.loads import Load
+from flangeway.results import assigned
 from flangeway.solve import Handle
-from flangeway.solve.body_loads import BodyLoad
-from flangeway.solve.free_motions import refuse_floating
+from flangeway.solve.body_response import BodyLoad
+from flangeway.solve.constraints import refuse_floating
 from flangeway.space import Space
 from flangeway.types import Floats
-from flangeway.units import assigned
 
 _Row = TypeVar("_Row", SupportTable, LoadTable, SpringTable)
 

@@ -33,9 +33,9 @@ from flangeway.post import (
 )
 from flangeway.problems import ElasticField
 from flangeway.quantities import Quantities, Quantity, values
+from flangeway.results import sentence
 from flangeway.solve import ElasticitySolution, Status, StepSettings, solve_elasticity
 from flangeway.types import Floats
-from flangeway.units import sentence
 
 # --- What came out of a case of bodies that are pressed, pulled and held: one kind of result for all of them.
 

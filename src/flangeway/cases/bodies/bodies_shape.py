@@ -28,15 +28,14 @@ from flangeway.contact.node_to_segment import OVERHANG
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, read_section
 from flangeway.formats.drawn_section import UNITS_MM
-from flangeway.formats.outline_files import ENDINGS
-from flangeway.formats.outline_toml import outline_region
+from flangeway.formats.outline_files import ENDINGS, outline_region
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, rectangle
 from flangeway.geometry.arrays import norms
 from flangeway.geometry.region import Region
 from flangeway.materials import Elastic, Hypothesis
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
 from flangeway.problems import LinearBody
-from flangeway.units import assigned, sentence
+from flangeway.results import assigned, sentence
 
 # --- Inputs of the general case: tables of bodies, supports, loads, motions, contacts, steps.
 

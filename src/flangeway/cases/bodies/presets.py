@@ -5,6 +5,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -33,10 +34,10 @@ from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, rectangle_g
 from flangeway.post import PressurePatch, displacements_at
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.quantities import Quantities, Quantity
+from flangeway.results import assigned, sentence
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Floats
-from flangeway.units import assigned, sentence
 
 # --- Published problems as presets of the general case: Hertz's contact, and the contact patch test.
 
@@ -51,10 +52,6 @@ MAX_EDGES = 10_000  # on half of the fine zone: more is a mistake in a size
 MAX_RADIUS = 1e6  # radius relative to the elements' size above which a half disc is not meshed
 MIN_PIECES = 17  # minimum number of pieces of the polyline along a fine arc
 MAX_ZONE = 0.75  # half width of the fine zone relative to the radius: wider ones do not fit half discs
-
-
-class BodiesPreset(PresetCase, BodiesCase):
-    """A case that fills in the tables of the general case."""
 
 
 def _fullest(run: BodiesRun) -> PressurePatch:
@@ -89,7 +86,7 @@ HERTZ: Quantities[BodiesRun] = (
 """Numbers of a contact beside Hertz's solution."""
 
 
-class HertzCase(BodiesPreset):
+class HertzCase(PresetCase, BodiesCase):
     """A half disc pressed on another one, or on a block, in plane strain (Moherdaui 2021, 6.2.2)."""
 
     name = "hertz"
@@ -148,14 +145,14 @@ class HertzCase(BodiesPreset):
     """number of equal load steps"""
 
     def theory_of(self, run: BodiesRun) -> LineContact | None:
-        """See `BodiesPreset.theory_of`."""
+        """See `BodiesCase.theory_of`."""
         assert run.contact is not None
         force = float(run.contact.forces[0, 1])
         return self.theory(force) if run.status.converged and force > 0.0 else None
 
     def theory(self, force_N: float) -> LineContact:
         """Hertz's solution for a force."""
-        upper, lower = self._materials()
+        upper, lower = (Elastic(of("young_MPa"), of("poisson")) for of in (partial(getattr, self), self._of_lower))
         modulus = contact_modulus(upper.plane_modulus, lower.plane_modulus)
         return LineContact(force_N / self.thickness_mm, self._curvature, modulus)
 
@@ -206,7 +203,7 @@ class HertzCase(BodiesPreset):
             raise InputError("halved_edges without fine_arc_deg", "both", "give the angle of the fine arc")
         if self.fine_arc_deg is not None:
             self._refuse_narrow(self.fine_arc_deg)
-        zone, size = self._zone(), min(self.size_mm, self.lower_mesh_size)
+        zone, size = self._zone(), min(self.size_mm, self._of_lower("size_mm"))
         for key, value in (("radius_mm", radius), ("lower_radius_mm", below)):
             if value > MAX_RADIUS * size:
                 raise InputError(
@@ -246,40 +243,31 @@ class HertzCase(BodiesPreset):
             )
 
     def _body(self, name: str, shape: dict[str, Any], zone: float) -> dict[str, Any]:
-        upper = name == "upper"
-        material = self._materials()[0 if upper else 1]
-        radius, size = (self.radius_mm, self.size_mm) if upper else (-self.lower_radius_mm, self.lower_mesh_size)
+        of = self._of_lower if name == "lower" else partial(getattr, self)
+        radius, size = of("radius_mm") * (-1.0 if name == "lower" else 1.0), of("size_mm")
         n = max(math.ceil(zone / (2.0 * size)), 1)
         xs = [zone * i / n for i in range(-n, n + 1)]
         if self.fine_arc_deg is not None:
             angle = math.radians(self.fine_arc_deg) / 2.0
             n = max(math.ceil(angle * abs(radius) / (2.0 * size)), MIN_PIECES)
             xs = [abs(radius) * math.sin(angle * (2 * i / n - 1.0)) for i in range(n + 1)]
-        flat = not upper and self.lower == "block"
+        flat = "rectangle" in shape
         heights = [0.0 if flat else radius - math.copysign(math.sqrt(radius**2 - x**2), radius) for x in xs]
         fine = {"at_mm": list(zip(xs, heights, strict=True)), "size_mm": size, "growth": self.growth}
         return {
             "name": name,
             **shape,
-            "young_MPa": material.young,
-            "poisson": material.poisson,
-            "method": self.method if upper else self.lower_method or self.method,
-            "order": self.order if upper else self.lower_order or self.order,
+            **{key: of(key) for key in ("young_MPa", "poisson", "method", "order")},
             "stabilisation": self.stabilisation,
             "halved_side": "arc" if self.halved_edges else None,
             "size_mm": max(self.body_size_mm, size),
             "fine": [fine],
         }
 
-    def _materials(self) -> tuple[Elastic, Elastic]:
-        young, poisson = self.lower_young_MPa, self.lower_poisson
-        lower = Elastic(self.young_MPa if young is None else young, self.poisson if poisson is None else poisson)
-        return Elastic(self.young_MPa, self.poisson), lower
-
-    @property
-    def lower_mesh_size(self) -> float:
-        """Edge length of the lower body's triangles in contact, mm."""
-        return self.size_mm if self.lower_size_mm is None else self.lower_size_mm
+    def _of_lower(self, key: str) -> Any:
+        """Return an input of the lower body, that of the upper one where it has none of its own."""
+        own = getattr(self, f"lower_{key}")
+        return getattr(self, key) if own is None else own
 
     @property
     def _curvature(self) -> float:
@@ -287,7 +275,7 @@ class HertzCase(BodiesPreset):
 
     def _zone(self) -> float:
         """Half width of the zone where the bodies may touch."""
-        edges = ZONE_EDGES * max(self.size_mm, self.lower_mesh_size)
+        edges = ZONE_EDGES * max(self.size_mm, self._of_lower("size_mm"))
         if self.force_N is not None:
             return ZONE_OF_HERTZ * self.theory(self.force_N).half_width + edges
         return ZONE_OF_LENS * math.sqrt(2.0 * self.indentation_mm / self._curvature) + edges
@@ -303,7 +291,7 @@ class HertzCase(BodiesPreset):
         )
 
 
-class ContactPatchCase(BodiesPreset):
+class ContactPatchCase(PresetCase, BodiesCase):
     """Two equal boxes pressed together, free to spread: the exact pressure is uniform (Moherdaui 2021, Figure 64)."""
 
     name = "contact-patch"
@@ -379,9 +367,7 @@ class ContactPatchCase(BodiesPreset):
                     },
                     "young_MPa": self.young_MPa,
                     "poisson": self.poisson,
-                    "method": getattr(self, f"{name}_method"),
-                    "order": getattr(self, f"{name}_order"),
-                    "size_mm": getattr(self, f"{name}_size_mm"),
+                    **{key: getattr(self, f"{name}_{key}") for key in ("method", "order", "size_mm")},
                 }
             )
             supports.append({"body": name, "edges": far, "hold": "y"})

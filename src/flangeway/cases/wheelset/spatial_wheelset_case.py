@@ -20,24 +20,22 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     SPATIAL_ROW,
     WheelResult,
 )
-from flangeway.contact.patch.contact_ellipse import PARABOLIC
-from flangeway.contact.rolling.theories import Theory
+from flangeway.contact.patch.patch_contact import PARABOLIC
+from flangeway.contact.rolling.fast_theories import Theory
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantity
-from flangeway.railway.track.discretisation import Discretisation, Method
 from flangeway.railway.track.placements import RUNNING_CIRCLES_MM
-from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
-from flangeway.railway.wheelset.axle import Axle
-from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.track.wheelset_problem import Discretisation, Method, Prescribed, WheelsetProblem
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.running_surfaces import PATCH_CELLS, SpatialModel, running_surfaces
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position, solve_spatial
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.supported_rail import RailSupport
-from flangeway.railway.wheelset.whole_wheel import WheelDisc
+from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc
+from flangeway.results import sentence
 from flangeway.system.disk_cache import Cache
 from flangeway.system.file_content import number_table
-from flangeway.units import sentence
 
 # ruff: noqa: N815 (units in names)
 

@@ -32,18 +32,24 @@ from flangeway.cases.wheelset.wheelset_quantities import (
 )
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantity, values
-from flangeway.railway.track.discretisation import Choice, Discretisation, EnforcementName, Method, PairingName
 from flangeway.railway.track.placements import SIDES
-from flangeway.railway.track.wheelset_load import WheelsetLoad
-from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
-from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset
+from flangeway.railway.track.wheelset_problem import (
+    Choice,
+    Discretisation,
+    EnforcementName,
+    Method,
+    PairingName,
+    Prescribed,
+    WheelsetLoad,
+    WheelsetProblem,
+)
+from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset, WheelsetResult, solve_condensed, solve_wheelset
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.wheelset_checks import SLICE
 from flangeway.railway.wheelset.wheelset_model import build_model
-from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_condensed, solve_wheelset
+from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
-from flangeway.units import sentence
 
 # --- What a run of a wheelset found, in three dimensions or in the plane: results, ``summary.json``, rows of campaigns.
 

@@ -29,8 +29,8 @@ from flangeway.railway.profiles.bundled import (
     wheel,
 )
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
-from flangeway.railway.profiles.formats.raw_profile import Kind
-from flangeway.railway.profiles.joining import body_distance_mm, joined, nominal_profile, on_plain_body
+from flangeway.railway.profiles.formats.two_column import Kind
+from flangeway.railway.profiles.joining import body_distance_mm, joined, nominal_profile, on_plain_body, whole_profile
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import (
     FIELD_WORN,
@@ -40,19 +40,18 @@ from flangeway.railway.profiles.profile_file import (
     read_profile,
     side_notices,
 )
-from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.railway.track.placements import USUAL_GAUGES, Side, Track, Wheelset, usual_gauge
-from flangeway.railway.track.wheelset_load import (
+from flangeway.railway.track.wheelset_problem import (
     GRAVITY_M_S2,
     MAX_SLOPE,
     WheelsetLoad,
+    WheelsetProblem,
     balanced_superelevation_mm,
     curve_force_N,
     superelevation_angle,
 )
-from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.results import sentence, with_texts
 from flangeway.system.file_content import is_file
-from flangeway.units import sentence, with_texts
 
 # --- Rails and wheels of cases by the names that users give: bundled ones, or files of profiles.
 

@@ -24,20 +24,24 @@ from flangeway.cases.patch_quantities import (
     TRACTION,
     CreepResult,
 )
-from flangeway.contact.patch.contact_ellipse import ContactEllipse
+from flangeway.contact.patch.patch_contact import ContactEllipse
 from flangeway.exact import PointContact
 from flangeway.post.patch_stresses import DepthProfile
 from flangeway.problems import LinearBody
 from flangeway.quantities import Quantities, Quantity, column_names, getter, of_part
-from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
-from flangeway.railway.track.wheelset_load import WheelsetLoad
+from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetLoad
 from flangeway.railway.wheelset.equilibrium import RelativeResiduals
+from flangeway.railway.wheelset.plane_wheelset import (
+    SEARCHED,
+    SubsurfaceExtreme,
+    WheelsetResult,
+    maximum_on,
+    stresses_below,
+)
 from flangeway.railway.wheelset.spatial_result import SpatialResult
-from flangeway.railway.wheelset.subsurface import SEARCHED, SubsurfaceExtreme, maximum_on, stresses_below
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
-from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.types import Floats
 
 AnyResult = SpatialResult | WheelsetResult

@@ -8,12 +8,17 @@ from typing import NamedTuple
 import numpy as np
 
 from flangeway.checks import check_finite, check_positive
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
-from flangeway.contact.rolling.falling_limits import FallingLimits
-from flangeway.contact.rolling.friction_solver import ROUND_OFF, FrictionProblem, FrictionState
-from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
-from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
+from flangeway.contact.rolling.friction_solver import ROUND_OFF, FallingLimits, FrictionProblem, FrictionState
+from flangeway.contact.rolling.rolling_contact import (
+    BEYOND,
+    NO_CONTACT,
+    SLIPS,
+    STICKS,
+    Creepages,
+    Rolling,
+    RollingContact,
+)
 from flangeway.errors import InputError
 from flangeway.solve import Status
 from flangeway.types import Floats

@@ -1,22 +1,128 @@
-"""A contact patch on which bodies roll: cells under pressure, friction, and influence coefficients in three axes."""
+"""A contact patch on which bodies roll: motion, cells under pressure, friction, and the forces that result."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
-from flangeway.checks import are_finite, as_numbers, check_integer, check_kind, check_positive, refused
+from flangeway.checks import are_finite, as_numbers, check_finite, check_integer, check_kind, check_positive, refused
 from flangeway.contact.patch.normal_contact import Convolution, Pressing
 from flangeway.contact.patch.patch_contact import PatchContact
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.friction_solver import SlipOperator, tangential_convolution
+from flangeway.contact.rolling.friction_solver import (
+    FrictionProblem,
+    FrictionState,
+    SlipOperator,
+    tangential_convolution,
+)
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
-from flangeway.solve.half_spaces import half_spaces_on
-from flangeway.types import Bools, Floats
+from flangeway.solve import Status
+from flangeway.solve.surface_compliance import half_spaces_on
+from flangeway.types import Bools, Floats, Ints
+
+# --- Motion of two bodies over each other: creepages and spin, or a shift.
+
+
+PERCENT = 0.1
+"""Creepage above which a notice is given."""
+
+
+@dataclass(frozen=True, eq=False)
+class Creepages:
+    """Rigid slip of the second body on the first one, over the speed of rolling.
+
+    The axes of a patch are t (along the first body's surface across, as the grid's bounds rise), n (outwards from the
+    first body into the second one) and z (along), with ``n x t = z``. At the place (s, z) from the patch's origin
+    the second body slips on the first one by ``across - spin z`` along t and ``along + spin s`` along z. Kalker's and
+    CONTACT's axes for rolling to +z are x = z, y = t and z = -n: their creepages are ``xi = along``, ``eta = across``,
+    ``phi = -spin``.
+
+    Parameters
+    ----------
+    along, across
+        Longitudinal and lateral creepage; each a number, or one for each row of cells where contact angles differ.
+    spin
+        Relative rotation about n over the speed of rolling, per length; again a number, or one for each row.
+    speed
+        Velocity of the patch along z; negative: it rolls to -z. At 0 the bodies do not roll but shift: along and across
+        are then displacements, spin is an angle.
+
+    Raises
+    ------
+    InputError
+        If a value is no finite number.
+
+    """
+
+    along: float | Floats = 0.0
+    across: float | Floats = 0.0
+    spin: float | Floats = 0.0
+    speed: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name in ("along", "across", "spin"):
+            values = as_numbers("creepages", getattr(self, name))
+            if not np.isfinite(values).all() or values.size == 0:
+                raise InputError(f"Creepages({name}={getattr(self, name)})", "finite numbers", "correct the value")
+        check_finite("Creepages", "speed", self.speed, "a finite speed, 0 for a shift")
+
+    @property
+    def rolls(self) -> bool:
+        """Whether the bodies roll; otherwise they shift."""
+        return self.speed != 0.0
+
+    @property
+    def notices(self) -> tuple[str, ...]:
+        """What is unusual about the numbers."""
+        most = float(max(np.abs(self.along).max(), np.abs(self.across).max()))
+        if self.rolls and most > PERCENT:
+            return (f"a creepage of {most:g} is above {PERCENT:g}: creepages are ratios, not percent",)
+        return ()
+
+    def moved(self, along: float, across: float) -> Self:
+        """The same with changes of the creepages."""
+        return replace(self, along=self.along + along, across=self.across + across)
+
+    def about(self, s: float, z: float) -> Self:
+        """The same motion about a place at (s, z) from the origin, which becomes the origin."""
+        return replace(self, along=self.along + self.spin * s, across=self.across - self.spin * z)
+
+    def mean(self, s: Floats, weights: Floats) -> Self:
+        """Numbers for all rows at places s with weights whose sum is 1."""
+        along, across, spin = (np.broadcast_to(each[:, 0], s.shape) for each in self._rows(len(s)))
+        turning = float(spin @ weights)
+        ahead = float((along + spin * s) @ weights) - turning * float(s @ weights)
+        return replace(self, along=ahead, across=float(across @ weights), spin=turning)
+
+    def rigid(self, s: Floats, z: Floats) -> Floats:
+        """Rigid slip (t, z) at places s (n_cells,) and z (n_strips,) from the origin, (n_cells, 2, n_strips)."""
+        found = np.empty((len(s), 2, len(z)))
+        along, across, spin = self._rows(len(s))
+        found[:, 0] = across - spin * z
+        found[:, 1] = along + spin * s[:, None]
+        return found
+
+    def _rows(self, n_rows: int) -> list[Floats]:
+        """Columns of along, across and spin, one number or one for each row of cells; an `InputError` if it is not."""
+        found = [
+            np.reshape(np.asarray(each, dtype=np.float64), (-1, 1)) for each in (self.along, self.across, self.spin)
+        ]
+        for values in found:
+            if len(values) not in (1, n_rows):
+                raise InputError(
+                    f"{len(values)} creepages for {n_rows} rows of cells",
+                    "one number, or one for each row",
+                    "give as many as the grid has cells across",
+                )
+        return found
+
+
+# --- A contact patch on which bodies roll: cells under pressure, friction, and influence coefficients in three axes.
+
 
 BEYOND = 2
 """Strips beyond the grid at each end, whose displacements are needed."""
@@ -314,3 +420,197 @@ def _isotropic(material: object) -> Elastic:
             f"a body of {type(material).__name__}", "bodies of isotropic materials", "give them a material Elastic"
         )
     return material
+
+
+# --- What rolling with friction gives: creep forces, and tractions, slip and power of the cells.
+
+
+NO_CONTACT, STICKS, SLIPS = 0, 1, 2
+"""Values of `Rolling.states`."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CreepForces:
+    """Forces on the second body by friction, about the patch's origin in the axes t, n and z of `Creepages`.
+
+    In Kalker's and CONTACT's axes, rolling to +z, ``F_x = along``, ``F_y = across`` and ``M_z = -moment``.
+
+    Parameters
+    ----------
+    motion
+        Creepages, also where they were found for prescribed forces.
+    along, across
+        Longitudinal (z) and lateral (t) force.
+    moment
+        Spin moment about n.
+    theory
+        Its name.
+    status
+        How the computation ended.
+    notices
+        What is unusual about the input.
+
+    """
+
+    motion: Creepages
+    along: float
+    across: float
+    moment: float
+    theory: str
+    status: Status
+    notices: tuple[str, ...] = ()
+
+    @property
+    def t_gamma(self) -> float:
+        """Energy that friction dissipates over the distance rolled, its power over the speed.
+
+        Of theories with tractions it is the integral of tractions times slip, of the others forces times creepages.
+        """
+        return sum(self.products(self.motion))
+
+    def products(self, centre: Creepages) -> tuple[float, float]:
+        """Forces times creepages, and spin moment times spin, both positive where they dissipate.
+
+        The first one is T-gamma without spin, their sum T-gamma with spin, for creepages at the patch's origin: one
+        number each.
+        """
+        translation = self.along * centre.along + self.across * centre.across
+        return -float(np.sum(translation)), -float(np.sum(self.moment * centre.spin))
+
+    @property
+    def frictional_power(self) -> float:
+        """Power that friction dissipates."""
+        return abs(self.motion.speed) * self.t_gamma
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rolling(CreepForces):
+    """Creep forces with the fields of the cells.
+
+    Parameters
+    ----------
+    contact
+        The patch, with the pressures that were found where normal and tangential contact are coupled.
+    tractions
+        Mean tangential tractions (t, z) on the second body, shape (n_cells, n_strips, 2).
+    slip_velocities
+        Slip of the second body on the first one (t, z): velocities, or displacements for a shift, same shape.
+    states
+        `NO_CONTACT`, `STICKS` or `SLIPS`, shape (n_cells, n_strips).
+    flash_temperatures
+        Temperature of the cells above that without friction, K, by frictional power and `Heating`, (n_cells, n_strips);
+        of steady rolling. None without thermal properties.
+    rolling_power
+        Power of the pressures as tractions move the surfaces along their normals: with a part of them ahead of the
+        middle they resist rolling. 0 between half-spaces of one material.
+    raised
+        Displacements along the normals by tractions, shape (n_cells, n_strips).
+    slope
+        Factor of `Friction.slope`.
+    past
+        Displacements of the state before, in transient rolling.
+    steady
+        Whether it is steady rolling.
+
+    """
+
+    contact: RollingContact
+    tractions: Floats
+    slip_velocities: Floats
+    states: Ints
+    flash_temperatures: Floats | None = None
+    rolling_power: float = 0.0
+    raised: Floats
+    slope: float = 1.0
+    past: tuple[Floats, ...] = ()
+    steady: bool = False
+    problem: FrictionProblem | None = None
+    state: FrictionState | None = None
+
+    @cached_property
+    def displacements(self) -> tuple[Floats, ...]:
+        """Those of the second body less the first one's, `RollingContact.displacements`, of this state and the past."""
+        forces = (self.tractions * self.contact.areas[:, :, None]).swapaxes(1, 2)
+        moved = self.contact.displacements(forces) / self.slope + self.contact.pressing
+        return moved, *((moved,) if self.steady else self.past)
+
+    @cached_property
+    def power_density(self) -> Floats:
+        """Frictional power over area (work of a shift), shape (n_cells, n_strips).
+
+        In steady rolling it is that of slip by central differences: its sum is the power of the creepages exactly,
+        single cells beside the edge of slip may be slightly negative.
+        """
+        slips = self.slip_velocities
+        if self.steady:
+            velocity, moved = self.motion.speed, self.displacements[0]
+            gradients = (moved[..., BEYOND + 1 : 1 - BEYOND] - moved[..., BEYOND - 1 : -1 - BEYOND]) / 2.0
+            rigid = abs(velocity) * self.motion.rigid(*self.contact.places)
+            slips = (rigid - velocity * gradients / self.contact.grid.strip).swapaxes(1, 2)
+        return -np.sum(self.tractions * slips, axis=2)
+
+    @property
+    def frictional_power(self) -> float:
+        """Sum of the power of the cells."""
+        return float(np.sum(self.power_density * self.contact.areas))
+
+    @cached_property
+    def t_gamma(self) -> float:
+        """See `CreepForces.t_gamma`; creepages of each row count with its forces, and pressures that resist rolling."""
+        s, z = self.contact.places
+        rigid = self.motion.rigid(s, z).swapaxes(1, 2)
+        of_creepages = -float(np.sum(self.tractions * self.contact.areas[:, :, None] * rigid))
+        return of_creepages + self.rolling_power / (abs(self.motion.speed) or 1.0)
+
+    def part(self, inside: Bools) -> Self:
+        """The forces of some of the cells, (n_cells, n_strips), about the centre of their own pressure.
+
+        What pressures do as tractions raise the surfaces is shared by the normal force.
+        """
+        contact = self.contact.under(np.where(inside, self.contact.pressures, 0.0))
+        s, z = contact.places
+        forces = np.where(inside[..., None], self.tractions * self.contact.areas[..., None], 0.0)
+        part = replace(
+            self,
+            motion=self.motion.about(self.contact.places[0][0] - s[0], self.contact.places[1][0] - z[0]),
+            contact=contact,
+            along=float(forces[..., 1].sum()),
+            across=float(forces[..., 0].sum()),
+            moment=float(np.sum(s[:, None] * forces[..., 1]) - np.sum(z * forces[..., 0])),
+            tractions=forces / contact.areas[..., None],
+            slip_velocities=np.where(inside[..., None], self.slip_velocities, 0.0),
+            states=np.where(inside, self.states, NO_CONTACT),
+            flash_temperatures=None
+            if self.flash_temperatures is None
+            else np.where(inside, self.flash_temperatures, 0.0),
+            rolling_power=self.rolling_power * contact.force / self.contact.force,
+        )
+        vars(part)["power_density"] = np.where(inside, self.power_density, 0.0)
+        return part
+
+    @property
+    def coefficient(self) -> float:
+        """Resultant tangential force over the normal one: the utilised friction."""
+        return float(np.hypot(self.along, self.across)) / self.contact.force
+
+    @cached_property
+    def residuals(self) -> dict[str, float]:
+        """How well the law of friction holds, all 0 for an exact solution.
+
+        ``cone``: traction above its limit over the maximum limit; ``complementarity``: slip times what is missing to
+        the limit; ``opposition``: traction times slip plus their scalar product; both over the maximum limit times the
+        maximum rigid slip.
+        """
+        state, problem = self.state, self.problem
+        if state is None or problem is None or not problem.limits.any():
+            return dict.fromkeys(("cone", "complementarity", "opposition"), 0.0)
+        force, slip = np.linalg.norm(state.forces, axis=1), np.linalg.norm(state.slips, axis=1)
+        inside = problem.limits > 0.0
+        most = float(problem.limits.max())
+        unit = most * max(float(np.linalg.norm(problem.rigid, axis=1)[inside].max()), np.finfo(float).tiny)
+        against = force * slip + np.sum(state.forces * state.slips, axis=1)
+        return {
+            "cone": float((force - state.limits).max()) / most if inside.any() else 0.0,
+            "complementarity": float((slip * np.abs(state.limits - force))[inside].max()) / unit,
+            "opposition": float(against[inside].max()) / unit,
+        }

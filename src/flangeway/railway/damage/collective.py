@@ -8,11 +8,10 @@ from typing import Any
 
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
-from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
 from flangeway.railway.wheelset.running_surfaces import SpatialModel
-from flangeway.units import sentence
+from flangeway.results import sentence
 
 SHARES_TOLERANCE = 1e-6
 """Difference of the sum of the shares from 1 that is rounding."""

@@ -14,18 +14,24 @@ import numpy as np
 from flangeway.checks import check_between, check_positive
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import Collective, SurfaceKey
-from flangeway.railway.damage.profile_limits import LIMITS, check_limits, reached, worn_measures
-from flangeway.railway.damage.surface_wear import PatchDamage, patch_damage, row_wear
-from flangeway.railway.damage.wear_laws import WearLaw
-from flangeway.railway.damage.worn_surface import FILTER_MM, SPACING_MM, WornSurface
-from flangeway.railway.track.discretisation import Role
+from flangeway.railway.damage.wear_laws import PatchDamage, WearLaw, patch_damage, row_wear
+from flangeway.railway.damage.worn_surface import (
+    FILTER_MM,
+    LIMITS,
+    SPACING_MM,
+    WornSurface,
+    check_limits,
+    reached,
+    worn_measures,
+)
+from flangeway.railway.track.wheelset_problem import Role
 from flangeway.railway.wheelset.running_surfaces import ElasticBodies, running_surfaces
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
+from flangeway.results import sentence, with_unit
 from flangeway.system.disk_cache import Cache
-from flangeway.system.versions import versions
+from flangeway.system.output_folder import versions
 from flangeway.types import Floats
-from flangeway.units import sentence, with_unit
 
 MM_PER_KM = 1e6
 MAX_COMPLIANCE_WEAR_MM = 1.0
@@ -58,7 +64,7 @@ class EvolutionSettings:
     spacing_mm
         Length of the pieces of the surfaces.
     limits
-        Of `flangeway.railway.damage.profile_limits.LIMITS`: the evolution ends where one is reached.
+        Of `flangeway.railway.damage.worn_surface.LIMITS`: the evolution ends where one is reached.
 
     Raises
     ------

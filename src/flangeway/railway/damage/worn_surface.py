@@ -1,28 +1,33 @@
-"""A running surface that wears: depth over its arc length, from cells of patches, and the worn profile.
+"""A running surface that wears, and the measures and limits of worn profiles."""
 
-The depth is measured along the normals of the new surface into the steel, on even pieces of the new surface's arc
-length. Contact is on the worn surface: what cells wear off lies between points of it, and is added to the pieces as an
-area over their worn lengths, so that the areas of pieces and cells have one sum. Between the middles of the pieces the
-depth is a cubic spline; the area between new and worn surface then differs from the sum by second powers of depth
-times curvature and by the interpolation (below 1 % up to 0.5 mm on treads).
-"""
-
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
-from flangeway.checks import as_numbers, check_between, check_kind
+from flangeway.checks import as_numbers, check_between, check_kind, is_finite
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline, Placement, Segment
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
-from flangeway.railway.profiles.formats.segment_files import write_segment_csv
-from flangeway.railway.profiles.measures import crossings
+from flangeway.railway.profiles.formats.instrument_files import write_segment_csv
+from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, crossings, measures
 from flangeway.railway.profiles.smoothing import biarcs
+from flangeway.railway.track.wheelset_problem import Role
+from flangeway.results import sentence
 from flangeway.types import Floats
-from flangeway.units import sentence
+
+# --- A running surface that wears: depth over its arc length, from cells of patches, and the worn profile.
+#
+# The depth is measured along the normals of the new surface into the steel, on even pieces of the new surface's arc
+# length. Contact is on the worn surface: what cells wear off lies between points of it, and is added to the pieces as
+# an area over their worn lengths, so that the areas of pieces and cells have one sum. Between the middles of the pieces
+# the depth is a cubic spline; the area between new and worn surface then differs from the sum by second powers of depth
+# times curvature and by the interpolation (below 1 % up to 0.5 mm on treads).
+
 
 SPACING_MM = 0.25
 """Length of the pieces: contact cells are 0.2 to 0.6 mm wide."""
@@ -298,3 +303,83 @@ class WornSurface:
     def from_tread(self) -> Contour:
         """The worn surface with the origin of wheels on the worn tread at the tape line."""
         return self.worn.running_surface.transformed(Placement(0.0, (0.0, -self.radius_loss_mm)))
+
+
+# --- Measures of worn profiles and the limits at which they are done.
+
+
+class LimitKind(NamedTuple):
+    """Whose measure a limit is of, and whether it is reached above it (1) or below it (-1)."""
+
+    role: Role
+    measure: str
+    sense: int = 1
+
+
+LIMITS: dict[str, LimitKind] = {
+    "min_flange_thickness_mm": LimitKind("wheel", "flange_thickness_mm", -1),
+    "max_flange_height_mm": LimitKind("wheel", "flange_height_mm"),
+    "min_flange_slope_mm": LimitKind("wheel", "flange_slope_mm", -1),
+    "max_hollow_mm": LimitKind("wheel", "hollow_mm"),
+    "max_tread_wear_mm": LimitKind("wheel", "tread_wear_mm"),
+    "max_top_wear_mm": LimitKind("rail", "top_wear_mm"),
+    "max_side_wear_mm": LimitKind("rail", "side_wear_mm"),
+}
+"""Limits of measures. EN 15313: flange thickness, height and slope qR of wheels."""
+MAX_CUT_DEG = 75.0
+"""Steepest slope of a running surface that a cut restores: flanges have 70 degrees, faces of rails stay as they are."""
+HOLLOW_FROM_MM = -20.0
+"""Position across the tread from which hollow wear is measured: beyond the flange root."""
+
+
+def worn_measures(surface: WornSurface) -> dict[str, float]:
+    """Measures of a worn profile in mm.
+
+    Wheels: those of `flangeway.railway.profiles.orientation.measures`; ``tread_wear_mm``, the loss of the radius at the
+    tape line; ``hollow_mm``, how far the tread lies above its field side, towards the axle. Rails: ``top_wear_mm`` in
+    the middle of the head and ``side_wear_mm`` of the gauge face at 14 mm below the new top. Both:
+    ``restoring_cut_mm``, what turning takes off the radius, or grinding off the height, until the new shape is there
+    again: the new surface moved down by it lies nowhere above the worn one, ``max(depth / cos(slope))``.
+    """
+    worn = surface.worn.running_surface.sampled(spacing=0.1, max_deviation=1e-4)
+    if isinstance(surface.new, WheelProfile):
+        found = measures(surface.from_tread, "wheel")
+        tread = worn[worn[:, 0] > HOLLOW_FROM_MM]
+        rim = np.minimum.accumulate(tread[::-1, 1])[::-1]
+        hollow = float((tread[:, 1] - rim).max())
+        return found | {"tread_wear_mm": surface.radius_loss_mm, "hollow_mm": hollow} | _cut(surface)
+    new = surface.surface.sampled(spacing=0.1, max_deviation=1e-4)
+    level = float(new[:, 1].max()) - GAUGE_DEPTH_MM
+    heights, faces = ([_at(each, axis, at) for each in (new, worn)] for axis, at in ((0, 0.0), (1, level)))
+    return {"top_wear_mm": heights[0] - heights[1], "side_wear_mm": faces[1] - faces[0]} | _cut(surface)
+
+
+def _cut(surface: WornSurface) -> dict[str, float]:
+    cosines = surface.slope_cosines
+    restored = cosines >= np.cos(np.radians(MAX_CUT_DEG))
+    return {"restoring_cut_mm": float((surface.depth[restored] / cosines[restored]).max())}
+
+
+def _at(points: Floats, axis: int, value: float) -> float:
+    """Height in the middle of a head (axis 0), or x of its gauge face at a height (axis 1)."""
+    if axis == 1:
+        points = points[points[:, 0] < 0.0]
+    order = np.argsort(points[:, axis])
+    return float(np.interp(value, points[order, axis], points[order, 1 - axis]))
+
+
+def check_limits(limits: Mapping[str, float]) -> None:
+    """Refuse limits that do not exist, as an `InputError`."""
+    for name, value in limits.items():
+        if name not in LIMITS or not (is_finite(value) and value > 0.0):
+            raise InputError(f"limit {name} = {value}", f"{', '.join(LIMITS)}, in mm, > 0", "correct the name or value")
+
+
+def reached(surface: WornSurface, limits: Mapping[str, float]) -> tuple[str, ...]:
+    """Names of the limits that a profile has reached; those of the other kind of profile do not count."""
+    found, kinds = worn_measures(surface), [(name, LIMITS[name], limit) for name, limit in limits.items()]
+    return tuple(
+        name
+        for name, kind, limit in kinds
+        if kind.measure in found and (found[kind.measure] - limit) * kind.sense >= 0.0
+    )

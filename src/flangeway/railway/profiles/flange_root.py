@@ -11,7 +11,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Arc, Line, Outline, Placement, Segment
 from flangeway.geometry.arrays import Point, as_point, norms
 from flangeway.railway.profiles.bundled import WheelProfile, wheel
-from flangeway.units import sentence
+from flangeway.results import sentence
 
 GAUGE_HEIGHT_MM = 9.525  # depth below the tape line, 3/8 in, at which the standard measures the flange's thickness
 

@@ -1,15 +1,4 @@
-"""Measured points to a smooth curve of arcs: a smoothing spline on arc length, whose deviation is reported and limited.
-
-Both coordinates are cubic smoothing splines of the length along the chords (C. H. Reinsch, "Smoothing by spline
-functions", Numerische Mathematik 10, 1967). On points a distance h apart such a spline passes waves of angular wave
-number w with the gain 1 / (1 + weight h w^4), so that the weight follows from the wavelength whose height is halved.
-Points that would be moved further than the limit get more weight until they are not.
-
-Smooth curves become chains of arcs: each piece of the curve, with its ends and the tangents there, gets two arcs that
-meet tangentially (K. M. Bolton, "Biarc curves", Computer-Aided Design 7, 1975); of the family of such pairs the one
-with equal distances from the ends to the corner points of the tangents is taken. The error falls with the third power
-of the length of a piece.
-"""
+"""Measured points to a smooth curve of arcs, and the parts of a profile that a wheel coming down can touch."""
 
 import itertools
 import math
@@ -23,8 +12,22 @@ from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Segment, as_point
 from flangeway.geometry.arrays import chain_lengths, cross_product, norms
-from flangeway.types import floats
-from flangeway.units import sentence
+from flangeway.results import sentence
+from flangeway.types import Floats, floats
+
+# --- Measured points to a smooth curve of arcs: a smoothing spline on arc length, whose deviation is reported and
+# limited.
+#
+# Both coordinates are cubic smoothing splines of the length along the chords (C. H. Reinsch, "Smoothing by spline
+# functions", Numerische Mathematik 10, 1967). On points a distance h apart such a spline passes waves of angular wave
+# number w with the gain 1 / (1 + weight h w^4), so that the weight follows from the wavelength whose height is halved.
+# Points that would be moved further than the limit get more weight until they are not.
+#
+# Smooth curves become chains of arcs: each piece of the curve, with its ends and the tangents there, gets two arcs that
+# meet tangentially (K. M. Bolton, "Biarc curves", Computer-Aided Design 7, 1975); of the family of such pairs the one
+# with equal distances from the ends to the corner points of the tangents is taken. The error falls with the third power
+# of the length of a piece.
+
 
 ARC_TOLERANCE_MM = 2e-4  # maximum distance between the spline and the arcs that replace it
 
@@ -321,3 +324,59 @@ def _tangent_piece(start: FloatArray, end: FloatArray, tangent: FloatArray) -> S
         return Line(as_point(start), as_point(end))
     centre = start + np.array([-tangent[1], tangent[0]]) / turn
     return Arc(as_point(start), as_point(end), as_point(centre), turn > 0.0)
+
+
+# --- Parts of a profile that a wheel coming down can touch: graphs over the lateral coordinate, between overhangs.
+
+
+STEEPEST_RAD = math.radians(89.0)
+"""Steeper parts of a profile are left out: a wheel that comes from above cannot touch there first."""
+MAX_CLIPPED = 0.5
+"""Width of a part beyond an overhang over that of the running surface, above which it may be a second one."""
+
+
+def graphs_of(contour: Contour, steepest_rad: float = STEEPEST_RAD) -> list[Floats]:
+    """Return the parts of a contour that are less steep than an angle, the widest first; up to 90 degrees x grows.
+
+    Each is a table (n, 5) of its pieces: x and y of the start, angle of the tangent there, curvature, length.
+    """
+    if contour.ends[1][0] < contour.ends[0][0]:
+        contour = contour.reversed()
+    runs: list[list[tuple[float, ...]]] = [[]]
+    for segment in contour.segments:
+        row, reaches_start, reaches_end = _running_part(segment, steepest_rad)
+        if not reaches_start:
+            runs.append([])
+        if row is not None:
+            runs[-1].append(row)
+        if not reaches_end:
+            runs.append([])
+    return sorted((np.array(run) for run in runs if run), key=extent, reverse=True)
+
+
+def extent(rows: Floats) -> float:
+    """Return the width in x of such a part."""
+    return float(rows[:, 4] @ np.cos(rows[:, 2] + 0.5 * rows[:, 3] * rows[:, 4]))
+
+
+def _running_part(segment: Segment, steepest_rad: float) -> tuple[tuple[float, ...] | None, bool, bool]:
+    """Part of a segment that is not too steep, and whether it reaches the segment's start and end.
+
+    Returned: x, y, angle, curvature and length of the part, or None; two flags.
+    """
+    tangent = segment.tangent(0.0)[0]
+    angle = math.atan2(tangent[1], tangent[0])
+    curvature = segment.curvature
+    first, last = 0.0, segment.length
+    if curvature == 0.0:
+        if abs(angle) > steepest_rad:
+            return None, False, False
+    else:
+        # the lengths at which the angle takes both limits; files give arcs shorter than half a turn
+        limits = sorted(((-steepest_rad - angle) / curvature, (steepest_rad - angle) / curvature))
+        first, last = max(first, limits[0]), min(last, limits[1])
+        if last - first < 1e-9 * segment.length:
+            return None, False, False
+    start = segment.point(first / segment.length)[0]
+    row = (float(start[0]), float(start[1]), angle + curvature * first, curvature, last - first)
+    return row, first == 0.0, last == segment.length

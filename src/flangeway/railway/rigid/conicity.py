@@ -22,10 +22,10 @@ from flangeway.checks import as_numbers
 from flangeway.errors import InputError
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.railway.profiles.formats.two_column import read_two_column
-from flangeway.railway.rigid.rigid_locus import ContactLocus
+from flangeway.railway.rigid.rigid_geometry import ContactLocus
+from flangeway.results import sentence
 from flangeway.system.file_content import file_content, path_of
 from flangeway.types import Floats, floats
-from flangeway.units import sentence
 
 REFERENCE_AMPLITUDE_MM = 3.0  # amplitude for which one number is usually given
 

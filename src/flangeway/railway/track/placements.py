@@ -16,8 +16,8 @@ from flangeway.checks import check_between, check_finite, check_positive
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
+from flangeway.results import joined_text, sentence, with_unit
 from flangeway.types import Floats
-from flangeway.units import joined_text, sentence, with_unit
 
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")

@@ -1,24 +1,37 @@
-"""A plane wheelset: bodies in contact of which the wheels share one handle, the axle.
+"""A plane wheelset: bodies in contact of which the wheels share one handle, its solution, and stresses below."""
 
-The cuts of the wheels move with the axle, which slides and turns about its middle; the load acts at the centre of
-gravity, and the rails are held (Moherdaui 2021, 7.2.1). `solve_contact` finds forces and position together.
-"""
-
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
+from flangeway.checks import check_positive
 from flangeway.contact import ContactState, solve_contact
-from flangeway.geometry import Placement
-from flangeway.railway.rigid.elastic_start import rigid_start
-from flangeway.railway.track.placements import WheelsetPosition
-from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.contact.solution_checks import BodyOverlap, body_overlaps
+from flangeway.errors import InputError, short
+from flangeway.geometry import Contour, Placement
+from flangeway.geometry.arrays import nearest_on_segments
+from flangeway.mesh import PolyMesh
+from flangeway.post import StressLine, pressure_patches, stresses_along
+from flangeway.problems import ElasticField
+from flangeway.railway.rigid.rigid_equilibrium import rigid_start
+from flangeway.railway.track.placements import Side, WheelsetPosition, lateral_over_vertical
+from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_WAY, Equilibrium, with_loads
-from flangeway.railway.wheelset.wheelset_model import WheelsetModel
+from flangeway.railway.wheelset.wheelset_checks import checked
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel, build_model, wheel_rail_patch
 from flangeway.solve import BodyResponse, CondensedBodies, Handle, Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
+
+# --- A plane wheelset: bodies in contact of which the wheels share one handle, the axle.
+#
+# The cuts of the wheels move with the axle, which slides and turns about its middle; the load acts at the centre of
+# gravity, and the rails are held (Moherdaui 2021, 7.2.1). `solve_contact` finds forces and position together.
+
 
 PlaneEquilibrium = Equilibrium[ContactState]
 
@@ -110,3 +123,219 @@ class PlaneWheelset:
         arms = state.positions - position.axle(self.model.problem.wheelset)
         moment = float(arms[:, 0] @ forces[:, 1] - arms[:, 1] @ forces[:, 0])
         return np.array([*forces.sum(axis=0), moment])
+
+
+# --- Solve a wheelset on a track and gather what engineers ask for.
+
+
+@dataclass(frozen=True, eq=False)
+class WheelsetResult:
+    """A wheelset in equilibrium on its track.
+
+    - `status`: how the computation ended.
+    - `equilibrium`: position, residuals and contact forces.
+    - `patches`: regions of contact, left side first.
+    - `placements`: placement of each part, by name.
+    - `displacements`: of all nodes of each part in its own frame, by name, each (n_dofs, 2).
+    - `timings_s`: seconds for meshing, condensation (assembly and factorisation), contact, and post-processing.
+    - `warnings`: sentences about the limits of the result.
+    - `overlaps`: where deformed bodies overlap.
+    """
+
+    status: Status
+    model: WheelsetModel
+    equilibrium: PlaneEquilibrium
+    patches: tuple[WheelRailPatch, ...]
+    placements: dict[str, Placement]
+    displacements: dict[str, Floats]
+    timings_s: dict[str, float]
+    warnings: tuple[str, ...]
+    overlaps: tuple[BodyOverlap, ...]
+
+    @property
+    def problem(self) -> WheelsetProblem:
+        """Wheelset, track and load."""
+        return self.model.problem
+
+    @property
+    def approach_mm(self) -> float:
+        """Vertical displacement of the axle's middle, down, from the rigid position to the equilibrium."""
+        return self.model.rigid_position.vertical_mm - self.equilibrium.position.vertical_mm
+
+    @property
+    def position_in_space(self) -> WheelsetPosition:
+        """The position along horizontal and vertical."""
+        return self.equilibrium.position.turned(self.model.problem.load.tilt_rad)
+
+    def force_on_wheel_N(self, side: Side) -> Floats:  # noqa: N802
+        """Contact force on the wheel of a side, axes of the track, shape (2,)."""
+        forces = [patch.force_on_wheel_N for patch in self.patches if patch.side == side]
+        return np.sum(forces, axis=0) if forces else np.zeros(2)
+
+    def lateral_over_vertical(self, side: Side) -> float:
+        """Ratio L/V of a wheel's contact force, see `flangeway.railway.track.placements.lateral_over_vertical`."""
+        return lateral_over_vertical(self.force_on_wheel_N(side), side)
+
+
+def solve_wheelset(
+    problem: WheelsetProblem, progress: Callable[[str], None] = lambda _: None, *, cold: bool = False
+) -> WheelsetResult:
+    """Mesh, condense, and find the wheelset's equilibrium.
+
+    - `problem`: bodies, loads and what is prescribed.
+    - `progress`: called with a sentence at each stage.
+    - `cold`: compute everything anew, without the user's cache.
+    """
+    timings: dict[str, float] = {}
+    cache = None if cold else Cache.of_user()
+    for whole in (False, True):
+        with _timed(timings, "meshing"):
+            model = build_model(problem, progress, whole=whole, cache=cache)
+        with _timed(timings, "condensation"):
+            wheelset = PlaneWheelset.of(model, progress, cache)
+        result = solve_condensed(wheelset, progress, timings)
+        complete = all(each.is_explained for each in result.overlaps)
+        complete = complete and not any(each.pressure.at_edge for each in result.patches)
+        if whole or (result.equilibrium.status.converged and complete):
+            break
+        progress("once more with contact anywhere on the running surfaces")
+    return result
+
+
+def solve_condensed(
+    wheelset: PlaneWheelset,
+    progress: Callable[[str], None] = lambda _: None,
+    timings: dict[str, float] | None = None,
+) -> WheelsetResult:
+    """Find the equilibrium of a wheelset whose bodies are condensed, and check it.
+
+    - `progress`: called with a sentence at each stage.
+    - `timings`: seconds of the stages before.
+    """
+    timings, model = {} if timings is None else timings, wheelset.model
+    with _timed(timings, "contact"):
+        progress("finding forces and position")
+        equilibrium = wheelset.equilibrium()
+        state = equilibrium.state
+        patches = tuple(wheel_rail_patch(model, patch) for patch in pressure_patches(model.system, state))
+    with _timed(timings, "post-processing"):
+        progress("recovering the fields")
+        rotations = wheelset.response.rotations(state.placements)
+        fields = wheelset.response.fields(rotations, state.nodal_forces)
+        overlaps = body_overlaps(model.system, wheelset.response, state, fields)
+    names = [part.name for part in model.system.parts]
+    displacements = dict(zip(names, fields, strict=True))
+    status, warnings = checked(model, equilibrium, patches, overlaps, displacements)
+    placements = dict(zip(names, state.placements, strict=True))
+    return WheelsetResult(
+        status, model, equilibrium, patches, placements, displacements, timings, warnings, tuple(overlaps)
+    )
+
+
+@contextmanager
+def _timed(timings: dict[str, float], stage: str) -> Iterator[None]:
+    start = time.perf_counter()
+    yield
+    timings[stage] = timings.get(stage, 0.0) + time.perf_counter() - start
+
+
+# --- Stresses below the contact of a wheel and a rail, along the inward normal.
+
+
+DEPTH = 4.0  # default depth of a line over the half width of the contact
+
+SEARCHED = 0.5
+"""Part of such a line on which the maximum stress is sought: two half widths. A wide contact's line ends in the web."""
+
+FEWEST = 8  # points within that distance below which nothing is smoothed
+
+SMOOTHED = 0.5
+"""Distance on both sides of the largest value, over its depth, within which a cubic smooths the cells' jumps."""
+
+
+@dataclass(frozen=True)
+class SubsurfaceExtreme:
+    """Maximum stress below a contact.
+
+    - `value_MPa`: the stress in MPa, >= 0.
+    - `depth_mm`: its depth below the undeformed surface in mm.
+    """
+
+    value_MPa: float  # noqa: N815 (the unit megapascal)
+    depth_mm: float
+
+
+def stresses_below(
+    result: WheelsetResult, patch: WheelRailPatch, body: Role, depth_mm: float | None = None, n_points: int = 201
+) -> StressLine:
+    """Stresses from the surface into a body, through the patch's centre of pressure.
+
+    Returned: points and stresses in the frame of the body's profile (right-hand form on both sides), along the inward
+    normal of the undeformed profile; `distances` are the depths. Not-a-number where the line has left the body. An
+    `InputError` if the depth is not positive, there are fewer than two points, or the body is neither wheel nor rail.
+
+    - `result`: the solution that the patch belongs to.
+    - `body`: which of its two bodies.
+    - `depth_mm`: length of the line in mm; four half widths of the contact if left out.
+    - `n_points`: number of points, both ends included.
+    """
+    depth = DEPTH * patch.pressure.half_width if depth_mm is None else depth_mm
+    check_positive("stresses_below", "depth_mm", depth, "a positive length in mm", "leave it out")
+    surface, point = _place(result, patch, body)
+    part = result.model.parts[f"{body}-{patch.side}"]
+    (number,), parameters, _ = surface.closest(point[None])
+    (inward,) = -surface.segments[number].normal(parameters)
+    start = closest_on_boundary(part.body.space.mesh, point)
+    end = start + depth * inward
+    field = ElasticField(part.body.elasticity, result.displacements[part.name])
+    return stresses_along(field, (start[0], start[1]), (end[0], end[1]), n_points)
+
+
+def maximum_shear(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> SubsurfaceExtreme:
+    """Maximum in-plane shear stress, half the difference of the principal stresses in the plane, and its depth.
+
+    It is the largest on the line of `stresses_below`, smoothed over the cells about it. Half planes in Hertz's line
+    contact have ``0.3003 p0`` at ``0.786 a`` (Johnson, 1985, 4.2); a rail's head and a wheel's rim have more, since
+    they bear the force on a small width. An `InputError` as `stresses_below`.
+    """
+    line = stresses_below(result, patch, body)
+    return maximum_on(line.distances, line.stresses.in_plane_shear, SEARCHED)
+
+
+def maximum_on(depths: Floats, values: Floats, share: float = 1.0) -> SubsurfaceExtreme:
+    """Return the largest value of a line, and where; smoothed by a cubic if that has a top.
+
+    - `depths`: rising depths in mm, shape (n,).
+    - `values`: stresses in MPa, shape (n,), not-a-number outside of the body.
+    - `share`: part of the line's length, from its first point, on which the largest value is sought.
+    """
+    values = np.where(depths <= share * (1.0 + 1e-12) * depths[-1], values, np.nan)
+    place = int(np.nanargmax(values))
+    depth, value = float(depths[place]), float(values[place])
+    reach = SMOOTHED * depth * (1.0 + 1e-9)  # points at its very end count, whatever the last digit of their depths
+    near = np.isfinite(values) & (np.abs(depths - depth) <= reach)
+    if np.count_nonzero(near) >= FEWEST:
+        cubic = Polynomial.fit(depths[near], values[near], 3)
+        for top in (float(each.real) for each in cubic.deriv().roots() if np.isreal(each)):
+            if cubic.deriv(2)(top) < 0.0 and abs(top - depth) <= reach:
+                return SubsurfaceExtreme(float(cubic(top)), top)
+    return SubsurfaceExtreme(value, depth)
+
+
+def _place(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> tuple[Contour, Floats]:
+    """Running surface of the patch's body, and the centre of pressure near it."""
+    problem = result.model.problem
+    if body == "rail":
+        return problem.track.rail_of(patch.side).running_surface, patch.rail_point_mm
+    if body == "wheel":
+        return problem.wheelset.wheel_of(patch.side).running_surface, patch.wheel_point_mm
+    raise InputError(
+        f"stresses_below(body={short(body)})", "'wheel' or 'rail'", "name one of the two bodies in contact"
+    )
+
+
+def closest_on_boundary(mesh: PolyMesh, point: Floats) -> Floats:
+    """Closest point (2,) of the mesh's boundary to a point (2,): on chords of the profile, which this may leave."""
+    starts, ends = mesh.points[mesh.boundary_edges].swapaxes(0, 1)
+    (nearest,), (share,), _ = nearest_on_segments(point[None], starts, ends)
+    return np.asarray(starts[nearest] + share * (ends - starts)[nearest])

@@ -8,22 +8,19 @@ from typing import TypeAlias
 import numpy as np
 from scipy.spatial import cKDTree
 
-from flangeway.contact.patch.elastic_surface import ElasticSurface, elastic_surface
+from flangeway.contact.patch.normal_contact import ElasticSurface, elastic_surface
 from flangeway.geometry.arrays import chain_lengths
 from flangeway.mesh import Refinement
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
-from flangeway.railway.rigid.rigid_curve import RigidCurve
-from flangeway.railway.rigid.rigid_side import RigidSide
-from flangeway.railway.track.discretisation import Role
+from flangeway.railway.rigid.rigid_side import RigidCurve, RigidSide
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.railway.track.wheelset_problem import WheelsetProblem
-from flangeway.railway.wheelset.axle import Axle
-from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.side_contact import SideSurfaces
 from flangeway.railway.wheelset.supported_rail import RailSupport, rail_problem, sleeper_compliance, supported_rail
-from flangeway.railway.wheelset.wheelset_mesh import HELD, mesh_profile
-from flangeway.railway.wheelset.whole_wheel import WheelDisc, wheel_correction, whole_wheel
+from flangeway.railway.wheelset.wheelset_model import HELD, mesh_profile
+from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache, cached

@@ -12,18 +12,17 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_array
 
-from flangeway.contact.patch.contact_ellipse import CellForces
-from flangeway.contact.patch.elastic_surface import ElasticSurface
-from flangeway.contact.patch.normal_contact import Convolution
+from flangeway.contact.patch.normal_contact import Convolution, ElasticSurface
+from flangeway.contact.patch.patch_contact import CellForces
 from flangeway.contact.patch.patch_grid import PatchGrid, at_edge
 from flangeway.exact import contact_modulus
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import turned_right
 from flangeway.materials import Elastic
-from flangeway.railway.profiles.measures import GAUGE_DEPTH_MM
-from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM
+from flangeway.railway.rigid.rigid_side import RigidCurve
 from flangeway.solve import Status
-from flangeway.solve.half_spaces import half_spaces_on
+from flangeway.solve.surface_compliance import half_spaces_on
 from flangeway.types import Bools, Floats
 
 MOST_STEPS = 12

@@ -7,14 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
-from flangeway.contact.rolling.rolling_result import Rolling
+from flangeway.contact.rolling.rolling_contact import Rolling
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE, shakedown_state
 from flangeway.post.patch_stresses import StressField
-from flangeway.railway.profiles.measures import flange_angle_rad
+from flangeway.railway.profiles.orientation import flange_angle_rad
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
-from flangeway.railway.rigid.elastic_start import CLIMBED_MM
-from flangeway.railway.track.discretisation import ROLES, Role
+from flangeway.railway.rigid.rigid_equilibrium import CLIMBED_MM
 from flangeway.railway.track.placements import (
     RUNNING_CIRCLES_MM,
     SIDE_SIGN,
@@ -23,21 +22,20 @@ from flangeway.railway.track.placements import (
     WheelsetPosition,
     lateral_over_vertical,
 )
-from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
-from flangeway.railway.wheelset.rail_along_track import LoadedRail, RailAlongTrack, rails_along_track
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rows_of, strips_of
 from flangeway.railway.wheelset.running_surfaces import SpatialModel, running_surfaces
 from flangeway.railway.wheelset.side_contact import SideState, tangents_of
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
-from flangeway.railway.wheelset.supported_rail import supported_rail
+from flangeway.railway.wheelset.supported_rail import LoadedRail, RailAlongTrack, rails_along_track, supported_rail
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.railway.wheelset.wheelset_checks import yield_strength
 from flangeway.railway.wheelset.wheelset_newton import SpatialState
+from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
-from flangeway.units import sentence
 
 KLINGEL_MM = 3.0
 """Amplitude of the kinematic motion."""

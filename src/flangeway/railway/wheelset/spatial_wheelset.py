@@ -8,22 +8,21 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.railway.rigid.elastic_start import CLIMBED_MM, RigidStart, rigid_start
+from flangeway.railway.rigid.rigid_equilibrium import CLIMBED_MM, RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
-from flangeway.railway.track.wheelset_load import WheelsetLoad
-from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetLoad, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
 from flangeway.railway.wheelset.fine_cells import divided, finer
-from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
 from flangeway.railway.wheelset.running_surfaces import SpatialModel
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
 from flangeway.railway.wheelset.side_newton import solve_side, transferred, transferred_creep
 from flangeway.railway.wheelset.wheelset_newton import FINE_RESIDUAL, SpatialState, WheelsetNewton, pose_of
+from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.types import Floats
-from flangeway.units import sentence
 
 COARSE_MM, COARSE_STRIP_MM = 1.4, 3.0
 """Cells of the whole running surfaces; the contact at a flange root jumps between wider ones."""

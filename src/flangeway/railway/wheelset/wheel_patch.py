@@ -7,16 +7,14 @@ from functools import cached_property
 import numpy as np
 
 from flangeway.contact import Surface
-from flangeway.contact.patch.contact_ellipse import ContactEllipse
-from flangeway.contact.patch.patch_body import Axis, PatchBody
-from flangeway.contact.patch.patch_contact import PatchContact, press_patch
-from flangeway.contact.patch.patch_grid import grid_about, pairs_of
+from flangeway.contact.patch.patch_contact import ContactEllipse, PatchContact, press_patch
+from flangeway.contact.patch.patch_grid import Axis, PatchBody, grid_about, pairs_of
 from flangeway.exact import PointContact
 from flangeway.geometry import Placement
 from flangeway.post.patch_stresses import DepthProfile, StressField, half_space_profile, stress_field
 from flangeway.problems import Body, Elasticity, Harmonic
-from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import SIDE_SIGN, Side
+from flangeway.railway.track.wheelset_problem import Role
 from flangeway.railway.wheelset.side_contact import SideState
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel, region_of
 from flangeway.types import Floats

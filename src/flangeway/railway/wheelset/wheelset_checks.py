@@ -6,16 +6,15 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from flangeway.contact import ContactState
-from flangeway.contact.overlap import BodyOverlap
+from flangeway.contact.solution_checks import BodyOverlap
 from flangeway.post import cell_stresses, check_contact
-from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES
-from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel
+from flangeway.results import joined_text, sentence
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
-from flangeway.units import joined_text, sentence
 
 MAX_RESIDUAL = 1e-6  # difference of contact forces and load over the vertical load; the search stops below 1e-10
 
@@ -61,7 +60,7 @@ def checked(
     coarse for the contact, a pressure that oscillates, penetration that is not small, a rail that deflects farther than
     linear bodies follow, and stresses below the contacts above the yield strength of rail steel.
 
-    - `overlaps`: overlaps of the deformed bodies, see `flangeway.contact.overlap.body_overlaps`.
+    - `overlaps`: overlaps of the deformed bodies, see `flangeway.contact.solution_checks.body_overlaps`.
     - `displacements`: of all nodes of each part in its own frame, by name, each (n_dofs, 2).
     """
     names = [f"the {side} contact" for side in SIDES]

@@ -22,9 +22,9 @@ from flangeway.railway.wheelset.equilibrium import (
 from flangeway.railway.wheelset.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep, patches_of
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose
 from flangeway.railway.wheelset.side_newton import CreepSlopes, SideNewton, interpolated, transferred, transferred_creep
+from flangeway.results import joined_text
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
-from flangeway.units import joined_text
 
 
 @dataclass(frozen=True, eq=False)

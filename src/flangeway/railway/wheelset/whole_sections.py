@@ -5,15 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.contact.patch.patch_body import PatchBody
+from flangeway.contact.patch.patch_grid import PatchBody
 from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
 from flangeway.problems import Harmonic
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
-from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
-from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
 from flangeway.railway.wheelset.rolling.patch_rolling import forces_on_cells
 from flangeway.railway.wheelset.running_surfaces import running_cells
 from flangeway.railway.wheelset.side_contact import tangents_of, wheel_gap

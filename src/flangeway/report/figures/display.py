@@ -17,9 +17,9 @@ from flangeway.errors import InputError
 from flangeway.formats import write_vtu, write_vtu_lines
 from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
-from flangeway.mesh.kernel import cell_centres, kernel_centre, star_parts
+from flangeway.mesh.cutting import cell_centres, kernel_centre, star_parts
 from flangeway.post import Stresses, contact_lines, corner_stresses
-from flangeway.post.lines import polynomials_at, stress_polynomials, value_polynomials
+from flangeway.post.stress import polynomials_at, stress_polynomials, value_polynomials
 from flangeway.problems import ElasticField
 from flangeway.space import Space
 from flangeway.system.output_folder import Writer

@@ -21,7 +21,7 @@ from flangeway.mesh.curved import as_polylines
 from flangeway.post import AdaptiveRun, PressurePatch, Stresses, StressLine, cell_stresses
 from flangeway.problems import ElasticField
 from flangeway.quantities import measured
-from flangeway.railway.wheelset.wheelset_result import WheelsetResult
+from flangeway.railway.wheelset.plane_wheelset import WheelsetResult
 from flangeway.report.figures.display import (
     Display,
     display,
@@ -52,11 +52,10 @@ from flangeway.report.figures.drawing import (
 )
 from flangeway.report.page.record import marked
 from flangeway.report.viewer.scene_model import DISPLACEMENT, ShownPart
-from flangeway.results import Result
+from flangeway.results import Result, Units
 from flangeway.solve import TorsionSolution
 from flangeway.space import Space
 from flangeway.types import Bools, Floats, floats
-from flangeway.units import Units
 
 # --- Deformed bodies with stresses in colours, as all pictures of fields draw them: inside the elements as they are.
 

@@ -23,11 +23,10 @@ from flangeway.quantities import measured
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.record import REPORT, Again, Picture, Record, SummaryTable, timings_table
 from flangeway.report.viewer import field_viewer
-from flangeway.results import ResultTable
+from flangeway.results import ResultTable, Units, in_us_units, joined_text, sentence, shown, unit_in, us_key, with_unit
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 from flangeway.system.templates import templates
 from flangeway.system.workbook import csv_tables, write_workbook
-from flangeway.units import Units, in_us_units, joined_text, sentence, shown, unit_in, us_key, with_unit
 
 # --- What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables.
 

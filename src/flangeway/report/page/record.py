@@ -11,9 +11,8 @@ from rich.table import Table
 
 from flangeway.quantities import Quantity
 from flangeway.report.viewer import Scene
-from flangeway.system.output_folder import Writer
-from flangeway.system.versions import versions
-from flangeway.units import Units, in_us_units
+from flangeway.results import Units, in_us_units
+from flangeway.system.output_folder import Writer, versions
 
 # --- Tables, and what all commands print alike: tables without a frame, how a run ended, notices, and the files.
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from flangeway.mesh import PolyMesh
+from flangeway.results import Units, in_us_units, us_unit
 from flangeway.types import Floats, Ints
-from flangeway.units import Units, in_us_units, us_unit
 
 Formula = Literal[
     "value", "x", "y", "magnitude",

@@ -39,10 +39,10 @@ from flangeway.cases.wheelset.wheelset_quantities import (
 )
 from flangeway.mesh import PolyMesh
 from flangeway.quantities import Quantity, columns, measured, present
-from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
-from flangeway.railway.wheelset.rail_along_track import REGIONS, RailAlongTrack
+from flangeway.railway.track.wheelset_problem import ROLES, Role
 from flangeway.railway.wheelset.spatial_result import SpatialResult
+from flangeway.railway.wheelset.supported_rail import REGIONS, RailAlongTrack
 from flangeway.railway.wheelset.whole_sections import whole_sections
 from flangeway.report.figures.display import collection, write_contacts
 from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, Style, name_axes, panels
@@ -77,10 +77,9 @@ from flangeway.report.wheelset.wheelset_patches import (
     write_stresses,
     write_surface,
 )
-from flangeway.results import ResultTable
+from flangeway.results import ResultTable, Units, sentence, us_unit
 from flangeway.system.output_folder import Writer, text_writer
 from flangeway.types import Floats
-from flangeway.units import Units, sentence, us_unit
 
 # --- Pressures and friction of a wheelset on the running surfaces of its rails, in three dimensions, for the viewer.
 

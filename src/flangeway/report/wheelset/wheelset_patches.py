@@ -10,19 +10,19 @@ from matplotlib.patches import Polygon
 
 from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.cases.wheelset.wheelset_quantities import AnyPatch, patch_name
-from flangeway.contact.rolling.fastsim import SimplifiedRolling
-from flangeway.contact.rolling.rolling_result import Rolling
+from flangeway.contact.rolling.fast_theories import SimplifiedRolling
+from flangeway.contact.rolling.rolling_contact import Rolling
 from flangeway.formats import write_vtu, write_vtu_grids
 from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
 from flangeway.quantities import measured
-from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.track.wheelset_problem import ROLES, Role
+from flangeway.railway.wheelset.plane_wheelset import WheelsetResult
 from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
-from flangeway.railway.wheelset.wheelset_mesh import HELD
-from flangeway.railway.wheelset.wheelset_result import WheelsetResult
+from flangeway.railway.wheelset.wheelset_model import HELD
 from flangeway.railway.wheelset.whole_sections import WholeSection
 from flangeway.report.figures.drawing import (
     COLOURS,

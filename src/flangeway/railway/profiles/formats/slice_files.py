@@ -19,8 +19,8 @@ import numpy as np
 from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
 from flangeway.geometry.arrays import chain_lengths
-from flangeway.railway.profiles.formats.raw_profile import Kind, RawProfile, leading_numbers
-from flangeway.units import sentence, with_unit
+from flangeway.railway.profiles.formats.two_column import Kind, RawProfile, leading_numbers
+from flangeway.results import sentence, with_unit
 
 SLICES: dict[str, Kind] = {".slcs": "rail", ".slcw": "wheel"}
 """Kinds by the ending of the file's name."""

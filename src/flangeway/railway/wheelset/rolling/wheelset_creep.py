@@ -12,21 +12,18 @@ from typing import NamedTuple
 import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid, separate_patches
-from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import Start, adjoint, roll
-from flangeway.contact.rolling.fastsim import SimplifiedRolling, fastsim_rows
-from flangeway.contact.rolling.rolling_contact import RollingContact, box_of
-from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.contact.rolling.theories import FAST, Theory
+from flangeway.contact.rolling.fast_theories import FAST, SimplifiedRolling, Theory, fastsim_rows
+from flangeway.contact.rolling.rolling_contact import Creepages, CreepForces, Rolling, RollingContact, box_of
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.wheelset.rolling.patch_rolling import (
+    RollingMotion,
     contact_in,
     forces_on_cells,
     rows_of,
     strips_of,
 )
-from flangeway.railway.wheelset.rolling.rolling_motion import RollingMotion
 from flangeway.railway.wheelset.side_contact import SideState, WheelPose, tangents_of
 from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton, interpolated
 from flangeway.types import Bools, Floats
