@@ -276,7 +276,8 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
     """Sentences about parts of a contact of which one moved through the other from one load step to the next.
 
     Parts that press on each other before or after a step have met. The way is that of the parts' final motions, those
-    by handles included, so that a part that was pushed aside is no obstacle.
+    by handles and the mean displacement of their surfaces included, so that a part that was pushed aside is no obstacle
+    and one that given displacements move is one.
 
     Parameters
     ----------
@@ -290,22 +291,30 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
     for one, other in dict.fromkeys(each.parts for each in system.contacts):
         numbers = system.parts.index(one), system.parts.index(other)
         apart = [(one.placement, other.placement)]
-        ways = []
+        ways, smallest = [], PASSAGE * min(one.body.size, other.body.size)
         for state in states:
-            stop = state.placements[numbers[0]], state.placements[numbers[1]]
+            (stop, bent), (other_stop, other_bent) = (_shifted(system, state, number) for number in numbers)
             solved = system.solved(state.linearisation, state.forces)
             if any(each.forces.any() for each in solved if set(each.contact.parts) == {one, other}):
                 apart = []
                 continue
-            ways += [[*apart[-1:], stop]]
-            apart = [stop]
-        smallest = PASSAGE * min(one.body.size, other.body.size)
-        if one is not other and any(passes_through(one, other, way, smallest) for way in ways if len(way) == 2):
+            ways += [([*apart[-1:], (stop, other_stop)], smallest + bent + other_bent)]
+            apart = [(stop, other_stop)]
+        if one is not other and any(passes_through(one, other, way, least) for way, least in ways if len(way) == 2):
             errors.append(
                 f"{one.name} moved through {other.name}: they overlap on the way, and do not touch after it; move it "
                 "less, or in smaller steps"
             )
     return errors
+
+
+def _shifted(system: ContactSystem, state: ContactState, number: int) -> tuple[Placement, float]:
+    """Placement of a part shifted by its surfaces' mean displacement, and how far displacements are from this mean."""
+    placement, surfaces = state.placements[number], system.surface_nodes
+    first, last = (sum(len(each.nodes) for each in surfaces[:stop]) for stop in (number, number + 1))
+    displaced = state.positions[first:last] - placement.points(surfaces[number].points)
+    x, y = displaced.mean(axis=0).tolist()
+    return Placement(0.0, (x, y)).after(placement), float(np.linalg.norm(displaced - (x, y), axis=1).max())
 
 
 def passes_through(one: Part, other: Part, way: Sequence[tuple[Placement, Placement]], apart: float) -> bool:
