@@ -291,6 +291,31 @@ def test_a_square_on_its_corner_bears_by_segments_what_it_bears_by_nodes() -> No
 
 
 @pytest.mark.parametrize("pairing", PAIRINGS, ids=["nodes", "segments"])
+def test_a_corner_with_an_upright_side_does_not_overlap(pairing: Pairing) -> None:
+    """One side of a wedge is 3 degrees from the normal of the block into which its tip is pressed by 0.2 mm."""
+    points = [(0.0, 0.0), (4.0 * np.tan(np.deg2rad(3.0)), 4.0), (-4.0, 4.0)]
+    die = part("die", polygon(points, ["right", "top", "left"]), "top")
+    block = part("block", rectangle(20.0, 10.0, centre=(0.0, -5.0)), "bottom")
+    solution = pressed((die, ("left", "right")), (block, ("top",)), (die, (0.0, -0.2)), pairing)
+    assert solution.status.converged, solution.status.message
+    of_die, of_block = positions(solution)
+    assert of_die[:, 1].min() >= of_block[:, 1].min() - 1e-9
+
+
+@pytest.mark.parametrize("pairing", PAIRINGS, ids=["nodes", "segments"])
+def test_blocks_side_by_side_are_pushed_apart_sideways(pairing: Pairing) -> None:
+    """Corners overlap by 0.2 mm over half an edge of 1 mm: they are not pushed along the sides, nor overlooked."""
+    sides = "bottom", "left", "top"
+    right = part("right", rectangle(4.0, 4.0, centre=(2.0, 3.5)), "right")
+    left = part("left", rectangle(4.0, 4.0, centre=(-2.0, 0.0)), "left")
+    solution = pressed((left, ("bottom", "right", "top")), (right, sides), (right, (-0.2, 0.0)), pairing)
+    assert solution.status.converged, solution.status.message
+    x, y = solution.forces[0]
+    assert x < 0.0
+    assert abs(y) < 0.2 * abs(x)
+
+
+@pytest.mark.parametrize("pairing", PAIRINGS, ids=["nodes", "segments"])
 def test_a_corner_pressed_on_a_corner_along_the_diagonal_is_said_to_be_arbitrary(pairing: Pairing) -> None:
     """Two blocks of 4 mm whose corners meet at the origin; with one of them aside nothing is said."""
     points = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (4.0, 4.0), (0.0, 4.0), (0.0, 3.0)])

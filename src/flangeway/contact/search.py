@@ -16,9 +16,8 @@ DEEP = 0.1
 """Depth behind an edge, over the length of the surface there, from which the point may have entered elsewhere."""
 MAX_SAGITTA = 0.25
 """Height of a curved edge over its chord, over the chord, beyond all meshes: a quarter of a circle has 0.2."""
-OTHER_EDGE, OWN_EDGE = 4.0, 10.0
-"""Depth behind an edge, over the distance from another edge, from which a point entered through that other edge. The
-second value is for an edge with the point itself: it exceeds that of a sharp corner."""
+OTHER_EDGE = 4.0
+"""Depth behind an edge, over the distance from an edge without the point, from which it entered through that one."""
 
 
 def candidate_pairs(secondary_edges: Floats, primary_edges: Floats, reach: float | Floats) -> tuple[Ints, Ints]:
@@ -159,7 +158,7 @@ def leads_out(
     on = own[1][far[of], edges]
     outwards, _, apart = _crossed(ways[of], own[0][edges])
     through[of[outwards & ~on]] = True
-    nearer[of[np.where(on, OWN_EDGE, OTHER_EDGE) * apart < depths[far[of]]]] = True
+    nearer[of[~on & (OTHER_EDGE * apart < depths[far[of]])]] = True
     of, edges = candidate_pairs(ways, other[0][:, [0, -1]], 0.0)
     _, inwards, _ = _crossed(ways[of], other[0][edges])
     through[of[inwards & ~other[1][far[of], edges]]] = True
