@@ -44,8 +44,9 @@ class Reach:
 
     def limit_of(self, step: float, *, halved: bool) -> float:
         """Limit of a step that is wanted; `halved`: whether the last step has lowered the residual much."""
-        if step * self.last < 0.0 and abs(step) > 0.5 * abs(self.last) and not halved:
-            self.limit, self.longest = BACK * abs(self.last), LESS * min(self.longest, self.most)
+        if step * self.last < 0.0 and not halved:
+            self.longest = LESS * min(self.longest, self.most)
+            self.limit = BACK * abs(self.last) if abs(step) > 0.5 * abs(self.last) else min(self.limit, self.longest)
         elif abs(self.last) >= ALL_OF_IT * self.limit:
             if self.limit == self.longest:  # several steps of one sense
                 self.longest /= LESS
