@@ -116,7 +116,7 @@ class Table(BaseModel):
 
     # what stands below an input is its description
     model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, strict=True, use_attribute_docstrings=True
+        defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False, strict=True, use_attribute_docstrings=True
     )
 
     @classmethod

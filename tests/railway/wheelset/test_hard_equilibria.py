@@ -117,11 +117,12 @@ DRAWN = combinations()
 
 
 @pytest.mark.ci
-@pytest.mark.parametrize("number", [92, 116, 330, 377, 387, 576])
+@pytest.mark.parametrize("number", [92, 116, 251, 308, 330, 377, 387, 470, 576])
 def test_a_wheelset_with_friction_finds_its_position(number):
     """What each depends on.
 
-    Creep forces that jump on coarse cells of a conforming pair (92), an upright gauge face (116), steps of the rate
+    Creep forces that jump on coarse cells of a conforming pair (92), an upright gauge face (116), a free yaw on the
+    flange (251, 470), a flange that is apart where cells are chosen and reached on the way (308), steps of the rate
     that keep their sense (330), a flange root that touches as the patch on the tread wanders (377), a flange that holds
     a guided wheelset (387), and one that comes close beside the patch on the tread (576).
     """

@@ -218,9 +218,20 @@ def test_a_gap_within_reach_has_cells_before_it_closes():
     gaps = np.full((40, 1), 1.0)
     gaps[34:37] = 0.2
     state = state_of(np.arange(-20.0, 21.0), range(5, 15), gaps)
-    near, far = (finer(state, 26, None, state, within).grid.cells for within in (0.3, 0.1))
+    near, far = (finer(state, 26, None, state, (within, 0.0)).grid.cells for within in (0.3, 0.1))
     assert np.isclose(covered(near, 14.0, 17.0), 3.0)
     assert covered(far, 14.0, 17.0) == 0.0
+
+
+def test_a_flange_that_the_wheelset_can_reach_has_cells():
+    """What is 1 mm apart has cells where the wheelset may come 1.5 mm nearer along its normal, and not across it."""
+    gaps = np.full((40, 1), 5.0)
+    gaps[34:37] = 1.0
+    flat = state_of(np.arange(-20.0, 21.0), range(5, 15), gaps)
+    steep = replace(flat, normals=np.tile((np.sin(1.2), np.cos(1.2)), (40, 1)))
+    on_steep, on_flat = (finer(state, 26, None, state, (0.3, 1.5)).grid.cells for state in (steep, flat))
+    assert np.isclose(covered(on_steep, 14.0, 17.0), 3.0)
+    assert covered(on_flat, 14.0, 17.0) == 0.0
 
 
 def test_cells_at_a_narrow_peak_are_divided_once():

@@ -92,18 +92,19 @@ def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]
     return windows
 
 
-def _further(state: SideState, within: float, windows: Sequence[_Window]) -> list[_Window]:
+def _further(state: SideState, near: tuple[float, float], windows: Sequence[_Window]) -> list[_Window]:
     """Windows outside of others, across, where there are forces or small gaps; theirs have no force.
 
     Along z they are half as long as where gaps are small: about as long as a patch would be there.
     """
-    grid, found = state.grid.grid, list[_Window]()
+    grid, found, (within, way) = state.grid.grid, list[_Window](), near
+    gaps = state.gaps - way * np.abs(state.normals[:, :1])
     apart = np.ones(len(grid.widths), dtype=np.bool_)
     for window in windows:
         apart &= (grid.cells[:, 1] <= window.ends[0]) | (grid.cells[:, 0] >= window.ends[1])
-    for inside in separate_patches(((state.forces > 0.0) | (state.gaps < within)) & apart[:, None]):
-        least = float(state.gaps[inside].min())
-        close = (state.forces > 0.0) | (state.gaps <= least + SHORTER * max(within - least, 0.0))
+    for inside in separate_patches(((state.forces > 0.0) | (gaps < within)) & apart[:, None]):
+        least = float(gaps[inside].min())
+        close = (state.forces > 0.0) | (gaps <= least + SHORTER * max(within - least, 0.0))
         ends, planes = _span(grid.bounds, inside, 0), _span(grid.strip_bounds, inside & close, 1)
         none = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
         found.append(_Window(ends, planes, ends[1] - ends[0], planes[1] - planes[0], 0.0, *none))
@@ -128,7 +129,7 @@ def finer(
     n_across: int = PATCH_CELLS,
     insides: Sequence[Bools] | None = None,
     coarse: SideState | None = None,
-    within: float = 0.0,
+    near: tuple[float, float] = (0.0, 0.0),
 ) -> GriddedSide:
     """Grid with enough cells across each patch and room around it; the same grid if it is one already.
 
@@ -139,14 +140,14 @@ def finer(
     - `n_across`: cells across a patch, and along it.
     - `insides`: cells of the patches, (n, n_z) each; left out: those that are apart.
     - `coarse`: contact on coarse cells; what touches there has cells too, whether it is loaded here or not.
-    - `within`: gap in mm on coarse cells up to which it has some too.
+    - `near`: gap in mm on coarse cells up to which it has some too, after a way across the track in mm.
     """
     old, grid = state.grid, state.grid.grid
     loaded = state.forces > 0.0
     if not loaded.any():
         return old
     windows = _windows(state, insides)
-    windows += [] if coarse is None else _further(coarse, within, windows)
+    windows += [] if coarse is None else _further(coarse, near, windows)
     windows.sort(key=lambda window: window.ends)
     middles = np.array([np.mean(window.ends) for window in windows])
     fine = grid.widths[:, None] <= COARSER * LENGTHENED * grid.strip  # not what only fills the way between patches

@@ -32,8 +32,6 @@ EVERY = 3
 """Strips from one to the next at which these gaps are looked at."""
 FAR_APART_MM = 12.0
 """Gap of the rigid wheel beyond which its surface is too far from the rail's to come into contact."""
-NEAR_MM = 0.3
-"""Gap within which a wheel on the way to its equilibrium may come into contact in the next steps."""
 COARSE_RESIDUAL = 1e-3
 PRESSED_MM = 0.1
 """Depth below the rigid position, beyond what the rails sink, at which the search begins."""
@@ -48,6 +46,9 @@ MAX_BENT_MM = 0.4
 """Displacement of a cell by creep forces in one step, at most."""
 NEARBY = 5.0
 """Way over the step limits within which cells still fit."""
+NEAR_MM = 0.3, NEARBY * float(MAX_STEP[0])
+"""Gap within which a wheel on the way to its equilibrium may come into contact on these cells, after their longest way
+across the track."""
 GRID_RESIDUAL = 1e-3
 """Residual at which the cells are chosen."""
 FEWER_ACROSS, NESTED_RESIDUAL = 0.35, 2e-3
@@ -466,12 +467,12 @@ class _Cells:
             return state.grids
         return {side: divided(each, self.stages[-1][0]) for side, each in state.sides.items()}
 
-    def fine(self, state: SpatialState, within: float = 0.0) -> Placed:
+    def fine(self, state: SpatialState, near: tuple[float, float] = (0.0, 0.0)) -> Placed:
         """Fine cells of both sides for a contact, see `finer`."""
         across = self.stages[self.stage][0]
         sides = state.sides.items()
         return {
-            side: finer(each, across, state.insides(side), self.touching[side], within) for side, each in sides
+            side: finer(each, across, state.insides(side), self.touching[side], near) for side, each in sides
         }, state
 
 

@@ -110,7 +110,7 @@ cells give an equilibrium."""
 MAX_COARSER = 2.5
 """Strips over those of other cells up to which derivatives of creep forces serve there too."""
 DIRECT = 4.0
-"""See `_steers`."""
+"""See `_leads`."""
 MAX_YAW_RAD, MAX_CREEPAGE = 1e-3, 2e-3
 """Step limits of the yaw, and of the rate of rotation over itself."""
 TILTS, RATE, YAW = (3, 4), 5, 6
@@ -168,7 +168,6 @@ class WheelsetNewton:
             if self.sides[side].grid.grid.strip <= MAX_COARSER * grids[side].grid.strip
         }
         self.across = self.across.again(float(MAX_STEP[0]))
-        self.steers: bool | None = None  # not known yet on these cells, see `_steers`
         for number, (side, grid) in enumerate(grids.items()):
             pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
             if near is None:
@@ -331,23 +330,21 @@ class WheelsetNewton:
 
         The rest of the unknowns is eliminated: what is left of the equation across the track at a fixed lateral
         position is the slope of the energy along it, and its sign is the direction in which the wheelset moves.
-        With friction and a free yaw that is the yaw moment instead, unless the flange holds the wheelset (`_steers`):
-        yaw then balances the lateral force by creepage, and the moment turns the wheelset to the rolling line, from
-        wherever it is.
+        With friction and a free yaw there are three such pairs of an unknown that leads and an equation, see `_leads`.
         """
         n, across = len(self.free), bool(self.free[0])
         limits = self._limits
         columns, rows = self.free.copy(), self.free.copy()
-        columns[0] = False
         jacobian = self.jacobian - self._least
-        if self.steers is None:
-            steers = across and n > YAW and bool(self.free[YAW])
-            self.steers = steers and _steers(jacobian, self.free, self.yaw_stiffness)
-        row, sense = (YAW, -1.0) if self.steers else (0, 1.0)
+        lead, row = 0, 0
+        if across and n > YAW and self.free[YAW]:
+            lead, row = _leads(jacobian, self.free, self.yaw_stiffness)
+        sense = 1.0 if lead == row else -1.0
+        columns[lead] = False
         if across:
             rows[row] = False
-        right = -np.stack((self.missed, self.jacobian[:, 0]), axis=1)
-        step, by_x = _solved(jacobian, right, rows, columns)
+        right = -np.stack((self.missed, self.jacobian[:, lead]), axis=1)
+        step, by_lead = _solved(jacobian, right, rows, columns)
         # an unknown whose step is limited goes where it is pushed, and the rest comes into equilibrium all the same:
         # without friction the energy falls that way, and moments of wheels that slip everywhere hardly depend on rate
         # and yaw; with creep forces it holds for these alone, also where friction that falls turns their slope over
@@ -359,13 +356,13 @@ class WheelsetNewton:
                 if self._turns_over(jacobian, step, rows, columns, number):
                     wanted[number] = np.copysign(np.inf, self.missed[number])
             for number, reach in self.reaches.items():
-                if pushed[number]:  # not a yaw that steers, which follows
+                if pushed[number]:  # not a yaw that leads, or that balances the lateral force
                     limits[number] = reach.limit_of(float(wanted[number]), halved=self._is_halved)
         limited = pushed & (np.abs(wanted) > limits)
         if limited.any():
             part = np.where(limited, np.copysign(limits, self.missed), 0.0)
             right[:, 0] -= jacobian @ part
-            step, by_x = _solved(jacobian, right, rows & ~limited, columns & ~limited)
+            step, by_lead = _solved(jacobian, right, rows & ~limited, columns & ~limited)
             step += part
         excess = float((np.abs(step) / limits).max())
         if excess > 1.0:
@@ -373,15 +370,16 @@ class WheelsetNewton:
         way = self.way_left
         if across:
             push = sense * float(self.missed[row] + self.jacobian[row] @ step)
-            slope = sense * float(self.jacobian[row, 0] + self.jacobian[row] @ by_x)
+            slope = sense * float(self.jacobian[row, lead] + self.jacobian[row] @ by_lead)
             way = -push / slope if slope < 0.0 else float(np.copysign(np.inf, push))
-            if slope >= 0.0 and abs(push) < SADDLE * abs(sense * self.jacobian[row, 0]):
+            if slope >= 0.0 and abs(push) < SADDLE * abs(sense * self.jacobian[row, lead]):
                 # on top of the energy both ways lead down: to the left, whatever round-off says; friction has no energy
                 way = -np.inf if self.creep is None else 0.0
-        limit = self.across.limit_of(way, halved=self._is_halved)
-        self.across.last = way = float(np.clip(way, -limit, limit))
-        by_x[0], limits[0] = 1.0, np.inf
-        step += way * by_x
+        reach = self.reaches[YAW] if lead else self.across
+        limit = reach.limit_of(way, halved=self._is_halved)
+        reach.last = way = float(np.clip(way, -limit, limit))
+        by_lead[lead], limits[lead] = 1.0, np.inf
+        step += way * by_lead
         return step / max(float((np.abs(step) / limits).max()), 1.0)
 
     def _turns_over(self, jacobian: Floats, step: Floats, rows: Bools, columns: Bools, number: int) -> bool:
@@ -442,20 +440,28 @@ def _solved(jacobian: Floats, right: Floats, rows: Bools, columns: Bools) -> Flo
     return found
 
 
-def _steers(jacobian: Floats, free: Bools, yaw_stiffness: float) -> bool:
-    """Whether yaw balances lateral forces better than a displacement across does, and this the yaw moment.
+def _leads(jacobian: Floats, free: Bools, yaw_stiffness: float) -> tuple[int, int]:
+    """Which unknown goes where the wheelset is pushed, as all others follow, and the equation that pushes it.
 
-    By the derivatives of both by both where the other unknowns follow: unless the flange holds the wheelset across and
-    its guidance the yaw, and the product of their stiffnesses is larger than that of the other derivatives. Where both
-    products are alike (`DIRECT`) the tangent is nearly singular, and the wheelset turns to the rolling line by the sign
-    of the moment. Creep forces alone hold no yaw: they are limited.
+    By the derivatives of lateral force and yaw moment by displacement across and yaw where the other unknowns follow:
+
+    - Where the flange holds the wheelset across, so that a step of the yaw changes the lateral force by less than a
+      step across, the yaw goes where its moment pushes it.
+    - Where guidance and flange hold both, and the product of their stiffnesses is larger than that of the other
+      derivatives, the wheelset goes across where the lateral force pushes it.
+    - Else yaw balances the lateral force by creepage, and the wheelset goes across where the yaw moment leads it.
+      Where both products are alike (`DIRECT`) the tangent is nearly singular, and it turns to the rolling line by the
+      sign of the moment. Creep forces alone hold no yaw: they are limited.
     """
     both, rest = [0, YAW], np.flatnonzero(free)
     rest = rest[(rest != 0) & (rest != YAW)]
     follow = np.linalg.solve(jacobian[np.ix_(rest, rest)], jacobian[np.ix_(rest, both)])
     (by_x, by_yaw), (moment_by_x, _) = jacobian[np.ix_(both, both)] - jacobian[np.ix_(both, rest)] @ follow
-    direct = max(-by_x, 0.0) * yaw_stiffness
-    return not -direct < by_yaw * moment_by_x < direct / DIRECT
+    stiffness = max(-by_x, 0.0)
+    if abs(by_yaw) * MAX_YAW_RAD < stiffness * MAX_STEP[0]:
+        return YAW, YAW
+    direct = stiffness * yaw_stiffness
+    return 0, 0 if -direct < by_yaw * moment_by_x < direct / DIRECT else YAW
 
 
 def signs_of_creep(side: Side) -> Floats:
