@@ -44,6 +44,12 @@ def moved(contact: Contact, *shifts: tuple[float, float]) -> ContactSolution:
     return press([contact], [{contact.secondary.part: Placement(0.0, shift)} for shift in shifts])
 
 
+def test_blocks_that_just_touch_have_no_penetration() -> None:
+    """It is 0, not -0, which summaries would show."""
+    (depth,) = moved(blocks(SegmentToSegment()), (0.0, -0.01)).initial_penetration
+    assert str(float(depth)) == "0.0"
+
+
 def test_a_body_that_moved_through_another_has_not_converged() -> None:
     """Below the plate nothing touches, but the way leads through it; beside and above it leads nowhere."""
     contact = blocks(SegmentToSegment())

@@ -578,7 +578,7 @@ def _share_of(motion: Placement, share: float) -> Placement:
 def _penetrations(system: ContactSystem, positions: Floats) -> Floats:
     """Maximum penetration of each contact at positions of the surface nodes."""
     lin = system.linearise(positions, None)
-    return np.array([float((-pairs.gaps).max(initial=0.0)) for pairs in lin.pairs])
+    return np.array([abs(float(pairs.gaps.min(initial=0.0))) for pairs in lin.pairs])
 
 
 # --- Contact of bodies of nonlinear materials: Newton's method around the contact of their linearised bodies.
