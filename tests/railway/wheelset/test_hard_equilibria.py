@@ -131,6 +131,21 @@ def test_a_wheelset_with_friction_finds_its_position(number):
 
 
 @pytest.mark.ci
+@pytest.mark.parametrize(
+    "wheelset",
+    [
+        Combination("R-519-B", "49E1", 0.0, 313.6, 0.1, 0.22, None, None),
+        Combination("R-519-H", "136RE", 0.05, 160.9, 54.85, 0.28, 150.0, 0.0),
+    ],
+    ids=["steps-across-the-middle", "free-yaw-on-the-flange"],
+)
+def test_a_wheelset_does_not_go_to_and_fro(wheelset):
+    """Neither by long steps across the middle with short ones between, nor by its yaw while the flange holds it."""
+    end = stand(wheelset)
+    assert end["end"] == "converged", end["message"]
+
+
+@pytest.mark.ci
 def test_wheels_that_slip_everywhere_find_the_yaw_of_their_guidance():
     """A wheelset that turns fast in a soft guidance: from the frictionless position it yaws back by 12 mrad."""
     case = coarse_case(
