@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from benchmarks.standing import MAX_FORCE, checks, combinations, stand
+from benchmarks.standing import MAX_FORCE, Combination, checks, combinations, stand
 from flangeway.contact.rolling.friction import Friction
 from flangeway.railway.profiles.bundled import rail
 from flangeway.railway.profiles.formats.instrument_files import write_miniprof
