@@ -14,7 +14,7 @@ from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetP
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetLoad, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
 from flangeway.railway.wheelset.fine_cells import divided, finer
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
+from flangeway.railway.wheelset.rolling.patch_rolling import GAUGE_FACE_RAD, RollingMotion
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
 from flangeway.railway.wheelset.running_surfaces import SpatialModel
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
@@ -261,6 +261,7 @@ class SpatialWheelset:
         turned = 0.0 if last.state.rolled is None else last.state.rolled.yaw_rad - self.model.yaw_rad
         carried = min(float(each.forces.sum()) for each in last.state.sides.values())
         lifted = carried < MIN_CARRIED * self.problem.load.in_track[1] or self.rise(position) > CLIMBED_MM
+        lifted = lifted or any(_is_on_flange(each) for each in last.state.sides.values())
         if lifted or errors[1:3].max() > LIFTED:
             cause = place + ", a wheel no longer carries its load: it lifts, or climbs its rail (derailment)"
         elif torque_kNm and (errors.argmax() == TORQUE or errors[TORQUE] > LIFTED):
@@ -479,6 +480,12 @@ class _Cells:
 def _is_far(position: WheelsetPosition, place: WheelsetPosition) -> bool:
     """Whether cells that are for a place do not fit at a position."""
     return bool((np.abs(np.subtract(position.components, place.components)) > NEARBY * MAX_STEP).any())
+
+
+def _is_on_flange(state: SideState) -> bool:
+    """Whether a wheel touches its rail with the flange alone."""
+    steep = np.abs(state.normals[state.forces.any(axis=1), 0]) > np.sin(GAUGE_FACE_RAD)
+    return len(steep) > 0 and bool(steep.all())
 
 
 def _way(lateral: float) -> str:
