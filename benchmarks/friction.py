@@ -39,7 +39,7 @@ FRICTION = 0.3
 SHIFT = 0.014  # mm
 ROUNDS = 2
 FINER, FINEST = (0.1, 0.3), (0.02, 0.2)  # size at the contact and growth: 5,100 and 22,700 nodes
-MOST_UNKNOWNS = 12_000
+MAX_UNKNOWNS = 12_000
 """Surface unknowns of the contact whose memory is measured."""
 LAYERS = 40
 """Layers of elements of each block below its surface: thick blocks have 120,000 nodes each."""
@@ -50,7 +50,7 @@ def measurements() -> Iterator[Measurement]:
     finest = _pushed(*FINEST)
     yield from compare(mesh_block(*QUICK), finest, {"kratos": 5.0, "calculix": 10.0})
     yield from compare(mesh_block(*FINER), finest, {"calculix": 10.0})
-    yield memory(MOST_UNKNOWNS)
+    yield memory(MAX_UNKNOWNS)
 
 
 def quick() -> Iterator[Measurement]:

@@ -28,8 +28,8 @@ UNKNOWNS = (10_000, 30_000, 100_000, 300_000, 1_000_000)
 QUICK = (2_000, 4_000, 8_000)
 REPEATS = 3  # up to a hundred thousand unknowns; the fastest counts
 STAGES = ("assembly", "factor", "solve")
-MOST_MB = 24.0 * 1024.0
-MOST_EXPONENT = 1.6
+MAX_MB = 24.0 * 1024.0
+MAX_EXPONENT = 1.6
 
 
 def exponent(sizes: Sequence[Mapping[str, Any]], name: str, least: int = 0) -> float:
@@ -63,8 +63,8 @@ def measurements(unknowns: tuple[int, ...] = UNKNOWNS) -> Iterator[Measurement]:
         more={
             "exponents": exponents,
             "exponents_of_all": exponents_of_all,
-            "asked_exponent": MOST_EXPONENT,
-            "asked_mb": MOST_MB,
+            "asked_exponent": MAX_EXPONENT,
+            "asked_mb": MAX_MB,
         },
     )  # fmt: skip
 

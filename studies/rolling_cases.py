@@ -34,7 +34,7 @@ SLENDER = 0.6
 """Exponent of a/b in the number of strips for one row, for a > b."""
 FLEXIBILITIES = (0.4937e-4, 0.5152e-4, 0.4090e-4)
 PUBLISHED_CELLS, FASTSIM_LIMIT, COARSE_LIMIT = 40, 5e-3, 0.03
-ENERGY_LIMIT, LEAST_POWER = 1e-9, 1e-12
+ENERGY_LIMIT, MIN_POWER = 1e-9, 1e-12
 
 
 class Energy:
@@ -48,7 +48,7 @@ class Energy:
         self.run.check(name, found.status)
         if found.motion.rolls:
             power = abs(found.motion.speed) * found.t_gamma
-            size = max(abs(power) + abs(found.rolling_power), LEAST_POWER)
+            size = max(abs(power) + abs(found.rolling_power), MIN_POWER)
             self.error = max(self.error, abs(found.frictional_power - power) / size)
             self.count += 1
         return found
@@ -252,14 +252,14 @@ MANCHESTER_MU, CELL_MM = 0.3, 0.2
 CREEP_LIMIT = 0.03
 LEAST = 0.02
 """Component of the creep force over its resultant below which it is shown only."""
-LEAST_LEVER_MM = 0.1 * CELL_MM
+MIN_LEVER_MM = 0.1 * CELL_MM
 """Spin moment over creep force below which it is shown only."""
-WIDEST_MM = {"real": 4.2, "half_spaces": 7.0}
+MAX_WIDTH_MM = {"real": 4.2, "half_spaces": 7.0}
 """Longer semi-axis above which real bodies differ from half-spaces, and the rail from the benchmark's."""
 SMALL = "a small component of the creep force"
 WIDE_PATCH = "the patch is 17 mm wide and CONTACT's area 2 % larger: the arcs of the bundled rail are 0.25 mm longer"
 BODIES = "a wide patch, on which the bodies are not half-spaces; 2 % are CONTACT's error of first order"
-LEVER = f"a lever of the creep force below {LEAST_LEVER_MM:g} mm"
+LEVER = f"a lever of the creep force below {MIN_LEVER_MM:g} mm"
 SCHEME = "differences of second order; CONTACT's error of first order is in the published number"
 BENT = "the bodies move the patch from the centre of the undeformed overlap, of which the moment is"
 VARIANTS = (
@@ -285,8 +285,8 @@ def creep_numbers(position: BenchmarkPosition, energy: Energy) -> Iterator[Row]:
         contact = rolling_contact_of(patch, Friction(MANCHESTER_MU), pressed.overlap[1:])
         found = energy.check(f"{TABLE}, {position.code}", roll(contact, motion, differences=differences))
         wide = ""
-        if patch.ellipse.semi_axes[0] > WIDEST_MM[name]:
-            wide = WIDE_PATCH if patch.ellipse.semi_axes[0] > max(WIDEST_MM.values()) else BODIES
+        if patch.ellipse.semi_axes[0] > MAX_WIDTH_MM[name]:
+            wide = WIDE_PATCH if patch.ellipse.semi_axes[0] > max(MAX_WIDTH_MM.values()) else BODIES
         steep = "" if position.comparable else "steep or divided contact"
         for quantity, key, unit, value in (
             ("longitudinal creep force", "fx", "N", -found.along),
@@ -298,7 +298,7 @@ def creep_numbers(position: BenchmarkPosition, energy: Energy) -> Iterator[Row]:
                 small = SMALL if abs(given[key]) < LEAST * force else ""
             elif cell is None:
                 moment = SCHEME if name == "half_spaces" else BENT
-            elif abs(given[key]) < LEAST_LEVER_MM * force:
+            elif abs(given[key]) < MIN_LEVER_MM * force:
                 moment = LEVER
             note = steep or small or wide or moment
             yield Row(

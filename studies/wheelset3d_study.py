@@ -34,7 +34,7 @@ FORCE_TOLERANCE = 1e-8
 """Error of the vertical force over the force."""
 FIRST_MM = 0.02
 """Distance below the first touch at which the search begins."""
-MOST_STEPS = 60
+MAX_STEPS = 60
 REACH_MM, CELL_MM = (16.0, 12.0), 1.0
 """Half width and half length about the first touch of the first grid, and its cells."""
 FIXED = SpatialModel(support=None, axle=None)
@@ -155,7 +155,7 @@ def _pressed(
 ) -> tuple[WheelsetPosition, SideState]:
     """Position and contact on a grid, by Newton's method."""
     forces = None
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         state = solve_side(grid, pose_of(wheelset.problem, position, side, wheelset.model.yaw_rad), forces)
         missing = force - state.resultant[1]
         if abs(missing) <= FORCE_TOLERANCE * force:

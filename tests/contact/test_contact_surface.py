@@ -82,7 +82,7 @@ def test_the_path_that_is_chosen_has_the_same_answer(monkeypatch: pytest.MonkeyP
     assert isinstance(condensed.response, CondensedBodies)
     needed = condensed_bytes(condensed.system.surface_nodes)
     assert needed > 8 * 6 * max(2 * len(each.nodes) for each in condensed.system.surface_nodes) ** 2
-    monkeypatch.setattr(sys.modules["flangeway.contact.press"], "MOST_DENSE_BYTES", needed - 1)
+    monkeypatch.setattr(sys.modules["flangeway.contact.press"], "MAX_DENSE_BYTES", needed - 1)
     monkeypatch.setattr("flangeway.solve.condensed.ENTRIES_AT_ONCE", 1000)
     sparse = case.solve()
     assert isinstance(sparse.response, SparseBodies)
@@ -101,8 +101,8 @@ def test_friction_without_a_dense_matrix_has_the_same_answer(monkeypatch: pytest
 
     dense = solved()
     assert isinstance(dense.response, CondensedBodies)
-    monkeypatch.setattr(sys.modules["flangeway.contact.press"], "MOST_DENSE_BYTES", 1e4)
-    monkeypatch.setattr("flangeway.contact.newton.MOST_DENSE_EQUATIONS", 0)
+    monkeypatch.setattr(sys.modules["flangeway.contact.press"], "MAX_DENSE_BYTES", 1e4)
+    monkeypatch.setattr("flangeway.contact.newton.MAX_DENSE_EQUATIONS", 0)
     monkeypatch.setattr("flangeway.solve.active_set.equations", None)  # which solves dense ones
     sparse = solved()
     assert isinstance(sparse.response, SparseBodies)

@@ -99,7 +99,7 @@ MAX_ROUND_OFF = 1e-3
 UNHELD_AFTER = 12
 """Iterations after which a part slides away if friction did not hold its load in one: by about its size."""
 
-MOST_DENSE_EQUATIONS = 4000
+MAX_DENSE_EQUATIONS = 4000
 """Equations of a contact with friction up to which a dense matrix of them is made where there is another way."""
 
 NAMED = 3
@@ -510,7 +510,7 @@ class _Run:
         coefficients, barriers = current.coefficients[near], current.barriers[near]
         guess, forces = np.concatenate((self.forces, self.tangential))[rows], np.zeros(len(all_constraints.violations))
         solver = None
-        if self.slides is not None and not n and not barriers[:, 0].any() and len(rows) > MOST_DENSE_EQUATIONS:
+        if self.slides is not None and not n and not barriers[:, 0].any() and len(rows) > MAX_DENSE_EQUATIONS:
             solver = self.response.constrained(self.rotations, current.nodes, geometric, constrained)
         if solver is not None:
             solved, own = solver

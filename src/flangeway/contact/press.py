@@ -37,7 +37,7 @@ from flangeway.types import Floats
 # --- Bodies that are moved against each other: the contact problem as a user states it.
 
 
-MOST_DENSE_BYTES = 4e9
+MAX_DENSE_BYTES = 4e9
 """Bytes of dense matrices up to which bodies are condensed to their surfaces where nothing else is said."""
 
 ITERATION_COPIES = 8
@@ -407,7 +407,7 @@ def _usual_path(system: ContactSystem, *, floating: bool) -> Literal["condensed"
     needed = condensed_bytes(system.surface_nodes)
     if any(each.friction_coefficient for each in system.contacts) and not floating:
         needed += 8 * ITERATION_COPIES * sum(2 * len(each.nodes) for each in system.surface_nodes) ** 2
-    return "condensed" if needed <= MOST_DENSE_BYTES else "sparse"
+    return "condensed" if needed <= MAX_DENSE_BYTES else "sparse"
 
 
 def _moved(

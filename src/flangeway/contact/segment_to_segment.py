@@ -50,7 +50,7 @@ from flangeway.types import Bools, Floats, Ints
 
 SNAP = 1e-8  # parts of an edge within which the ends of two pieces are one
 FAR = 0.5  # parts of an edge beyond its ends where a foot on its chord is not one on the edge itself
-LEAST_FACING = 0.2  # cosine between the normals of two edges above which they do not face each other
+MIN_FACING = 0.2  # cosine between the normals of two edges above which they do not face each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ def _over_chords(secondary: Floats, primary: Floats, candidates: tuple[Ints, Int
     # the primary's start, and its chord: parts along the secondary's chord, and to its left
     high, along = (other_start[partners] - start[edges]) / chord[edges], other[partners] / chord[edges]
     over = (high.real > -FAR) & (high.real + along.real < 1.0 + FAR)
-    over &= along.real < -LEAST_FACING * np.abs(along)  # the two sides run against each other
+    over &= along.real < -MIN_FACING * np.abs(along)  # the two sides run against each other
     return edges[over], partners[over]
 
 

@@ -118,7 +118,7 @@ _READ = {
     "INSTANCE": ("NAME", "PART"),
 }
 """Keywords that are read, with the parameters that are known."""
-MOST_NAMED = 30
+MAX_NAMED = 30
 _SILENT = ("HEADING", "PREPRINT", "PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "END INSTANCE")
 
 
@@ -206,7 +206,7 @@ def read_abaqus(path: Path) -> DrawnMesh:
         elif block.keyword not in _SILENT:
             left[f"*{block.keyword[:MAX_LETTERS_OF_VALUE]}"] = None
     if left:
-        named = ", ".join([*left][:MOST_NAMED]) + (f" and {len(left) - MOST_NAMED} others" * (len(left) > MOST_NAMED))
+        named = ", ".join([*left][:MAX_NAMED]) + (f" and {len(left) - MAX_NAMED} others" * (len(left) > MAX_NAMED))
         model.notices.append(
             f"Only nodes, elements, sets and surfaces are read; not {named}: give materials, supports, loads and "
             "contacts in the case."

@@ -14,10 +14,10 @@ from flangeway.types import Floats
 # --- What every linear elastic material gives, in the plane or about an axis.
 
 
-MOST_BULK = 5.0
+MAX_BULK = 5.0
 """Bulk over shear modulus in the plane above which stabilisations no longer grow: that of nu = 0.4 in plane strain."""
 
-LEAST_STIFFNESS = 1e-10
+MIN_STIFFNESS = 1e-10
 """Smallest ``1 - 2 nu`` and ``1 + nu``: every decade below 1 costs solutions one of their sixteen digits."""
 
 Hypothesis = Literal["plane_strain", "plane_stress", "axisymmetric"]
@@ -100,7 +100,7 @@ def bulk_limited(tensor: Floats) -> Floats:
     shear = (tensor[0, 1, 0, 1] + tensor[1, 0, 1, 0]) / 2.0
     bulk = (xx + yy + 2.0 * xy) / 4.0
     mean_shear = ((xx + yy - 2.0 * xy) / 4.0 + shear) / 2.0
-    factor: Floats = (np.minimum(bulk, MOST_BULK * mean_shear) + 2.0 * mean_shear) / (bulk + 2.0 * mean_shear)
+    factor: Floats = (np.minimum(bulk, MAX_BULK * mean_shear) + 2.0 * mean_shear) / (bulk + 2.0 * mean_shear)
     return factor
 
 
@@ -183,12 +183,12 @@ class Elastic(Material):
         least = min(1.0 + poisson, 1.0 - 2.0 * poisson)
         if plane_stress and 0.0 <= poisson <= 0.5:
             least = 1.0
-        if least >= LEAST_STIFFNESS:
+        if least >= MIN_STIFFNESS:
             return
         if abs(least) < NEAR and poisson > 0.0:
             advice = "for nearly incompressible materials take 0.4999 and elements of order 2"
         if least > 0.0:
-            allowed += f", with 1 - 2 poisson and 1 + poisson of {LEAST_STIFFNESS:g} or more"
+            allowed += f", with 1 - 2 poisson and 1 + poisson of {MIN_STIFFNESS:g} or more"
         raise refused("Elastic", "poisson", self.poisson, allowed, advice)
 
     @property
@@ -294,9 +294,9 @@ class Orthotropic(Material):
             for value in moduli:
                 check_positive("Orthotropic", name, value, "positive numbers", "give moduli in the unit of stress")
         least = float(np.linalg.eigvalsh(self._scaled_compliance).min())
-        if self.hypothesis == "plane_stress" and least > -LEAST_STIFFNESS:
+        if self.hypothesis == "plane_stress" and least > -MIN_STIFFNESS:
             least = 1.0 - abs(self._scaled_compliance[0, 1])
-        if not least >= LEAST_STIFFNESS:
+        if not least >= MIN_STIFFNESS:
             raise InputError(
                 f"Orthotropic(young={self.young}, poisson={self.poisson}) with a strain of no or negative energy",
                 "constants whose compliance is positive definite, so nu12^2 < E1 / E2, nu23^2 < E2 / E3, "

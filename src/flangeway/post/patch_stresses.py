@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, ContactEllipse, PatchContact
+from flangeway.contact.patch.patch_contact import MIN_WAVENUMBER, ContactEllipse, PatchContact
 from flangeway.contact.patch.patch_grid import PatchBody, points_along
 from flangeway.elements import Reconstruction
 from flangeway.exact.half_space import half_space_field, half_space_stresses
@@ -153,7 +153,7 @@ def patch_stresses(
     forces = found.contact.forces[::-1] if pair.backwards(which) else found.contact.forces
     on_cells = np.stack((np.zeros_like(forces), -forces, np.zeros_like(forces)), axis=1)
     loaded = StripForces(cells, on_cells, plane - grid.along, grid.strip)
-    ((even, odd),) = wave_sums([loaded], waves(LEAST_WAVENUMBER, grid.strip))
+    ((even, odd),) = wave_sums([loaded], waves(MIN_WAVENUMBER, grid.strip))
     return SectionStresses(body, plane, even, odd)
 
 

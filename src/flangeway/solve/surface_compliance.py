@@ -106,7 +106,7 @@ WAVE_DEPTH = 10.0
 """Depth of a cut mesh times the wavenumber, at least: C(k) then changes by 1e-5 or less (at 5 it would be 1e-3)."""
 CUTS = (1.0 / 4.0, 1.0 / 16.0, 1.0 / 64.0)
 """Depths of the cut meshes over the depth of the whole one."""
-LEAST_EDGES = 8.0
+MIN_EDGES = 8.0
 """Depth of a cut mesh over the longest edge below the cells, at least."""
 
 
@@ -282,7 +282,7 @@ class SurfaceCells:
         entries = loads[rows, columns], (columns, unknowns[rows])
         border = sp.csc_array(sp.coo_array(entries, shape=(loads.shape[1], 3 * space.n_dofs)))
         whole, free = float(depths.max()), self.problem.free(1.0)
-        at = [whole, *(share * whole for share in CUTS if share * whole >= LEAST_EDGES * self.longest_edge)]
+        at = [whole, *(share * whole for share in CUTS if share * whole >= MIN_EDGES * self.longest_edge)]
         return tuple(self._cut(depth, (free & (depths <= depth)[:, None]).ravel(), border) for depth in at)
 
     def _cut(self, depth: float, kept: Bools, border: sp.csc_array) -> _CutMesh:
@@ -363,7 +363,7 @@ class SurfaceCells:
 
 PER_DECADE = 3
 """Wavenumbers for each decade before their number is doubled where the interpolation is not good enough."""
-MOST_DOUBLINGS = 4
+MAX_DOUBLINGS = 4
 """Times that an interval between wavenumbers is halved at most."""
 HALVED = 8.0
 """Factor by which a cubic spline errs less with half the steps, at least (16 in the limit)."""
@@ -498,7 +498,7 @@ def compliance_table(
     if cells.problem.revolution:
         raise InputError("surface cells of a body of revolution", "a prism", "take the prism of its section")
     settings = least, maximum, tolerance
-    content = *cells.content, *settings, PER_DECADE, MOST_DOUBLINGS, HALVED
+    content = *cells.content, *settings, PER_DECADE, MAX_DOUBLINGS, HALVED
     found = cached(cache, lambda: _computed(cells, *settings, progress), "compliance", *content)
     return ComplianceTable(cells, found["wavenumbers"], found["values"], float(found["error"]))
 
@@ -513,13 +513,13 @@ def _computed(
     values = compliances(cells, np.exp(logs))
     open_intervals = np.ones(count - 1, dtype=np.bool_)
     error = 0.0
-    for stage in range(MOST_DOUBLINGS):
+    for stage in range(MAX_DOUBLINGS):
         middles = (logs[:-1] + logs[1:])[open_intervals] / 2.0
         new = compliances(cells, np.exp(middles))
         scaled = values * np.exp(logs)[:, None, None]
         missed = _spline(logs, scaled)(middles) - new * np.exp(middles)[:, None, None]
         errors = np.abs(missed).max(axis=(1, 2)) / np.abs(scaled).max() / HALVED
-        rough = errors > tolerance if stage < MOST_DOUBLINGS - 1 else np.zeros(len(errors), dtype=np.bool_)
+        rough = errors > tolerance if stage < MAX_DOUBLINGS - 1 else np.zeros(len(errors), dtype=np.bool_)
         error = max(error, float(errors[~rough].max(initial=0.0)))
         order = np.argsort(np.concatenate((logs, middles)))
         logs = np.concatenate((logs, middles))[order]

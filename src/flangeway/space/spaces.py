@@ -20,7 +20,7 @@ from flangeway.space.symmetric import SymmetricMatrix
 from flangeway.types import Bools, Floats, Indices, Ints
 
 ENTRIES_PER_BATCH = 250_000  # 2 MB of matrices: a batch's arrays stay in cache
-MOST_CELLS_PER_BATCH = 2000  # no power of two, which would put all rows into the same sets of the cache
+MAX_CELLS_PER_BATCH = 2000  # no power of two, which would put all rows into the same sets of the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,7 +239,7 @@ class Space:
                 for n_vertices in np.unique(counts[part]):
                     cells = part[counts[part] == n_vertices]
                     n_local = int(n_vertices) * self.order + element.n_interior()
-                    step = min(MOST_CELLS_PER_BATCH, max(ENTRIES_PER_BATCH // n_local**2, 100))
+                    step = min(MAX_CELLS_PER_BATCH, max(ENTRIES_PER_BATCH // n_local**2, 100))
                     for start in range(0, len(cells), step):
                         yield self._batch(element, int(n_vertices), cells[start : start + step])
 

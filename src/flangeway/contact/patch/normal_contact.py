@@ -19,7 +19,7 @@ from flangeway.types import Bools, Complex, Floats, Ints
 # --- Normal contact on a grid of cells: dense across, a convolution along z.
 
 
-MOST_ITERATIONS = 500
+MAX_ITERATIONS = 500
 NOTHING = 1e-20
 """Square of the residual over another one that is round-off."""
 CHANGE = 1e-9
@@ -176,7 +176,7 @@ def solve_normal(
     direction = np.zeros(gaps.shape)
     old_norm, restart, done = 1.0, True, False
     change, iteration, moved = np.inf, 0, influence(forces)
-    while not done and iteration < MOST_ITERATIONS:
+    while not done and iteration < MAX_ITERATIONS:
         iteration += 1
         touching = forces > 0.0
         deformed = gaps + moved
@@ -258,7 +258,7 @@ def _depth(gaps: Floats) -> float:
 # fine grid of a contact patch wherever that is.
 
 
-LEAST_WAVENUMBER = 2e-5
+MIN_WAVENUMBER = 2e-5
 """Per mm: a wave of 300 m, beyond which bodies that are held or on a foundation no longer change, along z either."""
 CORRECTED = 1.0
 """Distance up to which the table's own nearest cells are corrected, over a cell."""
@@ -380,7 +380,7 @@ def elastic_surface(
         progress(f"compliance of the {body}")
         return {"remainder": _remainder(cells, strip, numbers, tolerance)}
 
-    settings = numbers, tolerance, CORRECTED, LEAST_WAVENUMBER
+    settings = numbers, tolerance, CORRECTED, MIN_WAVENUMBER
     found = cached(cache, make, "remainder", *cells.content, *settings)
     stations = (cells.limits[1:] + cells.limits[:-1]) / 2.0
     return ElasticSurface(
@@ -392,7 +392,7 @@ def _remainder(cells: SurfaceCells, strip: float, numbers: Ints, tolerance: floa
     """Compliance less that of a half-space at multiples of a strip, in the axes x, y, z."""
     assert cells.material is not None
     n, n_strips = cells.n_cells, int(numbers[-1]) + 1
-    table = compliance_table(cells, LEAST_WAVENUMBER, 2.0 * np.pi / strip, tolerance)
+    table = compliance_table(cells, MIN_WAVENUMBER, 2.0 * np.pi / strip, tolerance)
     own = table.influence(strip, n_strips, nearest=CORRECTED).reshape(n_strips, n, 3, n, 3)[numbers]
     own -= half_spaces_on((cells.material,), cells.limits, cells.frames, strip, n_strips)[numbers]
     return np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, Pressing
 from flangeway.contact.patch.patch_grid import (
-    LEAST_ACROSS,
+    MIN_ACROSS,
     USUAL_ACROSS,
     GridGaps,
     PatchBody,
@@ -204,13 +204,13 @@ def covered(inside: Bools, pressures: Floats, gaps: Floats, stiffness: Floats | 
 # --- Contact patch of two prisms or bodies of revolution in three dimensions.
 
 
-LEAST_WAVENUMBER = 1e-4
+MIN_WAVENUMBER = 1e-4
 """Per mm: a wave of 60 m, beyond which bodies that are held or on a foundation no longer change."""
 LONGER_EDGE = 1.05
 """Maximum edge of a mesh over the cells on it: pressures on cells that are smaller than the edges oscillate."""
 MAX_PHASE = np.pi
 """Maximum wavenumber times the width of the strips."""
-MOST_GRIDS = 4
+MAX_GRIDS = 4
 
 Progress = Callable[[str], None]
 
@@ -357,7 +357,7 @@ class PatchPair:
     def _table(self, which: int) -> ComplianceTable:
         self.progress(f"compliance of {(self.first, self.second)[which].name} at many wavenumbers")
         top = MAX_PHASE / self.grid.strip
-        return compliance_table(self.cells[which], LEAST_WAVENUMBER, top, self.tolerance, cache=self.cache)
+        return compliance_table(self.cells[which], MIN_WAVENUMBER, top, self.tolerance, cache=self.cache)
 
     def backwards(self, which: int) -> bool:
         """Whether the cells of the first (0) or second (1) body's table run against those of the grid."""
@@ -460,16 +460,16 @@ def press_patch(
             "give one of them",
         )
     chosen = grid or grid_of(first, second, force=force, approach=approach)
-    for attempt in range(MOST_GRIDS):
+    for attempt in range(MAX_GRIDS):
         found = PatchPair(first, second, chosen, tolerance, progress, cache).press(force=force, approach=approach)
         if not found.loaded.any():
             raise InputError("bodies that do not touch", "an approach that closes the gap", "give a larger one")
         edges = at_edge(found.loaded)
         across = min(min(each.cells) for each in found.patches)
-        if not edges.any() and across >= LEAST_ACROSS:
+        if not edges.any() and across >= MIN_ACROSS:
             break
         better = chosen.changed(np.where(edges, 1.5, 1.0), min(across / USUAL_ACROSS, 1.0), first.length)
-        if grid is not None or attempt == MOST_GRIDS - 1:
+        if grid is not None or attempt == MAX_GRIDS - 1:
             _refuse(chosen, edges, across)
         progress("a larger window" if edges.any() else "smaller cells")
         chosen = better
@@ -487,6 +487,6 @@ def _refuse(grid: PatchGrid, edges: Bools, across: int) -> None:
         )
     raise InputError(
         f"cells of {cell:.3g}: {across} across the patch",
-        f"{LEAST_ACROSS} or more",
-        f"take cells of {cell * across / (LEAST_ACROSS + 1):.2g}, or leave the grid out",
+        f"{MIN_ACROSS} or more",
+        f"take cells of {cell * across / (MIN_ACROSS + 1):.2g}, or leave the grid out",
     )

@@ -188,11 +188,11 @@ def cast(points: Floats, normals: Floats, chain: Floats) -> tuple[Floats, Floats
 # --- Grid of a contact patch: cells across on the first body, strips along z, and the gaps of two bodies on them.
 
 
-LEAST_ACROSS = 20
+MIN_ACROSS = 20
 """Cells across the patch from which semi-axes are within 0.3 % of Hertz's."""
 USUAL_ACROSS = 26
 """Cells across the patch that are chosen."""
-MOST_CELLS = 300
+MAX_CELLS = 300
 """Cells across that are chosen at most: the influence coefficients need their square."""
 LENGTHENED = 3.0
 """Longer side over shorter side of a cell, at most."""
@@ -202,7 +202,7 @@ COARSE = 32
 """Cells of each direction while the window is sought."""
 FILLED = 0.4
 """Part of the window that the patch must fill in both directions while it is sought."""
-MOST_WINDOWS = 60
+MAX_WINDOWS = 60
 STEEP = 0.05
 """Component of the normal along the load, below which a cell is not where bodies touch first."""
 
@@ -449,7 +449,7 @@ def grid_of(
     station = float(stations[apart.argmin()])
     window: Floats = np.array([[station - reach, station + reach], [-reach, reach]])
     count, widened = COARSE, False
-    for _ in range(MOST_WINDOWS):
+    for _ in range(MAX_WINDOWS):
         window = np.clip(window, limits[:, :1], limits[:, 1:])
         sizes = np.ptp(window, axis=1)
         grid = PatchGrid(
@@ -472,7 +472,7 @@ def grid_of(
         if widened or np.ptp(overlaps) <= sizes[0]:
             break
         widened, window = True, np.array([[overlaps.min() - reach, overlaps.max() + reach], window[1]])
-        count = min(int(COARSE * np.ptp(window[0]) / sizes[0]) + 1, MOST_CELLS)
+        count = min(int(COARSE * np.ptp(window[0]) / sizes[0]) + 1, MAX_CELLS)
     return _fitted((first, second), window, grid.bounds, gaps, loaded)
 
 
@@ -499,13 +499,13 @@ def _fitted(
     low, high = np.clip(patch + MARGIN * extents[:, None] * [-1.0, 1.0], room[:, :1], room[:, 1:]).T
     others = np.interp([low[0], high[0]], bounds, gaps.others)
     longest = max(first.longest_edge(low[0], high[0]), second.longest_edge(*np.sort(others)))
-    cells = np.maximum(narrowest / USUAL_ACROSS, [min(longest, narrowest[0] / (LEAST_ACROSS + 2)), 0.0])
+    cells = np.maximum(narrowest / USUAL_ACROSS, [min(longest, narrowest[0] / (MIN_ACROSS + 2)), 0.0])
     cells = np.minimum(cells, LENGTHENED * cells.min())
     counts = np.ceil((high - low) / cells - 1e-9).astype(int)
-    if counts[0] > MOST_CELLS:
+    if counts[0] > MAX_CELLS:
         raise InputError(
             f"{counts[0]} cells across: patches of {narrowest[0]:.3g} on {extents[0]:.3g}",
-            f"up to {MOST_CELLS} cells",
+            f"up to {MAX_CELLS} cells",
             "give the grid of each patch by itself",
         )
     return PatchGrid(

@@ -27,7 +27,7 @@ STEADY = (1.5, -2.0, 0.5)
 """Weights of displacements here, one strip and two strips ahead: a difference of second order that looks upstream."""
 FIRST = (1.0, -1.0)
 """The same for the first step of transient rolling, of first order."""
-MOST_TURNS, MOST_SLOW = 60, 5
+MAX_TURNS, MAX_SLOW = 60, 5
 SLOPE_STEP = 1e-7
 """Difference of creepages for the derivative of `Rolling.slope`."""
 FORCE_ERROR, FINER = 1e-6, 1e-3
@@ -120,7 +120,7 @@ def roll(
         return result
     # friction changes the gaps, pressures the limits and the slip
     change, turn = np.inf, 0
-    while change > PRESSURE_CHANGE and turn < MOST_TURNS:
+    while change > PRESSURE_CHANGE and turn < MAX_TURNS:
         turn += 1
         old, forces = step.contact.normal_forces, _forces(result)
         new = contact.pressed(result.raised, old).forces
@@ -327,8 +327,8 @@ class _Step:
         finer = tolerance * (FINER if unknown else 1.0)
         none = -np.array([np.mean(motion.along), np.mean(motion.across)])[unknown]
         slow, failed, guessed = 0, 0, len(unknown) > 1
-        for turn in range(MOST_TURNS):
-            if failed > MOST_SLOW:
+        for turn in range(MAX_TURNS):
+            if failed > MAX_SLOW:
                 break
             shift = np.zeros(2)
             shift[unknown] = change
@@ -349,7 +349,7 @@ class _Step:
             else:
                 step = step / 2.0 if len(unknown) > 1 else np.array([np.inf])
             change = base + step
-            if guessed and slow > MOST_SLOW:
+            if guessed and slow > MAX_SLOW:
                 change, best, start, guessed = none, np.inf, None, False
             if len(unknown) == 1 and not ends[0] < change[0] < ends[1]:
                 far = 4.0**turn * float((problem.limits / problem.operator.scale[:, 0]).max()) / self.distance

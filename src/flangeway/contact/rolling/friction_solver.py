@@ -127,17 +127,17 @@ class FallingLimits:
 
 Linear = Callable[[Floats], Floats]
 
-MOST_STEPS = 60
+MAX_STEPS = 60
 FORCING = (1e-2, 0.1)
 """Residual of the linear equations over that before, least and most: Newton's method is far from its end at first
 (Eisenstat and Walker, 1996, SIAM Journal on Scientific Computing 17, choice 2 with 0.9 and 2)."""
 MAX_BLOCKS, DEPENDENT = 120, 1e-10
 """Blocks of Krylov vectors, at most, and eigenvalue of their Gram matrix below which they depend on each other."""
-DECREASE, LEAST_STEP = 0.1, 1.0 / 32.0
+DECREASE, MIN_STEP = 0.1, 1.0 / 32.0
 """Part of a step by which the residual must fall, and the smallest part that is tried."""
 ROUND_OFF = 1e-12
 """Residual over the limits that is none."""
-LEAST_PART = 0.02
+MIN_PART = 0.02
 """Smallest part of the rigid slip by which it grows where Newton's method does not converge at once."""
 HELD = 1e-4
 """Error of the law of friction under limits that are held, from which Newton's method starts."""
@@ -289,7 +289,7 @@ class FrictionProblem:
         state, status = self._newton(none if start is None else start, tolerance)
         # otherwise the slip grows from none, in parts as small as needed
         done, part, forces = 0.0, 0.5, none
-        while not status.converged and part >= LEAST_PART:
+        while not status.converged and part >= MIN_PART:
             trial, found = replace(self, rigid=min(done + part, 1.0) * self.rigid)._newton(forces, tolerance)
             if not found.converged:
                 part /= 4.0
@@ -325,11 +325,11 @@ class FrictionProblem:
         whole = max(none.norm, ROUND_OFF * float(np.linalg.norm(self.limits)), np.finfo(float).tiny)
         state = self.state(self._within(start))
         step, part, forcing = 0, 1.0, FORCING[1]
-        while state.norm > tolerance * whole and step < MOST_STEPS and part > 0.0:
+        while state.norm > tolerance * whole and step < MAX_STEPS and part > 0.0:
             step += 1
             change = self.solved(state, state.residual[None], forcing)[0]
             part, best, before = 1.0, state, state.norm
-            while part >= LEAST_STEP:
+            while part >= MIN_STEP:
                 trial = self.state(state.forces - part * change)
                 best = min(best, trial, key=lambda each: each.norm)
                 if trial.norm <= (1.0 - DECREASE * part) * state.norm:

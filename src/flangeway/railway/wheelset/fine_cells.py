@@ -29,7 +29,7 @@ LONGEST = 1.8
 """Strips along the longest patch over those wanted along the shortest, at most."""
 UNLOADED, SHORTER = 2.0, 0.25
 """Least size of cells without force over that of strips; part of a small gap up to which they reach along z."""
-MOST_ON_A_SIDE, MORE_ON_A_SIDE = 5000, 2.0
+MAX_ON_A_SIDE, MORE_ON_A_SIDE = 5000, 2.0
 """Cells in the windows of a side, at most, and the factor on them where more cells across a patch are wanted."""
 SAME = 1e-6
 """Distance of cells over the width of strips that is round-off."""
@@ -185,7 +185,7 @@ def finer(
     more = max(margin * (last - first), 0.6 * grid.strip)
     # as many cells as a factorisation takes
     strips = sum(window.planes[1] - window.planes[0] for window in windows) / len(windows) / strip
-    most = min(max(n_across / PATCH_CELLS, 1.0) ** 2, MORE_ON_A_SIDE) * MOST_ON_A_SIDE
+    most = min(max(n_across / PATCH_CELLS, 1.0) ** 2, MORE_ON_A_SIDE) * MAX_ON_A_SIDE
     many = np.sqrt(max(sum((high - low) / size for low, high, size in spans) * strips / most, 1.0))
     strip = _rounded(many * strip)
     limits = np.sort(old.surfaces.rail_stations[[0, -1], 1])

@@ -25,7 +25,7 @@ from flangeway.solve import Status
 from flangeway.solve.surface_compliance import half_spaces_on
 from flangeway.types import Bools, Floats
 
-MOST_STEPS = 12
+MAX_STEPS = 12
 MAX_STEP_MM = 3.0
 MET_MM = 1e-11
 """Distance from the wheel's surface at which a ray has met it."""
@@ -89,7 +89,7 @@ def wheel_gap(
     gaps: Floats = np.zeros(rays.shape[1]) if guess is None else np.where(guess < FAR_MM, guess, 0.0).ravel()
     along, error, falling, radius, steepness = np.empty((5, len(gaps)))
     left = np.arange(len(gaps))  # rays that have not met the wheel
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         ray = rays[:, left]
         arms[:2, left] = start[:, left] + gaps[left] * ray
         x, y, ahead = arms[:, left]

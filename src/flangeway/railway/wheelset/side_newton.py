@@ -17,13 +17,13 @@ from flangeway.railway.wheelset.side_contact import FAR_MM, GriddedSide, SideSta
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats, Ints
 
-MOST_CELLS = 6000
+MAX_CELLS = 6000
 """Cells in contact up to which their matrix is factorised."""
 SAME = 1e-6
 """Force over the mean force of the cells in contact that is round-off."""
 FIRST = 1e-4
 """Tolerance of the forces on bodies that bend no further, from which the steps start."""
-MOST_STEPS = 30
+MAX_STEPS = 30
 MAX_MOVED_MM = 0.5
 """Displacement of a cell across the normal by which the geometry changes in one step, at most."""
 N_RESULTANTS, N_MOTIONS = 7, 6
@@ -109,10 +109,10 @@ class SideNewton:
         rows, strips = np.nonzero(self.touching)
         if len(rows) == 0:
             return None
-        if len(rows) > MOST_CELLS:
+        if len(rows) > MAX_CELLS:
             raise InputError(
                 f"contact patches of {len(rows)} cells on one side",
-                f"up to {MOST_CELLS} cells",
+                f"up to {MAX_CELLS} cells",
                 "check the load, and whether these profiles conform over their whole width",
             )
         # A_ab = coefficients[|strip_a - strip_b|, row_a, row_b], by one number each: half the time of three
@@ -332,7 +332,7 @@ def solve_side(
     """
     newton = SideNewton(grid, pose, start, creep)
     change, steps = np.inf, 0
-    while steps < MOST_STEPS:
+    while steps < MAX_STEPS:
         steps += 1
         newton.linearise(pose)
         forces, by_motion = newton.solve()

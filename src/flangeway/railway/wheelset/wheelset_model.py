@@ -150,7 +150,7 @@ def _unpacked(arrays: Arrays) -> PolyMesh:
 BENDING_MM = 10.0  # how far the bending of the rail may shift a contact
 
 
-LEAST_CURVATURE_PER_MM = 1e-4  # relative curvature that conforming curves are given for the size of the zones
+MIN_CURVATURE_PER_MM = 1e-4  # relative curvature that conforming curves are given for the size of the zones
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +245,7 @@ def build_model(
     start = rigid_start(problem)
     hertz = LineContact(
         problem.load.vertical_N / 2.0 / problem.thickness_mm,
-        max(start.relative_curvature_per_mm, LEAST_CURVATURE_PER_MM),
+        max(start.relative_curvature_per_mm, MIN_CURVATURE_PER_MM),
         contact_modulus(*(problem.material_of(role).plane_modulus for role in ROLES)),
     )
     width = 2.0 * hertz.half_width

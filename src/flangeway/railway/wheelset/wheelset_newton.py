@@ -102,7 +102,7 @@ MAX_GROWTH, HALVED = 4.0, 0.25
 """Largest step across the track over its limit; the part to which a step lowers the residual that goes well."""
 SADDLE = 1e-6
 """Push across the track over the stiffness of the rest, in mm, that is round-off."""
-LEAST_STIFFNESS = 1e-6
+MIN_STIFFNESS = 1e-6
 """Of a wheel that does not touch, weight per mm, so that it goes where it is pushed; also for rate and yaw."""
 ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.03, 1e-2, 1e-3
 """Error of the law of friction over the residual of the position before, its largest one, and the residual that other
@@ -157,7 +157,7 @@ class WheelsetNewton:
         arm, radius = problem.wheelset.back_to_back_mm / 2.0, problem.wheelset.tape_radius_mm
         turning = [] if creep is None else [radius / creep.rate_rad_s, arm]
         least = np.array([1.0, 1.0, arm**2, 0.0, 0.0, *turning])
-        self._least = np.diag(LEAST_STIFFNESS * float(loads_of(problem).weight) * least)
+        self._least = np.diag(MIN_STIFFNESS * float(loads_of(problem).weight) * least)
 
     def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
         """Go on with other cells, from a contact if it is known."""

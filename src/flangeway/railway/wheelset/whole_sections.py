@@ -22,7 +22,7 @@ from flangeway.solve import SurfaceCells
 from flangeway.solve.surface_compliance import FurtherLoads, StripForces, wave_sums, waves
 from flangeway.types import Floats
 
-LEAST_HELD = 1e-3
+MIN_HELD = 1e-3
 """Least wavenumber per mm of a body that is held: longer waves change no stress by 1e-3 of the maximum pressure."""
 JOINED = 1e-6
 """Distance of two ends of cells over the width of the strips that are one."""
@@ -60,7 +60,7 @@ def whole_sections(result: SpatialResult, role: Role) -> dict[Side, WholeSection
         whole = running_cells(problem, model, profiles[first], result.cache)
         cuts = [_cut(result, side, role, whole) for side in touching if profiles[side] is profiles[first]]
         support = model.support if role == "rail" else None
-        wavenumbers = waves(LEAST_HELD if support is None else WAVENUMBERS[0], min(each.forces.strip for each in cuts))
+        wavenumbers = waves(MIN_HELD if support is None else WAVENUMBERS[0], min(each.forces.strip for each in cuts))
         further = None if support is None else _sleepers(whole.problem, support, result, wavenumbers, cuts)
         sums = wave_sums([each.forces for each in cuts], wavenumbers, further)
         found |= {cut.side: _section(cut, *each) for cut, each in zip(cuts, sums, strict=True)}
