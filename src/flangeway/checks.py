@@ -112,6 +112,11 @@ def check_between(
     return number
 
 
+def are_all(values: object, kind: type) -> bool:
+    """Whether values are a sequence whose items are all of a type."""
+    return isinstance(values, Sequence) and all(isinstance(each, kind) for each in values)
+
+
 def check_kind(owner: str, name: str, value: object, kinds: type | UnionType, allowed: str, advice: str) -> None:
     """Raise an `InputError` if a value is of another type than those that a function takes."""
     if not isinstance(value, kinds):

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from flangeway.checks import are_finite, refused
+from flangeway.checks import are_all, are_finite, refused
 from flangeway.contact.newton import ContactState, solve_contact
 from flangeway.contact.solution_checks import BodyOverlap, body_overlaps, check_solution, passages
 from flangeway.contact.surface import Surface
@@ -450,7 +450,7 @@ def _refuse_without_contact(system: ContactSystem, part: Part, what: str) -> Non
 
 
 def _refuse_bad_motions(system: ContactSystem, motions: Sequence[Mapping[Part, Placement]]) -> None:
-    if not isinstance(motions, Sequence) or not motions or not all(isinstance(each, Mapping) for each in motions):
+    if not are_all(motions, Mapping) or not motions:
         raise InputError(
             f"press(motion={short(motions)})",
             "a motion {part: Placement(...)}, or a path of at least one",
@@ -513,7 +513,7 @@ def _refuse_bad_handles(
     loaded: Sequence[Part],
     handles: Sequence[Handle],
 ) -> None:
-    if not isinstance(handles, Sequence) or not all(isinstance(each, Handle) for each in handles):
+    if not are_all(handles, Handle):
         raise refused("press", "handles", handles, "a list of Handle(...)", "leave it out")
     with_handle = list(loaded)
     for handle, part in ((each, part) for each in handles for part in each.parts):

@@ -310,9 +310,8 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
 
 def _shifted(system: ContactSystem, state: ContactState, number: int) -> tuple[Placement, float]:
     """Placement of a part shifted by its surfaces' mean displacement, and how far displacements are from this mean."""
-    placement, surfaces = state.placements[number], system.surface_nodes
-    first, last = (sum(len(each.nodes) for each in surfaces[:stop]) for stop in (number, number + 1))
-    displaced = state.positions[first:last] - placement.points(surfaces[number].points)
+    placement = state.placements[number]
+    displaced = state.positions[system.rows_of(number)] - placement.points(system.surface_nodes[number].points)
     x, y = displaced.mean(axis=0).tolist()
     return Placement(0.0, (x, y)).after(placement), float(np.linalg.norm(displaced - (x, y), axis=1).max())
 

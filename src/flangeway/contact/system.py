@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.checks import is_finite, refused
+from flangeway.checks import are_all, is_finite, refused
 from flangeway.contact.guards import corners_on_corners, corners_under_force, guarded, key_starts, penetrating
 from flangeway.contact.kinematics import Slides
 from flangeway.contact.pairs import Constraints, Enforcement, Pairing, Pairs
@@ -404,7 +404,7 @@ class ContactSystem:
     """
 
     def __init__(self, contacts: Sequence[Contact]) -> None:
-        if not isinstance(contacts, Sequence) or not contacts or not all(isinstance(c, Contact) for c in contacts):
+        if not are_all(contacts, Contact) or not contacts:
             raise InputError(f"contacts={short(contacts)}", "a list of at least one Contact(...)", "write [contact]")
         self.contacts = tuple(contacts)
         for first, second in itertools.combinations(self.contacts, 2):
@@ -436,6 +436,10 @@ class ContactSystem:
         slices = itertools.starmap(slice, itertools.pairwise(ends))
         given = zip(self.contacts, lin.pairs, slices, strict=True)
         return [SolvedContact(contact, pairs, inside, all_forces[inside]) for contact, pairs, inside in given]
+
+    def rows_of(self, number: int) -> slice:
+        """Rows of a part among the surface nodes of all parts."""
+        return slice(*self._first_node[number : number + 2].tolist())
 
     def nodes_of(self, surface: Surface) -> Ints:
         """Numbers of a surface's nodes among the surface nodes of all parts, along the surface."""

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from flangeway.checks import check_kind, check_positive
+from flangeway.checks import are_all, check_kind, check_positive
 from flangeway.elements import Element
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
@@ -75,7 +75,7 @@ class Body(LinearBody):
         self._check_held()
         for each in self.material.values() if isinstance(self.material, Mapping) else (self.material,):
             check_kind("Body", "material", each, Material, "a material, or one by each cell set", "write Elastic(...)")
-        if not isinstance(self.springs, Sequence) or not all(isinstance(each, Spring) for each in self.springs):
+        if not are_all(self.springs, Spring):
             raise InputError(
                 f"Body {self.name!r} springs={short(self.springs)}", "a list of Spring(...)", "make each one"
             )

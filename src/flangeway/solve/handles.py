@@ -36,6 +36,9 @@ still is round-off of the stiffness."""
 HARDLY = 0.03
 """Share of a motion over the whole one that is not named."""
 
+SoftMotions = Literal["solved", "kept"]
+"""What becomes of motions that only the curvature of surfaces resists."""
+
 
 @dataclass(frozen=True, eq=False)
 class Handle:
@@ -79,16 +82,21 @@ class Handle:
     load: Floats = field(default_factory=lambda: np.zeros(3))
     load_point: Floats | None = None
     stiffness: Floats | None = None
-    soft_motions: Literal["solved", "kept"] = "solved"
+    soft_motions: SoftMotions = "solved"
 
     def __post_init__(self) -> None:
         parts = tuple(self.parts) if isinstance(self.parts, Sequence) else ()
         if not parts or len(set(parts)) < len(parts) or not all(isinstance(each, Part) for each in parts):
             raise InputError(f"Handle(parts={short(self.parts)})", "one or more parts, each once", "write (part,)")
         check_kind("Handle", "turns", self.turns, bool | np.bool_, "True or False", "choose one")
-        softness = get_args(type(self).__annotations__["soft_motions"])
-        if self.soft_motions not in softness:
-            raise refused("Handle", "soft_motions", self.soft_motions, " or ".join(map(repr, softness)), "leave it out")
+        if self.soft_motions not in get_args(SoftMotions):
+            raise refused(
+                "Handle",
+                "soft_motions",
+                self.soft_motions,
+                " or ".join(map(repr, get_args(SoftMotions))),
+                "leave it out",
+            )
         object.__setattr__(self, "parts", parts)
         values = {"pivot": (2,), "directions": (len(np.atleast_1d(self.directions)), 2), "load": (3,)}
         if self.load_point is not None:

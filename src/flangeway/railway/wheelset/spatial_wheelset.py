@@ -14,7 +14,7 @@ from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetP
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetLoad, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
 from flangeway.railway.wheelset.fine_cells import divided, finer
-from flangeway.railway.wheelset.rolling.patch_rolling import GAUGE_FACE_RAD, RollingMotion
+from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion, on_gauge_face
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
 from flangeway.railway.wheelset.running_surfaces import SpatialModel
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
@@ -484,7 +484,7 @@ def _is_far(position: WheelsetPosition, place: WheelsetPosition) -> bool:
 
 def _is_on_flange(state: SideState) -> bool:
     """Whether a wheel touches its rail with the flange alone."""
-    steep = np.abs(state.normals[state.forces.any(axis=1), 0]) > np.sin(GAUGE_FACE_RAD)
+    steep = on_gauge_face(state.normals[state.forces.any(axis=1)])
     return len(steep) > 0 and bool(steep.all())
 
 

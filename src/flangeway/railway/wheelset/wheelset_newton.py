@@ -101,7 +101,7 @@ FINE_FORCES = 1e-7
 MAX_GROWTH, HALVED = 4.0, 0.25
 """Largest step across the track over its limit; the part to which a step lowers the residual that goes well."""
 SADDLE = 1e-6
-"""Push across the track over the stiffness of the rest, in mm, that is round-off."""
+"""Push on the unknown that leads over its stiffness, in mm or rad, that is round-off."""
 MIN_STIFFNESS = 1e-6
 """Of a wheel that does not touch, weight per mm, so that it goes where it is pushed; also for rate and yaw."""
 ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.03, 1e-2, 1e-3
@@ -372,7 +372,7 @@ class WheelsetNewton:
             push = sense * float(self.missed[row] + self.jacobian[row] @ step)
             slope = sense * float(self.jacobian[row, lead] + self.jacobian[row] @ by_lead)
             way = -push / slope if slope < 0.0 else float(np.copysign(np.inf, push))
-            if slope >= 0.0 and abs(push) < SADDLE * abs(sense * self.jacobian[row, lead]):
+            if slope >= 0.0 and abs(push) < SADDLE * abs(self.jacobian[row, lead]):
                 # on top of the energy both ways lead down: to the left, whatever round-off says; friction has no energy
                 way = -np.inf if self.creep is None else 0.0
         reach = self.reaches[YAW] if lead else self.across

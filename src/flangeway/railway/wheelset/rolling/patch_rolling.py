@@ -25,6 +25,11 @@ GAUGE_FACE_RAD = np.deg2rad(45.0)
 """Slope of the rail's surface from which it is the gauge face."""
 
 
+def on_gauge_face(normals: Floats) -> Bools:
+    """Whether cells with outward normals of the rail, (n, 2), are on its gauge face, (n,)."""
+    return np.abs(normals[:, 0]) > np.sin(GAUGE_FACE_RAD)
+
+
 @dataclass(frozen=True, eq=False)
 class RollingMotion:
     """Motion of a wheelset that rolls ahead along the track, and friction.
@@ -107,7 +112,7 @@ class RollingMotion:
             return self.friction
         own = Friction(self.flange_friction)
         static, kinetic = (each[0] for each in self.friction.limits)
-        steep = np.abs(normals[:, 0]) > np.sin(GAUGE_FACE_RAD)
+        steep = on_gauge_face(normals)
         share = kinetic / static if static > 0.0 else 1.0
         on_face = float(own.limits[0][0])
         return replace(
