@@ -216,8 +216,8 @@ class SideState:
     - `points`, `normals`: of the deformed rail's cells, each (n, 2).
     - `gap`: to the wheel as it stands, without the deformation of the surfaces at the contact.
     - `gaps`: of the deformed surfaces, shape (n, n_z).
-    - `stiffness`: derivatives of `resultant` by the axle's x, y, roll and the wheel's tilt, shape (3, 4).
-    - `creep`: creep forces on the wheel's rows of cells, along t and z, shape (n, 2); None without friction.
+    - `stiffness`: derivatives of `resultant` by `MOTIONS` of `flangeway.railway.wheelset.side_newton`, shape (3, 6).
+    - `creep`: creep forces on the wheel's rows of cells, along t and z, shape (n, 2).
     """
 
     grid: "GriddedSide"
@@ -229,7 +229,7 @@ class SideState:
     gap: WheelGap
     gaps: Floats
     stiffness: Floats
-    creep: Floats | None = None
+    creep: Floats
 
     @property
     def cells(self) -> CellForces:
@@ -395,7 +395,7 @@ class GriddedSide:
         turn = np.einsum("ia,axj,ix->ij", slope, moved[0], self._at[1], optimize=True)
         return rail - wheel, turn
 
-    def rail_motion(self, forces: Floats, across: Floats | None = None) -> tuple[Floats, float]:
+    def rail_motion(self, forces: Floats, across: Floats) -> tuple[Floats, float]:
         """What normal forces (n, n_z), and lateral ones of rows (n,), move the rail's surface more than a half-space.
 
         Returned: rigid motion that fits it best, along x and y at the rail's top in mm and rotation in rad, (3,); and
@@ -404,7 +404,7 @@ class GriddedSide:
         elastic, loads, turn = self._elastic[0], self._loads[0], self._turns[0]
         row = forces.sum(axis=1)
         shares = self.turned(row, across)[1]
-        load = loads @ row + self._unit_forces((0,), slice(None))[0] @ (shares if across is None else shares + across)
+        load = loads @ row + self._unit_forces((0,), slice(None))[0] @ (shares + across)
         moved = -elastic.interpolation(elastic.stations) @ (elastic.in_section @ load).reshape(-1, 3)[:, :2]
         moved, points = moved @ turn.T, self.surfaces.rail_frame.points(elastic.points)
         top = points[np.argmax(points[:, 1])]
@@ -443,27 +443,24 @@ class GriddedSide:
     def deformed(
         self,
         pose: WheelPose,
-        forces: Floats | None,
+        forces: Floats,
+        across: Floats,
         guess: Floats | None = None,
-        across: Floats | None = None,
     ) -> tuple[Floats, Floats, WheelGap, Floats]:
         """Geometry as the bodies bend under forces: points and normals of the rail's cells, gaps, and right-hand side.
 
         The right-hand side has no deformation: what the forces move is added by `influence`, the bending included.
 
-        - `guess`: gaps from close by.
         - `across`: lateral creep forces on the wheel's rows of cells, (n,); what they move stays in the geometry.
+        - `guess`: gaps from close by.
         """
         points, normals = self._at
-        moved = np.zeros_like(points)
-        if forces is not None:
-            row = forces.sum(axis=1)
-            turned, shares = self.turned(row, across)
-            moved = self._bending[0] @ row
-            points = points + self.bending_across @ (shares if across is None else shares + across)
-            normals = normals + turned[:, None] * tangents_of(normals)
-            normals = normals / np.linalg.norm(normals, axis=1)[:, None]
-        points = points + moved
+        row = forces.sum(axis=1)
+        turned, shares = self.turned(row, across)
+        moved = self._bending[0] @ row
+        points = points + self.bending_across @ (shares + across) + moved
+        normals = normals + turned[:, None] * tangents_of(normals)
+        normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.along, guess)
         gap.arms[..., :2] += pose.shift  # from the middle of the axle, not from the profile's origin
         values = self._means(gap.gaps)
@@ -471,7 +468,7 @@ class GriddedSide:
         values = np.where(gap.gaps < FAR_MM, values + (moved * self._at[1]).sum(axis=1)[:, None], FAR_MM)
         return points, normals, gap, values
 
-    def turned(self, row: Floats, across: Floats | None = None) -> tuple[Floats, Floats]:
+    def turned(self, row: Floats, across: Floats) -> tuple[Floats, Floats]:
         """Turn of the normals by normal forces of rows, and the share of these along the tangents, (n,) each.
 
         Forces act along the turned normals, on the bodies as on the wheelset: else the work that they do when the rail
@@ -479,7 +476,7 @@ class GriddedSide:
         by them and T' by forces along the tangents, ``s_i = p_i (T p + T' s)_i``. ``across``: see `deformed`.
         """
         turn, turn_across = self._bending[1], self._bending_across[1]
-        by_row = turn @ row if across is None else turn @ row + turn_across @ across
+        by_row = turn @ row + turn_across @ across
         shares = np.asarray(np.linalg.solve(np.eye(len(row)) - row[:, None] * turn_across, row * by_row), np.float64)
         return by_row + turn_across @ shares, shares
 
@@ -500,7 +497,7 @@ class GriddedSide:
         ``-(p N + s T / 2) . B' s`` with the displacements B' of the rail less those of the wheel.
         """
         row = forces.sum(axis=1)
-        _, shares = self.turned(row)
+        _, shares = self.turned(row, np.zeros_like(row))
         normals = self._at[1]
         along = row[:, None] * normals + 0.5 * shares[:, None] * tangents_of(normals)
         by_shares = float((along * (self.bending_across @ shares)).sum())

@@ -302,7 +302,7 @@ class SpatialWheelset:
         for side, fine in found.state.sides.items():
             whole, inner = grids[side], fine.grid.grid
             forces, creep = transferred(fine, whole), transferred_creep(fine, whole)
-            deformed = whole.deformed(fine.pose, forces, None, None if creep is None else creep[:, 0])
+            deformed = whole.deformed(fine.pose, forces, creep[:, 0])
             cells, z, strip = whole.grid.cells, whole.grid.along, whole.grid.strip
             across = (cells[:, :1] < inner.cells[:, 1]) & (cells[:, 1:] > inner.cells[:, 0])
             along = (z > inner.along[0] - strip) & (z < inner.along[-1] + strip)
@@ -350,7 +350,7 @@ class SpatialWheelset:
         motion = np.array([0.0, -self._sinking])
         if near is not None:
             state = near.sides[side]
-            motion = state.grid.rail_motion(state.forces, None if state.creep is None else state.creep[:, 0])[0]
+            motion = state.grid.rail_motion(state.forces, state.creep[:, 0])[0]
         pose = replace(pose, x=pose.x - motion[0], y=pose.y - motion[1])
         low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
         ends: Floats = cell * np.arange(int(np.ceil(low / cell)), int(np.floor(high / cell)) + 1.0)
