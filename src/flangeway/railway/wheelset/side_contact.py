@@ -6,11 +6,9 @@ All is in the right-hand form of a side: x to the field side, y up, z ahead, ori
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from flangeway.contact.patch.normal_contact import Convolution, ElasticSurface
 from flangeway.contact.patch.patch_contact import CellForces
@@ -21,7 +19,6 @@ from flangeway.geometry.arrays import turned_right
 from flangeway.materials import Elastic
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM
 from flangeway.railway.rigid.rigid_side import RigidCurve
-from flangeway.solve import Status
 from flangeway.solve.surface_compliance import half_spaces_on
 from flangeway.types import Bools, Floats
 
@@ -114,8 +111,6 @@ def wheel_gap(
     return WheelGap(*(values.T.reshape(len(points), len(z), *values.shape[:-1]) for values in each))
 
 
-SECTION_AXES = ((0, 1), (0, 1), (2,))
-"""Axes of a section in which those of the frames of cells lie: tangent, normal and z."""
 RANK = 1e-4
 """Singular value over the first one below which modes of bending are left out."""
 
@@ -222,7 +217,6 @@ class SideState:
 
     grid: "GriddedSide"
     pose: WheelPose
-    status: Status
     forces: Floats
     points: Floats
     normals: Floats
@@ -311,16 +305,12 @@ class GriddedSide:
 
     def _unit_forces(self, axes: Sequence[int], rows: slice) -> tuple[Floats, Floats]:
         """Unit forces along axes of the frames of some cells, as `_loads`: (3 N, n m) for m axes."""
-        loads = []
-        for weights, directions in zip(self._weights, self._directions(axes, rows), strict=True):
-            full = np.einsum("ia,imx->axim", weights[rows], directions)
+        directions, loads = self.frames[rows][:, axes], []
+        for weights, turn in zip(self._weights, self._turns, strict=True):
+            in_section = np.concatenate((directions[..., :2] @ turn, directions[..., 2:]), axis=2)
+            full = np.einsum("ia,imx->axim", weights[rows], in_section)
             loads.append(full.reshape(3 * weights.shape[1], -1))
         return loads[0], loads[1]
-
-    def _directions(self, axes: Sequence[int], rows: slice) -> list[Floats]:
-        """Axes of the frames of some cells in the axes of the sections of rail and wheel, (n, m, 3) each."""
-        directions = self.frames[rows][:, axes]
-        return [np.concatenate((directions[..., :2] @ turn, directions[..., 2:]), axis=2) for turn in self._turns]
 
     @cached_property
     def influence(self) -> Convolution:
@@ -345,24 +335,17 @@ class GriddedSide:
         frames = self.frames[rows]
         bounds = grid.bounds[rows.start : None if rows.stop is None else rows.stop + 1]
         total = half_spaces_on(self.surfaces.materials, bounds, frames, grid.strip, n_distances, axes)
-        pairs = list(product(enumerate(axes), repeat=2))
-        for elastic, weights, directions in zip(
-            self._elastic, self._weights, self._directions(axes, rows), strict=True
-        ):
+        total = total.reshape(n_distances, len(frames) * len(axes), -1)
+        for elastic, loads in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
             used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, grid.n_strips))) + 3
-            across = csr_array(weights[rows])
             along = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, :used]
-            on_cells = {
-                place: _on_cells(across, elastic.by_axes[place][:used])
-                for place in product(*[sorted({x for axis in axes for x in SECTION_AXES[axis]})] * 2)
-            }
-            for (i, of), (j, by) in pairs:
-                turned = sum(
-                    directions[:, i, x, None] * directions[:, j, y] * on_cells[x, y]
-                    for x, y in product(SECTION_AXES[of], SECTION_AXES[by])
-                )
-                total[:, :, i, :, j] += np.tensordot(along, turned, axes=1)
-        return total.reshape(n_distances, len(frames) * len(axes), -1)
+            near = np.flatnonzero(loads.any(axis=1))
+            table = elastic.on_splines[np.ix_(near, np.arange(used), near)]
+            # T_zij = sum over splines k, l and tabulated distances w of A_zw L_ki R_kwl L_lj
+            by_force = np.tensordot(table, loads[near], axes=1)
+            on_cells = np.tensordot(loads[near], by_force, axes=([0], [0]))
+            total += np.tensordot(along, on_cells, axes=([1], [1]))
+        return total
 
     @cached_property
     def _bending(self) -> tuple[Floats, Floats]:
@@ -386,7 +369,7 @@ class GriddedSide:
         grid, (rail_weights, wheel_weights) = self.grid, self._weights
         moved = []
         for elastic, loads, turn in zip(self._elastic, forces, self._turns, strict=True):
-            found = (elastic.in_section @ loads).reshape(-1, 3, loads.shape[1])[:, :2]
+            found = (elastic.on_splines[:, 0] @ loads).reshape(-1, 3, loads.shape[1])[:, :2]
             moved.append(np.einsum("xy,ayj->axj", turn, found))
         rail = -np.einsum("ia,axj->ixj", rail_weights, moved[0])
         wheel = np.einsum("ia,axj->ixj", wheel_weights, moved[1])
@@ -405,7 +388,7 @@ class GriddedSide:
         row = forces.sum(axis=1)
         shares = self.turned(row, across)[1]
         load = loads @ row + self._unit_forces((0,), slice(None))[0] @ (shares + across)
-        moved = -elastic.interpolation(elastic.stations) @ (elastic.in_section @ load).reshape(-1, 3)[:, :2]
+        moved = -elastic.interpolation(elastic.stations) @ (elastic.on_splines[:, 0] @ load).reshape(-1, 3)[:, :2]
         moved, points = moved @ turn.T, self.surfaces.rail_frame.points(elastic.points)
         top = points[np.argmax(points[:, 1])]
         x, y = (points - top).T
@@ -502,14 +485,6 @@ class GriddedSide:
         along = row[:, None] * normals + 0.5 * shares[:, None] * tangents_of(normals)
         by_shares = float((along * (self.bending_across @ shares)).sum())
         return 0.5 * float((forces * self.influence(forces)).sum()) - by_shares
-
-
-def _on_cells(across: csr_array, table: Floats) -> Floats:
-    """A table by distance and splines on cells, T_zij = sum over splines of A_ik T_zkl A_jl: (n_z, n, n)."""
-    n_z, m, _ = table.shape
-    by_force = across @ table.transpose(1, 0, 2).reshape(m, -1)
-    both = across @ by_force.reshape(-1, n_z, m).transpose(2, 1, 0).reshape(m, -1)
-    return np.asarray(both.reshape(len(both), n_z, -1).transpose(1, 2, 0))
 
 
 def _modes(bending: Floats) -> tuple[Floats, Floats]:

@@ -14,7 +14,6 @@ from flangeway.contact.patch.normal_contact import solve_normal
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
 from flangeway.railway.wheelset.side_contact import FAR_MM, GriddedSide, SideState, WheelPose
-from flangeway.solve import Status
 from flangeway.types import Bools, Floats, Ints
 
 MAX_CELLS = 6000
@@ -24,8 +23,9 @@ SAME = 1e-6
 FIRST = 1e-4
 """Tolerance of the forces on bodies that bend no further, from which the steps start."""
 MAX_STEPS = 30
-MAX_MOVED_MM = 0.5
-"""Displacement of a cell across the normal by which the geometry changes in one step, at most."""
+MAX_MOVED_MM, MAX_BENT_MM = 0.5, 0.4
+"""Displacement of a cell across the normal by normal forces, and by creep forces, by which the geometry changes in one
+step, at most."""
 N_RESULTANTS = 7
 MOTIONS = ("x", "y", "roll", "tilt", "rate", "yaw")
 """By what derivatives are: the axle's position and roll, the wheel's tilt, its rate of rotation and the yaw."""
@@ -134,17 +134,16 @@ class SideNewton:
             ) from error
         return factor, bool(lower)
 
-    def bend(self, creep: Floats, raised: Floats, forces: Floats, slopes: CreepSlopes, max_moved_mm: float) -> None:
+    def bend(self, creep: Floats, raised: Floats, forces: Floats, slopes: CreepSlopes) -> None:
         """Take creep forces on rows of cells (n, 2), or a part of the way to them: they move rail and wheel too.
 
         - `raised`: see `SideCreep`.
         - `forces`: normal forces on the cells in contact under which they were found, (m,).
         - `slopes`: how they change.
-        - `max_moved_mm`: displacement of a cell up to which they are taken.
         """
         change = creep - self.creep
         moved = np.einsum("ixj,j->ix", self.grid.bending_across, change[:, 0])
-        share = min(1.0, max_moved_mm / max(float(np.abs(moved).max()), 1e-300))
+        share = min(1.0, MAX_BENT_MM / max(float(np.abs(moved).max()), 1e-300))
         self.creep = self.creep + share * change
         self.bent = share < 1.0
         part = np.ones((len(slopes.motion), 1))
@@ -268,10 +267,11 @@ class SideNewton:
         change = change + of_shape @ (np.tensordot(self.slopes.weights, self.raw, axes=2) - self.shape)
         self.expected = self.values + self.grid.influence(self.raw) + change.reshape(self.forces.shape)
 
-    def state(self, status: Status) -> SideState:
+    @property
+    def state(self) -> SideState:
         """Contact as it is now."""
         geometry = self.points, self.normals, self.gap, self.total
-        return SideState(self.grid, self.pose, status, self.forces, *geometry, self.stiffness, self.creep)
+        return SideState(self.grid, self.pose, self.forces, *geometry, self.stiffness, self.creep)
 
 
 def interpolated(values: Floats, old: tuple[Floats, Floats], new: tuple[Floats, Floats]) -> Floats:
@@ -321,14 +321,11 @@ def solve_side(
     - `creep`: creep forces on rows of cells, (n, 2), that stay.
     """
     newton = SideNewton(grid, pose, start, creep)
-    change, steps = np.inf, 0
-    while steps < MAX_STEPS:
-        steps += 1
+    for _ in range(MAX_STEPS):
         newton.linearise(pose)
         forces, by_motion = newton.solve()
         newton.linearised_resultant(forces, by_motion)
         change = newton.take(forces, np.zeros(len(MOTIONS)))
         if change < tolerance and not newton.changed:
             break
-    status = Status(change < tolerance, f"forces change by {change:.1e} after {steps} steps", steps)
-    return newton.state(status)
+    return newton.state

@@ -42,8 +42,6 @@ FAST_RESIDUAL = 1e-7
 LIFTED, MIN_CARRIED, TORQUE, YAW_MOMENT = 0.1, 1e-3, 3, 4
 """Vertical or moment residual of wheels that do not carry the load, or torque of those that spin; share of the load
 that a wheel carries at least; numbers of torque and yaw moment in residuals."""
-MAX_BENT_MM = 0.4
-"""Displacement of a cell by creep forces in one step, at most."""
 NEARBY = 5.0
 """Way over the step limits within which cells still fit."""
 NEAR_MM = 0.3, NEARBY * float(MAX_STEP[0])
@@ -173,7 +171,7 @@ class SpatialWheelset:
         stages = (round(FEWER_ACROSS * across), NESTED_RESIDUAL), (across, last)
         cells = _Cells(self, position, stages, state.sides)
         grids, _ = cells.fine(state)
-        creep = WheelsetCreep(motion, rate, motion.theory, MAX_BENT_MM)
+        creep = WheelsetCreep(motion, rate)
         yaw, tilts = self.model.yaw_rad, self._tilts_by_forces
         return self._search(WheelsetNewton(self.problem, grids, position, yaw, tilts, state, creep), cells, progress)
 
@@ -212,7 +210,7 @@ class SpatialWheelset:
                 return replace(found, status=cells.status)
             if grids != found.state.grids:
                 newton.place(grids, state)
-                at_peaks = cells.at_peaks(newton.placed)
+                at_peaks = cells.at_peaks(newton.contact)
                 if at_peaks != grids:
                     newton.place(at_peaks, state)
             if self._is_off(newton, begun):
@@ -310,9 +308,7 @@ class SpatialWheelset:
             overlap = np.where(np.outer(across.any(axis=1), along), 0.0, np.maximum(-gaps, 0.0))
             if overlap.any():
                 forces = forces + overlap / whole.coefficients[0].diagonal()[:, None]
-                sides[side] = SideState(
-                    whole, fine.pose, fine.status, forces, *deformed[:3], gaps, fine.stiffness, creep
-                )
+                sides[side] = SideState(whole, fine.pose, forces, *deformed[:3], gaps, fine.stiffness, creep)
         return sides
 
     @cached_property

@@ -22,7 +22,6 @@ from flangeway.railway.wheelset.equilibrium import (
 from flangeway.railway.wheelset.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep, patches_of
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose
 from flangeway.railway.wheelset.side_newton import CreepSlopes, SideNewton, interpolated, transferred, transferred_creep
-from flangeway.results import joined_text
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -53,16 +52,6 @@ class SpatialState:
     rolled: RolledWheelset | None = None
 
     @property
-    def status(self) -> Status:
-        """Whether the contact forces were found."""
-        each = [state.status for state in self.sides.values()]
-        return Status(
-            all(one.converged for one in each),
-            joined_text("; ", (one.message for one in each)),
-            sum(one.iterations for one in each),
-        )
-
-    @property
     def grids(self) -> dict[Side, GriddedSide]:
         """Cells of both sides."""
         return {side: each.grid for side, each in self.sides.items()}
@@ -71,11 +60,6 @@ class SpatialState:
         """Cells of patches that roll by themselves, (n, n_z) each; None without friction, or by the exact theory."""
         insides = None if self.rolled is None else self.rolled.creep[side].insides
         return None if insides is None else patches_of(self.sides[side].forces, insides)
-
-    @property
-    def forces(self) -> Floats:
-        """All contact forces in N."""
-        return np.concatenate([state.forces.ravel() for state in self.sides.values()])
 
 
 def signs_of(side: Side) -> Floats:
@@ -190,10 +174,9 @@ class WheelsetNewton:
             self.reaches = {RATE: Reach(rate, rate), YAW: Reach(MAX_YAW_RAD, MAX_YAW_RAD)}
 
     @property
-    def placed(self) -> SpatialState:
-        """Contact without friction, of bodies that bend no further, on cells from which no step was taken yet."""
-        status = Status(False, "no step yet", 0)
-        return SpatialState({side: each.state(status) for side, each in self.sides.items()})
+    def contact(self) -> SpatialState:
+        """Contact of both sides; on cells from which no step was taken yet, of bodies that bend no further."""
+        return SpatialState({side: each.state for side, each in self.sides.items()})
 
     @property
     def yaw_stiffness(self) -> float:
@@ -282,7 +265,7 @@ class WheelsetNewton:
         if side not in self._slopes:
             self._slopes[side] = self.creep.derivatives(side, newton, normal, found)
         slopes = self._slopes[side]
-        newton.bend(found.rows, found.raised, forces, slopes, self.creep.max_bent_mm)
+        newton.bend(found.rows, found.raised, forces, slopes)
 
     def _add_creep(self, number: int, side: Side) -> None:
         """Add creep forces of a side and what they change."""
@@ -414,7 +397,6 @@ class WheelsetNewton:
 
     def found(self, status: Status) -> Equilibrium[SpatialState]:
         """What there is now."""
-        states: dict[Side, SideState] = {side: each.state(status) for side, each in self.sides.items()}
         rolled = stable = None
         if self.creep is not None:
             rolled = RolledWheelset(self.rolled, self.creep.rate_rad_s, self.yaw, self.yaw_moment, self.torque)
@@ -423,7 +405,7 @@ class WheelsetNewton:
             jacobian = self.jacobian
             whole = jacobian[:3, :3] - jacobian[:3, 3:5] @ np.linalg.solve(jacobian[3:5, 3:5], jacobian[3:5, :3])
             stable = is_stable(self.problem, whole)
-        state = SpatialState(states, rolled)
+        state = replace(self.contact, rolled=rolled)
         return Equilibrium(status, self.position, self.relative, state, self.residual, stable)
 
 
