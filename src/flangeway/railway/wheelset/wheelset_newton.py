@@ -153,6 +153,8 @@ class WheelsetNewton:
         }
         self.across = self.across.again(float(MAX_STEP[0]))
         for number, (side, grid) in enumerate(grids.items()):
+            if near is not None and side in self.sides and grid is self.sides[side].grid:
+                continue  # its contact is known
             pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
             if near is None:
                 self.sides[side] = SideNewton(grid, pose)
