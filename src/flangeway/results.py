@@ -88,8 +88,8 @@ def us_unit(unit: str) -> UsUnit | None:
     """Return the unit of a text such as "kN/mm" or "mm⁴" in the US; None if it is the same there, or no unit."""
     if not re.fullmatch(_TEXT_UNIT, unit):
         return None
-    unit_found = _converted(unit)
-    return None if unit_found is None else UsUnit(unit_found[0].replace("_", " "), unit_found[1])
+    converted = _converted(unit)
+    return None if converted is None else UsUnit(converted[0].replace("_", " "), converted[1])
 
 
 @cache

@@ -472,10 +472,10 @@ class _Run:
         geometric, constrained = self._laws(before, bend=bend)
         while True:
             near = near if near.any() else ~near
-            step_found = self._step_of(geometric, constrained, near, before, bend=bend)
-            if step_found is None:
+            solution = self._step_of(geometric, constrained, near, before, bend=bend)
+            if solution is None:
                 return None
-            forces, moved, motion = step_found
+            forces, moved, motion = solution
             # the laws of the others hold with them open if the step leaves a gap there, which it closes by no more than
             # nodes of both sides move: the mean over a sliver of an edge has derivatives that say more
             step = moved - constrained.displacements

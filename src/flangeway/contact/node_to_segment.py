@@ -378,8 +378,8 @@ class NodeToNode(Pairing):
         members, rows = contact_nodes[own], np.arange(len(gaps))
         return MatchedPairs(
             matching.nodes, matching.edges, matching.nodes, gaps, areas, whole, members, matching.edges, rows[:, None],
-            points, slots, parameters, normals, slots[rows, 1 + matching.columns], np.abs(cross_product(normals, apart)),
-            longest[matching.nodes],
+            points, slots, parameters, normals, slots[rows, 1 + matching.columns],
+            np.abs(cross_product(normals, apart)), longest[matching.nodes],
         )  # fmt: skip
 
 
