@@ -164,8 +164,8 @@ def _facts(run: BodiesRun) -> list[tuple[str, str]]:
     owners = [body.field.problem.name if len(bodies) > 1 else "" for body in bodies]
     extremes = []
     for quantity in (MAX_DISPLACEMENT, MAX_VON_MISES):
-        largest_body = max(range(len(bodies)), key=lambda number, of=quantity: of.value(bodies[number]))  # type: ignore[misc]
-        extremes.append(fact(quantity, bodies[largest_body], units, owners[largest_body]))
+        body_of_maximum = max(range(len(bodies)), key=lambda number, of=quantity: of.value(bodies[number]))  # type: ignore[misc]
+        extremes.append(fact(quantity, bodies[body_of_maximum], units, owners[body_of_maximum]))
     return [*facts[:MAX_FACTS], *extremes]
 
 
