@@ -89,7 +89,9 @@ class PatchBody:
 
     def __post_init__(self) -> None:
         supported = set("".join((self.problem.held or {}).values()))
-        supported |= {axis for each in self.problem.foundations for axis in "xyz" if getattr(each, axis) > 0.0}
+        supported |= {
+            axis for foundation in self.problem.foundations for axis in "xyz" if getattr(foundation, axis) > 0.0
+        }
         if loose := "".join(sorted(set("xyz") - supported)):
             raise InputError(
                 f"{self.name!r} without a support along {' and '.join(loose)}, free to move at the wavenumber 0",
@@ -169,8 +171,8 @@ def points_along(chain: Floats, stations: Floats) -> tuple[Floats, Floats]:
     # normals of the edges belong to their middles, between which they turn
     middles = (ends[1:] + ends[:-1]) / 2.0
     normals = turned_right(chords) / np.diff(ends)[:, None]
-    found = np.stack([np.interp(stations, middles, normals[:, axis]) for axis in range(2)], axis=1)
-    return points, found / np.linalg.norm(found, axis=1)[:, None]
+    normals_at = np.stack([np.interp(stations, middles, normals[:, axis]) for axis in range(2)], axis=1)
+    return points, normals_at / np.linalg.norm(normals_at, axis=1)[:, None]
 
 
 def cast(points: Floats, normals: Floats, chain: Floats) -> tuple[Floats, Floats]:
@@ -390,8 +392,8 @@ def gaps_of(first: PatchBody, second: PatchBody, grid: PatchGrid) -> GridGaps:
             for body, prism, part in zip(bodies, prisms, nearby, strict=True)
         )
         met = np.isfinite(low) & np.isfinite(high)
-        found = np.where(met, high, np.inf) - np.where(met, low, 0.0)
-        values[:, numbers == number] = ((found[1:] + found[:-1]) / 2.0)[:, None]
+        gaps = np.where(met, high, np.inf) - np.where(met, low, 0.0)
+        values[:, numbers == number] = ((gaps[1:] + gaps[:-1]) / 2.0)[:, None]
     return GridGaps(middles, normals, values, others)
 
 
@@ -485,7 +487,7 @@ def _fitted(
     extents = np.ptp(patch, axis=1)
     met = np.isfinite(gaps.values)
     free = met.min(axis=1), met.min(axis=0)
-    room = np.array([_extent(_run(*each), side) for *each, side in zip(free, sides, window, strict=True)])
+    room = np.array([_extent(_run(*part), side) for *part, side in zip(free, sides, window, strict=True)])
     if (patch <= room[:, :1]).any() or (patch >= room[:, 1:]).any():
         raise InputError(
             f"a contact patch of {extents[0]:.4g} by {extents[1]:.4g} that reaches the end of the contact surface of "

@@ -115,7 +115,7 @@ def roll(
             check_finite("roll", name, force)
     wanted = (force_along, force_across)
     step = _Step(contact, motion, before, contact, differences)
-    result = step.found(None if start is None else _forces(start), motion, wanted, tolerance)
+    result = step.rolling(None if start is None else _forces(start), motion, wanted, tolerance)
     if contact.pressed is None or not contact.coupled:
         return result
     # friction changes the gaps, pressures the limits and the slip
@@ -126,7 +126,7 @@ def roll(
         new = contact.pressed(result.raised, old).forces
         change = float(np.abs(new - old).sum()) / contact.force
         step = replace(step, contact=step.contact.under(new / contact.areas))
-        result = step.found(forces, result.motion, wanted, tolerance)
+        result = step.rolling(forces, result.motion, wanted, tolerance)
     message = f"{result.status.message}; pressures change by {change:.1e} after {turn} turns"
     met = result.status.converged and change <= PRESSURE_CHANGE
     return replace(result, status=Status(met, message, result.status.iterations))
@@ -134,13 +134,13 @@ def roll(
 
 def creep_curve(contact: RollingContact, motions: Sequence[Creepages], tolerance: float = 1e-4) -> list[Rolling]:
     """Steady rolling at many creepages, each started from the one before."""
-    found: list[Rolling] = []
+    curve: list[Rolling] = []
     for motion in motions:
-        found.append(roll(contact, motion, start=found[-1] if found else None, tolerance=tolerance))
-    return found
+        curve.append(roll(contact, motion, start=curve[-1] if curve else None, tolerance=tolerance))
+    return curve
 
 
-def derivatives(found: Rolling) -> Floats:
+def derivatives(rolling: Rolling) -> Floats:
     """Derivatives of (along, across, moment) by (along, across, spin) of the motion, shape (3, 3).
 
     Raises
@@ -149,15 +149,15 @@ def derivatives(found: Rolling) -> Floats:
         If the result is not one of `roll`.
 
     """
-    if not isinstance(found, Rolling) or found.problem is None or found.state is None:
-        raise InputError(f"a result of {found.theory}", "a result of roll", "compute it by the exact theory")
-    places = found.contact.places
+    if not isinstance(rolling, Rolling) or rolling.problem is None or rolling.state is None:
+        raise InputError(f"a result of {rolling.theory}", "a result of roll", "compute it by the exact theory")
+    places = rolling.contact.places
     slips = np.array([Creepages(*unit).rigid(*places) for unit in np.eye(3).tolist()])
     # (along, across, moment) by forces (t, z): (0, 1), (1, 0), (-z, s), which are the rigid slips of unit creepages
-    by_slip, _, by_slope = adjoint(found, slips)
-    motion, lever = found.motion, 1.0 / found.contact.grid.strip
+    by_slip, _, by_slope = adjoint(rolling, slips)
+    motion, lever = rolling.motion, 1.0 / rolling.contact.grid.strip
     slopes = [
-        [np.log(EllipticContact.slope_of(found.contact, replace(motion.moved(*plane), spin=motion.spin + turning)))
+        [np.log(EllipticContact.slope_of(rolling.contact, replace(motion.moved(*plane), spin=motion.spin + turning)))
          for *plane, turning in (unit * part * SLOPE_STEP * [1.0, 1.0, lever] for part in (-1.0, 1.0))]
         for unit in np.eye(3)
     ]  # fmt: skip
@@ -165,14 +165,14 @@ def derivatives(found: Rolling) -> Floats:
     return np.tensordot(by_slip, slips, axes=([1, 2, 3], [1, 2, 3])) + np.outer(by_slope, reduced)
 
 
-def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Floats, Floats, Floats]:
+def adjoint(rolling: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Floats, Floats, Floats]:
     """Derivatives of sums of tangential forces times values, by rigid slip and normal forces of the cells.
 
     The law of friction is linearised at the result: cells that stick go on to stick, others to slip.
 
     Parameters
     ----------
-    found
+    rolling
         Steady rolling by `roll`.
     values
         Of k sums on the cells, (k, n_cells, 2, n_strips).
@@ -186,22 +186,22 @@ def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Fl
         (k, n_cells, n_strips), both at the same `Rolling.slope`, and by its logarithm, (k,).
 
     """
-    assert found.problem is not None
-    assert found.state is not None
-    step = _Step(found.contact, found.motion, None, found.contact)
+    assert rolling.problem is not None
+    assert rolling.state is not None
+    step = _Step(rolling.contact, rolling.motion, None, rolling.contact)
     rows, strips = step.inside
     wanted = step.turned(values)[:, rows, :, strips]
-    by_slip, by_limits, by_velocity = found.problem.adjoint(found.state, wanted, tolerance)
-    by_slope = np.sum(by_slip * found.problem.rigid, axis=(1, 2, 3)) - by_velocity
-    by_slip *= found.slope
-    pressing = step.cells(found.contact.normal_forces)
-    by_normal = by_limits * found.state.limits / np.where(pressing > 0.0, pressing, 1.0)
+    by_slip, by_limits, by_velocity = rolling.problem.adjoint(rolling.state, wanted, tolerance)
+    by_slope = np.sum(by_slip * rolling.problem.rigid, axis=(1, 2, 3)) - by_velocity
+    by_slip *= rolling.slope
+    pressing = step.cells(rolling.contact.normal_forces)
+    by_normal = by_limits * rolling.state.limits / np.where(pressing > 0.0, pressing, 1.0)
     by_normal = step.outside(np.stack((by_normal, by_normal), axis=2))[:, :, 0]
-    if found.contact.coupled:  # normal forces move the surfaces along t and z: by reciprocity these the normals
+    if rolling.contact.coupled:  # normal forces move the surfaces along t and z: by reciprocity these the normals
         forces = np.zeros((*values.shape[:3], values.shape[3] + 2 * BEYOND))
         for k, weight in enumerate(step.weights):
             forces[:, rows, :, strips.start + BEYOND + k : strips.stop + BEYOND + k] += weight * by_slip
-        by_normal = by_normal + found.contact.raised(step.turned(forces))[..., BEYOND:-BEYOND]
+        by_normal = by_normal + rolling.contact.raised(step.turned(forces))[..., BEYOND:-BEYOND]
     return step.distance * step.outside(by_slip), by_normal, by_slope
 
 
@@ -299,7 +299,7 @@ class _Step:
             total += weights[k] * ahead(past, k * moved)
         return total
 
-    def found(
+    def rolling(
         self,
         start: Floats | None,
         motion: Creepages,
@@ -342,9 +342,9 @@ class _Step:
             failed += not status.converged
             if error < best:
                 best, base, start = error, change, forces
-                found = self.result(motion.moved(*shift), problem, state, status)
+                rolling = self.result(motion.moved(*shift), problem, state, status)
                 if error <= FORCE_ERROR:
-                    return found
+                    return rolling
                 step = self._newton(problem, state, unknown, missing) / self.slope(motion.moved(*shift))
             else:
                 step = step / 2.0 if len(unknown) > 1 else np.array([np.inf])
@@ -355,8 +355,8 @@ class _Step:
                 far = 4.0**turn * float((problem.limits / problem.operator.scale[:, 0]).max()) / self.distance
                 middle = ends[np.isfinite(ends)].mean()
                 change = np.full(1, float(np.where(np.isfinite(ends), ends, (middle - far, middle + far)).mean()))
-        message = f"{found.status.message}; the prescribed forces are missed by {best:.1e} of the limit"
-        return replace(found, status=Status(False, message, found.status.iterations))
+        message = f"{rolling.status.message}; the prescribed forces are missed by {best:.1e} of the limit"
+        return replace(rolling, status=Status(False, message, rolling.status.iterations))
 
     def _newton(self, problem: FrictionProblem, state: FrictionState, unknown: list[int], missing: Floats) -> Floats:
         """Change of the creepages that gives the missing forces as far as they are linear."""
@@ -433,6 +433,6 @@ class _Step:
         )
 
 
-def _forces(found: Rolling | Start) -> Floats:
+def _forces(rolling: Rolling | Start) -> Floats:
     """Tangential forces (n_cells, 2, n_strips) on the cells."""
-    return (found.tractions * found.contact.areas[:, :, None]).swapaxes(1, 2)
+    return (rolling.tractions * rolling.contact.areas[:, :, None]).swapaxes(1, 2)

@@ -229,7 +229,7 @@ class Friction:
     def limits(self) -> tuple[Floats, Floats]:
         """Static and kinetic coefficients, each one number or one for each row."""
         given = self.static, self.static if self.kinetic is None else self.kinetic
-        static, kinetic = (np.atleast_1d(as_numbers("coefficients of friction", each)) for each in given)
+        static, kinetic = (np.atleast_1d(as_numbers("coefficients of friction", limit)) for limit in given)
         return static, kinetic
 
     def of_rows(self, rows: slice | Bools) -> "Friction":
@@ -237,7 +237,7 @@ class Friction:
         static, kinetic = self.limits
         if max(len(static), len(kinetic)) == 1:
             return self
-        static, kinetic = (each if len(each) == 1 else each[rows] for each in (static, kinetic))
+        static, kinetic = (limit if len(limit) == 1 else limit[rows] for limit in (static, kinetic))
         return replace(self, static=static, kinetic=kinetic)
 
     @property

@@ -93,32 +93,33 @@ class Creepages:
 
     def mean(self, s: Floats, weights: Floats) -> Self:
         """Numbers for all rows at places s with weights whose sum is 1."""
-        along, across, spin = (np.broadcast_to(each[:, 0], s.shape) for each in self._rows(len(s)))
+        along, across, spin = (np.broadcast_to(creepage[:, 0], s.shape) for creepage in self._rows(len(s)))
         turning = float(spin @ weights)
         ahead = float((along + spin * s) @ weights) - turning * float(s @ weights)
         return replace(self, along=ahead, across=float(across @ weights), spin=turning)
 
     def rigid(self, s: Floats, z: Floats) -> Floats:
         """Rigid slip (t, z) at places s (n_cells,) and z (n_strips,) from the origin, (n_cells, 2, n_strips)."""
-        found = np.empty((len(s), 2, len(z)))
+        motion = np.empty((len(s), 2, len(z)))
         along, across, spin = self._rows(len(s))
-        found[:, 0] = across - spin * z
-        found[:, 1] = along + spin * s[:, None]
-        return found
+        motion[:, 0] = across - spin * z
+        motion[:, 1] = along + spin * s[:, None]
+        return motion
 
     def _rows(self, n_rows: int) -> list[Floats]:
         """Columns of along, across and spin, one number or one for each row of cells; an `InputError` if it is not."""
-        found = [
-            np.reshape(np.asarray(each, dtype=np.float64), (-1, 1)) for each in (self.along, self.across, self.spin)
+        creepages = [
+            np.reshape(np.asarray(creepage, dtype=np.float64), (-1, 1))
+            for creepage in (self.along, self.across, self.spin)
         ]
-        for values in found:
+        for values in creepages:
             if len(values) not in (1, n_rows):
                 raise InputError(
                     f"{len(values)} creepages for {n_rows} rows of cells",
                     "one number, or one for each row",
                     "give as many as the grid has cells across",
                 )
-        return found
+        return creepages
 
 
 # --- A contact patch on which bodies roll: cells under pressure, friction, and influence coefficients in three axes.
@@ -182,7 +183,7 @@ class RollingContact:
                 "finite pressures >= 0 on all cells, some of them > 0",
                 "press the bodies together first",
             )
-        for n_rows in {each.size for each in self.friction.limits} - {1, shape[0]}:
+        for n_rows in {limit.size for limit in self.friction.limits} - {1, shape[0]}:
             raise InputError(
                 f"{n_rows} coefficients of friction for {shape[0]} rows of cells",
                 "one number, or one for each row",
@@ -246,7 +247,7 @@ class RollingContact:
         return cls(grid, pressed().forces / grid.areas, friction, materials, coefficients, pressed)
 
     @classmethod
-    def of_bodies(cls, found: PatchContact, friction: Friction) -> "RollingContact":
+    def of_bodies(cls, contact: PatchContact, friction: Friction) -> "RollingContact":
         """Bodies that were pressed together.
 
         Raises
@@ -255,17 +256,17 @@ class RollingContact:
             If a material is not isotropic.
 
         """
-        pair, grid = found.pair, found.pair.grid
-        materials = [_isotropic(each.problem.elasticity.materials[0]) for each in (pair.first, pair.second)]
-        pressed = pair.pressing(float(found.force[1]))
+        pair, grid = contact.pair, contact.pair.grid
+        materials = [_isotropic(body.problem.elasticity.materials[0]) for body in (pair.first, pair.second)]
+        pressed = pair.pressing(float(contact.force[1]))
         coefficients = pair.coefficients(grid.n_strips + 2 * BEYOND)
-        return cls(grid, found.pressures, friction, (materials[0], materials[1]), coefficients, pressed)
+        return cls(grid, contact.pressures, friction, (materials[0], materials[1]), coefficients, pressed)
 
     @property
     def notices(self) -> tuple[str, ...]:
         """What is unusual about friction, and pressures that the edge of the grid may cut off."""
         ends = [self.pressures[:, [0, -1]], *([self.pressures[[0, -1]]] if len(self.pressures) > 1 else [])]
-        if self.pressed is None or not any(each.any() for each in ends):
+        if self.pressed is None or not any(end.any() for end in ends):
             return self.friction.notices
         return (
             *self.friction.notices,
@@ -308,13 +309,13 @@ class RollingContact:
         self, pressures: Floats, near: "RollingContact | None" = None, friction: Friction | None = None
     ) -> "RollingContact":
         """The same cells under other pressures; operators are shared, and the box holds that of a near contact too."""
-        found = replace(self, pressures=pressures, friction=friction or self.friction)
-        object.__setattr__(found, "_operators", self._operators)
+        contact = replace(self, pressures=pressures, friction=friction or self.friction)
+        object.__setattr__(contact, "_operators", self._operators)
         if near is not None:
-            pairs = zip(near.box, found.box, strict=True)
-            vars(found)["box"] = tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in pairs)
-        vars(found)["coupled"] = self.coupled
-        return found
+            pairs = zip(near.box, contact.box, strict=True)
+            vars(contact)["box"] = tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in pairs)
+        vars(contact)["coupled"] = self.coupled
+        return contact
 
     def operator(self, weights: tuple[float, ...]) -> SlipOperator:
         """Slip of the cells in the box by their forces, for rolling to +z or, mirrored, to -z."""
@@ -410,8 +411,8 @@ def box_of(cells: Bools) -> tuple[slice, slice]:
 
 def _half_spaces(grid: PatchGrid, materials: tuple[Elastic, Elastic]) -> Floats:
     n_distances = grid.n_strips + 2 * BEYOND
-    found = half_spaces_on(materials, grid.bounds, None, grid.strip, n_distances)
-    return found.reshape(n_distances, 3 * len(grid.widths), -1)
+    influence = half_spaces_on(materials, grid.bounds, None, grid.strip, n_distances)
+    return influence.reshape(n_distances, 3 * len(grid.widths), -1)
 
 
 def _isotropic(material: object) -> Elastic:

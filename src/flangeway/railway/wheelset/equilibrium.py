@@ -117,8 +117,8 @@ class RelativeResiduals:
     def equilibrium_residual(self) -> float:
         """Root of the sum of squares of the residuals of what is free."""
         relative = self.lateral_residual, self.vertical_residual, self.moment_residual
-        found = (each for each, free in zip(relative, self.free, strict=True) if free)
-        return math.hypot(*found, self.torque_residual, self.yaw_residual)
+        of_free = (residual for residual, free in zip(relative, self.free, strict=True) if free)
+        return math.hypot(*of_free, self.torque_residual, self.yaw_residual)
 
 
 def with_loads(
@@ -182,10 +182,10 @@ class Equilibrium(Generic[State]):
 
         - `touching`: sides that touch.
         """
-        found = []
+        warnings = []
         if self.stable is False:
-            found.append("the equilibrium is unstable: a small push moves the wheelset away from it")
+            warnings.append("the equilibrium is unstable: a small push moves the wheelset away from it")
         lost = [side for side in SIDES if side not in touching]
         if lost and status.converged:
-            found.append(f"the {' and '.join(lost)} wheel does not touch its rail")
-        return found
+            warnings.append(f"the {' and '.join(lost)} wheel does not touch its rail")
+        return warnings

@@ -72,11 +72,11 @@ def _span(bounds: Floats, inside: Bools, axis: int) -> tuple[float, float]:
     return float(bounds[first]), float(bounds[last + 1])
 
 
-def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]:
+def _windows(state: SideState, interiors: Sequence[Bools] | None) -> list[_Window]:
     """One for each patch."""
     grid, pressures = state.grid.grid, state.cells.pressures
     windows: list[_Window] = []
-    for patch in state.cells.patches(insides):
+    for patch in state.cells.patches(interiors):
         rows = np.flatnonzero(patch.inside.any(axis=1))
         highest = np.where(patch.inside, pressures, 0.0).max(axis=1)
         windows.append(
@@ -97,7 +97,7 @@ def _further(state: SideState, near: tuple[float, float], windows: Sequence[_Win
 
     Along z they are half as long as where gaps are small: about as long as a patch would be there.
     """
-    grid, found, (within, way) = state.grid.grid, list[_Window](), near
+    grid, further, (within, way) = state.grid.grid, list[_Window](), near
     gaps = state.gaps - way * np.abs(state.normals[:, :1])
     apart = np.ones(len(grid.widths), dtype=np.bool_)
     for window in windows:
@@ -107,8 +107,8 @@ def _further(state: SideState, near: tuple[float, float], windows: Sequence[_Win
         close = (state.forces > 0.0) | (gaps <= least + SHORTER * max(within - least, 0.0))
         ends, planes = _span(grid.bounds, inside, 0), _span(grid.strip_bounds, inside & close, 1)
         none = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
-        found.append(_Window(ends, planes, ends[1] - ends[0], planes[1] - planes[0], 0.0, *none))
-    return found
+        further.append(_Window(ends, planes, ends[1] - ends[0], planes[1] - planes[0], 0.0, *none))
+    return further
 
 
 def _peaks(stations: Floats, values: Floats, size: float) -> Floats:
@@ -127,7 +127,7 @@ def _peaks(stations: Floats, values: Floats, size: float) -> Floats:
 def finer(
     state: SideState,
     n_across: int = PATCH_CELLS,
-    insides: Sequence[Bools] | None = None,
+    interiors: Sequence[Bools] | None = None,
     coarse: SideState | None = None,
     near: tuple[float, float] = (0.0, 0.0),
 ) -> GriddedSide:
@@ -138,7 +138,7 @@ def finer(
     profile's curvature, cells are divided.
 
     - `n_across`: cells across a patch, and along it.
-    - `insides`: cells of the patches, (n, n_z) each; left out: those that are apart.
+    - `interiors`: cells of the patches, (n, n_z) each; left out: those that are apart.
     - `coarse`: contact on coarse cells; what touches there has cells too, whether it is loaded here or not.
     - `near`: gap in mm on coarse cells up to which it has some too, after a way across the track in mm.
     """
@@ -146,7 +146,7 @@ def finer(
     loaded = state.forces > 0.0
     if not loaded.any():
         return old
-    windows = _windows(state, insides)
+    windows = _windows(state, interiors)
     windows += [] if coarse is None else _further(coarse, near, windows)
     windows.sort(key=lambda window: window.ends)
     middles = np.array([np.mean(window.ends) for window in windows])
@@ -157,7 +157,7 @@ def finer(
     strip = max(min(window.along for window in main) / n_across, longest / (n_across * LONGEST))
     least = [strip / LENGTHENED if window.share else UNLOADED * strip for window in windows]
     sizes = [
-        min(max(each.across / n_across, low), LENGTHENED * strip) for each, low in zip(windows, least, strict=True)
+        min(max(window.across / n_across, low), LENGTHENED * strip) for window, low in zip(windows, least, strict=True)
     ]
     at_edge = old.cuts(state.forces)
     enough = grid.strip <= COARSER * strip and all(

@@ -194,8 +194,8 @@ def solve_wheelset(
         with _timed(timings, "condensation"):
             wheelset = PlaneWheelset.of(model, progress, cache)
         result = solve_condensed(wheelset, progress, timings)
-        complete = all(each.is_explained for each in result.overlaps)
-        complete = complete and not any(each.pressure.at_edge for each in result.patches)
+        complete = all(overlap.is_explained for overlap in result.overlaps)
+        complete = complete and not any(patch.pressure.at_edge for patch in result.patches)
         if whole or (result.equilibrium.status.converged and complete):
             break
         progress("once more with contact anywhere on the running surfaces")
@@ -310,13 +310,13 @@ def maximum_on(depths: Floats, values: Floats, share: float = 1.0) -> Subsurface
     - `share`: part of the line's length, from its first point, on which the largest value is sought.
     """
     values = np.where(depths <= share * (1.0 + 1e-12) * depths[-1], values, np.nan)
-    place = int(np.nanargmax(values))
-    depth, value = float(depths[place]), float(values[place])
+    row = int(np.nanargmax(values))
+    depth, value = float(depths[row]), float(values[row])
     reach = SMOOTHED * depth * (1.0 + 1e-9)  # points at its very end count, whatever the last digit of their depths
     near = np.isfinite(values) & (np.abs(depths - depth) <= reach)
     if np.count_nonzero(near) >= FEWEST:
         cubic = Polynomial.fit(depths[near], values[near], 3)
-        for top in (float(each.real) for each in cubic.deriv().roots() if np.isreal(each)):
+        for top in (float(root.real) for root in cubic.deriv().roots() if np.isreal(root)):
             if cubic.deriv(2)(top) < 0.0 and abs(top - depth) <= reach:
                 return SubsurfaceExtreme(float(cubic(top)), top)
     return SubsurfaceExtreme(value, depth)

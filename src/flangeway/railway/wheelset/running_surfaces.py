@@ -80,7 +80,7 @@ def running_surfaces(
     - `done`: bodies that are ready, to which new ones are added.
     """
     done, given = {} if done is None else done, (problem.discretisation, model.support, model.disc)
-    found: dict[Side, SideSurfaces] = {}
+    surfaces: dict[Side, SideSurfaces] = {}
     alike = problem.track.is_symmetric and problem.wheelset.is_symmetric
     for side in SIDES[:1] if alike else SIDES:
         curves = RigidSide.of(problem.track, problem.wheelset, side)
@@ -95,7 +95,7 @@ def running_surfaces(
             bodies.append(done[key])
         (wheel_elastic, on_wheel_mesh), (rail_elastic, on_rail_mesh) = bodies
         on_rail = RigidCurve.from_contour(rail.running_surface, curves.rail_frame, WALL_RAD)
-        found[side] = SideSurfaces(
+        surfaces[side] = SideSurfaces(
             curves.wheel,
             on_rail,
             wheel_elastic,
@@ -106,7 +106,7 @@ def running_surfaces(
             curves.rail_frame,
         )
     # sides are seen from their own gauge: those of a symmetric pair are one
-    return dict.fromkeys(SIDES, found[SIDES[0]]) if alike else found
+    return dict.fromkeys(SIDES, surfaces[SIDES[0]]) if alike else surfaces
 
 
 def _elastic(

@@ -138,8 +138,8 @@ class SpatialPatch:
         """Points of a body at depths below lengths along the rail's surface, in the track's axes; (n,) each, (n, 3)."""
         state, stations = self.state, self.state.grid.grid.stations
         points, normals = (
-            np.stack([np.interp(along, stations, values) for values in each.T], axis=1)
-            for each in (state.points, state.normals)
+            np.stack([np.interp(along, stations, values) for values in array.T], axis=1)
+            for array in (state.points, state.normals)
         )
         inward = normals * (1.0 if role == "wheel" else -1.0) / np.linalg.norm(normals, axis=1)[:, None]
         points = points + depths[:, None] * inward

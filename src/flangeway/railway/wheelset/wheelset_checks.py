@@ -71,7 +71,7 @@ def checked(
         stiffer = "lower penetration_mm"
     checks = check_contact(model.system, equilibrium.state, regions, names, "lower size_scale", stiffer)
     errors = [*_unbalanced(model, patches), *checks.errors, *_outside(patches, overlaps)]
-    if not all(np.isfinite(each).all() for each in displacements.values()):
+    if not all(np.isfinite(values).all() for values in displacements.values()):
         errors.append("displacements are not finite numbers")
     status = equilibrium.status
     if status.converged and errors:
@@ -110,7 +110,7 @@ def _outside(patches: Iterable[WheelRailPatch], overlaps: Sequence[BodyOverlap])
         "profiles and the load"
         for side in sides
     ]
-    return errors + [overlap_error(each) for each in overlaps if not each.is_explained]
+    return errors + [overlap_error(overlap) for overlap in overlaps if not overlap.is_explained]
 
 
 def overlap_error(overlap: BodyOverlap) -> str:
