@@ -20,7 +20,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     SPATIAL_ROW,
     WheelResult,
 )
-from flangeway.contact.patch.patch_contact import PARABOLIC
+from flangeway.contact.patch.patch_contact import MAX_PARABOLOID_DISTANCE
 from flangeway.contact.rolling.fast_theories import Theory
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
@@ -42,7 +42,7 @@ from flangeway.system.file_content import number_table
 ALONG_TRACK = ("distance_m", "friction")
 HERTZ = (
     "Hertz's theory is left out where the curvatures vary within a patch: where the gap deviates from a paraboloid by "
-    f"more than {100.0 * PARABOLIC:g} % of its height."
+    f"more than {100.0 * MAX_PARABOLOID_DISTANCE:g} % of its height."
 )
 THEORIES: dict[Theory, str] = {
     "exact": "the exact theory on the bodies",

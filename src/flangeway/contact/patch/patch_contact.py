@@ -30,7 +30,7 @@ from flangeway.types import Bools, Floats
 
 ROUND_OFF = 1e-6
 """Cosine of an axis that is zero but for round-off."""
-PARABOLIC = 0.05
+MAX_PARABOLOID_DISTANCE = 0.05
 """Distance of gaps from a paraboloid over the approach, above which Hertz's contact has no meaning."""
 
 
@@ -165,7 +165,7 @@ class CellForces:
         gaps
             Of the undeformed surfaces, shape as the forces.
         approach
-            The gaps may be a share of it, `PARABOLIC`, off the paraboloid.
+            The gaps may be a share of it, `MAX_PARABOLOID_DISTANCE`, off the paraboloid.
 
         """
         across, along = self.grid.middles
@@ -174,7 +174,7 @@ class CellForces:
         terms = np.stack((np.ones(len(s)), s, z, s**2, s * z, z**2), axis=1)
         fit, *_ = np.linalg.lstsq(terms, values)
         least, most = np.linalg.eigvalsh([[2.0 * fit[3], fit[4]], [fit[4], 2.0 * fit[5]]])
-        if not least > 0.0 or np.abs(terms @ fit - values).max() > PARABOLIC * approach:
+        if not least > 0.0 or np.abs(terms @ fit - values).max() > MAX_PARABOLOID_DISTANCE * approach:
             return None
         return PointContact(float(np.linalg.norm(patch.force)), 1.0 / least, 1.0 / most, self.modulus)
 
@@ -206,7 +206,7 @@ def covered(inside: Bools, pressures: Floats, gaps: Floats, stiffness: Floats | 
 
 MIN_WAVENUMBER = 1e-4
 """Per mm: a wave of 60 m, beyond which bodies that are held or on a foundation no longer change."""
-LONGER_EDGE = 1.05
+MAX_EDGE_PER_CELL = 1.05
 """Maximum edge of a mesh over the cells on it: pressures on cells that are smaller than the edges oscillate."""
 MAX_PHASE = np.pi
 """Maximum wavenumber times the width of the strips."""
@@ -341,7 +341,7 @@ class PatchPair:
             bounds = body.length - bounds  # the same places in the body's own direction
         cells = SurfaceCells(body.problem, body.edges, np.sort(bounds))
         longest, narrowest = cells.longest_edge, float(self.grid.widths.min())
-        if longest > LONGER_EDGE * narrowest:
+        if longest > MAX_EDGE_PER_CELL * narrowest:
             raise InputError(
                 f"cells of {narrowest:.3g} on edges of the mesh of {body.name!r} of up to {longest:.3g}",
                 "edges no longer than the cells",

@@ -11,10 +11,10 @@ from flangeway.checks import check_finite, check_positive
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.friction_solver import ROUND_OFF, FallingLimits, FrictionProblem, FrictionState
 from flangeway.contact.rolling.rolling_contact import (
-    BEYOND,
     NO_CONTACT,
     SLIPS,
     STICKS,
+    STRIPS_BEYOND,
     Creepages,
     Rolling,
     RollingContact,
@@ -23,16 +23,16 @@ from flangeway.errors import InputError
 from flangeway.solve import Status
 from flangeway.types import Floats
 
-STEADY = (1.5, -2.0, 0.5)
+STEADY_WEIGHTS = (1.5, -2.0, 0.5)
 """Weights of displacements here, one strip and two strips ahead: a difference of second order that looks upstream."""
-FIRST = (1.0, -1.0)
+FIRST_STEP_WEIGHTS = (1.0, -1.0)
 """The same for the first step of transient rolling, of first order."""
 MAX_TURNS, MAX_SLOW = 60, 5
 SLOPE_STEP = 1e-7
 """Difference of creepages for the derivative of `Rolling.slope`."""
 FORCE_ERROR, FINER = 1e-6, 1e-3
 """Error of a prescribed force over the limit of friction, and the finer tolerance of the law of friction for it."""
-FLAT = 1e-9
+MIN_SLOPE = 1e-9
 """Change of a force by its creepage, over that of cells by themselves, that is none: everything slips."""
 PRESSURE_CHANGE = 1e-5
 """Change of the normal forces by tangential ones, over their sum, at which the iteration of both ends."""
@@ -54,7 +54,7 @@ def roll(
     before: Rolling | None = None,
     start: Rolling | Start | None = None,
     tolerance: float = 1e-4,
-    differences: tuple[float, ...] = STEADY,
+    differences: tuple[float, ...] = STEADY_WEIGHTS,
 ) -> Rolling:
     """Find tangential tractions, stick and slip by the exact theory (Kalker, 1990).
 
@@ -79,8 +79,8 @@ def roll(
     tolerance
         Error of the law of friction over its limits, at small creepages over what single cells would carry.
     differences
-        Weights of the displacements on a strip and those ahead of it in steady rolling; `FIRST` has the errors of
-        first order of Kalker's and CONTACT's scheme.
+        Weights of the displacements on a strip and those ahead of it in steady rolling; `FIRST_STEP_WEIGHTS` has the
+        errors of first order of Kalker's and CONTACT's scheme.
 
     Raises
     ------
@@ -102,7 +102,9 @@ def roll(
     check_positive("roll", "tolerance", tolerance)
     if len(differences) not in (2, 3) or abs(sum(differences)) > ROUND_OFF:
         raise InputError(
-            f"differences={differences}", "STEADY or FIRST: two or three weights of sum 0", "take one of them"
+            f"differences={differences}",
+            "STEADY_WEIGHTS or FIRST_STEP_WEIGHTS: two or three weights of sum 0",
+            "take one of them",
         )
     if contact.friction.by_temperature and not (motion.rolls and before is None):
         raise InputError(
@@ -198,10 +200,10 @@ def adjoint(rolling: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[
     by_normal = by_limits * rolling.state.limits / np.where(pressing > 0.0, pressing, 1.0)
     by_normal = step.outside(np.stack((by_normal, by_normal), axis=2))[:, :, 0]
     if rolling.contact.coupled:  # normal forces move the surfaces along t and z: by reciprocity these the normals
-        forces = np.zeros((*values.shape[:3], values.shape[3] + 2 * BEYOND))
+        forces = np.zeros((*values.shape[:3], values.shape[3] + 2 * STRIPS_BEYOND))
         for k, weight in enumerate(step.weights):
-            forces[:, rows, :, strips.start + BEYOND + k : strips.stop + BEYOND + k] += weight * by_slip
-        by_normal = by_normal + rolling.contact.raised(step.turned(forces))[..., BEYOND:-BEYOND]
+            forces[:, rows, :, strips.start + STRIPS_BEYOND + k : strips.stop + STRIPS_BEYOND + k] += weight * by_slip
+        by_normal = by_normal + rolling.contact.raised(step.turned(forces))[..., STRIPS_BEYOND:-STRIPS_BEYOND]
     return step.distance * step.outside(by_slip), by_normal, by_slope
 
 
@@ -217,7 +219,7 @@ class _Step:
     motion: Creepages
     before: Rolling | None
     pressed: RollingContact
-    differences: tuple[float, ...] = STEADY
+    differences: tuple[float, ...] = STEADY_WEIGHTS
 
     @property
     def steady(self) -> bool:
@@ -232,11 +234,11 @@ class _Step:
     def weights(self) -> tuple[float, ...]:
         """Weights of the displacements of this state and of those before it."""
         if not self.motion.rolls:
-            return FIRST
+            return FIRST_STEP_WEIGHTS
         onwards = self.before is None or (
             self.before.motion.speed * self.motion.speed > 0.0 and len(self.before.displacements) > 1
         )
-        return self.differences if onwards else FIRST
+        return self.differences if onwards else FIRST_STEP_WEIGHTS
 
     def turned(self, values: Floats) -> Floats:
         """Components (t, ..., z) in the direction of rolling, (..., n_cells, m, n_strips); its own inverse."""
@@ -283,7 +285,7 @@ class _Step:
         n, weights = strips.stop - strips.start, self.weights
 
         def ahead(displacements: Floats, k: int) -> Floats:
-            start = strips.start + BEYOND + k
+            start = strips.start + STRIPS_BEYOND + k
             return self.turned(displacements)[rows, :, start : start + n]
 
         pressing = self.contact.pressing if self.contact.coupled else None
@@ -362,7 +364,7 @@ class _Step:
         """Change of the creepages that gives the missing forces as far as they are linear."""
         columns = problem.derivative(state, np.array([self.rigid(*np.eye(3)[number]) for number in unknown]))
         matrix = np.stack([self.resultants(forces)[unknown] for forces in self.outside(columns)], axis=1)
-        if len(unknown) == 1 and abs(matrix[0, 0]) <= FLAT * float(problem.operator.scale.sum()) * self.distance:
+        if len(unknown) == 1 and abs(matrix[0, 0]) <= MIN_SLOPE * float(problem.operator.scale.sum()) * self.distance:
             return np.array([np.inf])
         return np.asarray(np.linalg.lstsq(matrix, missing)[0], dtype=np.float64)
 
@@ -400,14 +402,16 @@ class _Step:
         forces, slips = self.outside(state.forces), self.velocity(motion) * self.outside(state.slips)
         loaded = contact.pressures > 0.0
         slips *= loaded[:, None]
-        raised = contact.raised(np.pad(forces, ((0, 0), (0, 0), (BEYOND, BEYOND))))
+        raised = contact.raised(np.pad(forces, ((0, 0), (0, 0), (STRIPS_BEYOND, STRIPS_BEYOND))))
         sticks = self.outside(np.repeat(state.sticks * 1.0, 2, axis=1))[:, 0] != 0.0
         warmth, rolling = None, 0.0
         if self.steady:
             if heating is not None:
                 heat = -np.sum(forces * slips, axis=1) / contact.areas
                 warmth = heating.rises(heat, contact.grid.strip, motion.speed)
-            raising = (raised[:, BEYOND + 1 : 1 - BEYOND] - raised[:, BEYOND - 1 : -1 - BEYOND]) / 2.0
+            raising = (
+                raised[:, STRIPS_BEYOND + 1 : 1 - STRIPS_BEYOND] - raised[:, STRIPS_BEYOND - 1 : -1 - STRIPS_BEYOND]
+            ) / 2.0
             rolling = -motion.speed * float(np.sum(contact.normal_forces * raising)) / contact.grid.strip
         along, across, moment = self.resultants(forces).tolist()
         return Rolling(
@@ -424,7 +428,7 @@ class _Step:
             states=np.where(loaded, np.where(sticks, STICKS, SLIPS), NO_CONTACT),
             flash_temperatures=warmth,
             rolling_power=rolling,
-            raised=raised[:, BEYOND:-BEYOND],
+            raised=raised[:, STRIPS_BEYOND:-STRIPS_BEYOND],
             slope=self.slope(motion),
             past=() if self.before is None or not motion.rolls else self.before.displacements[:1],
             steady=self.steady,

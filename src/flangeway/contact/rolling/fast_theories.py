@@ -136,7 +136,7 @@ def _closed_form(
 
 STEPS = 30
 """Least number of steps along each strip."""
-LEAST = 1e-12
+MIN_FRICTION = 1e-12
 """Coefficient of friction that is none."""
 
 
@@ -383,7 +383,7 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
     directions, slips, coefficients = _traced(*given)
     pressure = 1.5 * ellipse.force / (np.pi * a * b)
     mu = contact.friction.limits[0]
-    unit = ellipse.shear / (2.0 * np.maximum(mu, LEAST) * pressure)
+    unit = ellipse.shear / (2.0 * np.maximum(mu, MIN_FRICTION) * pressure)
     plane = 4.0 * (1.0 - nu) / np.pi**2
     xi, eta = -unit * plane * c.c11 * ellipse.xi, -unit * plane * c.c22 * ellipse.eta
     psi = -unit * 3.0 / np.pi * np.sqrt(a * b) * c.c23 * ellipse.phi

@@ -126,7 +126,7 @@ class Heating:
 # --- Coulomb's friction, constant or falling with the slip velocity or the temperature.
 
 
-UNUSUAL = 1.0
+NOTICE_ABOVE = 1.0
 """Coefficient above which a notice is given."""
 
 
@@ -260,7 +260,7 @@ class Friction:
     def notices(self) -> tuple[str, ...]:
         """What is unusual about the numbers."""
         most = float(self.limits[0].max())
-        return (f"a coefficient of friction of {most:g} is above {UNUSUAL:g}",) if most > UNUSUAL else ()
+        return (f"a coefficient of friction of {most:g} is above {NOTICE_ABOVE:g}",) if most > NOTICE_ABOVE else ()
 
     def share(self, velocities: Floats | float, rise: Floats | float = 0.0) -> Floats:
         """Share of ``static - kinetic`` that is left at slip velocities >= 0 and temperatures above `Heating`'s."""

@@ -139,7 +139,7 @@ ROUND_OFF = 1e-12
 """Residual over the limits that is none."""
 MIN_PART = 0.02
 """Smallest part of the rigid slip by which it grows where Newton's method does not converge at once."""
-HELD = 1e-4
+HELD_LIMITS_ERROR = 1e-4
 """Error of the law of friction under limits that are held, from which Newton's method starts."""
 
 
@@ -306,7 +306,7 @@ class FrictionProblem:
         never raised: this ends.
         """
         limits, forces, jumps = self.limits, start, falling.friction.jumps
-        enough = max(tolerance, HELD)
+        enough = max(tolerance, HELD_LIMITS_ERROR)
         if start is not None and not jumps:
             state, status = self._newton(start, tolerance)
             if status.converged:

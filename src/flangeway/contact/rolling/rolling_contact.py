@@ -125,9 +125,9 @@ class Creepages:
 # --- A contact patch on which bodies roll: cells under pressure, friction, and influence coefficients in three axes.
 
 
-BEYOND = 2
+STRIPS_BEYOND = 2
 """Strips beyond the grid at each end, whose displacements are needed."""
-SAME = 1e-9
+MAX_COUPLING = 1e-9
 """Coupling of normal and tangential coefficients, over the others, that is none."""
 
 
@@ -259,7 +259,7 @@ class RollingContact:
         pair, grid = contact.pair, contact.pair.grid
         materials = [_isotropic(body.problem.elasticity.materials[0]) for body in (pair.first, pair.second)]
         pressed = pair.pressing(float(contact.force[1]))
-        coefficients = pair.coefficients(grid.n_strips + 2 * BEYOND)
+        coefficients = pair.coefficients(grid.n_strips + 2 * STRIPS_BEYOND)
         return cls(grid, contact.pressures, friction, (materials[0], materials[1]), coefficients, pressed)
 
     @property
@@ -344,12 +344,12 @@ class RollingContact:
         """Whether tangential forces move the surfaces along the normals too: the materials or sections differ."""
         blocks = self._blocks
         mixed = max(float(np.abs(blocks[:, :, 1, :, axis]).max()) for axis in (0, 2))
-        return mixed > SAME * float(np.abs(blocks[:, :, 1, :, 1]).max())
+        return mixed > MAX_COUPLING * float(np.abs(blocks[:, :, 1, :, 1]).max())
 
     @property
     def _normal_by_tangential(self) -> Convolution:
         def make() -> Convolution:
-            blocks, n_cells = self._blocks[: self.grid.n_strips + 2 * BEYOND], len(self.pressures)
+            blocks, n_cells = self._blocks[: self.grid.n_strips + 2 * STRIPS_BEYOND], len(self.pressures)
             ahead = blocks[:, :, 1, :, ::2].reshape(-1, n_cells, 2 * n_cells)
             behind = blocks[:, :, ::2, :, 1].reshape(-1, 2 * n_cells, n_cells).swapaxes(1, 2)
             return Convolution(ahead, behind, (np.zeros(n_cells, dtype=bool), np.arange(2 * n_cells) % 2 == 1))
@@ -360,12 +360,12 @@ class RollingContact:
     def pressing(self) -> Floats:
         """Displacements (t, z) by the normal forces, as `displacements`."""
         if not self.coupled:
-            return np.zeros((len(self.pressures), 2, self.grid.n_strips + 2 * BEYOND))
+            return np.zeros((len(self.pressures), 2, self.grid.n_strips + 2 * STRIPS_BEYOND))
         moved = self._normal_by_tangential(_with_ends(self.normal_forces), transposed=True)
         return moved.reshape(len(self.pressures), 2, -1)
 
     def displacements(self, tangential: Floats) -> Floats:
-        """Displacements (t, z) of the second body less the first one's, on `BEYOND` more strips at each end.
+        """Displacements (t, z) of the second body less the first one's, on `STRIPS_BEYOND` more strips at each end.
 
         Parameters
         ----------
@@ -375,12 +375,12 @@ class RollingContact:
         Returns
         -------
         Floats
-            Shape (n_cells, 2, n_strips + 2 BEYOND).
+            Shape (n_cells, 2, n_strips + 2 STRIPS_BEYOND).
 
         """
 
         def make() -> Convolution:
-            part = self._blocks[: self.grid.n_strips + 2 * BEYOND, :, ::2, :, ::2]
+            part = self._blocks[: self.grid.n_strips + 2 * STRIPS_BEYOND, :, ::2, :, ::2]
             return tangential_convolution(part.reshape(len(part), 2 * len(self.pressures), -1))
 
         padded = _with_ends(tangential)
@@ -390,7 +390,7 @@ class RollingContact:
     def raised(self, tangential: Floats) -> Floats:
         """Displacements (..., n_cells, n_strips) along n by forces (t, z), (..., n_cells, 2, n_strips).
 
-        Both on the cells and on `BEYOND` more strips at each end.
+        Both on the cells and on `STRIPS_BEYOND` more strips at each end.
         """
         shape = tangential.shape
         if not self.coupled:
@@ -399,8 +399,8 @@ class RollingContact:
 
 
 def _with_ends(forces: Floats) -> Floats:
-    """Forces (..., n_strips) on `BEYOND` more strips at each end, where there are none."""
-    return np.pad(forces, [(0, 0)] * (forces.ndim - 1) + [(BEYOND, BEYOND)])
+    """Forces (..., n_strips) on `STRIPS_BEYOND` more strips at each end, where there are none."""
+    return np.pad(forces, [(0, 0)] * (forces.ndim - 1) + [(STRIPS_BEYOND, STRIPS_BEYOND)])
 
 
 def box_of(cells: Bools) -> tuple[slice, slice]:
@@ -410,7 +410,7 @@ def box_of(cells: Bools) -> tuple[slice, slice]:
 
 
 def _half_spaces(grid: PatchGrid, materials: tuple[Elastic, Elastic]) -> Floats:
-    n_distances = grid.n_strips + 2 * BEYOND
+    n_distances = grid.n_strips + 2 * STRIPS_BEYOND
     influence = half_spaces_on(materials, grid.bounds, None, grid.strip, n_distances)
     return influence.reshape(n_distances, 3 * len(grid.widths), -1)
 
@@ -545,7 +545,9 @@ class Rolling(CreepForces):
         slips = self.slip_velocities
         if self.steady:
             velocity, moved = self.motion.speed, self.displacements[0]
-            gradients = (moved[..., BEYOND + 1 : 1 - BEYOND] - moved[..., BEYOND - 1 : -1 - BEYOND]) / 2.0
+            gradients = (
+                moved[..., STRIPS_BEYOND + 1 : 1 - STRIPS_BEYOND] - moved[..., STRIPS_BEYOND - 1 : -1 - STRIPS_BEYOND]
+            ) / 2.0
             rigid = abs(velocity) * self.motion.rigid(*self.contact.places)
             slips = (rigid - velocity * gradients / self.contact.grid.strip).swapaxes(1, 2)
         return -np.sum(self.tractions * slips, axis=2)

@@ -19,7 +19,7 @@ from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.side_contact import SideSurfaces
 from flangeway.railway.wheelset.supported_rail import RailSupport, rail_problem, sleeper_compliance, supported_rail
-from flangeway.railway.wheelset.wheelset_model import HELD, mesh_profile
+from flangeway.railway.wheelset.wheelset_model import SUPPORT, mesh_profile
 from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells
 from flangeway.space import Space
@@ -150,9 +150,9 @@ def running_cells(
     mesh = mesh_profile(problem, role, profile, BODY_MM * order * settings.size_scale, fine, cache)
     space = Space(mesh, settings.element_of(role))
     if role == "wheel" or model.support is None:
-        body = Harmonic(Elasticity(space, material, name=role), held={HELD: "xyz"})
+        body = Harmonic(Elasticity(space, material, name=role), held={SUPPORT: "xyz"})
     else:
-        body = rail_problem(space, material, HELD, model.support)
+        body = rail_problem(space, material, SUPPORT, model.support)
     chain = mesh.chain(*profile.running_names).astype(np.int64)
     cells = SurfaceCells(body, np.stack((chain[:-1], chain[1:]), axis=1))
     length = float(cells.limits[-1])

@@ -41,7 +41,7 @@ from flangeway.types import Floats, Ints
 # sleepers and continuous support.
 
 
-SAME = 1e-6
+HEIGHT_TOLERANCE = 1e-6
 """Height of a base, over the size of a section, that is round-off."""
 
 
@@ -163,7 +163,7 @@ def rail_problem(
     mesh = space.mesh
     rule = edge_quadrature(space, mesh.edge_set(base_edges))
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
-    near = SAME * float(np.linalg.norm(high - low))
+    near = HEIGHT_TOLERANCE * float(np.linalg.norm(high - low))
     bottom = mesh.points[mesh.boundary_edges]
     bottom = bottom[(bottom[..., 1] <= low[1] + near).all(axis=1)]
     whole, length = float(np.ptp(bottom[..., 0])) if len(bottom) else 0.0, float(rule.weights.sum())
@@ -187,7 +187,7 @@ WAVENUMBERS = (5e-6, 0.3)
 """Range per mm: from the reach of torsion on the share that is spread to waves of 20 mm."""
 PER_DECADE = 8
 """Wavenumbers for each decade; three times as many change no displacement by more than 1e-4."""
-FAR = 0.02
+MAX_LAST_LOAD = 0.02
 """Load of the last sleepers over that of the most loaded one, above which there are too few."""
 MAX_OFF_MM = 3.0
 """Distance from the section's surface above which points are in another frame; chords and corners make up to 1 mm."""
@@ -320,10 +320,10 @@ class SupportedRail:
         compliance = np.linalg.inv(between + np.diag(np.tile(1.0 / ((1.0 - SPREAD) * self.support.of_seat), n)))
         # a load over the middle sleeper, each along its own mode
         carried = np.abs(np.einsum("sma,am->sm", compliance.reshape(n, 3, -1), between[:, 3 * (n // 2) :][:, :3]))
-        if (carried[[0, -1]] > FAR * carried.max(axis=0)).any():
+        if (carried[[0, -1]] > MAX_LAST_LOAD * carried.max(axis=0)).any():
             raise InputError(
                 f"{n} sleepers, the last with {(carried[[0, -1]] / carried.max(axis=0)).max():.2g} of the largest load",
-                f"as many as the load reaches, with less than {FAR:g} there",
+                f"as many as the load reaches, with less than {MAX_LAST_LOAD:g} there",
                 "raise the stiffness of the seats or n_sleepers, or take a continuous support",
             )
         return compliance.reshape(n, 3, n, 3)

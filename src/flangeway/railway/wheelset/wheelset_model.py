@@ -30,7 +30,7 @@ from flangeway.types import Bools, Floats
 # --- Meshes of wheels and rails, fine in the candidate zones of contact, kept from one process to the next.
 
 
-HELD = "support"
+SUPPORT = "support"
 """Edge set of what is held of a wheel or rail, or stands on a foundation."""
 
 
@@ -97,7 +97,7 @@ def meshed_body(
         ) from error
     edges = zone.edges(mesh, profile.running_names, role)
     material, thickness = problem.material_of(role), problem.thickness_mm
-    return Body(role, mesh, settings.element_of(role), material, HELD, thickness=thickness), edges, surface
+    return Body(role, mesh, settings.element_of(role), material, SUPPORT, thickness=thickness), edges, surface
 
 
 def mesh_profile(
@@ -110,7 +110,7 @@ def mesh_profile(
 ) -> PolyMesh:
     """Mesh a profile by triangles or the polygons dual to them, or take the mesh stored for the same input.
 
-    What is held of it is the edge set `HELD`.
+    What is held of it is the edge set `SUPPORT`.
     """
     outline, polygons = profile.outline, problem.discretisation.method_of(role) == "vem"
 
@@ -121,7 +121,7 @@ def mesh_profile(
     fine = refinement.points, refinement.size, refinement.growth
     content = outline.segments, outline.names, size, *fine, polygons, version("gmsh")
     mesh = _unpacked(cached(cache, make, "mesh", *content))
-    return mesh.with_edge_set(HELD, np.vstack([mesh.edge_set(name) for name in profile.held_names]))
+    return mesh.with_edge_set(SUPPORT, np.vstack([mesh.edge_set(name) for name in profile.held_names]))
 
 
 def _packed(mesh: PolyMesh) -> Arrays:

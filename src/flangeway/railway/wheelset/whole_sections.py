@@ -17,14 +17,20 @@ from flangeway.railway.wheelset.rolling.patch_rolling import forces_on_cells
 from flangeway.railway.wheelset.running_surfaces import running_cells
 from flangeway.railway.wheelset.side_contact import tangents_of, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
-from flangeway.railway.wheelset.supported_rail import SPREAD, WAVENUMBERS, RailSupport, SupportedRail, weights_at
+from flangeway.railway.wheelset.supported_rail import (
+    SPREAD_FRACTION,
+    WAVENUMBERS,
+    RailSupport,
+    SupportedRail,
+    weights_at,
+)
 from flangeway.solve import SurfaceCells
 from flangeway.solve.surface_compliance import FurtherLoads, StripForces, wave_sums, waves
 from flangeway.types import Floats
 
 MIN_HELD = 1e-3
 """Least wavenumber per mm of a body that is held: longer waves change no stress by 1e-3 of the maximum pressure."""
-JOINED = 1e-6
+END_TOLERANCE = 1e-6
 """Distance of two ends of cells over the width of the strips that are one."""
 
 
@@ -110,7 +116,7 @@ def _cut(result: SpatialResult, side: Side, role: Role, whole: SurfaceCells) -> 
         axes = np.stack((pose.axis, inward, np.cross(pose.axis, inward)), axis=1)
     else:
         frame, origin, axes, forces = surfaces.rail_frame, np.array([0.0, 0.0, z]), np.eye(3), -forces
-    own = np.diff(ends, prepend=-np.inf) > JOINED * grid.strip
+    own = np.diff(ends, prepend=-np.inf) > END_TOLERANCE * grid.strip
     cells = SurfaceCells(whole.problem, whole.edges, ends[own])
     rows = np.minimum(np.cumsum(own)[::2], cells.n_cells) - 1
     turn = axes.copy()
@@ -156,10 +162,10 @@ def _sleepers(
     loads[nodes] = modes
     flat = loads.reshape(-1, 3)
     low = wavenumbers[wavenumbers <= WAVENUMBERS[1]]
-    kept = np.diag(1.0 / ((1.0 - SPREAD) * support.per_length))
+    kept = np.diag(1.0 / ((1.0 - SPREAD_FRACTION) * support.per_length))
 
     def of(cut: _Cut) -> Callable[[int, Floats], Floats]:
-        of_seats = (1.0 - SPREAD) * result.rails[cut.side].reactions
+        of_seats = (1.0 - SPREAD_FRACTION) * result.rails[cut.side].reactions
         apart = cut.z - support.sleepers_mm
         seats = np.stack(
             [weights.T @ of_seats for weights in weights_at(low, apart, support.pad_length_mm, 1)], axis=-1

@@ -122,9 +122,9 @@ class Axle:
 # for n <= 8 and by a spline over log n beyond, each less that of the prism of the same length along the surface.
 
 
-ONE_BY_ONE = 8
+N_SINGLE_HARMONICS = 8
 """Harmonics that are computed each."""
-PER_DECADE = 4
+HARMONICS_PER_DECADE = 4
 """Those beyond for each decade."""
 SHORTEST_MM = 20.0
 """Wave along the surface beyond which prism and wheel are the same."""
@@ -313,7 +313,7 @@ def wheel_correction(whole: WheelProfile, radius_mm: float, cells: SurfaceCells,
     return correction["values"]
 
 
-_SETTINGS = (ONE_BY_ONE, PER_DECADE, SHORTEST_MM, BODY_MM, EDGES_A_CELL, EDGES_A_WAVE, GROWTH)
+_SETTINGS = (N_SINGLE_HARMONICS, HARMONICS_PER_DECADE, SHORTEST_MM, BODY_MM, EDGES_A_CELL, EDGES_A_WAVE, GROWTH)
 
 
 def revolved(whole: WheelProfile, radius_mm: float, cells: SurfaceCells) -> SurfaceCells:
@@ -349,14 +349,14 @@ def _correction(wheel: SurfaceCells, prism: SurfaceCells) -> Floats:
     radii = wheel.middles[:, 0]
     mean = float(radii.mean())
     top = 2.0 * np.pi * mean / SHORTEST_MM
-    steps = int(np.ceil(PER_DECADE * np.log10(top / ONE_BY_ONE))) + 1
-    numbers: Floats = np.append(np.arange(ONE_BY_ONE), np.geomspace(ONE_BY_ONE, round(top), steps))
+    steps = int(np.ceil(HARMONICS_PER_DECADE * np.log10(top / N_SINGLE_HARMONICS))) + 1
+    numbers: Floats = np.append(np.arange(N_SINGLE_HARMONICS), np.geomspace(N_SINGLE_HARMONICS, round(top), steps))
     computed = compliances(wheel, numbers)
     more = computed - compliances(prism, numbers / mean) / mean
     # n times the difference is a spline over log n; the first and the last term count half
-    weights = (numbers <= ONE_BY_ONE).astype(np.float64)
+    weights = (numbers <= N_SINGLE_HARMONICS).astype(np.float64)
     weights[0] = 0.5
-    between = np.arange(ONE_BY_ONE + 1, round(top) + 1)
+    between = np.arange(N_SINGLE_HARMONICS + 1, round(top) + 1)
     shares = np.where(between == between[-1], 0.5, 1.0) / between
     weights[1:] += shares @ CubicSpline(np.log(numbers[1:]), np.eye(len(numbers) - 1))(np.log(between)) * numbers[1:]
     result = np.tensordot(weights, more, axes=1).reshape(len(radii), 3, len(radii), 3)

@@ -10,7 +10,14 @@ from flangeway.contact.patch.normal_contact import Convolution, Pressing
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.fast_theories import SimplifiedRolling, Theory
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import BEYOND, Creepages, CreepForces, Rolling, RollingContact, box_of
+from flangeway.contact.rolling.rolling_contact import (
+    STRIPS_BEYOND,
+    Creepages,
+    CreepForces,
+    Rolling,
+    RollingContact,
+    box_of,
+)
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, tangents_of
@@ -198,7 +205,7 @@ def contact_in(
     own = friction.of_rows(rows)
     coefficients = np.zeros((0, 0, 0))
     if bodies:
-        coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
+        coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * STRIPS_BEYOND)
     return RollingContact(cells, forces / cells.areas, own, side.surfaces.materials, coefficients, None, origin)
 
 
