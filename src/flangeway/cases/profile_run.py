@@ -132,10 +132,6 @@ def _how(key: str, read: str | Callable[[Orientation], str]) -> Callable[[Profil
     return lambda run: f"{getter(read)(run.profile.orientation)} ({run.profile.orientation.how[key]})"
 
 
-def _measure(name: str) -> Callable[[ProfileRun], float | None]:
-    return lambda run: run.measures.get(name)
-
-
 def _radius(run: ProfileRun, sign: float) -> float | None:
     curvature = max(sign * segment.curvature for segment in run.running.segments)
     return 1.0 / curvature if curvature > MIN_CURVATURE_PER_MM else None
@@ -152,7 +148,7 @@ def _worn_more_at(run: ProfileRun) -> str | None:
 
 
 MEASURES: Quantities[ProfileRun] = tuple(
-    Quantity(key, label, _measure(f"{key}_mm"), "mm", ".3f")
+    Quantity(key, label, f"measures.{key}_mm", "mm", ".3f")
     for key, label in {
         "flange_height": "flange height Sh",
         "flange_thickness": "flange thickness Sd",
@@ -372,10 +368,6 @@ class ProfileFolder(Result):
         return columns(FOLDER_QUANTITIES, self.profiles)
 
 
-def _wear(key: str) -> Callable[[FolderProfile], float | None]:
-    return lambda row: row.wear_mm.get(key)
-
-
 def _of_run(quantity: Quantity[ProfileRun]) -> Quantity[FolderProfile]:
     return Quantity(quantity.key, quantity.label, lambda row: quantity.value(row.run), quantity.unit, "z.2f")
 
@@ -396,7 +388,7 @@ FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("kind", "kind", "run.profile.kind"),
     Quantity("nominal", "nominal", "nominal"),
     *map(_of_run, MEASURES[:4]),
-    *(Quantity(key, label, _wear(key), "mm", "z.2f") for words in WEAR.values() for key, label in words.items()),
+    *(Quantity(key, label, f"wear_mm.{key}", "mm", "z.2f") for words in WEAR.values() for key, label in words.items()),
     Quantity("conicity", sentence("conicity at {:g mm}", REFERENCE_AMPLITUDE_MM), "conicity", form=".3f"),
 )
 """What is reported of each profile."""
@@ -502,7 +494,7 @@ def _conicity(run: ProfileRun, partner: str) -> float:
     if len(locus.lateral_mm) < 2:
         raise InputError("contact in the middle of the track alone", "contact on both sides of it", "look at the pair")
     conicities = conicities_of(RollingRadiusDifference.of(locus), REFERENCE_AMPLITUDE_MM)
-    conicity = (conicities.at_reference() or {}).get("integration", math.nan)
+    conicity = (conicities.at_reference or {}).get("integration", math.nan)
     if math.isnan(conicity):
         raise InputError(
             joined_text("; ", conicities.notices),

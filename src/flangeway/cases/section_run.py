@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 from pydantic import Field
 
-from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.case import LengthUnit, Progress, RunnableCase
 from flangeway.cases.summary import RunResult
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError, located
@@ -48,7 +48,7 @@ class TorsionCase(RunnableCase):
 
     section: str = "136RE"
     """136RE, 136RE-8, 136RE-14, 60E1, or an outline file .toml, .csv, .dxf"""
-    unit: Literal["mm", "cm", "m", "in", "ft"] | None = None
+    unit: LengthUnit | None = None
     """unit of a file that does not name one; coordinates are not converted"""
     half: bool = False
     """whether a CSV file contains one half only, to be mirrored about x = 0"""

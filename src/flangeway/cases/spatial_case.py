@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from flangeway.cases.bodies.bodies_model import elements_of
-from flangeway.cases.bodies.bodies_shape import BodyTable, FineTable, body_shape, elastic
+from flangeway.cases.bodies.bodies_shape import BodyTable, FineTable, body_shape, elastic, listed
 from flangeway.cases.case import (
     Case,
     ElementOrder,
@@ -329,10 +329,10 @@ class SpatialCase(RunnableCase):
         for name, given in (("held_edges", table.held_edges), ("foundation_edges", table.foundation_edges)):
             if given is not None:
                 supports[name] = f"{key}.{name}"
-                mesh = mesh.with_edge_set(f"{key}.{name}", np.vstack([mesh.edge_set(edges) for edges in _list(given)]))
+                mesh = mesh.with_edge_set(f"{key}.{name}", np.vstack([mesh.edge_set(edges) for edges in listed(given)]))
         if (table.foundation_edges is None) != (table.foundation_N_mm3 is None):
             raise InputError(f"{key} with one of foundation_edges and foundation_N_mm3", "both or none", "give both")
-        names = _list(table.contact_edges)
+        names = listed(table.contact_edges)
         chain = mesh.chain(*names).astype(np.int64)
         material = {name: elastic(material, "plane-strain") for name, material in table.materials.items()}
         problem = Harmonic(
@@ -359,10 +359,6 @@ def _axis(table: SpatialBodyTable) -> Axis | None:
         return None
     angle = np.deg2rad(table.axis_rotation_deg)
     return Axis(table.axis_mm, (float(np.cos(angle)), float(np.sin(angle))), float(np.deg2rad(table.yaw_deg)))
-
-
-def _list(names: str | list[str]) -> list[str]:
-    return [names] if isinstance(names, str) else names
 
 
 # --- Contacts in three dimensions that machines have: a crane wheel on a rail, a roller on a race, crossed cylinders.

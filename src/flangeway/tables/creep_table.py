@@ -14,8 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flangeway.geometry.arrays import norms
-
 try:
     from flangeway.errors import InputError
 except ImportError:  # outside of flangeway
@@ -171,7 +169,7 @@ def direction(spin: Floats, creep: Floats) -> Floats:
 
 def within_cone(forces: Floats) -> Floats:
     """Forces over the limit of friction, those near it and beyond it shortened without a kink, (..., 3)."""
-    size = norms(forces)
+    size = np.hypot(forces[..., 0], forces[..., 1])
     near = np.clip(size, 1.0 - ROUNDED, 1.0 + ROUNDED) - 1.0 + ROUNDED
     forces[..., :2] *= ((np.minimum(size, 1.0 + ROUNDED) - near**2 / (4.0 * ROUNDED)) / np.maximum(size, TINY))[
         ..., None
