@@ -15,7 +15,7 @@ from flangeway.cases.rigid_run import conicities_of, find_geometry_case
 from flangeway.cases.wheelset.wheelset_inputs import USUAL_BODIES, with_body
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline
-from flangeway.quantities import Quantities, Quantity, columns, getter, values
+from flangeway.quantities import Quantities, Quantity, columns, getter, of_part, values
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.two_column import Kind
 from flangeway.railway.profiles.joining import (
@@ -368,10 +368,6 @@ class ProfileFolder(Result):
         return columns(FOLDER_QUANTITIES, self.profiles)
 
 
-def _of_run(quantity: Quantity[ProfileRun]) -> Quantity[FolderProfile]:
-    return Quantity(quantity.key, quantity.label, lambda row: quantity.value(row.run), quantity.unit, "z.2f")
-
-
 WEAR: dict[Kind, dict[str, str]] = {
     "wheel": {"tread_wear": "tread wear", "flange_wear": "flange wear"},
     "rail": {"top_wear": "top wear", "side_wear": "side wear at 14 mm"},
@@ -387,7 +383,7 @@ FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("file", "file", "file"),
     Quantity("kind", "kind", "run.profile.kind"),
     Quantity("nominal", "nominal", "nominal"),
-    *map(_of_run, MEASURES[:4]),
+    *(replace(of_part("run", measure), form="z.2f") for measure in MEASURES[:4]),
     *(Quantity(key, label, f"wear_mm.{key}", "mm", "z.2f") for words in WEAR.values() for key, label in words.items()),
     Quantity("conicity", sentence("conicity at {:g mm}", REFERENCE_AMPLITUDE_MM), "conicity", form=".3f"),
 )

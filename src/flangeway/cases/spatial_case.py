@@ -75,16 +75,14 @@ class SpatialBodyResult:
     profile: DepthProfile
 
     @property
-    def name(self) -> str:
-        """Of the body."""
-        return (self.contact.pair.first, self.contact.pair.second)[self.number].name
+    def body(self) -> PatchBody:
+        """The body."""
+        return (self.contact.pair.first, self.contact.pair.second)[self.number]
 
     @property
-    def sizes(self) -> tuple[int, int]:
-        """Elements, and unknowns of each wavenumber."""
-        body = (self.contact.pair.first, self.contact.pair.second)[self.number]
-        space = body.problem.elasticity.space
-        return space.mesh.n_cells, 3 * space.n_dofs
+    def name(self) -> str:
+        """Of the body."""
+        return self.body.name
 
     def maximum(self, values: Floats) -> tuple[float, float]:
         """Maximum of a stress on the line below the patch, MPa, and its depth in mm."""
@@ -137,8 +135,10 @@ MAX_VON_MISES: Quantity[SpatialBodyResult] = Quantity(
 )
 BODY: Quantities[SpatialBodyResult] = (
     Quantity("name", "", "name"),
-    Quantity("elements", "elements", "sizes.0", form=","),
-    Quantity("unknowns", "unknowns", "sizes.1", form=","),
+    Quantity("elements", "elements", "body.problem.elasticity.space.mesh.n_cells", form=","),
+    Quantity(  # of each wavenumber
+        "unknowns", "unknowns", "body.problem.elasticity.space.n_dofs", form=",", factor=3
+    ),
     Quantity(
         "wavenumbers", "wavenumbers", lambda body: len(body.contact.pair.tables[body.number].wavenumbers), form="d"
     ),
