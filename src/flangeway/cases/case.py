@@ -30,12 +30,10 @@ from flangeway.results import (
 )
 from flangeway.solve import Status
 from flangeway.system.file_content import toml_data
-from flangeway.types import Key
+from flangeway.types import Key, Progress
 
 # --- What all cases share: named inputs with ranges, checked before anything is computed.
 
-
-Progress = Callable[[str], None]
 
 HALVING = {
     **dict.fromkeys(

@@ -79,7 +79,7 @@ def inputs_of(kind: type[Any], *without: str, **more: Any) -> type[Table]:
         for field in fields(kind)
         if field.name not in without
     }
-    table: type[Table] = create_model(kind.__name__, __base__=Table, **entries)  # type: ignore[call-overload]
+    table: type[Table] = create_model(kind.__name__, __base__=Table, **entries)
     return table
 
 

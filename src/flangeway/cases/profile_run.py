@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.cases.case import Progress
 from flangeway.cases.rigid_run import conicities_of, find_geometry_case
 from flangeway.cases.wheelset.wheelset_inputs import USUAL_BODIES, with_body
 from flangeway.errors import InputError
@@ -45,6 +44,7 @@ from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.operating_system import number_of_cores
 from flangeway.system.output_folder import versions
 from flangeway.system.workers import LostWorkerError, computed_here
+from flangeway.types import Progress
 
 # --- A profile from a file or by name, checked, measured, joined and converted, as ``flangeway profile`` does it.
 
@@ -379,11 +379,12 @@ the tape line, and what it is thinner. Rails: what the top is lower than the nom
 base or from the top of the new rail; and what the head is narrower than the nominal one at the depth below its top at
 which gauges are measured (EN 13848-1).
 """
+FOLDER_MEASURES: list[Quantity[Any]] = [replace(of_part("run", measure), form="z.2f") for measure in MEASURES[:4]]
 FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("file", "file", "file"),
     Quantity("kind", "kind", "run.profile.kind"),
     Quantity("nominal", "nominal", "nominal"),
-    *(replace(of_part("run", measure), form="z.2f") for measure in MEASURES[:4]),
+    *FOLDER_MEASURES,
     *(Quantity(key, label, f"wear_mm.{key}", "mm", "z.2f") for words in WEAR.values() for key, label in words.items()),
     Quantity("conicity", sentence("conicity at {:g mm}", REFERENCE_AMPLITUDE_MM), "conicity", form=".3f"),
 )

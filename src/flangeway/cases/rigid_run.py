@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.case import Case, LengthUnit, Progress, closest, merged
+from flangeway.cases.case import Case, LengthUnit, closest, merged
 from flangeway.cases.case_file import CaseText, resolved
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
@@ -41,7 +41,7 @@ from flangeway.results import Result, ResultTable, assigned, joined_text, senten
 from flangeway.system.file_content import toml_data
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.output_folder import versions
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 # --- Inputs of ``flangeway geometry``: a rigid wheelset on two rigid rails, its profiles, measures and load.
 

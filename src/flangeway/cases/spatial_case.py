@@ -13,17 +13,7 @@ from pydantic import Field
 
 from flangeway.cases.bodies.bodies_model import elements_of
 from flangeway.cases.bodies.bodies_shape import BodyTable, FineTable, body_shape, elastic, listed
-from flangeway.cases.case import (
-    Case,
-    ElementOrder,
-    Pair,
-    PoissonRatio,
-    Positive,
-    PresetCase,
-    Progress,
-    RunnableCase,
-    example_of,
-)
+from flangeway.cases.case import Case, ElementOrder, Pair, PoissonRatio, Positive, PresetCase, RunnableCase, example_of
 from flangeway.cases.patch_quantities import (
     ANGLE,
     AREA,
@@ -47,7 +37,7 @@ from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 # --- Numbers of two bodies in contact in three dimensions.
 

@@ -280,7 +280,7 @@ class CreepTable:
         weights = np.zeros((len(numbers), 2, 1 if cells.all() else 8, 4, 4, 4))
         weights[:, :, 0] = np.where(joined[..., None, None, None], math.prod(crossed(of_nodes)), 0.0)
         if weights.shape[2] > 1:
-            parts = math.prod(crossed([np.stack((1.0 - t, t), axis=-1) for t in fractions]))
+            parts: Any = math.prod(crossed([np.stack((1.0 - t, t), axis=-1) for t in fractions]))
             for corner, (a, b, c) in enumerate(np.ndindex(2, 2, 2)):
                 weights[:, :, corner, a + 1, b + 1, c + 1] += np.where(joined, 0.0, parts[:, None, a, b, c])
         return numbers, weights.reshape(*weights.shape[:3], 64)

@@ -2,7 +2,7 @@
 
 import itertools
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from flangeway.system.workers import LostWorkerError, computed_here, n_processes
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_table import AXES, FORMAT, OF_PATCH, SIDES, CreepTable
 from flangeway.tables.table_positions import FRICTION, Arrays, PositionTask, compute_position
-from flangeway.types import Floats, Ints, floats
+from flangeway.types import Floats, Ints, Progress, floats
 
 JUMP_MM = 0.1
 """Distance of lateral positions to which a jump of the patches is located."""
@@ -39,7 +39,6 @@ FREE_KEYS = tuple(key for key in SpatialWheelsetCase.position_keys if key not in
 """Inputs of a wheelset that the axes of a table replace, and friction and motion, which are free."""
 
 Position = tuple[float, float, float]
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel, build_bodies
 from flangeway.cases.bodies.bodies_shape import BodiesInputs, ContactTable
-from flangeway.cases.case import Progress, RunnableCase, example_of
+from flangeway.cases.case import RunnableCase, example_of
 from flangeway.cases.summary import RunResult
 from flangeway.contact import Contact, ContactSolution, LoadStep, press
 from flangeway.errors import InputError
@@ -35,7 +35,7 @@ from flangeway.problems import ElasticField
 from flangeway.quantities import Quantities, Quantity, values
 from flangeway.results import sentence
 from flangeway.solve import ElasticitySolution, Status, StepSettings, solve_elasticity
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 # --- What came out of a case of bodies that are pressed, pulled and held: one kind of result for all of them.
 

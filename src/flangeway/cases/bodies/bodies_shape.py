@@ -37,6 +37,7 @@ from flangeway.materials import Elastic, Hypothesis
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
 from flangeway.problems import LinearBody
 from flangeway.results import assigned, sentence
+from flangeway.types import Bools
 
 # --- Inputs of the general case: tables of bodies, supports, loads, motions, contacts, steps.
 
@@ -579,5 +580,5 @@ def edges_at(
 def free_edges(body: LinearBody, pairs: Ints) -> Ints:
     """Edges without a point that is fixed in both components, where no contact force could act."""
     nodes = body.edge_nodes(pairs)
-    loose: NDArray[np.bool_] = np.logical_not(body.supported.all(axis=1))
+    loose: Bools = np.logical_not(body.supported.all(axis=1))
     return pairs[loose[nodes].all(axis=1)]

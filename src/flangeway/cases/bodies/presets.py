@@ -31,7 +31,7 @@ from flangeway.cases.bodies.bodies_shape import (
     Stabilisation,
     Weighting,
 )
-from flangeway.cases.case import ElementOrder, ElementSize, Fraction, PoissonRatio, Positive, PresetCase, Progress
+from flangeway.cases.case import ElementOrder, ElementSize, Fraction, PoissonRatio, Positive, PresetCase
 from flangeway.contact import NodeToSegment
 from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.elements.lagrange import HIGHEST_ORDER
@@ -46,7 +46,7 @@ from flangeway.quantities import Quantities, Quantity, of_part
 from flangeway.results import assigned, sentence
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 # --- Published problems as presets of the general case: Hertz's contact, and the contact patch test.
 

@@ -547,7 +547,7 @@ class WheelsetInputs(Case):
         """
         name, right = getattr(self, key), key.removeprefix("left_")
         keys = option_keys(key)
-        options = {option: getattr(self, name, None) for option, name in keys.items()}
+        options: dict[str, Any] = {option: getattr(self, name, None) for option, name in keys.items()}
         options_given = [keys[option] for option, value in options.items() if value not in (None, False)]
         if name is None and options_given:
             raise InputError(

@@ -4,7 +4,7 @@ import base64
 import re
 import shlex
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import date
 from functools import cache
 from importlib.resources import files
@@ -27,6 +27,7 @@ from flangeway.results import ResultTable, Units, in_us_units, joined_text, sent
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 from flangeway.system.templates import templates
 from flangeway.system.workbook import csv_tables, write_workbook
+from flangeway.types import Progress
 
 # --- What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables.
 
@@ -214,7 +215,7 @@ def record_html(record: Record) -> str:
 def write_record(
     record: Record,
     folder: Path,
-    progress: Callable[[str], None] = lambda _: None,
+    progress: Progress = lambda _: None,
     *,
     pictures: bool = True,
     xlsx: bool = False,
