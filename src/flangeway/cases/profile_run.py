@@ -379,13 +379,16 @@ the tape line, and what it is thinner. Rails: what the top is lower than the nom
 base or from the top of the new rail; and what the head is narrower than the nominal one at the depth below its top at
 which gauges are measured (EN 13848-1).
 """
-FOLDER_MEASURES: list[Quantity[Any]] = [replace(of_part("run", measure), form="z.2f") for measure in MEASURES[:4]]
 FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("file", "file", "file"),
     Quantity("kind", "kind", "run.profile.kind"),
     Quantity("nominal", "nominal", "nominal"),
-    *FOLDER_MEASURES,
-    *(Quantity(key, label, f"wear_mm.{key}", "mm", "z.2f") for words in WEAR.values() for key, label in words.items()),
+    *(replace(of_part("run", measure), form="z.2f") for measure in MEASURES[:4]),
+    *(
+        Quantity[Any](key, label, f"wear_mm.{key}", "mm", "z.2f")
+        for words in WEAR.values()
+        for key, label in words.items()
+    ),
     Quantity("conicity", sentence("conicity at {:g mm}", REFERENCE_AMPLITUDE_MM), "conicity", form=".3f"),
 )
 """What is reported of each profile."""

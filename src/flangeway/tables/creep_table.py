@@ -1,6 +1,6 @@
 """Reads a table of creep forces: contact and creep forces of a wheelset at any position and any creepages.
 
-This file needs NumPy only, so that it also runs inside an FMU and beside other programs. Units: mm, mrad, kN for the
+This file needs NumPy only, so that it also runs beside other programs. Units: mm, mrad, kN for the
 axle load, N, N mm. Axes of forces are those of each patch; see the README that is written beside every table.
 """
 
