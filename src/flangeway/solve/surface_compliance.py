@@ -68,8 +68,8 @@ def half_spaces_on(
     if len(materials) == 2 and materials[0] == materials[1]:
         signs = {pair: sign for pair, sign in signs.items() if sign > 0.0}
     flat = {
-        each: half_space_blocks(each.young, each.poisson, bounds, strip, n_strips, list(signs))
-        for each in dict.fromkeys(materials)
+        material: half_space_blocks(material.young, material.poisson, bounds, strip, n_strips, list(signs))
+        for material in dict.fromkeys(materials)
     }
     one = np.ones((len(bounds) - 1,) * 2)
     turn = {(0, 0): one, (1, 1): one, (2, 2): one}
@@ -220,7 +220,7 @@ class SurfaceCells:
     @cached_property
     def ends(self) -> Floats:
         """Ends of the cells, shape (n_cells + 1, 2)."""
-        return np.stack([np.interp(self.limits, self._stations, each) for each in self.chain.T], axis=1)
+        return np.stack([np.interp(self.limits, self._stations, coordinate) for coordinate in self.chain.T], axis=1)
 
     @cached_property
     def widths(self) -> Floats:
@@ -261,10 +261,10 @@ class SurfaceCells:
         cell = np.clip(np.searchsorted(self.limits, middles) - 1, 0, self.n_cells - 1)
         abscissae, weights = gauss(space.order + 1)
         # places of the Gauss points of each piece on its edge, in [0, 1]
-        places = (cuts[:-1, None] + lengths[:, None] * abscissae - self._stations[edge, None]) / np.diff(
+        parameters = (cuts[:-1, None] + lengths[:, None] * abscissae - self._stations[edge, None]) / np.diff(
             self._stations
         )[edge, None]
-        shapes = edge_shapes(space.order, places.ravel()).reshape(*places.shape, -1)
+        shapes = edge_shapes(space.order, parameters.ravel()).reshape(*parameters.shape, -1)
         # a unit force on a cell is spread evenly over its width
         shares = np.einsum("pq,pqm->pm", lengths[:, None] * weights, shapes) / self.widths[cell, None]
         of_edges = space.edge_nodes(self.edges)[edge]
@@ -333,7 +333,10 @@ class SurfaceCells:
         whole, *cut = self._cut_meshes
         space = self.problem.elasticity.space
         per_length = wavenumber / np.max(self.problem.depth(space.nodes))
-        mesh = min([whole, *(each for each in cut if per_length * each.depth >= WAVE_DEPTH)], key=lambda one: one.depth)
+        mesh = min(
+            [whole, *(mesh_cut for mesh_cut in cut if per_length * mesh_cut.depth >= WAVE_DEPTH)],
+            key=lambda one: one.depth,
+        )
         matrix = at_wavenumber(mesh.parts, wavenumber)
         matrix = replace(matrix, values=mesh.inner.eliminated(matrix.values, wavenumber))
         border = np.arange(matrix.n - 3 * self.n_cells, matrix.n, dtype=np.int32)
@@ -352,7 +355,9 @@ class SurfaceCells:
         """What determines the compliance, for `flangeway.system.disk_cache.cached`."""
         problem, mesh = self.problem, self.problem.elasticity.space.mesh
         held = problem.held or {}
-        names = {each.edges for each in problem.foundations} | {name for name in held if isinstance(name, str)}
+        names = {foundation.edges for foundation in problem.foundations} | {
+            name for name in held if isinstance(name, str)
+        }
         return (
             (mesh.points, mesh.cell_offsets, mesh.cell_points, dict(mesh.cell_sets)),
             {name: mesh.edge_set(name) for name in sorted(names)},
@@ -510,8 +515,8 @@ def compliance_table(
         raise InputError("surface cells of a body of revolution", "a prism", "take the prism of its section")
     settings = least, maximum, tolerance
     content = *cells.content, *settings, PER_DECADE, MAX_DOUBLINGS, HALVED
-    found = cached(cache, lambda: _computed(cells, *settings, progress), "compliance", *content)
-    return ComplianceTable(cells, found["wavenumbers"], found["values"], float(found["error"]))
+    table = cached(cache, lambda: _computed(cells, *settings, progress), "compliance", *content)
+    return ComplianceTable(cells, table["wavenumbers"], table["values"], float(table["error"]))
 
 
 def _computed(
@@ -603,11 +608,11 @@ def amplitudes(
 
     def answer(number: int) -> Floats:
         wavenumber = wavenumbers[number]
-        cut = min([cuts[0], *(each for each in cuts if wavenumber * each >= WAVE_DEPTH)])
-        found = np.zeros((len(rhs), rhs.shape[2]))
+        cut = min([cuts[0], *(depth for depth in cuts if wavenumber * depth >= WAVE_DEPTH)])
+        displacements = np.zeros((len(rhs), rhs.shape[2]))
         factor = cholesky(at_wavenumber(parts[cut], wavenumber), groups[cut], max_bytes=left)
-        found[kept[cut]] = factor.solve(rhs[kept[cut], number if rhs.shape[1] > 1 else 0])
-        return found
+        displacements[kept[cut]] = factor.solve(rhs[kept[cut], number if rhs.shape[1] > 1 else 0])
+        return displacements
 
     with ThreadPoolExecutor(n_workers) as pool:
         yield from pool.map(answer, range(len(wavenumbers)))
@@ -687,17 +692,18 @@ def wave_sums(
     first = others.shape[1]
     rhs = np.zeros((len(others), len(wavenumbers), first + 2 * len(loaded)))
     rhs[..., :first] = others[:, None]
-    for number, each in enumerate(loaded):
-        unknowns, loads = each.at_waves(wavenumbers)
+    for number, strip_forces in enumerate(loaded):
+        unknowns, loads = strip_forces.at_waves(wavenumbers)
         rhs[unknowns, :, first + 2 * number : first + 2 * number + 2] = loads
     sums = np.zeros((len(loaded), 2, len(others), 2))
-    depths = _depths(problem.elasticity.space, np.concatenate([each.cells.nodes_and_loads[0] for each in loaded]))
-    cuts = _cut_depths(depths, max(each.cells.longest_edge for each in loaded))
-    found_at = amplitudes(problem, wavenumbers, rhs, depths, cuts)
-    for i, (k, found) in enumerate(zip(wavenumbers.tolist(), found_at, strict=True)):
-        by_others = found[:, :first]
+    nodes = np.concatenate([strip_forces.cells.nodes_and_loads[0] for strip_forces in loaded])
+    depths = _depths(problem.elasticity.space, nodes)
+    cuts = _cut_depths(depths, max(strip_forces.cells.longest_edge for strip_forces in loaded))
+    by_wave = amplitudes(problem, wavenumbers, rhs, depths, cuts)
+    for i, (k, displacements) in enumerate(zip(wavenumbers.tolist(), by_wave, strict=True)):
+        by_others = displacements[:, :first]
         for number in range(len(loaded)):
-            moved = found[:, first + 2 * number : first + 2 * number + 2]
+            moved = displacements[:, first + 2 * number : first + 2 * number + 2]
             if first:
                 moved = moved + by_others @ amounts[number](i, np.concatenate((moved, by_others), axis=1))
             sums[number] += np.stack((moved, k * moved))
