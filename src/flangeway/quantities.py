@@ -142,8 +142,8 @@ def of_part(part: str | Callable[[Any], Any], quantity: Quantity[Any]) -> Quanti
     """
 
     def of(function: Callable[[Any], Any], whole: Any) -> Any:
-        found = getter(part)(whole)
-        return None if found is None else function(found)
+        value = getter(part)(whole)
+        return None if value is None else function(value)
 
     return replace(quantity, of=partial(of, quantity.value), factor=1.0, remark=partial(of, quantity.remark))
 

@@ -1,11 +1,17 @@
 """What all cases share: named inputs with ranges, checked before anything is computed; and a case on a finer mesh."""
 
+import ast
 import difflib
+import inspect
 import math
+import sys
 from abc import abstractmethod
+from collections import ChainMap
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, TypeAlias, Union, cast, get_args, get_origin
@@ -87,6 +93,24 @@ class GivenText(str):
     """A value of the command line or of a CSV table: the input's type decides whether it is a number, true, or text."""
 
 
+@cache
+def _texts_below(module: str) -> dict[str, dict[str, str]]:
+    """Texts below the inputs of the classes of a module, by the classes' names; none where there is no source."""
+    try:
+        source = inspect.getsource(sys.modules[module])
+    except (OSError, TypeError):
+        return {}
+    texts: dict[str, dict[str, str]] = {}
+    for node in ast.parse(source).body:
+        if isinstance(node, ast.ClassDef):
+            texts[node.name] = {}
+            for line in pairwise(node.body):
+                match line:
+                    case ast.AnnAssign(target=ast.Name(key)), ast.Expr(ast.Constant(str(text))):
+                        texts[node.name][key] = text
+    return texts
+
+
 class Run(Protocol):
     """What every run of a case has, whatever the case."""
 
@@ -109,16 +133,20 @@ class Table(BaseModel):
     Build one with `from_values`, which raises `InputError`.
     """
 
-    # what stands below an input is its description
-    model_config = ConfigDict(
-        defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False, strict=True, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **_: Any) -> None:
-        """Make sentences of the descriptions of inputs."""
-        for field in cls.model_fields.values():
-            field.description = field.description and described_by(field.description)
+    def described_fields(cls) -> dict[str, FieldInfo]:
+        """Return the inputs with their descriptions, `described_by` what stands below them in the source.
+
+        They are read when they are first shown: pydantic's ``use_attribute_docstrings`` takes longer for all cases than
+        a short run.
+        """
+        below = ChainMap(*(_texts_below(kind.__module__).get(kind.__name__, {}) for kind in cls.__mro__))
+        for key, field in cls.model_fields.items():
+            text = field.description or below.get(key)
+            field.description = described_by(text) if text else None
+        return cls.model_fields
 
     _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
 
@@ -198,7 +226,7 @@ class Table(BaseModel):
         - `path`: that of this table in the case, with a point at the end.
         """
         rows, inner = [], []
-        for key, field in cls.model_fields.items():
+        for key, field in cls.described_fields().items():
             unit, meaning = us_key(key) if units == "us" else None, field.description or ""
             default = "needed" if field.is_required() else _default_text(field, unit)
             kind = table_in(field.annotation)
@@ -586,7 +614,7 @@ def _located(case: type[Table], values: Any, location: Key) -> tuple[Key, type[T
         if not (isinstance(item, int) or is_name):
             if inner is None or item.startswith(("list[", "dict[")):  # the name of one of several types
                 break
-            table, field = inner, inner.model_fields.get(item)
+            table, field = inner, inner.described_fields().get(item)
             if field is not None:
                 inner = table_in(field.annotation)
                 is_name = any(get_origin(kind) is dict for kind in alternatives(field.annotation))

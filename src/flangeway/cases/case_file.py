@@ -375,7 +375,7 @@ def write_template(case: type[RunnableCase], units: Units = "metric") -> str:
         f"flangeway = {FORMAT}  # format of this file",
         f'case = "{case.name}"',
     ]
-    plain = {key: field for key, field in case.model_fields.items() if table_in(field.annotation) is None}
+    plain = {key: field for key, field in case.described_fields().items() if table_in(field.annotation) is None}
     for key, field in plain.items():
         active = key in case.essential or key in case.example
         value = case.example.get(key, _default(field))
@@ -412,7 +412,7 @@ def _tables(key: str, field: FieldInfo, table: type[Table], example: Any, units:
     items = example if isinstance(example, list) else [example] if example else []
     first, comment = (items[0], "") if items else ({}, "#")
     lines = ["", "", f"# {field.description}.", f"{comment} {header}".strip()]
-    for name, entry in table.model_fields.items():
+    for name, entry in table.described_fields().items():
         lines += [comment, *_entry(name, entry, first.get(name, _default(entry)), units, active=name in first)]
     for item in items[1:]:
         lines += ["", header, *(_line(name, value, units) for name, value in item.items())]
@@ -485,6 +485,9 @@ def schema() -> dict[str, Any]:
     choices: list[dict[str, Any]] = []
     definitions: dict[str, Any] = {}
     for name, case in CASES.items():
+        for table in _tables_of(case):
+            table.described_fields()
+            table.model_rebuild(force=True)  # a model that has checked values keeps what it knew then
         described = case.model_json_schema()
         definitions |= described.pop("$defs", {})
         _add_us_keys(described)
@@ -510,6 +513,12 @@ def schema() -> dict[str, Any]:
         "oneOf": choices,
         "$defs": definitions,
     }
+
+
+def _tables_of(table: type[Table]) -> list[type[Table]]:
+    """Return the tables inside a table, inner ones first, and itself."""
+    inner = [table_in(field.annotation) for field in table.model_fields.values()]
+    return [*(each for kind in inner if kind is not None for each in _tables_of(kind)), table]
 
 
 _BOUNDS = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")

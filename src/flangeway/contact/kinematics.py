@@ -72,9 +72,9 @@ class Taylor:
             function(self.value), function(self.first), None if self.second is None else function(self.second)
         )
 
-    def __getitem__(self, place: Any) -> "Taylor":
+    def __getitem__(self, index: Any) -> "Taylor":
         """Some of the functions, by all axes, along which derivatives are not broadcast."""
-        return self._each(lambda array: np.asarray(array[..., *place]))
+        return self._each(lambda array: np.asarray(array[..., *index]))
 
     @property
     def real(self) -> "Taylor":

@@ -323,7 +323,7 @@ class _Run:
     def take_over(self, after: ContactLinearisation) -> None:
         """Go on with another linearisation about the same positions or new ones; forces stay where constraints do."""
         self.forces, self.tangential = (
-            carried_forces(self.current, each, after) for each in (self.forces, self.tangential)
+            carried_forces(self.current, forces, after) for forces in (self.forces, self.tangential)
         )
         self.current, self.slides = after, self._slides(after, self.displacements)
 
@@ -343,7 +343,7 @@ class _Run:
     def iterate(self) -> str | None:
         """Newton's method with the forces corrected last; None if it converged, else why not."""
         first = len(self.history)
-        before = sum(each.correction == self.corrections for each in self.history)
+        before = sum(iteration.correction == self.corrections for iteration in self.history)
         for iteration in range(self.settings.max_iterations - before):
             if loose := self._approach():
                 return loose
@@ -362,7 +362,7 @@ class _Run:
                     "finer mesh or a softer penalty"
                 )
             here, fraction, settle = copy(self), 1.0, len(self.history) >= MEMORY
-            limit = MAX_GROWTH * max((each.residual for each in self.history[-MEMORY:]), default=np.inf)
+            limit = MAX_GROWTH * max((iteration.residual for iteration in self.history[-MEMORY:]), default=np.inf)
             taken = self._take(here, step, fraction, settle=settle)
             while taken.residual > limit and fraction > MIN_FRACTION:
                 fraction /= 2.0
@@ -398,7 +398,9 @@ class _Run:
         after = self.constraints.linearise(self.reference + moved, here.current, settle=settle)
         self.current, self.displacements, self.forces, self.tangential = here.current, moved, new_forces, new_tangential
         self.take_over(after)
-        yielded = max(float(np.abs(each).max(initial=0.0)) for each in (moved, self._compliances(after) * self.forces))
+        yielded = max(
+            float(np.abs(vector).max(initial=0.0)) for vector in (moved, self._compliances(after) * self.forces)
+        )
         if yielded <= EPS * float(np.abs(self.reference).max()) and not self.parts.forces(self.motions).any():
             # nothing presses, and neither bodies nor laws yield: what is left of forces is round-off
             self.forces, self.tangential = np.zeros((2, len(after.keys)))
@@ -408,7 +410,7 @@ class _Run:
         nodal, left = self._nodal(), self._left()
         left -= self.neutral[0] @ (self.neutral[0].T @ left)
         unbalanced = np.append(nodal - applied, left)
-        most = max(float(np.abs(each).max(initial=0.0)) for each in (applied, self.parts.load))
+        most = max(float(np.abs(vector).max(initial=0.0)) for vector in (applied, self.parts.load))
         slack = self._gaps(after) + self._compliances(after) * carried - active_set.standoffs(carried, after.barriers)
         residual = residual_of(slack, carried, unbalanced, most, scale)
         if self.slides is not None:
@@ -422,7 +424,7 @@ class _Run:
     def _scale(self) -> float:
         """Maximum displacement, or way of a placed body."""
         ways = self.displacements, self.reference - self.begun
-        return max(*(float(np.abs(each).max(initial=0.0)) for each in ways), 1e-300)
+        return max(*(float(np.abs(vector).max(initial=0.0)) for vector in ways), 1e-300)
 
     def _gaps(self, lin: ContactLinearisation) -> Floats:
         """Gaps less what the corrected forces press in."""
@@ -470,10 +472,10 @@ class _Run:
         geometric, constrained = self._laws(before, bend=bend)
         while True:
             near = near if near.any() else ~near
-            found = self._step_of(geometric, constrained, near, before, bend=bend)
-            if found is None:
+            solution = self._step_of(geometric, constrained, near, before, bend=bend)
+            if solution is None:
                 return None
-            forces, moved, motion = found
+            forces, moved, motion = solution
             # the laws of the others hold with them open if the step leaves a gap there, which it closes by no more than
             # nodes of both sides move: the mean over a sliver of an edge has derivatives that say more
             step = moved - constrained.displacements
@@ -515,11 +517,11 @@ class _Run:
         if solver is not None:
             solved, own = solver
             laws = active_set.Laws(coefficients, barriers, own)
-            found = active_set.solve(laws, active_set.sparse_equations(solved, laws), guess)
-            if found is None:
+            answer = active_set.solve(laws, active_set.sparse_equations(solved, laws), guess)
+            if answer is None:
                 return None
-            forces[rows] = found.forces
-            loads = constrained.directions.T @ found.forces + geometric @ constrained.displacements
+            forces[rows] = answer.forces
+            loads = constrained.directions.T @ answer.forces + geometric @ constrained.displacements
             bent = self.response.tangent(self.rotations, current.nodes, geometric, symmetric=False)
             return forces, bent(sp.csr_array(loads[:, None]))[:, 0], np.zeros(0)
         if before is None:
@@ -530,28 +532,28 @@ class _Run:
         sprung = rigid.sprung(matrix.diagonal(), SPRING if bend else STIFF_SPRING) if n else rigid
         own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
         laws = active_set.Laws(coefficients, barriers, own)
-        found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
-        if found is None:
+        answer = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+        if answer is None:
             return None
         if n:
             # with springs there always is a solution; without them Newton's method for the motions goes on from there
             equations = active_set.DenseEquations(matrix, offset, laws, rigid)
-            left, right, loose = equations.free_motions(found)
-            self.neutral = np.stack([np.linalg.qr(each)[0] for each in (left, right)])
+            left, right, loose = equations.free_motions(answer)
+            self.neutral = np.stack([np.linalg.qr(basis_side)[0] for basis_side in (left, right)])
             basis = _complement(left), _complement(right)
             held = active_set.DenseEquations(matrix, offset, laws, rigid.without(*basis))
-            exact = None if loose else active_set.solve(laws, held, found.forces)
+            exact = None if loose else active_set.solve(laws, held, answer.forces)
             if exact is not None:
-                found = exact._replace(motions=basis[1] @ exact.motions)
+                answer = exact._replace(motions=basis[1] @ exact.motions)
                 self.unheld = np.zeros(self.parts.n)
             elif self.slides is not None and not self.unheld.any():
-                self.unheld = rigid.unbalanced(found, self.neutral[0])
-        self.tangent = matrix, rigid, found.forces[: laws.m] > 0.0
+                self.unheld = rigid.unbalanced(answer, self.neutral[0])
+        self.tangent = matrix, rigid, answer.forces[: laws.m] > 0.0
         # if one more iteration was not enough, the next one has its own
         self.equations = problem if bend and before is None else None
-        motion = self.parts.shortened(found.motions, self.parts.velocities(self.motions, self.reference))
-        forces[rows] = found.forces
-        return forces, problem.by_loads @ np.concatenate((found.forces, (1.0,), motion)), motion
+        motion = self.parts.shortened(answer.motions, self.parts.velocities(self.motions, self.reference))
+        forces[rows] = answer.forces
+        return forces, problem.by_loads @ np.concatenate((answer.forces, (1.0,), motion)), motion
 
     def _laws(self, before: _Equations | None, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
         """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""

@@ -106,9 +106,9 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
         of, near, squares = of[order], near[order], squares[order]
         first = np.diff(of, prepend=-1) > 0
         # beyond the radius an edge outside of the box may be nearer
-        found = first & ((squares <= radius**2) | (radius >= extent))
-        result[of[found]] = near[found]
-        open_points = np.setdiff1d(open_points, of[found]) if radius < extent else open_points[:0]
+        close = first & ((squares <= radius**2) | (radius >= extent))
+        result[of[close]] = near[close]
+        open_points = np.setdiff1d(open_points, of[close]) if radius < extent else open_points[:0]
         radius *= GROWTH
     return result
 
@@ -117,8 +117,8 @@ def _may_face(directions: Floats, normals: Floats) -> NDArray[np.bool_]:
     """Whether any edge faces points with outward directions (n, 2): its normal is the most against one, (n,)."""
     angles = np.sort(np.arctan2(normals[:, 1], normals[:, 0]))
     against = np.arctan2(-directions[:, 1], -directions[:, 0])
-    place = np.searchsorted(angles, against)
-    nearest = np.stack((angles[place - 1], angles[place % len(angles)]))
+    index = np.searchsorted(angles, against)
+    nearest = np.stack((angles[index - 1], angles[index % len(angles)]))
     return (np.cos(nearest - against) > -1e-9).any(axis=0)
 
 

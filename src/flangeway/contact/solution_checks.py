@@ -126,8 +126,8 @@ class Boundary:
         if not points:
             return None
         at = np.concatenate(points)
-        (mine, own), (theirs, its) = self.nearest(at), other.nearest(at)
-        return _deepest(at, np.maximum(mine, theirs), self.sagittas[own] + other.sagittas[its])
+        (own_depths, own), (theirs, its) = self.nearest(at), other.nearest(at)
+        return _deepest(at, np.maximum(own_depths, theirs), self.sagittas[own] + other.sagittas[its])
 
     def overlap_with_itself(self, apart: float) -> Intrusion | None:
         """Point of this boundary in the body's other side with the maximum depth, seen from ``apart`` outside of it.
@@ -214,7 +214,7 @@ def deformed_boundaries(
         points = part.body.nodes
         at = state.placements[number].points(points + field[: len(points)])
         at[system.surface_nodes[number].nodes] = state.positions[first:last]
-        surfaces = (side for each in system.contacts for side in each.sides if side.part is part)
+        surfaces = (side for contact in system.contacts for side in contact.sides if side.part is part)
         boundaries.append(Boundary.of_part(part, at, max(surface.chord_turn for surface in surfaces)))
     return boundaries
 
@@ -244,9 +244,11 @@ def body_overlaps(
         fields = response.fields(response.rotations(state.placements), state.nodal_forces)
     boundaries = deformed_boundaries(system, response, state, fields)
     moved = float(np.linalg.norm(state.displacements, axis=1).max(initial=0.0))
-    found = []
-    sides = [each for each in zip(system.parts, boundaries, strict=True) if each[0].body.boundary_is_closed]
-    touched = {id(each.primary.part) for each in system.contacts if each.primary.part is each.secondary.part}
+    overlaps = []
+    sides = [side for side in zip(system.parts, boundaries, strict=True) if side[0].body.boundary_is_closed]
+    touched = {
+        id(contact.primary.part) for contact in system.contacts if contact.primary.part is contact.secondary.part
+    }
     alone = [(side, side) for side in sides if id(side[0]) in touched]
     for (one, first_side), (other, other_side) in itertools.chain(itertools.combinations(sides, 2), alone):
         if one is other:
@@ -257,17 +259,17 @@ def body_overlaps(
             size = min(one.body.size, other.body.size)
             allowed = deepest.allowed + _between(system, state, one, other)
             allowed += MAX_OVERLAP * moved + ROUND_OFF * size
-            found.append(BodyOverlap((one.name, other.name), deepest.depth, deepest.position, allowed))
-    return tuple(found)
+            overlaps.append(BodyOverlap((one.name, other.name), deepest.depth, deepest.position, allowed))
+    return tuple(overlaps)
 
 
 def _between(system: ContactSystem, state: ContactState, one: Part, other: Part) -> float:
     """Maximum penetration that the laws of contacts between two parts explain."""
     both = {one, other}
     laws = (
-        system.explained(each, 0.0)
-        for each in system.solved(state.linearisation, state.forces)
-        if set(each.contact.parts) == both
+        system.explained(contact, 0.0)
+        for contact in system.solved(state.linearisation, state.forces)
+        if set(contact.contact.parts) == both
     )
     return max(laws, default=0.0)
 
@@ -288,14 +290,14 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
 
     """
     errors = []
-    for one, other in dict.fromkeys(each.parts for each in system.contacts):
+    for one, other in dict.fromkeys(contact.parts for contact in system.contacts):
         numbers = system.parts.index(one), system.parts.index(other)
         apart = [(one.placement, other.placement)]
         ways, smallest = [], PASSAGE * min(one.body.size, other.body.size)
         for state in states:
             (stop, bent), (other_stop, other_bent) = (_shifted(system, state, number) for number in numbers)
             solved = system.solved(state.linearisation, state.forces)
-            if any(each.forces.any() for each in solved if set(each.contact.parts) == {one, other}):
+            if any(contact.forces.any() for contact in solved if set(contact.contact.parts) == {one, other}):
                 apart = []
                 continue
             ways += [([*apart[-1:], (stop, other_stop)], smallest + bent + other_bent)]
@@ -383,7 +385,7 @@ def check_solution(
         Placement of each part before its handle moved it, and the handle with its loads.
 
     """
-    errors = [str(each) for each in overlaps if not each.is_explained]
+    errors = [str(overlap) for overlap in overlaps if not overlap.is_explained]
     undeformed = state.positions - state.displacements
     warnings = [
         f"a corner meets a corner at ({x:.4g}, {y:.4g}): the side that carries the force is arbitrary; move one of "
@@ -417,7 +419,7 @@ def check_solution(
             cells = _cells(part, part.body, field, errors, warnings)
             inverted, strain, turn = inverted + cells[0], max(strain, cells[1]), max(turn, cells[2])
     # without the tolerance for what bends between nodes
-    beyond = [each.depth - each.allowed + MAX_OVERLAP * moved for each in overlaps]
+    beyond = [overlap.depth - overlap.allowed + MAX_OVERLAP * moved for overlap in overlaps]
     overlap = max([0.0, *beyond])
     if overlap > LARGE_OVERLAP * moved and not errors:
         deepest = overlaps[int(np.argmax(beyond))]

@@ -127,7 +127,7 @@ class Surface:
         body = self.part.body
         body.edge_nodes(edges)  # refuses what is no edge
         outer = body.boundary_edges
-        places, known = edge_places(edges, outer, len(body.nodes))
+        rows, known = edge_places(edges, outer, len(body.nodes))
         if not known.all():
             a, b = edges[known.argmin()]
             raise InputError(
@@ -135,7 +135,7 @@ class Surface:
                 "edges of the boundary",
                 "choose among mesh.boundary_edges",
             )
-        return outer[places]
+        return outer[rows]
 
     @cached_property
     def edge_nodes(self) -> NDArray[np.int32]:
@@ -322,9 +322,9 @@ class Surface:
         In a body of revolution times its radius, which makes the integral of the node's shape function. On the axis
         that is 0 for higher orders: there the radius is that of the middle of the node's part, as an area is wanted.
         """
-        places, weights = gauss_lobatto(self.edge_nodes.shape[1])
+        abscissae, weights = gauss_lobatto(self.edge_nodes.shape[1])
         middles = np.cumsum(weights) - weights / 2.0
-        radii = self._radii_at(np.array([1.0, 2.0]) / 3.0 if len(weights) == 2 else places)
+        radii = self._radii_at(np.array([1.0, 2.0]) / 3.0 if len(weights) == 2 else abscissae)
         return self.edge_lengths[:, None] * weights * np.where(radii > 0.0, radii, self._radii_at(middles))
 
     @cached_property
@@ -422,10 +422,10 @@ def node_normals(positions: Floats, edge_places: Ints, *, bisecting: bool = Fals
 
     """
     chord = positions[edge_places[:, -1]] - positions[edge_places[:, 0]]
-    each = turned_right(chord)
+    edge_normals = turned_right(chord)
     if bisecting:
-        each /= np.linalg.norm(chord, axis=1)[:, None]
+        edge_normals /= np.linalg.norm(chord, axis=1)[:, None]
     normals = np.zeros_like(positions)
     for column in edge_places.T:
-        np.add.at(normals, column, each)
+        np.add.at(normals, column, edge_normals)
     return normals

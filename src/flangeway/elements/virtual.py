@@ -209,11 +209,11 @@ class Serendipity(Element):
         if n_vertices < self.lines:
             raise self._too_few(f"a cell with {n_vertices} vertices", n_vertices)
 
-    def _too_few(self, where: str, found: int) -> InputError:
+    def _too_few(self, where: str, n_lines: int) -> InputError:
         return InputError(
-            f"{where} on {found} different lines for Serendipity({self.order}, lines={self.lines})",
+            f"{where} on {n_lines} different lines for Serendipity({self.order}, lines={self.lines})",
             f"cells with at least {self.lines} lines",
-            f"choose lines={found} for the cell set of such cells" if found >= 3 else "check the mesh",
+            f"choose lines={n_lines} for the cell set of such cells" if n_lines >= 3 else "check the mesh",
         )
 
     def reconstruct(self, vertices: Floats) -> Reconstruction:
@@ -248,9 +248,9 @@ class Serendipity(Element):
 
     def _check_lines(self, full: Reconstruction, n_vertices: int) -> None:
         """Refuse cells with too few lines, and those whose unknowns do not determine polynomials of degree k."""
-        found = distinct_lines(full.monomial_dofs[:n_vertices, 1:3])
-        if (found < self.lines).any():
-            raise self._too_few(_place(full, int(found.argmin())), int(found.min()))
+        lines = distinct_lines(full.monomial_dofs[:n_vertices, 1:3])
+        if (lines < self.lines).any():
+            raise self._too_few(_place(full, int(lines.argmin())), int(lines.min()))
         dofs = full.monomial_dofs[: self.order * n_vertices + self.n_interior()]
         values = np.linalg.svd(dofs.transpose(2, 0, 1), compute_uv=False)
         poor = values[:, -1] < UNDETERMINED * values[:, 0]
@@ -480,11 +480,11 @@ def _moments(cells: Polygons, plain: Reconstruction, degree: int) -> Floats:
         values[:inner, n_local - n_inner :] = plain.inner_moments[:inner]
         derivatives = np.einsum("jie,jba->abie", plain.frame.map, monomials.derivatives(degree))
         result -= np.einsum("abie,bme->aime", derivatives, values, optimize=True)
-    places, weights = gauss((order + degree) // 2 + 1)
-    shapes = edge_shapes(order, places)
+    abscissae, weights = gauss((order + degree) // 2 + 1)
+    shapes = edge_shapes(order, abscissae)
     along = steps_around(cells.local)
     for edge, local in enumerate(edge_unknowns(order, n_vertices)):
-        points = cells.local[edge] + places[:, None, None] * along[edge]
+        points = cells.local[edge] + abscissae[:, None, None] * along[edge]
         traces = np.einsum("aqe,q,qn->ane", monomials.evaluate(degree, points), weights, shapes)
         result[:, :, local] += traces[:, None] * cells.normals[edge][None, :, None]
     return result

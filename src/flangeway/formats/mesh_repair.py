@@ -177,8 +177,8 @@ def _sound_cells(points: Floats, cells: list[Ints], notices: list[str]) -> tuple
     if not len(sound):
         raise InputError("cells without area", "triangles, quadrilaterals or polygons", "look at the file")
     corners, offsets = given[single & (sizes >= 3)[owner]], offsets_of(sizes[sound])
-    places = points[corners] - np.repeat(points[corners[offsets[:-1]]], sizes[sound], axis=0)
-    clockwise = np.add.reduceat(cross_product(places, places[next_in_row(offsets)]), offsets[:-1]) < 0.0
+    corner_offsets = points[corners] - np.repeat(points[corners[offsets[:-1]]], sizes[sound], axis=0)
+    clockwise = np.add.reduceat(cross_product(corner_offsets, corner_offsets[next_in_row(offsets)]), offsets[:-1]) < 0.0
     corners = np.where(np.repeat(clockwise, sizes[sound]), corners[rows_reversed(offsets)], corners)
     result: list[Ints] = []
     known: dict[tuple[int, ...], int] = {}

@@ -207,8 +207,8 @@ class Plate:
             half = monomials.evaluate(k - 1, frame.local(vertices + along / 2.0))
             scale = normals * (self._signs(corners) * lengths)[:, None]
             dofs[3 * n :] = np.einsum("vje,jdae,dve->vae", scale, slopes, half, optimize=True)
-            places = self.mesh.cell_offsets[batch.cells] + np.arange(n)[:, None]
-            numbers.append(3 * self.mesh.n_points + self.mesh.cell_edges[places][:, None])
+            entries = self.mesh.cell_offsets[batch.cells] + np.arange(n)[:, None]
+            numbers.append(3 * self.mesh.n_points + self.mesh.cell_edges[entries][:, None])
         joined = np.concatenate([number.reshape(-1, n_cells) for number in numbers])
         return PlateCells(batch, joined, frame, moments, curvature, projection, dofs)
 

@@ -454,8 +454,8 @@ class Spline:
     @cached_property
     def _samples(self) -> tuple[Floats, cKDTree]:
         knots = self._curve.x
-        places = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(SAMPLES) / SAMPLES).ravel(), 1.0)
-        return places, cKDTree(self._curve(places))
+        parameters = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(SAMPLES) / SAMPLES).ravel(), 1.0)
+        return parameters, cKDTree(self._curve(parameters))
 
     def _inside(self, s: Floats) -> Floats:
         return np.mod(s, 1.0) if self.closed else np.clip(s, 0.0, 1.0)
@@ -467,8 +467,8 @@ class Spline:
     def closest(self, points: ArrayLike) -> tuple[Floats, Floats]:
         """Return parameters (n,) and distances (n,) of the closest points, by Newton's method from the best sample."""
         given = as_points(points)
-        places, tree = self._samples
-        s = places[tree.query(given)[1]]
+        parameters, tree = self._samples
+        s = parameters[tree.query(given)[1]]
         step = 1.0 / (SAMPLES * (len(self.points) - 1))
         for _ in range(STEPS):
             off, slope, bend = self.point(s) - given, self._curve(s, 1), self._curve(s, 2)

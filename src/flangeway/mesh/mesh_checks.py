@@ -326,11 +326,11 @@ def _refuse_inner_boundary(mesh: PolyMesh, rim: IntArray) -> None:
     rows = longest[np.searchsorted(chain[longest], np.arange(n_chains))]
     beside = touching_distance(norms(steps[rows]), mesh.points) / norms(steps[rows])
     left = np.column_stack((-steps[rows, 1], steps[rows, 0])) * beside[:, None]
-    places = mesh.points[rim[rows]].mean(axis=1) + left
-    x, abscissae = np.sort(places[:, 0]), mesh.points[mesh.cell_points, 0]
+    points = mesh.points[rim[rows]].mean(axis=1) + left
+    x, abscissae = np.sort(points[:, 0]), mesh.points[mesh.cell_points, 0]
     low, high = (end.reduceat(abscissae, mesh.cell_offsets[:-1]) for end in (np.minimum, np.maximum))
     cells = np.flatnonzero(np.searchsorted(x, high, side="right") > np.searchsorted(x, low))
-    inside = shapely.STRtree(mesh.polygons(cells)).query(shapely.points(places), predicate="intersects")[0]
+    inside = shapely.STRtree(mesh.polygons(cells)).query(shapely.points(points), predicate="intersects")[0]
     times = np.bincount(inside, minlength=n_chains)
     if times.max() > 1:
         a, b = rim[rows[times.argmax()]]
@@ -348,8 +348,8 @@ def _meant(mesh: PolyMesh, touching: Meeting, at_end: Bools, ends: Ints, cracks:
         faces[mesh.boundary_rows(mesh.edge_set(name), "the edge of a crack")] = True
     # a touch is found once for each pair of edges there, of which one is enough
     low, high = np.minimum(touching.points, ends), np.maximum(touching.points, ends)
-    place = np.where(at_end, low * mesh.n_points + high, -1 - (touching.on * mesh.n_points + touching.points))
-    _, touch = np.unique(place, return_inverse=True)
+    keys = np.where(at_end, low * mesh.n_points + high, -1 - (touching.on * mesh.n_points + touching.points))
+    _, touch = np.unique(keys, return_inverse=True)
     return np.bincount(touch, weights=faces[touching.on] & faces[touching.of])[touch] > 0
 
 

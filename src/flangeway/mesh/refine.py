@@ -100,11 +100,11 @@ def _divided(mesh: PolyMesh, marked: Bools) -> PolyMesh:
     at_point = sides.at_point >= 0
     # divisions of sides as places in the ring: 2 i at corner i, 2 i + 1 in the middle of the edge behind it
     entries = sides.entries[np.where(at_point, sides.at_point, sides.in_edge)]
-    places = 2 * (entries - mesh.cell_offsets[sides.cell]) + ~at_point
+    rows = 2 * (entries - mesh.cell_offsets[sides.cell]) + ~at_point
     first = np.searchsorted(sides.cell, np.arange(mesh.n_cells + 1))
     for cell in np.flatnonzero(marked).tolist():
-        n, around = int(mesh.cell_sizes[cell]), places[first[cell] : first[cell + 1]].tolist()
-        ends = [place // 2 + n * (place % 2) for place in around]
+        n, around = int(mesh.cell_sizes[cell]), rows[first[cell] : first[cell + 1]].tolist()
+        ends = [index // 2 + n * (index % 2) for index in around]
         centre = [2 * n] if len(ends) > 3 else []
         pieces = []
         for i, end in enumerate(ends):
@@ -289,9 +289,9 @@ def _finished(mesh: PolyMesh, outline: Curves | None) -> PolyMesh:
     if outline is not None:
         mesh = replace(mesh, points=snapped_points(mesh, outline))
     if mesh.cell_areas.min() <= 0.0:
-        place = mesh.points[mesh.cell_points[mesh.cell_offsets[mesh.cell_areas.argmin()]]]
+        point = mesh.points[mesh.cell_points[mesh.cell_offsets[mesh.cell_areas.argmin()]]]
         raise InputError(
-            f"a cell near {point_text(place)} that folds over when it is refined",
+            f"a cell near {point_text(point)} that folds over when it is refined",
             "cells that stay simple" + ("" if outline is None else " with their new points on the outline"),
             "check the mesh" if outline is None else "refine the cells at the boundary first, or leave out the outline",
         )
@@ -304,8 +304,8 @@ def _halved_sets(mesh: PolyMesh, split: Bools) -> dict[str, IntArray]:
     sets = {}
     for name, pairs in mesh.edge_sets.items():
         edges = mesh.edge_numbers(pairs)
-        places = np.flatnonzero(split[edges])
-        sets[name] = pairs_divided(pairs, places, number[edges[places]])
+        rows = np.flatnonzero(split[edges])
+        sets[name] = pairs_divided(pairs, rows, number[edges[rows]])
     return sets
 
 

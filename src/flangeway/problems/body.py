@@ -73,8 +73,10 @@ class Body(LinearBody):
     def __post_init__(self) -> None:
         check_positive("Body", "thickness", self.thickness, "a positive length", "take 1 for forces per length")
         self._check_held()
-        for each in self.material.values() if isinstance(self.material, Mapping) else (self.material,):
-            check_kind("Body", "material", each, Material, "a material, or one by each cell set", "write Elastic(...)")
+        for material in self.material.values() if isinstance(self.material, Mapping) else (self.material,):
+            check_kind(
+                "Body", "material", material, Material, "a material, or one by each cell set", "write Elastic(...)"
+            )
         if not are_all(self.springs, Spring):
             raise InputError(
                 f"Body {self.name!r} springs={short(self.springs)}", "a list of Spring(...)", "make each one"
@@ -147,7 +149,7 @@ class Body(LinearBody):
     def softness(self) -> float:
         """See `LinearBody.softness`."""
         compliances = [np.linalg.inv(material.matrix[:3, :3]).diagonal() for material in self.elasticity.materials]
-        return max(float(each[:2].max()) for each in compliances)
+        return max(float(compliance[:2].max()) for compliance in compliances)
 
     @property
     def hypothesis(self) -> str | None:
@@ -241,7 +243,7 @@ class Body(LinearBody):
     def _springs(self) -> sp.csc_array:
         """Stiffness of the springs on the displacements at nodes."""
         none = sp.csc_array((2 * self.space.n_nodes, 2 * self.space.n_nodes))
-        return sum((self.elasticity.spring_stiffness(each) for each in self.springs), none)
+        return sum((self.elasticity.spring_stiffness(spring) for spring in self.springs), none)
 
     @cached_property
     def condensed(self) -> CondensedMatrix:

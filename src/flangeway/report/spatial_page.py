@@ -135,9 +135,9 @@ def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
     parts = []
     for section, stresses in zip(run.sections, corners, strict=True):
         mesh = _mesh(section)
-        used, places = np.unique(mesh.cell_points, return_inverse=True)
+        used, of_corners = np.unique(mesh.cell_points, return_inverse=True)
         arrays = {name: values[:, None] for name, values in stresses.by_name.items()}
-        numbers: Ints = places.astype(np.int64)
+        numbers: Ints = of_corners.astype(np.int64)
         parts.append(ShownPart(section.body.name, mesh.apart(), arrays, places=numbers, n_rim_places=len(used)))
     fields = [ShownField(name, named(name)[0], "MPa", "Stresses", name, "value") for name in corners[0].by_name]
     patch = run.contact.patches[0]

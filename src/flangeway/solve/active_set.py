@@ -252,20 +252,20 @@ def solve(laws: Laws, solved: Callable[[Guess], Answer | None], forces: Floats) 
     answer: Answer | None = None
     errors: list[float] = []
     while len(errors) <= MIN_ROUNDS or errors[-1] < errors[-2]:
-        found = solved(guess)
-        if found is None:
+        solution = solved(guess)
+        if solution is None:
             return None
-        following, projected = laws.guess(found), laws.projected(found)
-        error = float(np.abs(projected - found.forces).max(initial=0.0))
+        following, projected = laws.guess(solution), laws.projected(solution)
+        error = float(np.abs(projected - solution.forces).max(initial=0.0))
         if following.same_as(guess, laws):
-            return found
-        if error <= ROUND_OFF * float(np.abs(found.forces).max(initial=0.0)) and not laws.barred:
-            return found._replace(forces=projected)
-        before = answer or found
+            return solution
+        if error <= ROUND_OFF * float(np.abs(solution.forces).max(initial=0.0)) and not laws.barred:
+            return solution._replace(forces=projected)
+        before = answer or solution
         for part in (*0.5 ** np.arange(MAX_HALVINGS), 1.0):
-            tried = found._replace(
-                forces=before.forces + part * (found.forces - before.forces),
-                slacks=before.slacks + part * (found.slacks - before.slacks),
+            tried = solution._replace(
+                forces=before.forces + part * (solution.forces - before.forces),
+                slacks=before.slacks + part * (solution.slacks - before.slacks),
             )
             if laws.error(tried) < max(errors[-MEMORY:], default=np.inf):
                 break

@@ -86,7 +86,7 @@ class Handle:
 
     def __post_init__(self) -> None:
         parts = tuple(self.parts) if isinstance(self.parts, Sequence) else ()
-        if not parts or len(set(parts)) < len(parts) or not all(isinstance(each, Part) for each in parts):
+        if not parts or len(set(parts)) < len(parts) or not all(isinstance(part, Part) for part in parts):
             raise InputError(f"Handle(parts={short(self.parts)})", "one or more parts, each once", "write (part,)")
         check_kind("Handle", "turns", self.turns, bool | np.bool_, "True or False", "choose one")
         if self.soft_motions not in get_args(SoftMotions):

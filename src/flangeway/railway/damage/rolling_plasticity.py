@@ -188,7 +188,7 @@ class RollingLine:
         lags = width * np.arange(-columns, columns + 1)
         below = np.geomspace(self._edges[-1] + width, FAR, 2 + int(8 * np.log2(FAR)))
         edges = np.concatenate((self._edges, below))
-        spectrum = np.stack([_layer_response(each, edges, n_z, self.steel.poisson) for each in q])
+        spectrum = np.stack([_layer_response(wavenumber, edges, n_z, self.steel.poisson) for wavenumber in q])
         # means over cells of what is constant in cells
         weights = np.where(waves == 0, 1.0, 2.0) * np.sinc(q * width / (2.0 * np.pi)) ** 2 * width / window
         total = (np.exp(1j * np.outer(lags, q)) * weights) @ spectrum.reshape(len(q), -1)
@@ -205,8 +205,8 @@ class RollingLine:
         first = (columns - n_x) // 2  # column of the window at which the layer's cells begin
         i, j = np.arange(n_x)[:, None], np.arange(n_x)[None, :]
         last = columns - 1 - first  # the end of the window, in numbers of the layer's columns
-        found = sums[columns + last - i] - sums[columns + j - i - 1]
-        return np.moveaxis(found, 1, 3)
+        behind = sums[columns + last - i] - sums[columns + j - i - 1]
+        return np.moveaxis(behind, 1, 3)
 
     def residual_of(self, strain: Floats) -> Floats:
         """Residual stresses xx and yy over k by plastic strains (n_z, 3) that depend on the depth, (n_z, 2)."""
@@ -343,14 +343,14 @@ def _layer_response(q: float, edges: Floats, n_z: int, poisson: float) -> NDArra
     stress = np.zeros((n_z, 4, n_z, 4), dtype=np.complex128)
     for i, (rows, mean) in enumerate(means):
         strain = np.einsum("si,ijt->sjt", mean, moved[rows])
-        found = np.einsum("st,tjk->sjk", stiffness, strain)
-        stress[i, 0, :, [0, 1]], stress[i, 1, :, [0, 1]] = (found[s][:, :2].T for s in (0, 1))
+        response = np.einsum("st,tjk->sjk", stiffness, strain)
+        stress[i, 0, :, [0, 1]], stress[i, 1, :, [0, 1]] = (response[s][:, :2].T for s in (0, 1))
         stress[i, 2, :, [0, 1]] = lame * (strain[0] + strain[1])[:, :2].T
         # shear strains enter as i gamma, shear stress leaves as -i tau
-        stress[i, :2, :, 3] = 1j * found[:2, :, 2]
+        stress[i, :2, :, 3] = 1j * response[:2, :, 2]
         stress[i, 2, :, 3] = 1j * lame * (strain[0] + strain[1])[:, 2]
-        stress[i, 3, :, [0, 1]] = -1j * found[2][:, :2].T
-        stress[i, 3, :, 3] = found[2, :, 2]
+        stress[i, 3, :, [0, 1]] = -1j * response[2][:, :2].T
+        stress[i, 3, :, 3] = response[2, :, 2]
     own = np.diag([2.0, 2.0, 2.0, 1.0])
     for i in range(n_z):
         stress[i, :, i] -= own

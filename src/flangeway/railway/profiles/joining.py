@@ -115,10 +115,10 @@ def _renamed(outline: Outline, names: dict[int, str], other: str) -> Outline:
     return Outline.from_segments(outline.segments, [names.get(i, other) for i in range(outline.n_segments)])
 
 
-def point_at(outline: Outline, place: float) -> Point:
+def point_at(outline: Outline, length: float) -> Point:
     """Return the point at a length along an outline."""
-    i = int(outline.numbers_at(np.array(place)))
-    return as_point(outline.segments[i].point((place - outline.offsets[i]) / outline.segments[i].length)[0])
+    i = int(outline.numbers_at(np.array(length)))
+    return as_point(outline.segments[i].point((length - outline.offsets[i]) / outline.segments[i].length)[0])
 
 
 def pieces_between(outline: Contour, first: float, last: float) -> list[tuple[str, Segment]]:
@@ -553,7 +553,7 @@ def _joints(
     names = ("transition_field", "transition_gauge") if is_rail else ("transition_back", "transition_rim")
     limits = (MAX_GAP_MM, MAX_GAP_MM if is_rail else MAX_RIM_GAP_MM)
     total = float(nominal.outline.offsets[-1])
-    places, joints = [], []
+    lengths, joints = [], []
     for i, (end, sense) in enumerate(zip(surface.ends, (-1.0, 1.0), strict=True)):
         foot_place = float(nominal.outline.lengths_at([end])[0])
         foot = point_at(nominal.outline, foot_place % total)
@@ -573,18 +573,18 @@ def _joints(
                 + ("" if is_rail else ", and the tape line: --tape"),
             )
         blend = min(max(MIN_BLEND_MM, BLEND_FACTOR * gap), MAX_BLEND_MM)
-        place = (foot_place + sense * blend) % total
-        places.append(place)
-        joints.append(Joint(end, foot, point_at(nominal.outline, place), gap, names[i]))
-    return places, (joints[0], joints[1])
+        length = (foot_place + sense * blend) % total
+        lengths.append(length)
+        joints.append(Joint(end, foot, point_at(nominal.outline, length), gap, names[i]))
+    return lengths, (joints[0], joints[1])
 
 
 def _closed(
     surface: Contour, nominal: RailProfile | WheelProfile, where: Callable[[Point], str]
 ) -> tuple[Outline, tuple[Joint, Joint]]:
     """Return the outline of the measured surface, both transitions, and the remainder of the nominal outline."""
-    places, joints = _joints(surface, nominal, where)
-    others = pieces_between(nominal.outline, places[1], places[0])
+    lengths, joints = _joints(surface, nominal, where)
+    others = pieces_between(nominal.outline, lengths[1], lengths[0])
     chain: list[tuple[str, Segment]] = [
         (joints[0].name, Line(joints[0].landing, joints[0].end)),
         *((MEASURED, segment) for segment in surface.segments),

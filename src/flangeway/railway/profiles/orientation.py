@@ -196,8 +196,8 @@ def crossings(points: FloatArray, level: float, axis: int = 1) -> FloatArray:
     above = points[:, axis] > level
     passed = np.flatnonzero(above[1:] != above[:-1])
     first, step = points[passed], np.diff(points, axis=0)[passed]
-    places: FloatArray = first[:, 1 - axis] + (level - first[:, axis]) / step[:, axis] * step[:, 1 - axis]
-    return places
+    positions: FloatArray = first[:, 1 - axis] + (level - first[:, axis]) / step[:, axis] * step[:, 1 - axis]
+    return positions
 
 
 def _first_x(points: FloatArray, level: float) -> float | None:

@@ -141,9 +141,9 @@ def _merged(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[s
 def _starts(points: FloatArray, reach_mm: float) -> Ints:
     """Numbers of the points (n, 2) that are at least a distance from the start before them."""
     starts = [0]
-    places = points.tolist()
-    for number, place in enumerate(places):
-        if math.dist(place, places[starts[-1]]) >= reach_mm:
+    rows = points.tolist()
+    for number, point in enumerate(rows):
+        if math.dist(point, rows[starts[-1]]) >= reach_mm:
             starts.append(number)
     return np.array(starts, dtype=np.int64)
 
@@ -217,11 +217,11 @@ def _without_folds(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines,
             )
     if not dropped:
         return points, lines, []
-    place = sentence("line {} at {:.6g mm}", lines[dropped[0]], tuple(points[dropped[0]]))
+    location = sentence("line {} at {:.6g mm}", lines[dropped[0]], tuple(points[dropped[0]]))
     return (
         points[kept],
         lines[kept],
-        [sentence("{} of {} points that go back are left out, the first in {}.", len(dropped), len(points), place)],
+        [sentence("{} of {} points that go back are left out, the first in {}.", len(dropped), len(points), location)],
     )
 
 

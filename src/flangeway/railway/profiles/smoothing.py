@@ -107,13 +107,13 @@ def noise_um(points: FloatArray) -> float:
     not moved by corners or single bad points. Noise that neighbours share is not seen.
     """
     s = chain_lengths(points)
-    places = np.arange(2, len(points) - 2)[:, None] + np.arange(-2, 3)
-    local = s[places]
+    rows = np.arange(2, len(points) - 2)[:, None] + np.arange(-2, 3)
+    local = s[rows]
     gaps = local[:, :, None] - local[:, None, :] + np.eye(5)
     weights = 1.0 / gaps.prod(axis=2)
     weights /= np.sqrt((weights**2).sum(axis=1))[:, None]
-    residuals = np.einsum("ij,ijk->ik", weights, points[places])
-    along = points[places[:, -1]] - points[places[:, 0]]
+    residuals = np.einsum("ij,ijk->ik", weights, points[rows])
+    along = points[rows[:, -1]] - points[rows[:, 0]]
     across = cross_product(residuals, along)
     return 1.4826e3 * float(np.median(np.abs(across / norms(along))))
 

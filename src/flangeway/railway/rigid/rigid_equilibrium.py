@@ -212,9 +212,9 @@ def _candidates(derivative: Floats) -> list[_Candidate]:
         if (end - start) * PATH_STEP_MM >= NEUTRAL_MM
     ]
     rising = derivative >= 0.0
-    for place in np.flatnonzero(rising[1:] != rising[:-1]).tolist():
-        if all(place + 1 < candidate.first or place > candidate.last for candidate in candidates if candidate.neutral):
-            candidates.append(_Candidate(place, place + 1, bool(rising[place + 1]), False))
+    for row in np.flatnonzero(rising[1:] != rising[:-1]).tolist():
+        if all(row + 1 < candidate.first or row > candidate.last for candidate in candidates if candidate.neutral):
+            candidates.append(_Candidate(row, row + 1, bool(rising[row + 1]), False))
     return sorted(candidates)
 
 

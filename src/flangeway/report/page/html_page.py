@@ -65,7 +65,7 @@ def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any
 
 def given_inputs(case: Case, first: Sequence[str]) -> dict[str, str]:
     """Return values by meanings of some inputs, and of those that are not the defaults; without those inside tables."""
-    fields, given = type(case).model_fields, {}
+    fields, given = type(case).described_fields(), {}
     changed = [key for key, field in fields.items() if getattr(case, key) != field.default]
     for key in dict.fromkeys([*first, *changed]):
         if key in OF_REPORT or table_in(fields[key].annotation) is not None:
@@ -102,7 +102,7 @@ def case_text(case: RunnableCase) -> str:
 
 def inputs_tables(case: Case) -> list[SummaryTable]:
     """Inputs for the page: plain ones with their meanings, and those inside tables that are set, table by table."""
-    fields = type(case).model_fields
+    fields = type(case).described_fields()
     plain = {key: value for key, value in case.model_dump().items() if table_in(fields[key].annotation) is None}
     meanings = [fields[key].description or "" for key in plain]
     if case.units == "us":
