@@ -20,10 +20,10 @@ from flangeway.geometry.arrays import chain_lengths
 from flangeway.materials import Elastic
 from flangeway.problems.harmonic import Harmonic, at_wavenumber
 from flangeway.solve.linear import cholesky
-from flangeway.space import InnerUnknowns, SymmetricMatrix
+from flangeway.space import InnerUnknowns, Space, SymmetricMatrix
 from flangeway.system.disk_cache import Arrays, Cache, cached
 from flangeway.system.memory_limits import memory_left, refuse_beyond_memory
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Bools, Floats, Ints, Progress
 
 # --- Influence among cells of a surface, as if there were half-spaces between each two of them.
 
@@ -135,6 +135,22 @@ class _CutMesh:
     inner: InnerUnknowns
     groups: NDArray[np.int32]
     scale: float
+
+
+def _depths(space: Space, nodes: Ints) -> Floats:
+    """Distances of degrees of freedom from the nearest of some nodes, (n_dofs,); inside a cell that of its last one."""
+    depths = np.empty(space.n_dofs)
+    depths[: space.n_nodes] = cKDTree(space.nodes[nodes]).query(space.nodes)[0]
+    for batch in space.batches():
+        outer = len(batch.dofs) - batch.element.n_interior()
+        depths[batch.dofs[outer:]] = depths[batch.dofs[:outer]].max(axis=0)
+    return depths
+
+
+def _cut_depths(depths: Floats, longest_edge: float) -> list[float]:
+    """Depths of the whole mesh and of those cut below a surface with a longest edge, falling."""
+    whole = float(depths.max())
+    return [whole, *(share * whole for share in CUTS if share * whole >= MIN_EDGES * longest_edge)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,17 +288,12 @@ class SurfaceCells:
         """The whole mesh, then those cut nearer and nearer to the cells."""
         space = self.problem.elasticity.space
         nodes, loads = self.nodes_and_loads
-        depths = np.empty(space.n_dofs)
-        depths[: space.n_nodes] = cKDTree(space.nodes[nodes]).query(space.nodes)[0]
-        for batch in space.batches():
-            outer = len(batch.dofs) - batch.element.n_interior()
-            depths[batch.dofs[outer:]] = depths[batch.dofs[:outer]].max(axis=0)
+        depths = _depths(space, nodes)
         unknowns = (3 * nodes[:, None] + np.arange(3)).ravel()
         rows, columns = np.nonzero(loads)
         entries = loads[rows, columns], (columns, unknowns[rows])
         border = sp.csc_array(sp.coo_array(entries, shape=(loads.shape[1], 3 * space.n_dofs)))
-        whole, free = float(depths.max()), self.problem.free(1.0)
-        at = [whole, *(share * whole for share in CUTS if share * whole >= MIN_EDGES * self.longest_edge)]
+        free, at = self.problem.free(1.0), _cut_depths(depths, self.longest_edge)
         return tuple(self._cut(depth, (free & (depths <= depth)[:, None]).ravel(), border) for depth in at)
 
     def _cut(self, depth: float, kept: Bools, border: sp.csc_array) -> _CutMesh:
@@ -467,7 +478,7 @@ def compliance_table(
     least: float,
     maximum: float,
     tolerance: float = 1e-4,
-    progress: Callable[[str], None] = lambda _: None,
+    progress: Progress = lambda _: None,
     cache: Cache | None = None,
 ) -> ComplianceTable:
     """Compliance at as many wavenumbers as the interpolation between them needs.
@@ -508,9 +519,7 @@ def compliance_table(
     return ComplianceTable(cells, table["wavenumbers"], table["values"], float(table["error"]))
 
 
-def _computed(
-    cells: SurfaceCells, least: float, maximum: float, tolerance: float, progress: Callable[[str], None]
-) -> Arrays:
+def _computed(cells: SurfaceCells, least: float, maximum: float, tolerance: float, progress: Progress) -> Arrays:
     count = max(int(np.ceil(PER_DECADE * np.log10(maximum / least))), 3) + 1
     size = 8 * (3 * cells.n_cells) ** 2
     refuse_beyond_memory(f"the compliance of {cells.n_cells} cells at {2 * count} wavenumbers", 6 * count * size)
@@ -579,20 +588,31 @@ WAVES_PER_DECADE = 8
 """Wavenumbers for each decade; twice as many change no stress by more than 1e-3 of the maximum pressure."""
 
 
-def amplitudes(problem: Harmonic, wavenumbers: Floats, rhs: Floats) -> Iterator[Floats]:
-    """Amplitudes (3 n_dofs, m) at each wavenumber, by loads (3 n_dofs, n_k, m), or (3 n_dofs, 1, m) at all of them."""
-    free = problem.free(1.0).ravel()
-    parts = [part.restricted(free) for part in problem.parts]
-    groups = (np.flatnonzero(free) // 3).astype(np.int32)
-    loads = np.broadcast_to(rhs[free], (int(free.sum()), len(wavenumbers), rhs.shape[2]))
+def amplitudes(
+    problem: Harmonic, wavenumbers: Floats, rhs: Floats, depths: Floats | None = None, cuts: Sequence[float] = (np.inf,)
+) -> Iterator[Floats]:
+    """Amplitudes (3 n_dofs, m) at each wavenumber, by loads (3 n_dofs, n_k, m), or (3 n_dofs, 1, m) at all of them.
+
+    - `depths`: of the degrees of freedom below the loads, (n_dofs,), zero if left out.
+    - `cuts`: depths that the mesh may be cut off at, falling, the first one of the whole mesh: below, a wave that is
+      short over the depth moves nothing.
+    """
+    free, depths = problem.free(1.0), np.zeros(len(rhs) // 3) if depths is None else depths
+    kept = {cut: (free & (depths <= cut)[:, None]).ravel() for cut in cuts}
+    parts = {cut: [part.restricted(inside) for part in problem.parts] for cut, inside in kept.items()}
+    groups = {cut: (np.flatnonzero(inside) // 3).astype(np.int32) for cut, inside in kept.items()}
+    n_workers = n_threads()
+    left = memory_left() // n_workers
 
     def answer(number: int) -> Floats:
-        displacements = np.zeros((len(free), rhs.shape[2]))
-        factor = cholesky(at_wavenumber(parts, wavenumbers[number]), groups)
-        displacements[free] = factor.solve(np.ascontiguousarray(loads[:, number]))
+        wavenumber = wavenumbers[number]
+        cut = min([cuts[0], *(depth for depth in cuts if wavenumber * depth >= WAVE_DEPTH)])
+        displacements = np.zeros((len(rhs), rhs.shape[2]))
+        factor = cholesky(at_wavenumber(parts[cut], wavenumber), groups[cut], max_bytes=left)
+        displacements[kept[cut]] = factor.solve(rhs[kept[cut], number if rhs.shape[1] > 1 else 0])
         return displacements
 
-    with ThreadPoolExecutor(n_threads()) as pool:
+    with ThreadPoolExecutor(n_workers) as pool:
         yield from pool.map(answer, range(len(wavenumbers)))
 
 
@@ -674,9 +694,11 @@ def wave_sums(
         unknowns, loads = strip_forces.at_waves(wavenumbers)
         rhs[unknowns, :, first + 2 * number : first + 2 * number + 2] = loads
     sums = np.zeros((len(loaded), 2, len(others), 2))
-    for i, (k, displacements) in enumerate(
-        zip(wavenumbers.tolist(), amplitudes(problem, wavenumbers, rhs), strict=True)
-    ):
+    nodes = np.concatenate([strip_forces.cells.nodes_and_loads[0] for strip_forces in loaded])
+    depths = _depths(problem.elasticity.space, nodes)
+    cuts = _cut_depths(depths, max(strip_forces.cells.longest_edge for strip_forces in loaded))
+    by_wave = amplitudes(problem, wavenumbers, rhs, depths, cuts)
+    for i, (k, displacements) in enumerate(zip(wavenumbers.tolist(), by_wave, strict=True)):
         by_others = displacements[:, :first]
         for number in range(len(loaded)):
             moved = displacements[:, first + 2 * number : first + 2 * number + 2]

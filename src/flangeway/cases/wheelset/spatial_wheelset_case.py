@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.case import ElementOrder, NotNegative, Positive, Progress, RunnableCase
+from flangeway.cases.case import ElementOrder, NotNegative, Positive, RunnableCase
 from flangeway.cases.patch_quantities import MAX_FRICTION, FrictionCoefficient, FrictionInputs
 from flangeway.cases.wheelset.wheelset_case import WheelsetRun, WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import ROLLING_KEYS, WheelsetInputs, profile_notes
@@ -36,6 +36,7 @@ from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc
 from flangeway.results import sentence
 from flangeway.system.disk_cache import Cache
 from flangeway.system.file_content import number_table
+from flangeway.types import Progress
 
 # ruff: noqa: N815 (units in names)
 

@@ -309,8 +309,8 @@ def _line(role: Role, name: str, label: str, number: int) -> Quantities[PlanePat
     """A stress on the normal below a plane contact, and its depth."""
     key = f"in_{role}_{name}"
     return (
-        Quantity(key, f"{label} in the {role}", lambda p: p.below[role][number].value_MPa, "MPa", ".0f"),
-        Quantity(f"{key}_depth", "  at the depth", lambda p: p.below[role][number].depth_mm, "mm", ".2f"),
+        Quantity(key, f"{label} in the {role}", f"below.{role}.{number}.value_MPa", "MPa", ".0f"),
+        Quantity(f"{key}_depth", "  at the depth", f"below.{role}.{number}.depth_mm", "mm", ".2f"),
     )
 
 
