@@ -18,7 +18,7 @@ from flangeway.railway.wheelset.running_surfaces import running_cells
 from flangeway.railway.wheelset.side_contact import tangents_of, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.supported_rail import (
-    SPREAD_FRACTION,
+    SPREAD,
     WAVENUMBERS,
     RailSupport,
     SupportedRail,
@@ -162,10 +162,10 @@ def _sleepers(
     loads[nodes] = modes
     flat = loads.reshape(-1, 3)
     low = wavenumbers[wavenumbers <= WAVENUMBERS[1]]
-    kept = np.diag(1.0 / ((1.0 - SPREAD_FRACTION) * support.per_length))
+    kept = np.diag(1.0 / ((1.0 - SPREAD) * support.per_length))
 
     def of(cut: _Cut) -> Callable[[int, Floats], Floats]:
-        of_seats = (1.0 - SPREAD_FRACTION) * result.rails[cut.side].reactions
+        of_seats = (1.0 - SPREAD) * result.rails[cut.side].reactions
         apart = cut.z - support.sleepers_mm
         seats = np.stack(
             [weights.T @ of_seats for weights in weights_at(low, apart, support.pad_length_mm, 1)], axis=-1
