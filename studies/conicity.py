@@ -65,7 +65,7 @@ def rows(run: Run) -> Iterator[Row]:
         yield Row("EN 15302, K", code, quantity, "", worst, 0.0, 1.0, note)
         for at in np.flatnonzero(np.isin(amplitudes, SHOWN_MM)):
             limit = Limit(f"{tolerances[at]:g}", abs(conicity[at] - known[at]) <= tolerances[at])
-            place = f"{code}, {amplitudes[at]:g} mm"
-            yield Row("EN 15302, K", place, "conicity", "", conicity[at], known[at], limit)
+            location = f"{code}, {amplitudes[at]:g} mm"
+            yield Row("EN 15302, K", location, "conicity", "", conicity[at], known[at], limit)
         run.curve("conicity", code, "EN 15302", amplitudes, known, ".")
         run.curve("conicity", code, "computed", amplitudes, conicity)

@@ -81,19 +81,19 @@ def patch_test(sides: tuple[str, str], level: int, keys: Mapping[str, Any], *, m
         size = WIDTH / n_edges * (1.0 + 1e-6)
         values |= {f"{box}_method": method, f"{box}_order": order, f"{box}_size_mm": size}
     case = ContactPatchCase.from_values({**values, **keys})
-    found = case.run()
-    assert found.contact is not None
+    run = case.run()
+    assert run.contact is not None
     compliance = 2.0 * HEIGHT / STEEL.plane_modulus
     if case.enforcement == "penalty" and case.pairing != "node-to-segment":
         compliance += 1.0 / PENALTY
     expected = APPROACH / compliance
-    fields = [found.bodies[name].field for name in ("upper", "lower")]
-    stresses = np.vstack([corner_stresses(each.problem, each.displacements).components[:, :3] for each in fields])
-    vertical, pressures = stresses[:, 1], largest_patch(found.contact)[1].pressures / expected
-    contact = found.contact.system.contacts[0]
+    fields = [run.bodies[name].field for name in ("upper", "lower")]
+    stresses = np.vstack([corner_stresses(field.problem, field.displacements).components[:, :3] for field in fields])
+    vertical, pressures = stresses[:, 1], largest_patch(run.contact)[1].pressures / expected
+    contact = run.contact.system.contacts[0]
     incomplete = len(pressures) < len(contact.pairing.key_nodes(contact.secondary))
     return PatchTest(
-        found.contact,
+        run.contact,
         (vertical.min(), vertical.max()),
         max(float(np.abs(pressures - 1.0).max()), float(incomplete)),
         np.abs(stresses - [0.0, -expected, 0.0]).max() / expected,

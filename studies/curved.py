@@ -128,9 +128,9 @@ def pressures(order: int, triangles: int, *, on_curves: bool) -> tuple[float, fl
         near = (np.abs(ends[..., 0]) < CANDIDATES).all(axis=1) & (ends[..., 1] < 0.5).all(axis=1)
         surfaces.append(Surface(parts[-1], edges[near], curve))
     contact = Contact(surfaces[0], surfaces[1], SegmentToSegment(weighting="dual"), Multiplier())
-    found = press([contact], motion={parts[0]: Placement(0.0, (0.0, -DEPTH))})
-    theory = LineContact(float(found.forces[0, 1]), 1.0, STEEL.plane_modulus / 2.0)
-    (patch,) = pressure_patches(found.system, found.state)
+    solution = press([contact], motion={parts[0]: Placement(0.0, (0.0, -DEPTH))})
+    theory = LineContact(float(solution.forces[0, 1]), 1.0, STEEL.plane_modulus / 2.0)
+    (patch,) = pressure_patches(solution.system, solution.state)
     x, values = patch.points[:, 0], patch.pressures
     within = INSIDE * theory.half_width
     apart = values - np.interp(x, (x[:-2] + x[2:]) / 2.0, (values[:-2] + values[2:]) / 2.0)
@@ -146,10 +146,10 @@ def rows(run: Run) -> Iterator[Row]:
         levels = (4, 8) if body == "torsion" else LEVELS[1:] if element.order == 2 else LEVELS[:-1]
         errors: dict[bool, list[float]] = {}
         for on_curves, label in ((True, "curved edges"), (False, "chords")):
-            found = [solved(body, element, level, on_curves=on_curves) for level in levels]
-            errors[on_curves] = [error for error, _ in found]
+            solutions = [solved(body, element, level, on_curves=on_curves) for level in levels]
+            errors[on_curves] = [error for error, _ in solutions]
             if body == "Kirsch" and on_curves and name[0] == "V":
-                peaks[name] = found[levels.index(PEAK_LEVEL)][1]
+                peaks[name] = solutions[levels.index(PEAK_LEVEL)][1]
             if name[0] == "V":
                 style = "o-" if on_curves else "s--"
                 run.curve("errors", body, f"order {name[1]}, {label}", levels, errors[on_curves], style)

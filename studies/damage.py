@@ -111,8 +111,8 @@ def fatigue_rows() -> Iterator[Row]:
         ("alternating tension", (tension, none, none, none, none, none), 50.0 + slope * 100.0 / 3.0),
         ("turning shear", (none, none, none, shear, 100.0 * np.sin(angles), none), 100.0),
     ):
-        found = DangVan(200.0, slope).of(np.stack(history, axis=1)[None]).equivalent_MPa[0]
-        yield Row("Dang Van", code, "equivalent stress", "MPa", found, exact, 1e-4)
+        equivalent = DangVan(200.0, slope).of(np.stack(history, axis=1)[None]).equivalent_MPa[0]
+        yield Row("Dang Van", code, "equivalent stress", "MPa", equivalent, exact, 1e-4)
 
 
 def rolling_rows(run: Run) -> Iterator[Row]:
@@ -146,15 +146,15 @@ def twin_disc_rows(run: Run) -> Iterator[Row]:
     for slip, heat in TWIN_DISC_W.items():
         if slip == FULL_SLIP:
             continue
-        found = roll(contact, Creepages(0.01 * slip))
-        run.check(f"twin discs, {slip:g} %", found.status)
+        rolling = roll(contact, Creepages(0.01 * slip))
+        run.check(f"twin discs, {slip:g} %", rolling.status)
         limit = None if slip < 0.5 else 0.35 if slip < 3.0 else 0.12
         note = (
             f"friction {friction:.2f}, measured at {FULL_SLIP:g} %"
             if slip > 1.0
             else "rough discs slip more than smooth ones"
         )
-        watts = found.t_gamma * force / contact.force * speed
+        watts = rolling.t_gamma * force / contact.force * speed
         yield Row(
             "Lewis and Dwyer-Joyce (2004)", f"slip {slip:g} %", "heat of twin discs", "W", watts, heat, limit, note
         )

@@ -155,8 +155,8 @@ def _kirsch_rows() -> Iterator[Row]:
         solution, code = solve_elasticity(problem), f"{letter}O2"
         top, side = problem.node_at((0.0, 1.0)), problem.node_at((1.0, 0.0))
         stresses = recovered_stresses(solution).nodal.components
-        for place, exact, stress in (("xx above", 3.0, stresses[top, 0]), ("yy beside", -1.0, stresses[side, 1])):
-            quantity = f"stress {place} the hole over the tension"
+        for location, exact, stress in (("xx above", 3.0, stresses[top, 0]), ("yy beside", -1.0, stresses[side, 1])):
+            quantity = f"stress {location} the hole over the tension"
             ratio = stress / PLATE.tension
             yield Row("Kirsch", code, quantity, "1", ratio, exact, KIRSCH_LIMIT, "closed form")
         exact = PLATE.displacements(np.array([[1.0, 0.0]]), MATERIAL.shear_modulus, 3.0 - 4.0 * POISSON)[0, 0]

@@ -155,9 +155,9 @@ def at_least(table: str, code: str, quantity: str, rate: float, optimal: float) 
 
 def l2_error(space: Space, dofs: Values, exact: Function) -> float:
     """Relative error in L2."""
-    points, weights, found = Field(space, dofs).at_quadrature()
+    points, weights, values = Field(space, dofs).at_quadrature()
     wanted = exact(points)
-    return np.sqrt(weights @ np.abs(found.value - wanted) ** 2 / (weights @ np.abs(wanted) ** 2))
+    return np.sqrt(weights @ np.abs(values.value - wanted) ** 2 / (weights @ np.abs(wanted) ** 2))
 
 
 def bubble(p: Floats) -> Floats:
@@ -302,7 +302,7 @@ def clamped_frequency(degree: int = 12) -> float:
         bubble_ * np.polynomial.Polynomial(np.polynomial.legendre.leg2poly([0.0] * i + [1.0])) for i in range(degree)
     ]
     values, first, second = (np.array([f.deriv(d)(points) if d else f(points) for f in functions]) for d in (0, 1, 2))
-    g, g1, g2 = ((each * weights) @ each.T for each in (values, first, second))
+    g, g1, g2 = ((functions * weights) @ functions.T for functions in (values, first, second))
     energy = np.kron(g2, g) + np.kron(g, g2) + 2.0 * np.kron(g1, g1)
     # sides of two: lengths are half of the unit square's
     return 4.0 * np.sqrt(scipy.linalg.eigh(energy, np.kron(g, g), eigvals_only=True)[0])
@@ -334,10 +334,10 @@ def plates() -> Iterator[Row]:
                 miss = second - plate_curvature(points)
                 errors.append(np.sqrt(weights @ (miss**2).sum(axis=(1, 2))))
             weight, simply = plate.mass(), plate.boundary_dofs("simple")
-            found = np.sqrt(modes(plate, matrix, weight, 1, held)[0][0])
+            frequencies = np.sqrt(modes(plate, matrix, weight, 1, held)[0][0])
             code, limit = f"{kind}, order {order}", 0.03 if order == 2 else 5e-4
             yield at_least("plate", code, "order of the second derivatives", rate_of(errors, meshes), order - 1.0)
-            yield Row("plate", code, "frequency, clamped", "sqrt(D/m)", found, clamped, limit)
+            yield Row("plate", code, "frequency, clamped", "sqrt(D/m)", frequencies, clamped, limit)
             simple = np.sqrt(modes(plate, matrix, weight, 1, simply)[0][0])
             yield Row("plate", code, "frequency, simply supported", "sqrt(D/m)", simple, 2.0 * np.pi**2, limit)
             middle = plate.at_quadrature(solve(matrix, plate.load(1.0), simply), 4)[2].max()

@@ -90,13 +90,13 @@ def published_case(code: str, level: int, variant: str = "printed") -> HertzCase
     return HertzCase.from_values(values)
 
 
-def largest_patch(found: ContactSolution) -> tuple[Floats, PressurePatch]:
+def largest_patch(solution: ContactSolution) -> tuple[Floats, PressurePatch]:
     """Positions x of the loaded nodes before the deformation, shape (n,), and their pressures.
 
     By a second-order effect that Hertz's theory leaves out, the surface moves towards the middle (here by 1.1 %).
     """
-    patch = max(pressure_patches(found.system, found.state), key=lambda each: float(each.normal_forces.sum()))
-    secondary = found.system.contacts[0].secondary
+    patch = max(pressure_patches(solution.system, solution.state), key=lambda patch: float(patch.normal_forces.sum()))
+    secondary = solution.system.contacts[0].secondary
     return secondary.part.body.nodes[secondary.nodes[patch.nodes], 0], patch
 
 
@@ -133,16 +133,16 @@ def rows(run: Run) -> Iterator[Row]:
 
 def _rows(run: Run, code: str, level: int, variant: str) -> Iterator[Row]:
     case, name = published_case(code, level, variant), f"{code}M{level}"
-    found = case.run()
-    assert found.contact is not None
-    run.check(f"{name}, {VARIANTS[variant]}", found.contact.status)
-    force, stresses = found.contact.forces[0, 1], [body.stresses for body in found.bodies.values()]
+    hertz_run = case.run()
+    assert hertz_run.contact is not None
+    run.check(f"{name}, {VARIANTS[variant]}", hertz_run.contact.status)
+    force, stresses = hertz_run.contact.forces[0, 1], [body.stresses for body in hertz_run.bodies.values()]
     extremes = (
-        min(each.principal[:, 2].min() for each in stresses),
-        max(each.in_plane_shear.max() for each in stresses),
-        max(each.von_mises.max() for each in stresses),
+        min(stress.principal[:, 2].min() for stress in stresses),
+        max(stress.in_plane_shear.max() for stress in stresses),
+        max(stress.von_mises.max() for stress in stresses),
     )
-    x, patch = largest_patch(found.contact)
+    x, patch = largest_patch(hertz_run.contact)
     theory = case.theory(force)
     if level == FINE and variant != "printed" and code[3] == "2":
         # of node-to-segment contact over influence widths, half of the way to either neighbour (Figures 24 and 63)

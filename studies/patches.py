@@ -80,28 +80,28 @@ def hertz_rows(run: Run) -> Iterator[Row]:
         code = f"hertz_{RADIUS:g}_{RADIUS * ratio:g}"
         unit = PointContact(1e3, RADIUS, RADIUS * ratio, modulus)
         force = round(1e3 * (SEMI_AXIS / min(unit.semi_axes)) ** 3, -2)
-        found = press_patch(crowned("prism", RADIUS), crowned("cylinder", None, RADIUS * ratio), force=force)
-        run.check(code, found.status)
-        exact, patch = PointContact(force, RADIUS, RADIUS * ratio, modulus), found.patches[0]
-        correction = force * _block_constant(found, HERTZ_STEEL)
+        contact = press_patch(crowned("prism", RADIUS), crowned("cylinder", None, RADIUS * ratio), force=force)
+        run.check(code, contact.status)
+        exact, patch = PointContact(force, RADIUS, RADIUS * ratio, modulus), contact.patches[0]
+        correction = force * _block_constant(contact, HERTZ_STEEL)
         values = (
             (max(exact.semi_axes), patch.semi_axes[0]),
             (min(exact.semi_axes), patch.semi_axes[1]),
             (exact.max_pressure, patch.max_pressure),
-            (exact.approach, found.approach - correction),
+            (exact.approach, contact.approach - correction),
         )
         note = f"{force:g} N; the finite blocks add {correction:.4f} mm to the approach"
         for (name, limit), (wanted, value) in zip(LIMITS.items(), values, strict=True):
             yield Row("Hertz", code, name, name.rpartition("_")[2], value, wanted, limit, note)
 
 
-def _block_constant(found: PatchContact, material: Elastic) -> float:
+def _block_constant(contact: PatchContact, material: Elastic) -> float:
     """Displacement of both bodies by a unit force at the end of the window, less that of half-spaces."""
-    grid = found.pair.grid
+    grid = contact.pair.grid
     middle, last = len(grid.widths) // 2, grid.n_strips - 1
     exact = half_space_influence(material.young, material.poisson, grid.bounds, grid.strip, last + 1, (1,))
     total = sum(
-        float(table.influence(grid.strip, last + 1, axes=(1,))[last, middle, middle]) for table in found.pair.tables
+        float(table.influence(grid.strip, last + 1, axes=(1,))[last, middle, middle]) for table in contact.pair.tables
     )
     return total - 2.0 * float(exact[last, middle, middle])
 
@@ -123,9 +123,9 @@ def patch_body(
     """Mesh a body that is held at its sides ``held...`` and touched at ``surface...``."""
     mesh = triangulate(outline, size=sizes[1], refinements=[Refinement(zone, sizes[0], 0.3)])
     names = dict.fromkeys(outline.names)
-    touched, held = ([each for each in names if each.startswith(what)] for what in ("surface", "held"))
+    touched, held = ([name for name in names if name.startswith(what)] for what in ("surface", "held"))
     body = Elasticity(Space(mesh, Lagrange(2)), material, name=name)
-    edges = np.vstack([mesh.edge_set(each) for each in touched]).astype(np.int64)
+    edges = np.vstack([mesh.edge_set(name) for name in touched]).astype(np.int64)
     return PatchBody(Harmonic(body, held=dict.fromkeys(held, "xyz")), edges, outline.part(touched), axis=axis)
 
 
@@ -139,9 +139,9 @@ def half_space_contact(gap: str) -> tuple[float, float, float]:
     along: Floats = CONFORMAL_CELL * (np.arange(n_strips, dtype=np.float64) - (n_strips - 1) / 2.0)
     single = half_space_influence(STEEL.young, STEEL.poisson, bounds, CONFORMAL_CELL, n_strips, (1,))
     gaps, shares = published_gaps(bounds, along, gap)
-    found = solve_normal(Convolution(2.0 * single), gaps, approach=CONFORMAL_APPROACH, share=shares)
-    pressures = found.forces / CONFORMAL_CELL**2
-    return found.forces.sum(), pressures.max(), (pressures > 0.0).sum() * CONFORMAL_CELL**2
+    contact = solve_normal(Convolution(2.0 * single), gaps, approach=CONFORMAL_APPROACH, share=shares)
+    pressures = contact.forces / CONFORMAL_CELL**2
+    return contact.forces.sum(), pressures.max(), (pressures > 0.0).sum() * CONFORMAL_CELL**2
 
 
 def published_gaps(bounds: Floats, along: Floats, gap: str) -> tuple[Floats, Floats]:
@@ -158,11 +158,11 @@ def published_gaps(bounds: Floats, along: Floats, gap: str) -> tuple[Floats, Flo
         have. The wheel's is smaller on one side, where its surface is steeper.
 
     """
-    places = middles_of(bounds)
+    middles = middles_of(bounds)
     if gap == "parabolic":
-        across = places**2 * (1.0 / CONVEX - 1.0 / CONCAVE) / 2.0
-        return across[:, None] + along**2 * np.cos(ANGLE) / ROLLING / 2.0, np.ones((len(places), 1))
-    angles, apart = places / CONVEX, CONCAVE - CONVEX
+        across = middles**2 * (1.0 / CONVEX - 1.0 / CONCAVE) / 2.0
+        return across[:, None] + along**2 * np.cos(ANGLE) / ROLLING / 2.0, np.ones((len(middles), 1))
+    angles, apart = middles / CONVEX, CONCAVE - CONVEX
     # from the rail's centre; the wheel's is lower along the normal of the contact
     radii = np.sqrt(CONCAVE**2 - (apart * np.sin(angles)) ** 2) - apart * np.cos(angles)
     across, shares = (radii - CONVEX)[:, None], np.cos(angles)[:, None]
@@ -212,8 +212,8 @@ def conforming_blocks() -> tuple[PatchBody, PatchBody]:
         turn = -1.0 if upper else 1.0
         sine, height = turn * float(np.sin(half)), float(np.cos(half))
         right, left, inside, back = (
-            (x * each, each * height - radius)
-            for x, each in ((sine, radius), (-sine, radius), (-sine, held), (sine, held))
+            (x * distance, distance * height - radius)
+            for x, distance in ((sine, radius), (-sine, radius), (-sine, held), (sine, held))
         )
         top = Arc(right, left, centre, counter_clockwise=not upper)
         bottom = Arc(inside, back, centre, counter_clockwise=upper)
@@ -241,9 +241,9 @@ def conforming_rows(run: Run) -> Iterator[Row]:
     gaps, shares = published_gaps(grid.bounds - bodies.first.length / 2.0, grid.along, "half-space")
     total = published[code, "force"]
     trial = solve_normal(bodies.influence, gaps, force=total, share=shares)
-    found = solve_normal(bodies.influence, gaps, force=total**2 / trial.forces.sum(), share=shares)
+    contact = solve_normal(bodies.influence, gaps, force=total**2 / trial.forces.sum(), share=shares)
     cells = grid.widths[:, None] * grid.strip
-    values = (found.forces / cells).max(), ((found.forces > 0.0) * cells).sum()
+    values = (contact.forces / cells).max(), ((contact.forces > 0.0) * cells).sum()
     note = "by the real bodies at the published force; the published ones and their supports are not known"
     for name, value in zip(("p0", "area"), values, strict=True):
         yield Row("Conformal", code, name, units[name], value, published[code, name], BODIES_LIMITS[name], note)
@@ -256,12 +256,12 @@ def conforming_rows(run: Run) -> Iterator[Row]:
 def calculix(case: str, meshes: tuple[str, str]) -> dict[str, tuple[float, str]]:
     """What CalculiX found, extrapolated over the square of the elements' edges, and a note on it, by quantity."""
     values, ratio = published_values("spatial.csv", case), float(meshes[0]) / float(meshes[1])
-    found = {}
+    results = {}
     for name in dict.fromkeys(name for _, name in values):
         coarse, fine = (values[mesh, name] for mesh in meshes)
         note = f"by C3D20 of CalculiX, {fine:.6g} with edges of {meshes[1]} mm, extrapolated over their square"
-        found[name] = fine + (fine - coarse) / (ratio**2 - 1.0), note
-    return found
+        results[name] = fine + (fine - coarse) / (ratio**2 - 1.0), note
+    return results
 
 
 # --- A wheel S1002 on a rail 60E1: true profiles, cut to blocks, beside C3D20 of CalculiX.
@@ -285,14 +285,14 @@ LIMIT, PLACE = 0.02, 0.05
 def cut_surfaces() -> tuple[Contour, Contour, float]:
     """Surfaces of rail and wheel within the blocks, their first touch at the origin, and the height of the axle."""
     track, profile = Track(rail("60E1"), GAUGE, INCLINATION, gauge_depth_mm=GAUGE_DEPTH), wheel("S1002")
-    place = Placement(translation=(BACK_TO_BACK / 2.0 + profile.flange_back_mm + LATERAL, 0.0))
+    placement = Placement(translation=(BACK_TO_BACK / 2.0 + profile.flange_back_mm + LATERAL, 0.0))
     lower = track.rail.running_surface.transformed(track.placement("right"))
-    upper = profile.running_surface.transformed(place)
+    upper = profile.running_surface.transformed(placement)
     x = np.arange(lower.bounds()[0, 0] + 1.0, lower.bounds()[1, 0] - 1.0, 1e-3)
     low, high = heights(lower, x), heights(upper, x)
     first = int((high - low).argmin())
-    moves = [Placement(translation=(-x[first], -float(each[first]))) for each in (low, high)]
-    lower, upper = (_cut(each.transformed(move)) for each, move in zip((lower, upper), moves, strict=True))
+    moves = [Placement(translation=(-x[first], -float(heights_at[first]))) for heights_at in (low, high)]
+    lower, upper = (_cut(surface.transformed(move)) for surface, move in zip((lower, upper), moves, strict=True))
     return lower, upper, WHEEL_RADIUS - float(high[first])
 
 
@@ -305,8 +305,8 @@ def heights(surface: Contour, x: Floats) -> Floats:
 
 def _cut(surface: Contour) -> Contour:
     """The piece of a surface between -HALF and HALF."""
-    places = np.array([[x, heights(surface, np.array([x]))[0]] for x in (-HALF, HALF)])
-    segments = [segment for _, segment in pieces_between(surface, *sorted(surface.lengths_at(places).tolist()))]
+    points = np.array([[x, heights(surface, np.array([x]))[0]] for x in (-HALF, HALF)])
+    segments = [segment for _, segment in pieces_between(surface, *sorted(surface.lengths_at(points).tolist()))]
     return Contour.from_segments(segments, ["surface"] * len(segments))
 
 
@@ -331,15 +331,15 @@ def pressed_profiles() -> PatchContact:
     return press_patch(*bodies, force=calculix("profile", MESHES)["force"][0], grid=grid_about(*bodies, CELL, WINDOW))
 
 
-def profile_numbers(found: PatchContact) -> Iterator[Row]:
+def profile_numbers(contact: PatchContact) -> Iterator[Row]:
     """Maximum pressure, semi-axes, centre and approach beside CalculiX under the same force."""
-    (patch,), peer = found.patches, calculix("profile", MESHES)
+    (patch,), peer = contact.patches, calculix("profile", MESHES)
     values = {"p0": patch.max_pressure, "along": patch.semi_axes[0], "across": patch.semi_axes[1]}
     for name, value in values.items():
         exact, note = peer[name]
         yield Row("S1002 on 60E1", "blocks", name, "MPa" if name == "p0" else "mm", value, exact, LIMIT, note)
     note = f"under {peer['force'][0]:.0f} N"
-    yield Row("S1002 on 60E1", "blocks", "approach", "mm", found.contact.approach, APPROACH, LIMIT, note)
+    yield Row("S1002 on 60E1", "blocks", "approach", "mm", contact.contact.approach, APPROACH, LIMIT, note)
     centre = peer["x"][0], patch.centre[0]
     words, note = f"{PLACE:g} mm", "centre of pressure from first touch"
     yield Row("S1002 on 60E1", "blocks", "x", "mm", centre[1], centre[0], words, note)

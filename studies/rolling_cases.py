@@ -1,11 +1,11 @@
 """Rolling with friction on half-spaces beside closed forms, published numbers and the Manchester contact benchmark."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.exact_rolling import FIRST, STEADY, derivatives, roll
+from flangeway.contact.rolling.exact_rolling import FIRST_STEP_WEIGHTS, STEADY_WEIGHTS, derivatives, roll
 from flangeway.contact.rolling.fast_theories import fastrip, fastsim
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import STICKS, Creepages, Rolling, RollingContact
@@ -13,7 +13,7 @@ from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.railway.wheelset.rolling.patch_rolling import rolling_contact_of
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 from studies.study import Published, Row, Run, published_values
 from studies.wheelset3d_study import TABLE, BenchmarkPosition, PressedWheel, on_square_cells
 
@@ -43,15 +43,15 @@ class Energy:
     def __init__(self, run: Run) -> None:
         self.run, self.error, self.count = run, 0.0, 0
 
-    def check(self, name: str, found: Rolling) -> Rolling:
+    def check(self, name: str, rolling: Rolling) -> Rolling:
         """Note a state, which has to be converged."""
-        self.run.check(name, found.status)
-        if found.motion.rolls:
-            power = abs(found.motion.speed) * found.t_gamma
-            size = max(abs(power) + abs(found.rolling_power), MIN_POWER)
-            self.error = max(self.error, abs(found.frictional_power - power) / size)
+        self.run.check(name, rolling.status)
+        if rolling.motion.rolls:
+            power = abs(rolling.motion.speed) * rolling.t_gamma
+            size = max(abs(power) + abs(rolling.rolling_power), MIN_POWER)
+            self.error = max(self.error, abs(rolling.frictional_power - power) / size)
             self.count += 1
-        return found
+        return rolling
 
     def row(self) -> Row:
         """The row of the table."""
@@ -92,16 +92,16 @@ def plane_numbers(energy: Energy) -> Iterator[Row]:
     code = "0.00024"
     for n in PLANE_CELLS:
         contact = line(1.0, PEAK, n)
-        found = energy.check("Carter", roll(contact, Creepages(float(code))))
-        force = -found.along / (MU * contact.force)
-    stick = (found.states == STICKS).mean()
+        rolling = energy.check("Carter", roll(contact, Creepages(float(code))))
+        force = -rolling.along / (MU * contact.force)
+    stick = (rolling.states == STICKS).mean()
     note = f"{n} cells; the error falls with their number"
     yield Row("Carter", code, "force over its limit", "", force, exact[code, "force"], LINE_LIMIT, note)
     yield Row("Carter", code, "half width of stick", "a", stick, exact[code, "stick"], LINE_LIMIT, note)
     saturation = 2.0 * MU * PEAK * 2.0 * (1.0 - STEEL.poisson**2) / STEEL.young
     for part in (0.2, 0.6, 0.8):
-        found = energy.check("Carter", roll(contact, Creepages(part * saturation)))
-        force = -found.along / (MU * contact.force)
+        rolling = energy.check("Carter", roll(contact, Creepages(part * saturation)))
+        force = -rolling.along / (MU * contact.force)
         yield Row(
             "Carter",
             f"{part:g} of full slip",
@@ -116,8 +116,8 @@ def plane_numbers(energy: Energy) -> Iterator[Row]:
     contact = line(1.0, PEAK, n)
     for part in (0.25, 0.5, 0.75, 0.9):
         limit = MU * contact.force
-        found = energy.check("Cattaneo", roll(contact, Creepages(speed=0.0), force_along=-part * limit))
-        stick = (found.states == STICKS).mean()
+        rolling = energy.check("Cattaneo", roll(contact, Creepages(speed=0.0), force_along=-part * limit))
+        stick = (rolling.states == STICKS).mean()
         yield Row(
             "Cattaneo-Mindlin",
             f"cylinders, {part:g} of full slip",
@@ -138,20 +138,20 @@ def sphere_numbers(energy: Energy) -> Iterator[Row]:
     hertz = PointContact(force, radius, radius, modulus)
     a = hertz.semi_axes[0]
     shift = 3.0 * mu * force * (2.0 - 0.42) / (8.0 * 200.0 * a) * (1.0 - (1.0 - part) ** (2.0 / 3.0))
-    found = []
+    errors = []
     for n in SPHERES:
         contact = elliptic(a, a, force, (n, n), mu, (material, material))
         state = energy.check("spheres", roll(contact, Creepages(speed=0.0), force_along=-part * mu * force))
         stick = np.sqrt((state.states == STICKS).sum() / (state.states > 0).sum())
         # cells in the circle have not its area
         size = np.sqrt((contact.pressures > 0.0).sum() * contact.areas[0, 0] / np.pi)
-        found.append((state.motion.along * size / a, stick))
-    values = extrapolated(SPHERES, np.array(found))
+        errors.append((state.motion.along * size / a, stick))
+    values = extrapolated(SPHERES, np.array(errors))
     note = f"{len(SPHERES)} grids of {SPHERES[0]} to {SPHERES[-1]} cells across, extrapolated"
     yield Row("Cattaneo-Mindlin", "spheres, 0.875 of full slip", "shift", "mm", values[0], shift, POINT_LIMIT, note)
     note = f"{SPHERES[-1]} cells across: the square root of their share"
     yield Row(
-        "Cattaneo-Mindlin", "spheres, 0.875 of full slip", "radius of stick", "a", found[-1][1], 0.5, POINT_LIMIT, note
+        "Cattaneo-Mindlin", "spheres, 0.875 of full slip", "radius of stick", "a", errors[-1][1], 0.5, POINT_LIMIT, note
     )
     contact = elliptic(1.0, 1.0, 1000.0, (30, 30))
     limit = MU * contact.force
@@ -188,17 +188,17 @@ def coefficients(ratio: float, poisson: float, n: int) -> tuple[float, float, fl
     return (rates[0, 0] / area), (rates[1, 1] / area), (mixed / area**1.5), (rates[2, 2] / area**2)
 
 
-def coefficient_numbers(progress: Callable[[str], None]) -> Iterator[Row]:
+def coefficient_numbers(progress: Progress) -> Iterator[Row]:
     """Kalker's coefficients for five ellipses."""
     table = published("coefficients")
     for code in dict.fromkeys(code for code, _ in table):
         progress(f"creep coefficients at a/b = {code}")
-        found = np.array([coefficients(float(code), 0.25, n) for n in COEFFICIENT_CELLS])
-        best = extrapolated(COEFFICIENT_CELLS, found)
+        computed = np.array([coefficients(float(code), 0.25, n) for n in COEFFICIENT_CELLS])
+        best = extrapolated(COEFFICIENT_CELLS, computed)
         for number, (name, limit) in enumerate(COEFFICIENT_LIMITS.items()):
             exact = table[code, name]
             note = (
-                f"{found[-1, number]:.4g} on {COEFFICIENT_CELLS[-1]} cells across, extrapolated from "
+                f"{computed[-1, number]:.4g} on {COEFFICIENT_CELLS[-1]} cells across, extrapolated from "
                 f"{len(COEFFICIENT_CELLS)} grids; published with three digits"
             )
             yield Row("Creep coefficients", f"a/b={code}", name.upper(), "", best[number], exact, limit, note)
@@ -230,8 +230,8 @@ def contact_numbers(energy: Energy) -> Iterator[Row]:
     contact = elliptic(6.304, 12.61, 106700.0, (n, n), 0.33)
     for (code, theory), exact in published("curve").items():
         motion = Creepages(float(code))
-        found = energy.check(code, roll(contact, motion)) if theory == "exact" else fastsim(contact, motion)
-        value = found.along / (0.33 * contact.force)
+        rolling = energy.check(code, roll(contact, motion)) if theory == "exact" else fastsim(contact, motion)
+        value = rolling.along / (0.33 * contact.force)
         yield Row(
             "CONTACT" if theory == "exact" else theory,
             f"creepage {code}",
@@ -263,9 +263,9 @@ LEVER = f"a lever of the creep force below {MIN_LEVER_MM:g} mm"
 SCHEME = "differences of second order; CONTACT's error of first order is in the published number"
 BENT = "the bodies move the patch from the centre of the undeformed overlap, of which the moment is"
 VARIANTS = (
-    ("", "real", STEADY, None),
-    (" of half-spaces", "half_spaces", STEADY, None),
-    (" of half-spaces, CONTACT's cells and scheme", "half_spaces", FIRST, CELL_MM),
+    ("", "real", STEADY_WEIGHTS, None),
+    (" of half-spaces", "half_spaces", STEADY_WEIGHTS, None),
+    (" of half-spaces, CONTACT's cells and scheme", "half_spaces", FIRST_STEP_WEIGHTS, CELL_MM),
 )
 
 
@@ -283,15 +283,15 @@ def creep_numbers(position: BenchmarkPosition, energy: Energy) -> Iterator[Row]:
         pressed = pressed if cell is None else on_square_cells(pressed, cell)
         patch = SpatialPatch(pressed.side, pressed.state, pressed.patches[0])
         contact = rolling_contact_of(patch, Friction(MANCHESTER_MU), pressed.overlap[1:])
-        found = energy.check(f"{TABLE}, {position.code}", roll(contact, motion, differences=differences))
+        rolling = energy.check(f"{TABLE}, {position.code}", roll(contact, motion, differences=differences))
         wide = ""
         if patch.ellipse.semi_axes[0] > MAX_WIDTH_MM[name]:
             wide = WIDE_PATCH if patch.ellipse.semi_axes[0] > max(MAX_WIDTH_MM.values()) else BODIES
         steep = "" if position.comparable else "steep or divided contact"
         for quantity, key, unit, value in (
-            ("longitudinal creep force", "fx", "N", -found.along),
-            ("lateral creep force", "fs", "N", -found.across),
-            ("spin moment", "mn", "N mm", found.moment),
+            ("longitudinal creep force", "fx", "N", -rolling.along),
+            ("lateral creep force", "fs", "N", -rolling.across),
+            ("spin moment", "mn", "N mm", rolling.moment),
         ):
             small = moment = ""
             if unit == "N":

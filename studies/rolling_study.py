@@ -9,7 +9,7 @@ from scipy.special import k0e
 
 from flangeway.contact.patch.patch_contact import press_patch
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.exact_rolling import FIRST, creep_curve, derivatives, roll
+from flangeway.contact.rolling.exact_rolling import FIRST_STEP_WEIGHTS, creep_curve, derivatives, roll
 from flangeway.contact.rolling.fast_theories import fastrip, fastsim, linear_theory, polach
 from flangeway.contact.rolling.friction import Friction, Heat, Heating, SlopeReduction
 from flangeway.contact.rolling.rolling_contact import STICKS, Creepages, RollingContact
@@ -55,16 +55,16 @@ def body_numbers(energy: Energy) -> Iterator[Row]:
         ("lateral and spin", Creepages(0.0, 1e-3, 3e-4)),
         ("all", Creepages(1e-3, 1e-3, -5e-4)),
     ):
-        real, plain = (energy.check(f"bodies, {code}", roll(each, motion)) for each in (bodies, spaces))
+        real, plain = (energy.check(f"bodies, {code}", roll(pair, motion)) for pair in (bodies, spaces))
         for name in ("along", "across", "moment"):
             exact, value = getattr(plain, name) / limit, getattr(real, name) / limit
             if abs(exact) > 0.01:
                 yield Row("Bodies", code, name, "", value, exact, BODY_LIMIT, "on the bodies beside half-spaces")
     a, poisson = hertz.semi_axes[0], HERTZ_STEEL.poisson
     shear = HERTZ_STEEL.young / (2.0 + 2.0 * poisson)
-    rates = [-derivatives(roll(each, Creepages(1e-9))) for each in (spaces, bodies)]
+    rates = [-derivatives(roll(pair, Creepages(1e-9))) for pair in (spaces, bodies)]
     for name, row, column, power in (("C11", 0, 0, 2), ("C22", 1, 1, 2), ("C23", 2, 1, 3), ("C33", 2, 2, 4)):
-        exact, value = (each[row, column] / (shear * a**power) for each in rates)
+        exact, value = (rate[row, column] / (shear * a**power) for rate in rates)
         yield Row(
             "Bodies",
             "creep coefficients at a/b = 1",
@@ -104,8 +104,8 @@ def _pressed(crown: float, turning: float, semi_axis: float) -> tuple[RollingCon
     """A crowned prism below a cylinder across it under the force of Hertz's longer semi-axis, and Hertz's contact."""
     modulus = contact_modulus(HERTZ_STEEL.plane_modulus, HERTZ_STEEL.plane_modulus)
     force = 1e3 * (semi_axis / max(PointContact(1e3, crown, turning, modulus).semi_axes)) ** 3
-    found = press_patch(crowned("prism", crown), crowned("cylinder", None, turning), force=force)
-    return RollingContact.of_bodies(found, Friction(MU)), PointContact(force, crown, turning, modulus)
+    contact = press_patch(crowned("prism", crown), crowned("cylinder", None, turning), force=force)
+    return RollingContact.of_bodies(contact, Friction(MU)), PointContact(force, crown, turning, modulus)
 
 
 # --- Plane rollers of different materials, friction that falls, and the onset of rolling.
@@ -133,10 +133,12 @@ def free_numbers(energy: Energy) -> Iterator[Row]:
         ("aluminium on steel", (ALUMINIUM, STEEL), LOAD),
         ("steel on brass", (STEEL, BRASS), 100.0),
     ):
-        modulus = contact_modulus(*(each.plane_modulus for each in pair))
+        modulus = contact_modulus(*(material.plane_modulus for material in pair))
         hertz = LineContact(load, 1.0 / ROLLER_RADIUS, modulus).half_width
         # free surfaces of a half-space stretch by -(1 - 2 nu) p / (2 G) along, and 2 G = E / (1 + nu)
-        first, second = ((1.0 - 2.0 * each.poisson) * (1.0 + each.poisson) / each.young for each in pair)
+        first, second = (
+            (1.0 - 2.0 * material.poisson) * (1.0 + material.poisson) / material.young for material in pair
+        )
         slip = np.sqrt(1.0 - HALF_LOADED**2) * (first - second) * 2.0 * load / (np.pi * hertz)
         beta = (first - second) * modulus / 2.0  # Dundurs
         eta = np.arctanh(beta) / np.pi
@@ -144,10 +146,17 @@ def free_numbers(energy: Energy) -> Iterator[Row]:
         for mu, exact, a in ((SMOOTH, slip, hertz), (STICKING, 2.0 * eta * half / ROLLER_RADIUS, half)):
             # cells that end where the contact does
             contact = _rollers(pair, load, 4.0 * WIDE * a, 2.0 * a / FREE_CELLS, FREE_CELLS + FREE_CELLS // 5, mu)
-            found = energy.check(f"free rolling, {name}, mu = {mu:g}", roll(contact, Creepages(), force_along=0.0))
+            rolling = energy.check(f"free rolling, {name}, mu = {mu:g}", roll(contact, Creepages(), force_along=0.0))
             note = f"closed form; {FREE_CELLS} cells; {'everything slips' if mu == SMOOTH else 'nothing slips'}"
             yield Row(
-                "Free rolling", f"{name}, mu={mu:g}", "creepage", "", float(found.motion.along), exact, FREE_LIMIT, note
+                "Free rolling",
+                f"{name}, mu={mu:g}",
+                "creepage",
+                "",
+                float(rolling.motion.along),
+                exact,
+                FREE_LIMIT,
+                note,
             )
     width = (
         4.0
@@ -160,13 +169,15 @@ def free_numbers(energy: Energy) -> Iterator[Row]:
     for (code, _), exact in published("bentall").items():
         mu, part = map(float, code.split(" "))
         contact = replace(rollers, friction=Friction(mu))
-        found = energy.check(
+        rolling = energy.check(
             f"rollers, {code}",
-            roll(contact, Creepages(), force_along=part * mu * contact.force, differences=FIRST),
+            roll(contact, Creepages(), force_along=part * mu * contact.force, differences=FIRST_STEP_WEIGHTS),
         )
         words = f"force {part:g} of its limit" if part else "no force"
         note = f"CONTACT's cells and its differences of first order; {words}"
-        yield Row("Rollers", f"mu={mu:g}, {words}", "creepage", "", float(found.motion.along), exact, FREE_LIMIT, note)
+        yield Row(
+            "Rollers", f"mu={mu:g}, {words}", "creepage", "", float(rolling.motion.along), exact, FREE_LIMIT, note
+        )
 
 
 def _rollers(
@@ -184,13 +195,13 @@ def falling_numbers(energy: Energy) -> Iterator[Row]:
     grid = PatchGrid(np.array([-100.0, 100.0]), 0.1, 92)
     friction, gaps = Friction(0.3, 0.18, 100.0 / np.log(2.0)), grid.along[None] ** 2 / 920.0
     contact = RollingContact.of_half_spaces(grid, gaps, friction, (STEEL, STEEL), force=622216.0)
-    found = energy.check("falling friction", roll(contact, Creepages(-0.0009999, speed=45000.0)))
+    rolling = energy.check("falling friction", roll(contact, Creepages(-0.0009999, speed=45000.0)))
     yield Row(
         "CONTACT",
         "friction that falls with slip",
         "force over its limit",
         "",
-        found.along / (0.3 * contact.force),
+        rolling.along / (0.3 * contact.force),
         exact,
         COARSE_LIMIT,
         "81 cells along the patch",
@@ -204,15 +215,15 @@ def warm_numbers(energy: Energy) -> Iterator[Row]:
     # a band under even pressures, by whose speed everything slips
     grid = PatchGrid(WIDE * np.array([-1.0, 1.0]), 2.0 * BAND / (4 * n), 4 * n)
     contact = RollingContact.between_half_spaces(grid, np.full((1, 4 * n), 500.0), warm, (STEEL, STEEL))
-    found = energy.check("band of heat", roll(contact, Creepages(0.2, speed=BAND_SPEED)))
-    assert found.flash_temperatures is not None
+    rolling = energy.check("band of heat", roll(contact, Creepages(0.2, speed=BAND_SPEED)))
+    assert rolling.flash_temperatures is not None
     diffusivity = steel.conductivity / (steel.density * steel.capacity)
     peclet = BAND_SPEED / (2.0 * diffusivity)  # over a length in m
 
     # Carslaw and Jaeger's line sources (1959, 10.7), of half of the heat: K_0(z) exp(z) ahead, K_0(z) exp(-z) behind,
     # with z = V distance / (2 kappa), seven eighths along the band
-    place = n // 2
-    behind = 1e-3 * grid.strip * (place + 0.5)
+    middle = n // 2
+    behind = 1e-3 * grid.strip * (middle + 0.5)
     sides = (
         quad(lambda length: k0e(peclet * length), 0.0, 2e-3 * BAND - behind, points=[1e-5], limit=200)[0],
         quad(lambda length: k0e(peclet * length) * np.exp(-2.0 * peclet * length), 0.0, behind, points=[1e-5])[0],
@@ -220,14 +231,14 @@ def warm_numbers(energy: Energy) -> Iterator[Row]:
     power = 1e6 * MU * 500.0 * 0.2 * BAND_SPEED / 2.0
     exact = power / (np.pi * steel.conductivity) * sum(sides)
     note = f"line sources, V a / (2 kappa) = {1e-3 * BAND * peclet:.0f}; {4 * n} cells"
-    rise = found.flash_temperatures[0, place]
+    rise = rolling.flash_temperatures[0, middle]
     yield Row("Flash temperature", "band at even pressures", "rise", "K", rise, exact, WARM_LIMIT, note)
 
     ((code, published_rise),) = ((code, value) for (code, _), value in published("warm").items())
     speed, semi_axes, force = 30.0, (10.54, 5.88), 100e3
     contact = RollingContact.under_hertz(semi_axes, force, (n, 2 * n), warm, (STEEL, STEEL))
-    found = energy.check("ellipse of heat", roll(contact, Creepages(FAR * float(code), speed=speed)))
-    assert found.flash_temperatures is not None
+    rolling = energy.check("ellipse of heat", roll(contact, Creepages(FAR * float(code), speed=speed)))
+    assert rolling.flash_temperatures is not None
     peak = 1.5 * force / (np.pi * semi_axes[0] * semi_axes[1])
     # in the middle strip, x from the leading end over a: the largest integral of sqrt(1 - xi^2) / sqrt(x - xi)
     integrals = [
@@ -236,11 +247,11 @@ def warm_numbers(energy: Energy) -> Iterator[Row]:
     ]
     flow = 1e6 * MU * peak * FAR * abs(float(code)) * speed * np.sqrt(1e-3 * semi_axes[1])
     exact = flow / (2.0 * steel.effusivity * np.sqrt(np.pi * speed)) * max(integrals)
-    rise, note = found.flash_temperatures.max(), f"integral of the middle strip; {n} x {2 * n} cells"
+    rise, note = rolling.flash_temperatures.max(), f"integral of the middle strip; {n} x {2 * n} cells"
     yield Row("Flash temperature", "ellipse that slides", "maximum", "K", rise, exact, WARM_LIMIT, note)
-    found = energy.check("ellipse at 1 m/s", roll(contact, Creepages(float(code), speed=speed)))
-    assert found.flash_temperatures is not None
-    rise = found.flash_temperatures.max()
+    rolling = energy.check("ellipse at 1 m/s", roll(contact, Creepages(float(code), speed=speed)))
+    assert rolling.flash_temperatures is not None
+    rise = rolling.flash_temperatures.max()
     note = "CONTACT on 59 cells along, which adds the heat of the cell itself twice"
     yield Row("CONTACT", "ellipse that slides at 1 m/s", "maximum", "K", rise, published_rise, None, note)
 
@@ -267,7 +278,7 @@ def onset_numbers(energy: Energy) -> Iterator[Row]:
     for step in range(1 + max(int(code) for code, _ in exact)):
         if step:
             motion = Creepages(creepage)
-            state = roll(contact, motion, force_along=wanted, before=state, start=state, differences=FIRST)
+            state = roll(contact, motion, force_along=wanted, before=state, start=state, differences=FIRST_STEP_WEIGHTS)
             creepage = float(state.motion.along)
             energy.run.check(f"onset, step {step}", state.status)
         for name in ("shift", "creepage"):
@@ -294,7 +305,7 @@ THEORIES = {"linear theory": linear_theory, "Polach": polach, "FASTSIM": fastsim
 
 def rows(run: Run) -> Iterator[Row]:
     """Rows of all parts."""
-    energy, found = Energy(run), list[Row]()
+    energy, numbers = Energy(run), list[Row]()
     for name, part in (
         ("cylinders", plane_numbers),
         ("spheres", sphere_numbers),
@@ -305,12 +316,12 @@ def rows(run: Run) -> Iterator[Row]:
         ("onset of rolling", onset_numbers),
     ):
         run.progress(name)
-        found += part(energy)
-    found += coefficient_numbers(run.progress)
+        numbers += part(energy)
+    numbers += coefficient_numbers(run.progress)
     run.progress("real bodies")
-    found += body_numbers(energy)
+    numbers += body_numbers(energy)
     for position in benchmark_positions(run, every=1):
-        found += creep_numbers(position, energy)
+        numbers += creep_numbers(position, energy)
     run.progress("creep curves")
     contact = elliptic(8.0, 4.0, 82000.0, (PUBLISHED_CELLS, PUBLISHED_CELLS))
     limit = contact.friction.limits[0][0] * contact.force
@@ -327,4 +338,4 @@ def rows(run: Run) -> Iterator[Row]:
             if spin:
                 run.curve("creep_curves", f"across, {words}", name, 1e3 * np.array(CURVE), across)
     yield energy.row()
-    yield from found
+    yield from numbers

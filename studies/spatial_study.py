@@ -74,10 +74,10 @@ def bar_rows(run: Run, name: str) -> Iterator[Row]:
             for ka, exact in exact_bar().items():
                 if (ka > SHORT_WAVES) != short:
                     continue
-                found = solve_harmonic(harmonic, ka)
-                along = np.einsum("eq,qm,em->", rim.weights, rim.shapes, found.amplitudes[rim.nodes, 2])
+                solution = solve_harmonic(harmonic, ka)
+                along = np.einsum("eq,qm,em->", rim.weights, rim.shapes, solution.amplitudes[rim.nodes, 2])
                 # int u . n ds = 2 A u_r, on the polygon and on the circle
-                values = -found.energy / area, (along / rim.weights.sum())
+                values = -solution.energy / area, (along / rim.weights.sum())
                 error = max(abs(value - wanted) for value, wanted in zip(values, exact, strict=True))
                 series.setdefault(ka, []).append((n_sides, *values, error / np.hypot(*exact)))
     for ka, meshes in sorted(series.items()):
@@ -117,9 +117,9 @@ def revolution_numbers() -> Iterator[Row]:
             n_along = 2 * int(np.ceil(8.0 * length))
             pressure = Pressure("rim", partial(_cosine, ka))
             harmonic = _revolution(_half_section(length, 16, n_along, element), [pressure])
-            found = solve_harmonic(harmonic, 0)
+            solution = solve_harmonic(harmonic, 0)
             at = [harmonic.elasticity.node_at((1.0, y)) for y in (0.0, length / 2.0)]
-            values = found.amplitudes[at[0], 0], found.amplitudes[at[1], 1]
+            values = solution.amplitudes[at[0], 0], solution.amplitudes[at[1], 1]
             limit = {1: 0.05, 2: 2e-3, 3: 1e-4}[element.order]
             for quantity, exact, value in zip(("u_r", "u_z"), exact_bar()[ka], values, strict=True):
                 yield Row("Bar of revolution", f"{name} ka={ka:g}", quantity, "a/E", value, exact, limit)
@@ -134,15 +134,15 @@ def _disc_numbers() -> Iterator[Row]:
     ``P / (pi E') (4 - pi + nu' pi)``.
     """
     harmonic = _revolution(_half_section(0.05, 20, 1, ELEMENTS["VEM 3"]), [Pressure("rim", 1.0)])
-    places = np.array([[1e-9, 0.025], [0.5, 0.025]])
+    points = np.array([[1e-9, 0.025], [0.5, 0.025]])
     rim = harmonic.elasticity.node_at((1.0, 0.0))
     grown, stresses = [], np.zeros((2, 6))
     for number in range(0, HARMONICS + 1, 2):
-        found = solve_harmonic(harmonic, number)
+        solution = solve_harmonic(harmonic, number)
         # inward forces P = 1 per width at t = 0 and pi, and what is seen at t = pi / 2
         amplitude = (2.0 if number else 1.0) / np.pi * np.cos(number * np.pi / 2.0)
-        grown.append(2.0 * amplitude * found.amplitudes[rim, 0])
-        stresses += amplitude * fields_at(harmonic, found.amplitudes, number, places)[0]
+        grown.append(2.0 * amplitude * solution.amplitudes[rim, 0])
+        stresses += amplitude * fields_at(harmonic, solution.amplitudes, number, points)[0]
     # alternating series: means of neighbouring partial sums
     sums = np.cumsum(grown)
     for _ in range(AVERAGES):
@@ -167,8 +167,8 @@ def fields_at(harmonic: Harmonic, amplitudes: Floats, wavenumber: float, points:
         missing = moved.shape[1] - stress.shape[1]  # stresses have a lower degree
         return reconstruction, np.concatenate((np.pad(stress, ((0, 0), (0, missing), (0, 0))), moved))
 
-    found = polynomials_at(space, points, locate(space.mesh, points), stresses_and_displacements, 9)
-    return found[:, :6], found[:, 6:]
+    polynomials = polynomials_at(space, points, locate(space.mesh, points), stresses_and_displacements, 9)
+    return polynomials[:, :6], polynomials[:, 6:]
 
 
 def _bar(n_sides: int, element: Element, *, graded: bool) -> tuple[Harmonic, EdgeQuadrature]:
@@ -195,8 +195,8 @@ def _half_section(length: float, n_across: int, n_along: int, element: Element) 
     mesh: PolyMesh = rectangle_grid(1.0, length, n_across, n_along)
     mesh = dual(mesh) if isinstance(element, Virtual) else mesh
     edges, points = mesh.boundary_edges, mesh.points
-    for name, axis, place in (("rim", 0, 1.0), ("low", 1, 0.0), ("top", 1, length)):
-        mesh = mesh.with_edge_set(name, edges[(np.abs(points[edges][:, :, axis] - place) < 1e-9).all(axis=1)])
+    for name, axis, position in (("rim", 0, 1.0), ("low", 1, 0.0), ("top", 1, length)):
+        mesh = mesh.with_edge_set(name, edges[(np.abs(points[edges][:, :, axis] - position) < 1e-9).all(axis=1)])
     return Space(mesh, element)
 
 
@@ -269,10 +269,10 @@ def square_numbers() -> Iterator[Row]:
     """Displacements and stresses below the centre of a loaded square, the tangential traction across or along z."""
     rows = [row for row in published_rows("spatial.csv") if row["case"] == "square"]
     depths = sorted({float(row["code"]) for row in rows})
-    places = np.array([[0.0, -depth] for depth in depths])
+    points = np.array([[0.0, -depth] for depth in depths])
     amplitudes = np.array(
         [
-            [np.hstack(fields_at(each, solve_harmonic(each, k).amplitudes, k, places)) for each in _block()]
+            [np.hstack(fields_at(harmonic, solve_harmonic(harmonic, k).amplitudes, k, points)) for harmonic in _block()]
             for k in SQUARE_WAVES.tolist()
         ]
     )
@@ -289,7 +289,7 @@ def square_numbers() -> Iterator[Row]:
         one, other = near[:, depths.index(depth)]
         sxx, syy, szz, sxy = one[:4]
         normal_stress = abs(float(syy))
-        found = {
+        computed = {
             "u_x": ((one[6], "across"), (other[8], "along")),
             "u_z": ((-one[7], ""),),
             "s_xx": ((sxx, ""),),
@@ -298,11 +298,11 @@ def square_numbers() -> Iterator[Row]:
             "s_xz": ((-sxy, "across"), (-other[4], "along")),
             "von_Mises": ((Stresses(np.array([[sxx, syy, sxy, szz]])).von_mises[0], ""),),
         }[name]
-        for value, which in found:
+        for value, which in computed:
             small = name.startswith("s_") and abs(exact) < normal_stress / 2.0
             close = Limit(f"{percent(SQUARE_LIMIT)} of s_zz", abs(value - exact) <= SQUARE_LIMIT * normal_stress)
-            place = f"depth {depth:g} {which}".strip()
-            yield Row("Square", place, name, "", float(value), exact, close if small else SQUARE_LIMIT)
+            location = f"depth {depth:g} {which}".strip()
+            yield Row("Square", location, name, "", float(value), exact, close if small else SQUARE_LIMIT)
 
 
 def _block() -> tuple[Harmonic, Harmonic]:
@@ -343,8 +343,8 @@ class Rail:
 
     def harmonic(self, loads: list[Traction], foundation: float) -> Harmonic:
         """Return the rail with loads on a foundation."""
-        body, each = Elasticity(self.space, RAIL_STEEL, loads=loads), foundation / self.foot
-        supports = [Foundation("base", each, each, ALONG_FOUNDATION * each)] if foundation else []
+        body, modulus = Elasticity(self.space, RAIL_STEEL, loads=loads), foundation / self.foot
+        supports = [Foundation("base", modulus, modulus, ALONG_FOUNDATION * modulus)] if foundation else []
         return Harmonic(body, foundations=supports)
 
     def length(self, edges: str) -> float:
@@ -375,8 +375,8 @@ def meshed_rail() -> Rail:
     mesh = run.space.mesh
     edges = mesh.boundary_edges
     middles = mesh.points[edges].mean(axis=1)
-    for number, place in enumerate(ECCENTRICITIES):
-        on_head = (np.abs(middles[:, 0] - place) < LOADED) & (middles[:, 1] > middles[:, 1].max() - LOADED)
+    for number, eccentricity in enumerate(ECCENTRICITIES):
+        on_head = (np.abs(middles[:, 0] - eccentricity) < LOADED) & (middles[:, 1] > middles[:, 1].max() - LOADED)
         mesh = mesh.with_edge_set(f"load {number}", edges[on_head])
     space = Space(mesh, run.case.element)
     return Rail(space, run.constants, float(np.ptp(mesh.points[mesh.edge_set("base")][..., 0])))
@@ -401,9 +401,11 @@ def rail_rows() -> Iterator[Row]:
             harmonic = rail.harmonic([Traction(edges, (0.0, -1.0 / rail.length(edges)))], foundation)
             forces = harmonic.load_vector()[: rail.space.n_nodes, 1]
             eccentricity = -float(forces @ rail.space.nodes[:, 0])
-            found = [solve_harmonic(harmonic, k) for k in waves.tolist()]
-            foot: Floats = np.array([np.polyfit(across, each.amplitudes[foot_nodes, 1], 1) for each in found])
-            moments: Floats = np.array([_moment(each, constants.centroid[1]) for each in found])
+            solutions = [solve_harmonic(harmonic, k) for k in waves.tolist()]
+            foot: Floats = np.array(
+                [np.polyfit(across, solution.amplitudes[foot_nodes, 1], 1) for solution in solutions]
+            )
+            moments: Floats = np.array([_moment(solution, constants.centroid[1]) for solution in solutions])
             # the beam at each wavenumber: vertical, and lateral at the shear centre with the twist about it
             bending = 1.0 / (vertical * waves**4 + foundation)
             sheared = 1.0 / (vertical * waves**4 / (1.0 + vertical * waves**2 / shear) + foundation)
@@ -450,19 +452,19 @@ def _long_waves(rail: Rail) -> tuple[float, ...]:
         float(
             np.polyfit(
                 LONG_WAVES**2,
-                [action**2 / (2.0 * solve_harmonic(each, k).energy * k**power) for k in LONG_WAVES.tolist()],
+                [action**2 / (2.0 * solve_harmonic(row, k).energy * k**power) for k in LONG_WAVES.tolist()],
                 2,
             )[-1]
         )
-        for each, action, power in cases
+        for row, action, power in cases
     )
 
 
-def _moment(found: HarmonicSolution, height: float) -> float:
+def _moment(solution: HarmonicSolution, height: float) -> float:
     """Amplitude of the bending moment of a section, ``-int sigma_zz (y - height) dA``."""
     total = 0.0
-    for batch in found.problem.elasticity.space.batches():
-        reconstruction, stress = found.problem.cell_stresses(batch, found.amplitudes, found.wavenumber)
+    for batch in solution.problem.elasticity.space.batches():
+        reconstruction, stress = solution.problem.cell_stresses(batch, solution.amplitudes, solution.wavenumber)
         points, weights = cell_quadrature(batch, reconstruction.order + 1)
         at = monomials.evaluate(reconstruction.order, reconstruction.frame.local(points))[: stress.shape[1]]
         total -= float(np.einsum("pe,pqe,qe->", stress[2], at, weights * (points[:, 1] - height)))

@@ -39,7 +39,7 @@ from flangeway.results import ResultTable
 from flangeway.solve import Status
 from flangeway.system.file_content import packaged_rows
 from flangeway.system.output_folder import text_writer, versions
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 ROUND_OFF = 1e-10  # numbers below it are shown as such, not with digits that change with the machine
 MIN_CHANGE = 1e-5  # relative differences below it are shown as such
@@ -157,7 +157,7 @@ class Run:
     """What the rows of a study are computed with."""
 
     quick: bool = False  # whether to leave out what takes minutes
-    progress: Callable[[str], None] = lambda _: None  # shows a sentence on long computations between two rows
+    progress: Progress = lambda _: None  # shows a sentence on long computations between two rows
     failures: list[str] = field(default_factory=list)  # sentences on what failed besides the numbers
     curves: list[Curve] = field(default_factory=list)
 
@@ -194,7 +194,7 @@ class Curves:
         lines = -(-len(titles) // columns)
         figure, grid = panels(1.0 + 3.8 * columns, 0.9 + 3.2 * lines, lines, columns, sharex=True, sharey=True)
         for axes, title in zip(grid.flat, titles, strict=False):
-            for curve in (each for each in shown if each.panel == title):
+            for curve in (curve for curve in shown if curve.panel == title):
                 style = {"color": colours[curve.label], "ms": 3.5, "mfc": "white", "lw": 1.2}
                 axes.plot(curve.x, curve.y, curve.style, label=curve.label, **style)
             if self.logarithmic:
@@ -226,14 +226,14 @@ class Study:
     @property
     def pictures(self) -> list[Curves]:
         """Pictures."""
-        found = PICTURE.findall(self._file)
-        return [Curves(name, words, x, y, bool(logarithmic)) for words, name, x, y, logarithmic in found]
+        named = PICTURE.findall(self._file)
+        return [Curves(name, words, x, y, bool(logarithmic)) for words, name, x, y, logarithmic in named]
 
     @property
     def _file(self) -> str:
         return (files("studies") / "text" / f"{self.name}.md").read_text(encoding="utf-8")
 
-    def compute(self, *, quick: bool = False, progress: Callable[[str], None] = lambda _: None) -> "Computed":
+    def compute(self, *, quick: bool = False, progress: Progress = lambda _: None) -> "Computed":
         """Compute its rows."""
         start, run = time.perf_counter(), Run(quick, progress)
         rows: list[Row] = []
@@ -354,9 +354,9 @@ class Computed:
             sentences=[self.text.replace(" {{table}}", "")],
             warnings=[*self.failures, *self.outside],
             pictures=[
-                Picture(f"{each.name}.png", partial(each.draw, self.curves), f"{each.alternative}.")
-                for each in self.study.pictures
-                if any(curve.picture == each.name for curve in self.curves)
+                Picture(f"{picture.name}.png", partial(picture.draw, self.curves), f"{picture.alternative}.")
+                for picture in self.study.pictures
+                if any(curve.picture == picture.name for curve in self.curves)
             ],
             tables=[self.numbers()],
             timings_s={"total": self.seconds},
@@ -400,8 +400,8 @@ def _range(limits: Iterable[str]) -> str:
     """Different limits in words: from the least to the largest one, if all are numbers, or all in per cent."""
     words = [*dict.fromkeys(limits)]
     for kind in (PLAIN, f"{PLAIN} %"):
-        if len(words) > 1 and all(re.fullmatch(kind, each) for each in words):
-            words = sorted(words, key=lambda each: float(each.removesuffix(" %")))
+        if len(words) > 1 and all(re.fullmatch(kind, word) for word in words):
+            words = sorted(words, key=lambda word: float(word.removesuffix(" %")))
             return f"{words[0]} to {words[-1]}"
     return " or ".join(words)
 

@@ -38,10 +38,10 @@ def hertz_case(code: str, level: int, pairing: str) -> HertzCase:
     return HertzCase.from_values(keys | ({"slack": SLACK} if pairing == "node-to-segment" else {}))
 
 
-def measured(case: HertzCase, found: ContactSolution) -> tuple[float, float, float]:
+def measured(case: HertzCase, solution: ContactSolution) -> tuple[float, float, float]:
     """Force, maximum pressure over Hertz's, and `rms_from_hertz` weighted by areas, without an element at both ends."""
-    force = found.forces[0, 1]
-    theory, (x, patch) = case.theory(force), largest_patch(found)
+    force = solution.forces[0, 1]
+    theory, (x, patch) = case.theory(force), largest_patch(solution)
     within, areas = theory.half_width - case.size_mm, patch.normal_forces / patch.pressures
     rms = rms_from_hertz(x, patch.pressures, theory, within, areas)
     return force, patch.pressures.max() / theory.max_pressure, rms
@@ -85,10 +85,10 @@ def rows(run: Run) -> Iterator[Row]:
             for pairing in PAIRINGS:
                 name = f"{code}M{level}"
                 case = hertz_case(code, level, pairing)
-                found = case.run().contact
-                assert found is not None
-                run.check(f"{name}, {pairing}", found.status)
-                force, peak, rms[pairing] = measured(case, found)
+                solution = case.run().contact
+                assert solution is not None
+                run.check(f"{name}, {pairing}", solution.status)
+                force, peak, rms[pairing] = measured(case, solution)
                 required = pairing == PAIRINGS[2] and level > 1
                 peak_limit, rms_limit = PEAK_LIMITS[code[3]], RMS_LIMITS[code[3]]
                 quantity = f"maximum pressure over Hertz's, {pairing}"
@@ -97,7 +97,7 @@ def rows(run: Run) -> Iterator[Row]:
                 yield Row("Hertz", name, quantity, "over p0", rms[pairing], 0.0, rms_limit if required else None)
                 if level == SHORT_LEVEL and code[:2] == "VV":
                     plain[code] = force, rms[pairing]
-                    x, patch = largest_patch(found)
+                    x, patch = largest_patch(solution)
                     run.curve("pressures", f"polygons of order {code[3]}", pairing, x, patch.pressures, "o")
                     if pairing == PAIRINGS[2]:
                         theory = case.theory(force)
@@ -109,9 +109,9 @@ def rows(run: Run) -> Iterator[Row]:
     for code, (plain_force, plain_rms) in plain.items():
         for ratio in RATIOS:
             name = f"{code}M{SHORT_LEVEL}, edges of {ratio:g}"
-            case, found = with_short_edges(code, SHORT_LEVEL, ratio)
-            run.check(name, found.status)
-            force, _, rms_short = measured(case, found)
+            case, solution = with_short_edges(code, SHORT_LEVEL, ratio)
+            run.check(name, solution.status)
+            force, _, rms_short = measured(case, solution)
             quantity = "force over that without short edges"
             yield Row("Hertz", name, quantity, "1", force / plain_force, 1.0, SAME_FORCE)
             quantity = "error of the pressure over that without short edges"

@@ -8,7 +8,6 @@ from functools import cache
 
 import numpy as np
 
-from flangeway.cases.case import Progress
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
 from flangeway.elements import TraceStabilisation
 from flangeway.errors import InputError
@@ -27,7 +26,7 @@ from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Discretisation, Prescribed, WheelsetLoad, WheelsetProblem
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult, maximum_shear, solve_wheelset
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 from studies.study import Limit, Published, Row, Run, published_rows
 
 # --- Tables 15 and 16: the published kind of computation, the flange root that one number identifies, and comparisons.
@@ -97,12 +96,12 @@ def curve_with(profile: WheelProfile, code: str) -> WheelsetResult:
     """Solve the curve of a row with another wheel."""
     case = published_case("curve", code)
     problem = replace(published_problem(case), wheelset=replace(case.wheelset(), wheel=profile))
-    found = solve_wheelset(problem, cold=True)
-    if not found.status.converged:
+    result = solve_wheelset(problem, cold=True)
+    if not result.status.converged:
         raise InputError(
-            f"the curve with {profile.title}", "a wheel with an equilibrium position", found.status.message
+            f"the curve with {profile.title}", "a wheel with an equilibrium position", result.status.message
         )
-    return found
+    return result
 
 
 def identified_radius(known_mm: float, progress: Progress) -> float:
@@ -301,14 +300,14 @@ def contact_name(result: WheelsetResult, patch: WheelRailPatch) -> str:
 
 def contact_quantities(result: WheelsetResult) -> Published:
     """Force in N, maximum pressure and maximum shear stresses below in MPa, by patch and quantity."""
-    found = {}
+    numbers = {}
     for patch in result.patches:
         name = contact_name(result, patch)
-        found[name, "force"] = np.hypot(*patch.force_on_wheel_N)
-        found[name, "maximum pressure"] = patch.pressure.pressures.max()
-        found[name, "maximum shear in the rail"] = maximum_shear(result, patch, "rail").value_MPa
-        found[name, "maximum shear in the wheel"] = maximum_shear(result, patch, "wheel").value_MPa
-    return found
+        numbers[name, "force"] = np.hypot(*patch.force_on_wheel_N)
+        numbers[name, "maximum pressure"] = patch.pressure.pressures.max()
+        numbers[name, "maximum shear in the rail"] = maximum_shear(result, patch, "rail").value_MPa
+        numbers[name, "maximum shear in the wheel"] = maximum_shear(result, patch, "wheel").value_MPa
+    return numbers
 
 
 WHEEL_RADIUS_MM, RAIL_RADIUS_MM = 330.0, 254.0
@@ -514,9 +513,9 @@ def _refined(run: Run, curve: WheelsetCurveCase) -> Iterator[Row]:
         run.progress(f"element size in contact over {divisor}")
         result = solve_varied(curve, {"contact_size_mm": curve.contact_size_mm / divisor})
         run.check(f"element size / {divisor}", result.status)
-        found = contact_quantities(result)
-        for (name, quantity), value in found.items() if before else ():
+        numbers = contact_quantities(result)
+        for (name, quantity), value in numbers.items() if before else ():
             unit, code = "N" if quantity == "force" else "MPa", f"curve, size over {divisor}"
             wanted, note = before.get((name, quantity), math.nan), "reference: the coarser mesh"
             yield Row("refinement", code, f"{quantity}, {name}", unit, value, wanted, REFINED[quantity], note)
-        before = found
+        before = numbers

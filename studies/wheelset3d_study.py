@@ -136,18 +136,18 @@ def pressed_wheel(
         grid = new
 
 
-def on_square_cells(found: PressedWheel, cell_mm: float) -> PressedWheel:
+def on_square_cells(pressed: PressedWheel, cell_mm: float) -> PressedWheel:
     """Press the same wheel on even square cells."""
-    old, grid = found.state.grid, found.state.grid.grid
+    old, grid = pressed.state.grid, pressed.state.grid.grid
     first, last = np.floor(grid.bounds[0] / cell_mm), np.ceil(grid.bounds[-1] / cell_mm)
     ends: Floats = cell_mm * np.arange(first, last + 1.0)
     planes = int(np.floor(grid.along[0] / cell_mm)), int(np.ceil(grid.along[-1] / cell_mm))
     cells = PatchGrid.on_planes(ends, cell_mm, *planes)
-    force = float(found.state.resultant[1])
+    force = float(pressed.state.resultant[1])
     position, state = _pressed(
-        found.wheelset, found.side, GriddedSide(old.surfaces, cells, old.pose), found.position, force
+        pressed.wheelset, pressed.side, GriddedSide(old.surfaces, cells, old.pose), pressed.position, force
     )
-    return PressedWheel(found.wheelset, found.side, position, state)
+    return PressedWheel(pressed.wheelset, pressed.side, position, state)
 
 
 def _pressed(
@@ -206,12 +206,12 @@ def method_rows(run: Run) -> Iterator[Row]:
 
 def _beside(table: str, code: str, base: SpatialResult, result: SpatialResult) -> Iterator[Row]:
     for side in SIDES:
-        known, found = (each.force_on_wheel_N(side) for each in (base, result))
+        known, forces = (result.force_on_wheel_N(side) for result in (base, result))
         allowed = FORCE_LIMIT * np.hypot(*known)
-        for name, wanted, value in zip(("lateral", "vertical"), known.tolist(), found.tolist(), strict=True):
+        for name, wanted, value in zip(("lateral", "vertical"), known.tolist(), forces.tolist(), strict=True):
             limit = Limit(f"{percent(FORCE_LIMIT)} of the contact force", abs(value - wanted) <= allowed)
             yield Row(table, code, f"{name} force, {side} wheel", "N", value, wanted, limit)
-        known_patches, patches = ([each for each in one.patches if each.side == side] for one in (base, result))
+        known_patches, patches = ([patch for patch in one.patches if patch.side == side] for one in (base, result))
         for known_patch, patch in zip(known_patches, patches, strict=True):
             name = f"maximum pressure, {side} wheel, {known_patch.region}"
             value, wanted = patch.ellipse.max_pressure, known_patch.ellipse.max_pressure
@@ -258,8 +258,8 @@ def direct_numbers(name: str) -> Iterator[Row]:
     (direct,) = spatial_patch(model, "right", given.force, cell_mm=given.cell, window_mm=given.window).patches
     problem = SpatialWheelsetCase.from_values(case).problem()
     wheelset = SpatialWheelset(problem, running_surfaces(problem, FIXED), FIXED)
-    (found,) = pressed_wheel(wheelset, "right", given.force).patches
-    for (quantity, unit, known), (_, _, value) in zip(_measures(direct), _measures(found), strict=True):
+    (patch,) = pressed_wheel(wheelset, "right", given.force).patches
+    for (quantity, unit, known), (_, _, value) in zip(_measures(direct), _measures(patch), strict=True):
         yield Row(name, f"{given.force / 1e3:g} kN", quantity, unit, value, known, DIRECT_LIMIT)
 
 
@@ -318,18 +318,18 @@ def benchmark_positions(run: Run, *, every: int) -> Iterator[BenchmarkPosition]:
     """Press the left wheel in the positions, or every so many of them."""
     problem = SpatialWheelsetCase.from_values(CASE).problem()
     real = running_surfaces(problem, FIXED, progress=run.progress)
-    half = {side: as_half_spaces(each) for side, each in real.items()}
+    half = {side: as_half_spaces(surfaces) for side, surfaces in real.items()}
     rows = published_rows("manchester_a22_left.csv")
     for row in rows[::every]:
         values = {name: float(value) for name, value in row.items()}
         run.progress(f"Manchester A-2.2, y = {values['y']:g} mm")
         # CONTACT's axes x ahead and z down: both angles have the opposite sign
         model = replace(FIXED, yaw_rad=-values["yaw"])
-        found = [
-            pressed_wheel(SpatialWheelset(problem, each, model), "left", FORCE, values["y"], -values["roll"])
-            for each in (real, half)
+        pressed = [
+            pressed_wheel(SpatialWheelset(problem, surfaces, model), "left", FORCE, values["y"], -values["roll"])
+            for surfaces in (real, half)
         ]
-        yield BenchmarkPosition(values, *found)
+        yield BenchmarkPosition(values, *pressed)
 
 
 def benchmark_numbers(position: BenchmarkPosition) -> Iterator[Row]:
@@ -338,21 +338,21 @@ def benchmark_numbers(position: BenchmarkPosition) -> Iterator[Row]:
     limited = position.comparable
     note = "" if limited else STEEP
     p0 = published["p0"]
-    for quantity, found in (("maximum pressure", real), ("maximum pressure of half-spaces", half)):
-        value = found.patches[0].max_pressure
+    for quantity, contact in (("maximum pressure", real), ("maximum pressure of half-spaces", half)):
+        value = contact.patches[0].max_pressure
         yield Row(
             TABLE, position.code, quantity, "MPa", value, p0, MANCHESTER_PRESSURE_LIMIT if limited else None, note
         )
     value, limit = published["normal_force"], MANCHESTER_FORCE_LIMIT if limited else None
     yield Row(TABLE, position.code, "normal force", "N", real.normal_force, value, limit, note)
     # y to the right is to the gauge side of a left wheel
-    for quantity, place in (
+    for quantity, point in (
         ("contact point on the wheel", real.interpenetration_mm),
         ("centre of pressure on the wheel", real.centre_of_pressure_mm),
     ):
         shown = not limited or quantity.startswith("centre")
         near, why = (None, CENTRE) if shown else (f"{POSITION_LIMIT_MM:g} mm", "")
-        yield Row(TABLE, position.code, quantity, "mm", -place, published["wheel_y"], near, why)
+        yield Row(TABLE, position.code, quantity, "mm", -point, published["wheel_y"], near, why)
 
 
 # --- The wheelset in three dimensions: what ``flangeway reproduce wheelset3d`` computes.

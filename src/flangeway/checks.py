@@ -114,7 +114,7 @@ def check_between(
 
 def are_all(values: object, kind: type) -> bool:
     """Whether values are a sequence whose items are all of a type."""
-    return isinstance(values, Sequence) and all(isinstance(each, kind) for each in values)
+    return isinstance(values, Sequence) and all(isinstance(value, kind) for value in values)
 
 
 def check_kind(owner: str, name: str, value: object, kinds: type | UnionType, allowed: str, advice: str) -> None:

@@ -36,7 +36,7 @@ def _written(value: object) -> str:
         inside = ", ".join(map(_written, value[:MAX_LETTERS_OF_VALUE]))
         return f"[{inside}]" if isinstance(value, list) else f"({inside}{',' * (len(value) == 1)})"
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_written(key)}: {_written(each)}" for key, each in value.items()) + "}"
+        return "{" + ", ".join(f"{_written(key)}: {_written(item)}" for key, item in value.items()) + "}"
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, date | time):
@@ -81,17 +81,17 @@ class InputError(FlangewayError):
 
 
 @contextmanager
-def located(place: str, *, unless: str | None = None) -> Iterator[None]:
+def located(location: str, *, unless: str | None = None) -> Iterator[None]:
     """Put a place, such as ``contacts[1]: ``, before the message of an `InputError` of what is inside.
 
-    - `unless`: a text that a message has which names its place already.
+    - `unless`: a text that a message has which names its location already.
     """
     try:
         yield
     except InputError as reason:
         if unless is not None and unless in reason.given:
             raise
-        raise InputError(place + reason.given, reason.allowed, reason.advice) from reason
+        raise InputError(location + reason.given, reason.allowed, reason.advice) from reason
 
 
 class UnforeseenError(RuntimeError):
@@ -106,7 +106,7 @@ def unforeseen(error: BaseException) -> str:
     if isinstance(error, UnforeseenError):
         return str(error)
     package = Path(__file__).parent
-    places = [
+    frames = [
         f"{Path(frame.f_code.co_filename).relative_to(package)}, line {line}"
         for frame, line in traceback.walk_tb(error.__traceback__)
         if Path(frame.f_code.co_filename).is_relative_to(package)
@@ -115,7 +115,7 @@ def unforeseen(error: BaseException) -> str:
     why = why if len(why) <= 2 * MAX_LETTERS_OF_VALUE else f"{why[: 2 * MAX_LETTERS_OF_VALUE]}..."
     sentence = (
         f"an error that nobody foresaw, {type(error).__name__}{f' ({why})' if why else ''} in "
-        f"{places[-1] if places else 'flangeway'}: please report it as an issue of the project flangeway, with the "
+        f"{frames[-1] if frames else 'flangeway'}: please report it as an issue of the project flangeway, with the "
         "command, its files and what `flangeway --version` prints; --debug shows more"
     )
     if os.environ.get(DEBUG_VARIABLE):

@@ -78,7 +78,7 @@ class UsUnit:
 
 def _each(value: Any, factor: Fraction) -> Any:
     if isinstance(value, list | tuple):
-        return type(value)(_each(each, factor) for each in value)
+        return type(value)(_each(part, factor) for part in value)
     # a float times a fraction is the nearest float of the exact product of both
     return float(Fraction(float(value)) * factor) if is_number(value) and math.isfinite(value) else value
 
@@ -88,22 +88,22 @@ def us_unit(unit: str) -> UsUnit | None:
     """Return the unit of a text such as "kN/mm" or "mm⁴" in the US; None if it is the same there, or no unit."""
     if not re.fullmatch(_TEXT_UNIT, unit):
         return None
-    found = _converted(unit)
-    return None if found is None else UsUnit(found[0].replace("_", " "), found[1])
+    converted = _converted(unit)
+    return None if converted is None else UsUnit(converted[0].replace("_", " "), converted[1])
 
 
 @cache
 def us_key(key: str) -> UsUnit | None:
     """Return what a key such as ``axle_load_kN`` is called in the US; None if it has no unit, or the same there."""
     unit = _KEY_UNIT.search(key)
-    found = _converted(unit[1]) if unit else None
-    return None if unit is None or found is None else UsUnit(f"{key[: unit.start(1)]}{found[0]}", found[1])
+    converted = _converted(unit[1]) if unit else None
+    return None if unit is None or converted is None else UsUnit(f"{key[: unit.start(1)]}{converted[0]}", converted[1])
 
 
 def unit_in(key: str) -> str:
     """Return the metric unit at the end of a key of an input as texts have it, ``N/mm`` of ``stiffness_N_mm``."""
-    found = _KEY_UNIT.search(key)
-    return found[1].replace("per_", "").replace("_", "/") if found else ""
+    match = _KEY_UNIT.search(key)
+    return match[1].replace("per_", "").replace("_", "/") if match else ""
 
 
 def _converted(unit: str) -> tuple[str, Fraction] | None:
@@ -217,7 +217,7 @@ def assigned(key: str, value: Any, form: str = "") -> str:
 
 def _listed(value: Any, form: str, number_text: Callable[[float], str] | None = None) -> str:
     if isinstance(value, list | tuple):
-        inside = ", ".join(_listed(each, form, number_text) for each in value)
+        inside = ", ".join(_listed(item, form, number_text) for item in value)
         return f"[{inside}]" if isinstance(value, list) else f"({inside})"
     if not is_number(value):
         return str(value)
@@ -226,7 +226,7 @@ def _listed(value: Any, form: str, number_text: Callable[[float], str] | None = 
 
 def joined_text(separator: str, sentences: Iterable[str]) -> str:
     """Return sentences as one, with a text between them."""
-    return Message(part for number, each in enumerate(sentences) for part in (separator * (number > 0), *_parts(each)))
+    return Message(part for number, text in enumerate(sentences) for part in (separator * (number > 0), *_parts(text)))
 
 
 def with_texts(text: str, change: Callable[[str], str]) -> str:
@@ -240,9 +240,9 @@ def in_us_units(text: str, keys: Collection[str] | None = None) -> str:
     - `keys`: convert these keys, and the numbers behind them, only.
     """
 
-    def of_key(found: re.Match[str]) -> str:
-        unit = us_key(found[0]) if keys is None or found[0] in keys else None
-        return unit.name if unit else found[0]
+    def of_key(match: re.Match[str]) -> str:
+        unit = us_key(match[0]) if keys is None or match[0] in keys else None
+        return unit.name if unit else match[0]
 
     return "".join(
         (part.us if keys is None or part.key in keys else part.metric)
@@ -410,8 +410,8 @@ def _flat(
             letters = endings.get(key) or LETTERS[: len(value)]
             unit = UNIT.search(key)
             stem, ending = (key[: unit.start()], unit[0]) if unit else (key, "")
-            for letter, each in zip(letters, value or [None] * len(letters), strict=True):
-                yield f"{before}{stem}_{letter}{ending}", each
+            for letter, component in zip(letters, value or [None] * len(letters), strict=True):
+                yield f"{before}{stem}_{letter}{ending}", component
         elif not isinstance(value, list | tuple):
             yield before + key, value
 

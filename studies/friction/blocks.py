@@ -30,7 +30,7 @@ def block(
     """
     above = name == "upper"
     grid = rectangle_grid(1.0, 1.0, len(x) - 1, len(depth) - 1)
-    across, up = (each.ravel() for each in np.meshgrid(x, depth if above else -depth[::-1]))
+    across, up = (coordinates.ravel() for coordinates in np.meshgrid(x, depth if above else -depth[::-1]))
     far, close = np.maximum(np.abs(across) - near, 0.0), np.minimum(np.abs(across), near)
     bulge = (close**2 / 2.0 + far * close) / radius * (1.0 - np.abs(up) / depth[-1])
     mesh = replace(grid, points=np.column_stack((across, up + bulge)))

@@ -63,10 +63,10 @@ def ironed_slab(*, cells: tuple[int, int] = CELLS, steps: tuple[int, int] = STEP
 
 def ironing_rows(solved: Solved) -> Iterator[Row]:
     """Forces and their ratio between the published ones; work and oscillation of steady sliding."""
-    found = solved(ironed_slab())
-    shares = np.array([step.share for step in found.steps])
+    solution = solved(ironed_slab())
+    shares = np.array([step.share for step in solution.steps])
     times = np.where(shares < 1.0, shares, 1.0 + (shares - 1.0) * COMPUTED_MM / ALONG_MM)
-    forces = np.array([replace(found, state=step.state).forces[0] for step in found.steps])
+    forces = np.array([replace(solution, state=step.state).forces[0] for step in solution.steps])
     computed = {"normal": forces[:, 1], "tangential": -forces[:, 0]}
     published = {case: published_values("friction.csv", case) for case in computed}
     for case, values in published.items():
@@ -79,11 +79,11 @@ def ironing_rows(solved: Solved) -> Iterator[Row]:
             np.array([value for (code, _), value in published[case].items() if float(code) == time])
             for case in computed
         )
-        mine = [float(np.interp(time, times, force)) for force in computed.values()]
+        computed_forces = [float(np.interp(time, times, force)) for force in computed.values()]
         for quantity, unit, theirs, value in (
-            ("normal force", "N/mm", normal, mine[0]),
-            ("tangential force", "N/mm", tangential, mine[1]),
-            ("tangential over normal force", "1", tangential / normal, mine[1] / mine[0]),
+            ("normal force", "N/mm", normal, computed_forces[0]),
+            ("tangential force", "N/mm", tangential, computed_forces[1]),
+            ("tangential over normal force", "1", tangential / normal, computed_forces[1] / computed_forces[0]),
         ):
             least, most = theirs.min(), theirs.max()
             limit = None if unit == "1" and time < 1.0 else Limit("among the five", least <= value <= most)
@@ -92,7 +92,7 @@ def ironing_rows(solved: Solved) -> Iterator[Row]:
     steady = (times > STEADY[0] + 1e-9) & (times < STEADY[1] + 1e-9)
     force = computed["tangential"]
     along, means = np.diff(times, prepend=0.0) * ALONG_MM, (force + np.roll(force, 1)) / 2.0
-    work, dissipated = (along[steady] @ means[steady]), found.dissipated_work[steady].sum()
+    work, dissipated = (along[steady] @ means[steady]), solution.dissipated_work[steady].sum()
     quantity = "work of the tangential force beside what friction dissipates"
     yield Row("Ironing", "steady sliding", quantity, "N mm/mm", work, dissipated, STEADY_WORK_LIMIT)
     oscillation = np.ptp(force[steady]) / force[steady].mean()

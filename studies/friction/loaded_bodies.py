@@ -84,10 +84,10 @@ def pushed_plate(
     return press([contact], {}, body_loads={plate: [Pressure("top", PRESSURE_MPA), Traction("left", (PUSH_MPA, 0.0))]})
 
 
-def displacements_of_face(found: ContactSolution, places_mm: Sequence[float]) -> Floats:
+def displacements_of_face(solution: ContactSolution, places_mm: Sequence[float]) -> Floats:
     """Displacements along the plane in mm at places, shape (n,)."""
-    (plate, _) = found.system.parts
-    nodes, moved = plate.body.nodes, found.field(plate).displacements
+    (plate, _) = solution.system.parts
+    nodes, moved = plate.body.nodes, solution.field(plate).displacements
     face = np.flatnonzero(nodes[:, 1] < 1e-9)
     face = face[np.argsort(nodes[face, 0])]
     return np.interp(places_mm, nodes[face, 0], moved[face, 0])
@@ -95,19 +95,19 @@ def displacements_of_face(found: ContactSolution, places_mm: Sequence[float]) ->
 
 def _plates(solved: Solved) -> Iterator[Row]:
     published = {float(code): value for (code, _), value in published_values("friction.csv", "plate").items()}
-    places = [*published]
+    places_mm = [*published]
     for order in (1, 2):
         for cells in PLATE_CELLS:
-            reference = displacements_of_face(solved(pushed_plate(cells, Lagrange(order))), places)
-            for (place, exact), value in zip(published.items(), reference, strict=True):
-                code, quantity = f"order {order}, {cells} cells", f"displacement at {place:g} mm"
+            reference = displacements_of_face(solved(pushed_plate(cells, Lagrange(order))), places_mm)
+            for (place_mm, exact), value in zip(published.items(), reference, strict=True):
+                code, quantity = f"order {order}, {cells} cells", f"displacement at {place_mm:g} mm"
                 yield Row("Pushed plate", code, quantity, "mm", value, exact, PLATE_LIMIT, PLATE_NOTE)
     worst = 0.0
     laws = Multiplier(), Penalty(1e7, "length"), AugmentedLagrange(1e6, "length", 1e-7)
     pairings = SegmentToSegment(), SegmentToSegment(weighting="dual"), NodeToSegment()
     for element, pairing, law in product((Lagrange(1), Lagrange(2), Virtual(1), Virtual(2)), pairings, laws):
-        found = solved(pushed_plate(PLATE_CELLS[1], element, pairing, law))
-        apart = np.abs(displacements_of_face(found, places) - reference)
+        solution = solved(pushed_plate(PLATE_CELLS[1], element, pairing, law))
+        apart = np.abs(displacements_of_face(solution, places_mm) - reference)
         worst = max(worst, (apart.max() / reference.max()))
     quantity = "maximum difference of a displacement, over the maximum one"
     yield Row("Pushed plate", "36 choices", quantity, "1", worst, 0.0, CHOICES_LIMIT)
@@ -124,12 +124,12 @@ def block_on_an_incline(friction: float, slope_deg: float = SLOPE_DEG) -> Contac
 
 def _inclines(solved: Solved) -> Iterator[Row]:
     exact = np.tan(np.deg2rad(SLOPE_DEG))
-    stays, slides = (block_on_an_incline(exact * (1.0 + each * BRACKET)) for each in (1.0, -1.0))
+    stays, slides = (block_on_an_incline(exact * (1.0 + sign * BRACKET)) for sign in (1.0, -1.0))
     # the mean of a coefficient that holds and one that does not, if that is what happens
-    found = exact if stays.status.converged and not slides.status.converged else float("nan")
+    critical = exact if stays.status.converged and not slides.status.converged else float("nan")
     solved(stays)
     quantity = "coefficient of friction at which it slides"
-    yield Row("Block on an incline", f"{SLOPE_DEG:g} degrees", quantity, "1", found, exact, BRACKET)
+    yield Row("Block on an incline", f"{SLOPE_DEG:g} degrees", quantity, "1", critical, exact, BRACKET)
 
 
 def cooled_ring(cells: int) -> ContactSolution:
@@ -171,19 +171,19 @@ def wall_on_soil(cells: int) -> ContactSolution:
 
 
 def _walls(solved: Solved) -> Iterator[Row]:
-    found = solved(wall_on_soil(10))
-    wall, moved = found.system.parts[0], found.placement(found.system.parts[0])
+    solution = solved(wall_on_soil(10))
+    wall, moved = solution.system.parts[0], solution.placement(solution.system.parts[0])
     weight = 2.4e-9 * GRAVITY_MM_S2 * WALL_MM * WALL_HEIGHT_MM
     thrust = WATER_MPA * WALL_HEIGHT_MM / 2.0
     # forces act on the displaced wall: moments about the origin of contact, weight and water where they are then
-    field = found.field(wall)
+    field = solution.field(wall)
     at_nodes = field.problem.load_vector()[: len(wall.body.nodes)]
-    places = moved.points(wall.body.nodes + field.displacements[: len(wall.body.nodes)])
+    points = moved.points(wall.body.nodes + field.displacements[: len(wall.body.nodes)])
     loads = moved.vectors(at_nodes)
-    moment = cross_product(places, loads).sum()
+    moment = cross_product(points, loads).sum()
     centre = -moment / weight
     given = "Wall on soil", "under weight and water"
-    x, y, turning = found.resultants[0, 0].tolist()
+    x, y, turning = solution.resultants[0, 0].tolist()
     yield Row(*given, "vertical force", "N", y, weight, WALL_LIMIT)
     yield Row(*given, "horizontal force", "N", x, -thrust, WALL_LIMIT)
     yield Row(*given, "moment of the contact over the weight", "mm", turning / weight, centre, WALL_LIMIT)
@@ -199,20 +199,20 @@ def bolted_flange() -> tuple[ContactSolution, float]:
     grid, steel = rectangle_grid(25.0, 25.0, 25, 25), _steel()
     x, y = grid.cell_centroids.T
     in_bolt, in_flange = (x < 5.0) | ((y > 15.0) & (x < 12.0)), (x > 6.0) & (y < 15.0)
-    bolt, flange, whole = (_cells_of(grid, each) for each in (in_bolt, in_flange, in_bolt | in_flange))
+    bolt, flange, whole = (_cells_of(grid, cells) for cells in (in_bolt, in_flange, in_bolt | in_flange))
     parts = [
         _part("bolt", bolt, steel, {"axis": "x", "pulled": "xy"}),
         _part("flange", flange, steel, {"ground": "y"}),
     ]
     contact = touching(_side(parts[0], "seat"), _side(parts[1], "seat"), 5.0)
     pull = PrescribedDisplacement("pulled", y=-BOLT_PULL_MM)
-    found = press([contact], {}, body_loads={parts[0]: [pull]})
+    solution = press([contact], {}, body_loads={parts[0]: [pull]})
     held = [PrescribedDisplacement("axis", x=0.0), PrescribedDisplacement("ground", y=0.0)]
     problem = Elasticity(
         Space(whole, Lagrange(1)), steel, supports=[*held, PrescribedDisplacement("pulled", x=0.0, y=-BOLT_PULL_MM)]
     )
     alone = reactions(solve_elasticity(problem))[2]
-    return found, -alone.force[1]
+    return solution, -alone.force[1]
 
 
 def _cells_of(grid: PolyMesh, chosen: Bools) -> PolyMesh:
@@ -234,8 +234,8 @@ def _cells_of(grid: PolyMesh, chosen: Bools) -> PolyMesh:
 
 
 def _bolts(solved: Solved) -> Iterator[Row]:
-    found, whole = bolted_flange()
-    force = solved(found).forces[0, 1]
+    solution, whole = bolted_flange()
+    force = solved(solution).forces[0, 1]
     yield Row("Bolted flange", "pulled by 0.01 mm", "force of the bolt", "N", force, whole, BOLT_LIMIT)
 
 

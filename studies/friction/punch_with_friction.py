@@ -51,7 +51,7 @@ def cylinder_pressed(friction: float, cells: int = CYLINDER_CELLS, steps: int = 
 
 def _pressed(x: Floats, far: Floats, radius: float, size: float, steps: int, friction: float) -> ContactSolution:
     half, reach = float(x[-1]), 1.3 * float(x[-1])
-    both, wide = (np.concatenate((-each[:0:-1], each)) for each in (x, far))
+    both, wide = (np.concatenate((-half[:0:-1], half)) for half in (x, far))
     rigid, soft = Elastic(RIGID * YOUNG_MPA, POISSON), Elastic(YOUNG_MPA, POISSON)
     upper = block("upper", both, growing(0.0, size, half), rigid, near=half, radius=radius, order=2)
     lower = block("lower", wide, growing(0.0, size, FAR), soft, near=half, order=2)
@@ -70,8 +70,8 @@ def stick_and_pull(solution: ContactSolution) -> tuple[float, float]:
     x, sticks, forces, pulls = (table[name][order] for name in ("x", "sticks", "normal_force", "tangential_force"))
     right = x > 0.0
     surface = solution.system.contacts[0].secondary
-    places = surface.part.body.nodes[surface.nodes, 0]
-    beyond = places[places > x[-1] + 1e-6]
+    at_nodes = surface.part.body.nodes[surface.nodes, 0]
+    beyond = at_nodes[at_nodes > x[-1] + 1e-6]
     end = float(x[-1] + beyond.min()) / 2.0 if len(beyond) else float(x[-1])
     slipping = x[right & (sticks == 0)]
     stick = float(x[sticks != 0].max() + slipping.min()) / 2.0 if len(slipping) else end

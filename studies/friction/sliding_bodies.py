@@ -88,7 +88,7 @@ def pushed_strip() -> ContactSolution:
     path = [(0.0, -STRIP_MPA * STRIP_HEIGHT_MM / YOUNG_MPA), (u, 0.0), (-2.0 * u, 0.0), (2.0 * u, 0.0), (1.5 * u, 0.0)]
     equal = StepSettings(1.0 / STRIP_STEPS, 1.0 / STRIP_STEPS)
     contact = touching(*sides, MU)
-    return press([contact], [shift(strip, *each) for each in path], steps=[StepSettings(), *len(LEGS) * [equal]])
+    return press([contact], [shift(strip, *point) for point in path], steps=[StepSettings(), *len(LEGS) * [equal]])
 
 
 def strip_force(leg: int, displacement: float) -> float:
@@ -107,11 +107,11 @@ def _strip_rows(solution: ContactSolution) -> Iterator[Row]:
     shares = np.array([step.share for step in solution.steps[1:]])
     # displacement and force of the strip's end in each step after the pressing
     at = np.interp(shares, np.arange(6), [0.0, 0.0, u, -u, u, 2.5 * u])
-    found = np.array([-replace(solution, state=step.state).forces[0, 0] for step in solution.steps[1:]])
+    forces = np.array([-replace(solution, state=step.state).forces[0, 0] for step in solution.steps[1:]])
     legs = np.ceil(shares - 1e-9).astype(np.int64) - 2
-    exact = np.array([strip_force(leg, place) for leg, place in zip(legs.tolist(), at.tolist(), strict=True)])
+    exact = np.array([strip_force(leg, position) for leg, position in zip(legs.tolist(), at.tolist(), strict=True)])
     for number, leg in enumerate(LEGS):
-        worst = np.abs(found - exact)[legs == number].max() / force
+        worst = np.abs(forces - exact)[legs == number].max() / force
         yield Row("Strip", leg, "largest difference of force over that of the reversal", "1", worst, 0.0, STRIP_LIMIT)
     work = np.bincount(legs, solution.dissipated_work[1:])
     for code, part, value in (("push", 1.0 / 3.0, work[0]), ("loop", 4.0 / 3.0, work[1] + work[2])):
@@ -158,7 +158,7 @@ def belt_tensions(solution: ContactSolution) -> tuple[float, float]:
 def _around(along: Floats, heights: Floats, span: float) -> PolyMesh:
     """Cells over the upper half of the drum and straight down from both of its sides, at heights over its surface."""
     grid = rectangle_grid(1.0, 1.0, len(along) - 1, len(heights) - 1)
-    s, height = (each.ravel() for each in np.meshgrid(along, heights))
+    s, height = (coordinates.ravel() for coordinates in np.meshgrid(along, heights))
     half = np.pi * DRUM_MM
     angle, radius = np.pi - np.clip(s, 0.0, half) / DRUM_MM, DRUM_MM + height
     y = radius * np.sin(angle) + np.minimum(s, 0.0) - np.maximum(s - half, 0.0)
@@ -166,7 +166,7 @@ def _around(along: Floats, heights: Floats, span: float) -> PolyMesh:
     inner, outer = (DRUM_MM + float(heights[end]) for end in (0, -1))
     right = [(inner, 0.0), (inner, -span), (outer, -span), (outer, 0.0)]
     lines = [Line(start, end) for start, end in pairwise(right) if np.any(np.subtract(end, start))]
-    others = [Line((-each.end[0], each.end[1]), (-each.start[0], each.start[1])) for each in lines[::-1]]
+    others = [Line((-line.end[0], line.end[1]), (-line.start[0], line.start[1])) for line in lines[::-1]]
     under = Arc((-inner, 0.0), (inner, 0.0), (0.0, 0.0), counter_clockwise=False)
     over = Arc((outer, 0.0), (-outer, 0.0), (0.0, 0.0), counter_clockwise=True)
     sides: list[Line | Arc] = [under, *lines, over, *others]

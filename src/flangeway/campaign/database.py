@@ -487,9 +487,7 @@ def _csv_writer(columns: Mapping[str, Any]) -> Callable[[Path], None]:
         with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)
             writer.writerow(columns)
-            writer.writerows(
-                ["" if cell is None else cell for cell in row] for row in zip(*columns.values(), strict=True)
-            )
+            writer.writerows(zip(*columns.values(), strict=True))
 
     return write
 

@@ -1,18 +1,23 @@
 """What all cases share: named inputs with ranges, checked before anything is computed; and a case on a finer mesh."""
 
+import ast
 import difflib
+import inspect
 import math
+import sys
 from abc import abstractmethod
+from collections import ChainMap
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass, replace
+from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, TypeAlias, Union, cast, get_args, get_origin
 
 import annotated_types as at
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, ValidationInfo, model_validator
 from pydantic.fields import FieldInfo
 
 from flangeway.cases.summary import mapped, summary_numbers
@@ -31,12 +36,10 @@ from flangeway.results import (
 )
 from flangeway.solve import Status
 from flangeway.system.file_content import toml_data
-from flangeway.types import Key
+from flangeway.types import Key, Progress
 
 # --- What all cases share: named inputs with ranges, checked before anything is computed.
 
-
-Progress = Callable[[str], None]
 
 HALVING = {
     **dict.fromkeys(
@@ -74,13 +77,11 @@ SolidModulus = Annotated[float, at.Ge(1000.0)]  # of wheels and rails, MPa; plas
 PoissonRatio = Annotated[float, at.Gt(-1.0), at.Lt(0.5)]
 ElementSize = Annotated[float, at.Ge(1e-6)]
 ElementOrder = Annotated[int, at.Ge(1), at.Le(2)]
+LengthUnit = Literal["mm", "cm", "m", "in", "ft"]
 
 
 InputRow: TypeAlias = tuple[str, str, str, str]
 """Key, default, what is allowed, and meaning of an input."""
-
-_IN_US_UNITS: ContextVar[set[str]] = ContextVar("_IN_US_UNITS")
-"""Inputs of the case that is being made which were given in US units."""
 
 
 def described_by(text: str) -> str:
@@ -90,6 +91,24 @@ def described_by(text: str) -> str:
 
 class GivenText(str):
     """A value of the command line or of a CSV table: the input's type decides whether it is a number, true, or text."""
+
+
+@cache
+def _texts_below(module: str) -> dict[str, dict[str, str]]:
+    """Texts below the inputs of the classes of a module, by the classes' names; none where there is no source."""
+    try:
+        source = inspect.getsource(sys.modules[module])
+    except (OSError, TypeError):
+        return {}
+    texts: dict[str, dict[str, str]] = {}
+    for node in ast.parse(source).body:
+        if isinstance(node, ast.ClassDef):
+            texts[node.name] = {}
+            for line in pairwise(node.body):
+                match line:
+                    case ast.AnnAssign(target=ast.Name(key)), ast.Expr(ast.Constant(str(text))):
+                        texts[node.name][key] = text
+    return texts
 
 
 class Run(Protocol):
@@ -114,16 +133,20 @@ class Table(BaseModel):
     Build one with `from_values`, which raises `InputError`.
     """
 
-    # what stands below an input is its description
-    model_config = ConfigDict(
-        defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False, strict=True, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **_: Any) -> None:
-        """Make sentences of the descriptions of inputs."""
-        for field in cls.model_fields.values():
-            field.description = field.description and described_by(field.description)
+    def described_fields(cls) -> dict[str, FieldInfo]:
+        """Return the inputs with their descriptions, `described_by` what stands below them in the source.
+
+        They are read when they are first shown: pydantic's ``use_attribute_docstrings`` takes longer for all cases than
+        a short run.
+        """
+        below = ChainMap(*(_texts_below(kind.__module__).get(kind.__name__, {}) for kind in cls.__mro__))
+        for key, field in cls.model_fields.items():
+            text = field.description or below.get(key)
+            field.description = described_by(text) if text else None
+        return cls.model_fields
 
     _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
 
@@ -153,20 +176,20 @@ class Table(BaseModel):
 
         mapped(values, refuse_huge)
         in_us_units: set[str] = set()
-        token = _IN_US_UNITS.set(in_us_units)
         try:
-            case = cls(**values)
+            case = cls.model_validate(values, context=in_us_units)
         except ValidationError as reason:
             raise _input_error(cls, reason, values, where) from None
-        finally:
-            _IN_US_UNITS.reset(token)
         case._us_keys |= in_us_units
         return case
 
     @model_validator(mode="before")
     @classmethod
-    def _typed(cls, values: Any) -> Any:
-        """Read what is `GivenText`, take tuples and NumPy's numbers as Python's, and US units as metric ones."""
+    def _typed(cls, values: Any, info: ValidationInfo) -> Any:
+        """Read what is `GivenText`, take tuples and NumPy's numbers as Python's, and US units as metric ones.
+
+        The context receives the inputs that were given in US units, those of inner tables too.
+        """
         if not isinstance(values, Mapping):
             return values
         metric: dict[str, Any] = {}
@@ -177,8 +200,8 @@ class Table(BaseModel):
                 continue
             read = _typed(value, cls.model_fields[name].annotation)
             metric[name] = unit.to_metric(read) if unit else read
-            if unit:
-                _IN_US_UNITS.get(set()).add(name)
+            if unit and info.context is not None:
+                info.context.add(name)
         return metric
 
     @classmethod
@@ -195,6 +218,25 @@ class Table(BaseModel):
                 if unit is not None and unit.name == key:
                     return name, unit
         return key, None
+
+    @classmethod
+    def tables_of_inputs(cls, units: Units = "metric", path: str = "") -> list[tuple[str, list[InputRow]]]:
+        """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path.
+
+        - `path`: that of this table in the case, with a point at the end.
+        """
+        rows, inner = [], []
+        for key, field in cls.described_fields().items():
+            unit, meaning = us_key(key) if units == "us" else None, field.description or ""
+            default = "needed" if field.is_required() else _default_text(field, unit)
+            kind = table_in(field.annotation)
+            if kind is not None:
+                several = "[]" if any(get_origin(kind) is list for kind in alternatives(field.annotation)) else ""
+                inner += kind.tables_of_inputs(units, f"{path}{key}{several}.")
+                default = default if field.is_required() else "none"
+            name, meaning = (unit.name if unit else key), (in_us_units(meaning) if units == "us" else meaning)
+            rows.append((name, default, allowed(field, unit), meaning))
+        return [(path.rstrip("."), rows), *inner]
 
     def refuse_without_effect(self, keys: Iterable[str], key: str, wanted: str, within: str = "") -> None:
         """Refuse inputs that another one leaves without effect, if they are not those by default.
@@ -247,11 +289,6 @@ class Case(Table):
         except InputError as reason:
             given, allowed, advice = map(self.as_written, (reason.given, reason.allowed, reason.advice))
             raise InputError(f"{place(given)}{given}", allowed, advice) from reason
-
-    @classmethod
-    def tables_of_inputs(cls, units: Units = "metric") -> list[tuple[str, list[InputRow]]]:
-        """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path."""
-        return _inputs_of(cls, "", units)
 
 
 def example_of(name: str) -> dict[str, Any]:
@@ -347,21 +384,6 @@ class PresetCase(RunnableCase):
     def run(self, progress: Progress = lambda _: None) -> Any:
         """See `RunnableCase.run`."""
         return replace(cast("Any", self.general().run(progress)), case=self)
-
-
-def _inputs_of(table: type[Table], path: str, units: Units) -> list[tuple[str, list[InputRow]]]:
-    rows, inner = [], []
-    for key, field in table.model_fields.items():
-        unit, meaning = us_key(key) if units == "us" else None, field.description or ""
-        default = "needed" if field.is_required() else _default_text(field, unit)
-        kind = table_in(field.annotation)
-        if kind is not None:
-            several = "[]" if any(get_origin(kind) is list for kind in alternatives(field.annotation)) else ""
-            inner += _inputs_of(kind, f"{path}{key}{several}.", units)
-            default = default if field.is_required() else "none"
-        name, meaning = (unit.name if unit else key), (in_us_units(meaning) if units == "us" else meaning)
-        rows.append((name, default, allowed(field, unit), meaning))
-    return [(path.rstrip("."), rows), *inner]
 
 
 GROUPS = {
@@ -592,7 +614,7 @@ def _located(case: type[Table], values: Any, location: Key) -> tuple[Key, type[T
         if not (isinstance(item, int) or is_name):
             if inner is None or item.startswith(("list[", "dict[")):  # the name of one of several types
                 break
-            table, field = inner, inner.model_fields.get(item)
+            table, field = inner, inner.described_fields().get(item)
             if field is not None:
                 inner = table_in(field.annotation)
                 is_name = any(get_origin(kind) is dict for kind in alternatives(field.annotation))

@@ -20,7 +20,6 @@ from flangeway.cases.case import (
     Table,
     allowed,
     closest,
-    described_by,
     key_text,
     merged,
     table_in,
@@ -296,29 +295,24 @@ def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
     return changed
 
 
-def _set_inside(values: dict[str, Any], path: list[str], value: Any, name: str) -> None:
-    place: Any = values
-    for number, item in enumerate(path):
-        known: dict[str, Any] = {}
-        if isinstance(place, list):
-            known = {str(n): n - 1 for n in range(1, len(place) + 1)}
-            known |= {
-                str(entry["name"]): n for n, entry in enumerate(place) if isinstance(entry, dict) and "name" in entry
-            }
-        elif isinstance(place, dict):
-            known = {key: key for key in place}
-        last = number == len(path) - 1
-        if isinstance(place, dict) and last:
-            new = merged(place, {item: value})
-            place.clear()
-            place.update(new)
-            return
-        if item not in known or last:
-            raise InputError(
-                f"--set {name}", f"at {'.'.join(path[:number]) or 'the top'} one of: {', '.join(known) or 'nothing'}",
-                "name tables by their keys, and items of lists by their numbers from 1 or their names",
-            )  # fmt: skip
-        place = place[known[item]]
+def _set_inside(place: Any, path: list[str], value: Any, name: str, above: str = "") -> None:
+    """Replace a value below a table or a list; `above` is the path to it, for the message."""
+    item, *inner = path
+    if isinstance(place, dict) and not inner:
+        changed = merged(place, {item: value})
+        place.clear()
+        place.update(changed)
+        return
+    known: dict[str, Any] = place if isinstance(place, dict) else {}
+    if isinstance(place, list):
+        known = {str(number): entry for number, entry in enumerate(place, 1)}
+        known |= {str(entry["name"]): entry for entry in place if isinstance(entry, dict) and "name" in entry}
+    if item not in known or not inner:
+        raise InputError(
+            f"--set {name}", f"at {above or 'the top'} one of: {', '.join(known) or 'nothing'}",
+            "name tables by their keys, and items of lists by their numbers from 1 or their names",
+        )  # fmt: skip
+    _set_inside(known[item], inner, value, name, f"{above}.{item}".removeprefix("."))
 
 
 # --- Identity of cases by the content of their inputs, and of the bodies that several cases share.
@@ -381,7 +375,7 @@ def write_template(case: type[RunnableCase], units: Units = "metric") -> str:
         f"flangeway = {FORMAT}  # format of this file",
         f'case = "{case.name}"',
     ]
-    plain = {key: field for key, field in case.model_fields.items() if table_in(field.annotation) is None}
+    plain = {key: field for key, field in case.described_fields().items() if table_in(field.annotation) is None}
     for key, field in plain.items():
         active = key in case.essential or key in case.example
         value = case.example.get(key, _default(field))
@@ -418,7 +412,7 @@ def _tables(key: str, field: FieldInfo, table: type[Table], example: Any, units:
     items = example if isinstance(example, list) else [example] if example else []
     first, comment = (items[0], "") if items else ({}, "#")
     lines = ["", "", f"# {field.description}.", f"{comment} {header}".strip()]
-    for name, entry in table.model_fields.items():
+    for name, entry in table.described_fields().items():
         lines += [comment, *_entry(name, entry, first.get(name, _default(entry)), units, active=name in first)]
     for item in items[1:]:
         lines += ["", header, *(_line(name, value, units) for name, value in item.items())]
@@ -491,7 +485,10 @@ def schema() -> dict[str, Any]:
     choices: list[dict[str, Any]] = []
     definitions: dict[str, Any] = {}
     for name, case in CASES.items():
-        described = _with_sentences(case.model_json_schema())
+        for table in _tables_of(case):
+            table.described_fields()
+            table.model_rebuild(force=True)  # a model that has checked values keeps what it knew then
+        described = case.model_json_schema()
         definitions |= described.pop("$defs", {})
         _add_us_keys(described)
         choices.append(
@@ -518,16 +515,10 @@ def schema() -> dict[str, Any]:
     }
 
 
-def _with_sentences(described: Any) -> Any:
-    """Return a description of inputs with its texts, also those of several lines, as sentences, see `described_by`."""
-    if isinstance(described, list):
-        return [*map(_with_sentences, described)]
-    if not isinstance(described, dict):
-        return described
-    return {
-        key: described_by(value) if key == "description" and isinstance(value, str) else _with_sentences(value)
-        for key, value in described.items()
-    }
+def _tables_of(table: type[Table]) -> list[type[Table]]:
+    """Return the tables inside a table, inner ones first, and itself."""
+    inner = [table_in(field.annotation) for field in table.model_fields.values()]
+    return [*(each for kind in inner if kind is not None for each in _tables_of(kind)), table]
 
 
 _BOUNDS = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")

@@ -72,14 +72,14 @@ class DamageTables(Table):
     """what other strategies change, by their names: tables and keys of this file"""
 
 
-def inputs_of(kind: type[Any], *without: str) -> type[Table]:
-    """Return the table whose keys are the fields of a record, without some of them."""
-    entries = {
+def inputs_of(kind: type[Any], *without: str, **more: Any) -> type[Table]:
+    """Return the table whose keys are the fields of a record, without some of them, and more: type and default."""
+    entries = more | {
         field.name: (field.type, ... if field.default is MISSING else field.default)
         for field in fields(kind)
         if field.name not in without
     }
-    table: type[Table] = create_model(kind.__name__, __base__=Table, **entries)  # type: ignore[call-overload]
+    table: type[Table] = create_model(kind.__name__, __base__=Table, **entries)
     return table
 
 
@@ -192,15 +192,15 @@ class DamageFile(TomlFile):
 
     def _law(self, role: Role, given: Mapping[str, Any]) -> WearLaw:
         """The wear law of wheels or rails, for each cell, or for each patch as a whole."""
-        constants, key = dict(given), ("wear", role)
-        name, per_patch = constants.pop("law", None), constants.pop("per_patch", False)
+        name, key = given.get("law"), ("wear", role)
         with located(self.place(key)):
             require_known("law", str(name), LAWS)
-            if not isinstance(per_patch, bool):
-                raise InputError(f"per_patch = {per_patch!r}", "true or false", "leave it out for the law of each cell")
-        values = self._values(key, constants, inputs_of(LAWS[name]))
+        table = inputs_of(LAWS[str(name)], law=(str, ...), per_patch=(bool, False))
+        constants = self._values(key, given, table)
+        del constants["law"]
+        per_patch = constants.pop("per_patch", False)
         with located(self.place(key)):
-            law: WearLaw = LAWS[name](**values)
+            law: WearLaw = LAWS[str(name)](**constants)
         return PerPatch(law) if per_patch else law
 
     def _values(self, key: Key, given: Mapping[str, Any], table: type[Table]) -> dict[str, Any]:

@@ -276,8 +276,8 @@ class Show:
         self.files(others())
         if not self.as_json:
             if not self.quiet:
-                console.print(self._times(len(files)), markup=False, soft_wrap=True)
-            console.print(f"Report: {folder / REPORT}", markup=False, soft_wrap=True)
+                console.print(self._times(len(files)), soft_wrap=True)
+            console.print(f"Report: {folder / REPORT}", soft_wrap=True)
         self.marks_s = [time.perf_counter()]
         if last:
             self.json(record.summary)
@@ -288,7 +288,7 @@ class Show:
         if self.as_json:
             return
         for file in files:
-            stdout().print(f"File: {file}", markup=False, soft_wrap=True)
+            stdout().print(f"File: {file}", soft_wrap=True)
 
     def json(self, content: Mapping[str, Any]) -> None:
         """Print a summary as JSON, if that is wanted."""
@@ -351,7 +351,7 @@ def stdout() -> Any:
     """Return the terminal for results."""
     from rich.console import Console  # noqa: PLC0415
 
-    return Console(highlight=False)
+    return Console(highlight=False, markup=False)
 
 
 def complain(message: str) -> None:

@@ -161,19 +161,15 @@ def section(
     show: Show,
 ) -> bool:
     """Compute the constants of a cross-section; report, JSON, pictures and VTU in a folder (out/section-NAME)."""
-    from flangeway.cases.section_run import (  # noqa: PLC0415
-        TorsionCase,
-        find_section,
-        run_section,
-    )
+    from flangeway.cases.section_run import TorsionCase  # noqa: PLC0415
     from flangeway.report.section_page import section_record  # noqa: PLC0415
 
-    drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
     inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
     case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson, "units": show.units or "metric"})
+    case.check()
     folder = results_folder(out, f"section-{Path(name_or_file).stem}")
     with show.progress() as progress:
-        done = run_section(drawn, case, progress)
+        done = case.run(progress)
     show.record(section_record(done, command_typed()), folder)
     return True
 

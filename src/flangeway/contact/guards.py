@@ -13,9 +13,9 @@ import numpy as np
 
 from flangeway.contact.kinematics import closest_parameters, node_edge_gaps
 from flangeway.contact.node_to_segment import (
-    CONCAVE,
-    OVERHANG,
-    SLACK,
+    CONCAVE_SLACK,
+    FOOT_SLACK,
+    OPEN_SLACK,
     NodePairs,
     facing_pairs,
     guarded_margins,
@@ -28,13 +28,13 @@ from flangeway.types import Bools, Floats, Ints
 
 GUARDED_DEPTH = 0.9
 """Depth over that which chords of curves explain from which a node is guarded: between nodes it may be larger."""
-SIMILAR = 0.02
+DEPTH_TOLERANCE = 0.02
 """Difference of two depths, over the larger one, below which it is chance which of them is the smaller one."""
 
-AT_END = 1e-3
+END_DISTANCE = 1e-3
 """Distance of a node from one of the other side, over the length of an edge, below which each guards both."""
 
-JOINED = [field for field in fields(Constraints) if field.name != "rows"]
+JOINED_FIELDS = [field for field in fields(Constraints) if field.name != "rows"]
 
 Sides = tuple[Surface, Surface]
 Positions = tuple[Floats, Floats]
@@ -98,54 +98,58 @@ def guarded(
         nodes, faced = _paired(
             positions[side], places[side], edges[other], guarded_nodes[side], kept[side], settle=settle
         )
-        found = node_edge_gaps(positions[side][nodes], edges[other][faced])
-        new = faced != taken[nodes] if side == 0 else ~_repeated(guards[0], places, nodes, faced, found.parameters)
-        nodes, faced, gaps, parameters = nodes[new], faced[new], found.gaps[new], found.parameters[new]
+        node_gaps = node_edge_gaps(positions[side][nodes], edges[other][faced])
+        new = faced != taken[nodes] if side == 0 else ~_repeated(guards[0], places, nodes, faced, node_gaps.parameters)
+        nodes, faced, gaps, parameters = nodes[new], faced[new], node_gaps.gaps[new], node_gaps.parameters[new]
         points, slots, secondary_edges, primary_edges = node_terms(places[side], edges, nodes, faced, side)
         nearest = places[0][faced, np.where(parameters > 0.5, -1, 0)] if side == 1 else nodes
         areas = surfaces[side].tributary_areas[nodes]
         keys = first_keys[side] + nodes * len(edges[other]) + faced
         partners, members = faced + side * len(edges[1]), places[0][secondary_edges]
-        each = np.arange(len(nodes))[:, None]
+        row = np.arange(len(nodes))[:, None]
         guards.append(
             NodePairs(
-                keys, partners, nearest, gaps, areas, areas, members, primary_edges, each, points, slots, parameters
+                keys, partners, nearest, gaps, areas, areas, members, primary_edges, row, points, slots, parameters
             )
         )  # fmt: skip
     parts = (base, *guards)
-    joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in JOINED}
+    joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in JOINED_FIELDS}
     starts, width = np.cumsum([len(part.keys) for part in parts]), base.rows.shape[1]
     rows = [np.repeat(first + part.rows, width, axis=1) for first, part in zip(starts, guards, strict=False)]
     return GuardedPairs(**joined, rows=np.concatenate((base.rows, *rows)), pairs=parts)
 
 
-def _repeated(secondary: NodePairs, places: tuple[Ints, Ints], nodes: Ints, faced: Ints, parameters: Floats) -> Bools:
+def _repeated(
+    secondary: NodePairs, contact_nodes: tuple[Ints, Ints], nodes: Ints, faced: Ints, parameters: Floats
+) -> Bools:
     """Which primary nodes lie on a secondary one that is guarded against theirs: both constraints would be one.
 
     - `secondary`: guarded secondary nodes.
     - `nodes`, `faced`, `parameters`: primary nodes, secondary edges, and closest points of these, each (m,).
     """
-    n = int(places[1].max()) + 1
-    met = _end_at(places[1], secondary.primary_edges, secondary.parameters)
-    own = _end_at(places[0], faced, parameters)
+    n = int(contact_nodes[1].max()) + 1
+    met = _end_at(contact_nodes[1], secondary.primary_edges, secondary.parameters)
+    own = _end_at(contact_nodes[0], faced, parameters)
     return (own >= 0) & np.isin(own * n + nodes, (secondary.nodes * n + met)[met >= 0])
 
 
-def _end_at(places: Ints, edges: Ints, parameters: Floats) -> Ints:
+def _end_at(contact_nodes: Ints, edges: Ints, parameters: Floats) -> Ints:
     """Node at that end of edges where points on them are, -1 where they are at none."""
-    first, last = places[edges, 0], places[edges, -1]
-    return np.where(np.abs(parameters) < AT_END, first, np.where(np.abs(parameters - 1.0) < AT_END, last, -1))
+    first, last = contact_nodes[edges, 0], contact_nodes[edges, -1]
+    return np.where(
+        np.abs(parameters) < END_DISTANCE, first, np.where(np.abs(parameters - 1.0) < END_DISTANCE, last, -1)
+    )
 
 
 def corners_under_force(pairs: Constraints, surfaces: Sides, forces: Floats) -> Guards:
     """Which nodes of either side are sharp corners whose guards carry a force, each (n_nodes,)."""
-    found = [np.zeros(len(each.nodes), dtype=np.bool_) for each in surfaces]
+    under_force = [np.zeros(len(surface.nodes), dtype=np.bool_) for surface in surfaces]
     if isinstance(pairs, GuardedPairs):
         ends, firsts = np.cumsum([len(part.keys) for part in pairs.parts]), key_starts(*surfaces)
-        for side, (part, mine) in enumerate(zip(pairs.parts[1:], np.split(forces, ends[:-1])[1:], strict=True)):
-            found[side][(part.keys[mine > 0.0] - firsts[side]) // len(surfaces[1 - side].edges)] = True
-            found[side] &= _sharp(surfaces[side])
-    return found[0], found[1]
+        for side, (part, part_forces) in enumerate(zip(pairs.parts[1:], np.split(forces, ends[:-1])[1:], strict=True)):
+            under_force[side][(part.keys[part_forces > 0.0] - firsts[side]) // len(surfaces[1 - side].edges)] = True
+            under_force[side] &= _sharp(surfaces[side])
+    return under_force[0], under_force[1]
 
 
 def key_starts(secondary: Surface, primary: Surface) -> tuple[int, int, int]:
@@ -179,17 +183,17 @@ def _paired(
     directions = node_normals(positions, edge_places, bisecting=True)
     given = positions, edge_places, edges, np.flatnonzero(guarded_nodes), directions, kept
     margins = guarded_margins(edges)
-    stay = OVERHANG if settle else SLACK
-    nodes, partners, gaps = facing_pairs(*given, stay, margins, SLACK)
-    found = [(nodes, partners)]
+    stay = OPEN_SLACK if settle else FOOT_SLACK
+    nodes, partners, gaps = facing_pairs(*given, stay, margins, FOOT_SLACK)
+    pieces = [(nodes, partners)]
     for end, step in ((1, 1), (0, -1)):
-        concave = margins[partners, end] == CONCAVE
+        concave = margins[partners, end] == CONCAVE_SLACK
         both, beside = nodes[concave], (partners[concave] + step) % len(edges)
         # a node that is off this joint on one edge is in front of the other one
         near = step * (gaps.parameters[concave] - end) > 0.0
-        near |= np.abs(closest_parameters(positions[both], edges[beside]) - 0.5) < 0.5 + SLACK
-        found.append((both[near], beside[near]))
-    nodes, partners = (np.concatenate(each) for each in zip(*found, strict=True))
+        near |= np.abs(closest_parameters(positions[both], edges[beside]) - 0.5) < 0.5 + FOOT_SLACK
+        pieces.append((both[near], beside[near]))
+    nodes, partners = (np.concatenate(arrays) for arrays in zip(*pieces, strict=True))
     return nodes, partners
 
 
@@ -219,13 +223,13 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
 
     """
     edges = [at[surface.contact_places] for surface, at in zip(surfaces, positions, strict=True)]
-    depth = min(float(np.linalg.norm(np.ptp(each, axis=(0, 1)))) for each in edges) / 2.0
+    depth = min(float(np.linalg.norm(np.ptp(edge_points, axis=(0, 1)))) for edge_points in edges) / 2.0
     counts = [len(surface.nodes) for surface in surfaces]
-    found = [np.zeros(count, dtype=np.bool_) for count in counts]
+    through = [np.zeros(count, dtype=np.bool_) for count in counts]
     near = [behind(at[:n], other) for at, n, other in zip(positions, counts, edges[::-1], strict=True)]
     if not (near[0].any() or near[1].any()):
-        return found[0], found[1]
-    sagittas = [surface.sagittas(each, bent) for surface, each in zip(surfaces, edges, strict=True)]
+        return through[0], through[1]
+    sagittas = [surface.sagittas(edge_points, bent) for surface, edge_points in zip(surfaces, edges, strict=True)]
     for side, other in ((0, 1), (1, 0)):
         at, places, none = positions[side], surfaces[side].edge_places, np.full(counts[side], -1)
         given = at, places, edges[other], np.flatnonzero(near[side]), node_normals(at, places, bisecting=True), none
@@ -237,11 +241,11 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
             return GUARDED_DEPTH * (own[nodes] + sagittas[other][partners]) + explained
 
         margins = guarded_margins(edges[other])
-        nodes, _, gaps = facing_pairs(*given, SLACK, margins, SLACK, allowed)
-        found[side][nodes[gaps.gaps > -depth]] = True
-    found = [each & ~before for each, before in zip(found, guarded_nodes, strict=True)]
-    sharp = found[0] & _sharp(surfaces[0]), found[1] & _sharp(surfaces[1])
-    return sharp if sharp[0].any() or sharp[1].any() else (found[0], found[1])
+        nodes, _, gaps = facing_pairs(*given, FOOT_SLACK, margins, FOOT_SLACK, allowed)
+        through[side][nodes[gaps.gaps > -depth]] = True
+    through = [of_side & ~before for of_side, before in zip(through, guarded_nodes, strict=True)]
+    sharp = through[0] & _sharp(surfaces[0]), through[1] & _sharp(surfaces[1])
+    return sharp if sharp[0].any() or sharp[1].any() else (through[0], through[1])
 
 
 def _sharp(surface: Surface) -> Bools:
@@ -262,19 +266,19 @@ def corners_on_corners(surfaces: Sides, positions: Positions) -> Floats:
         Of their nodes before the deformation, each (n, 2).
 
     """
-    found = []
+    gaps = []
     for side, other in ((0, 1), (1, 0)):
-        places = surfaces[other].edge_places[:, [0, -1]]
-        joints = np.flatnonzero(_sharp(surfaces[other])[places[:, 1]])
+        ends = surfaces[other].edge_places[:, [0, -1]]
+        joints = np.flatnonzero(_sharp(surfaces[other])[ends[:, 1]])
         own = np.flatnonzero(_sharp(surfaces[side]))
         if len(own) == 0 or len(joints) == 0:
             continue
         pair = own.repeat(len(joints)), np.tile(joints, len(own))
-        edges = positions[other][places]
+        edges = positions[other][ends]
         into, out = edges[pair[1]], edges[(pair[1] + 1) % len(edges)]
-        depths = -np.stack([node_edge_gaps(positions[side][pair[0]], each).gaps for each in (into, out)])
-        lengths = np.minimum(*(np.linalg.norm(each[:, 1] - each[:, 0], axis=1) for each in (into, out)))
-        similar = np.abs(depths[0] - depths[1]) <= SIMILAR * depths.max(axis=0)
+        depths = -np.stack([node_edge_gaps(positions[side][pair[0]], edge).gaps for edge in (into, out)])
+        lengths = np.minimum(*(np.linalg.norm(edge[:, 1] - edge[:, 0], axis=1) for edge in (into, out)))
+        similar = np.abs(depths[0] - depths[1]) <= DEPTH_TOLERANCE * depths.max(axis=0)
         similar &= (depths.min(axis=0) > 0.0) & (depths.max(axis=0) < lengths)
-        found.append(positions[side][pair[0][similar]])
-    return np.concatenate(found) if found else np.empty((0, 2))
+        gaps.append(positions[side][pair[0][similar]])
+    return np.concatenate(gaps) if gaps else np.empty((0, 2))

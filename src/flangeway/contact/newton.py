@@ -71,23 +71,23 @@ SPRING, STIFF_SPRING = 1e-6, 1.0
 """Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint; and the same
 where the equations with the geometric stiffness had no solution."""
 
-NEAR = 0.5
+START_DISTANCE = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
 after the first iteration."""
 
-WITHIN = 0.01
+OPEN_GAP = 0.01
 """Gap over the maximum displacement, or way, from which constraints are left out of iterations that keep them open."""
 
-CLOSES = 2.0 * np.sqrt(2.0)
+GAP_CLOSURE = 2.0 * np.sqrt(2.0)
 """Closing of a gap over the maximum component of the nodes' displacements, at most."""
 
-CLOSE = 1e-6
+OLD_DERIVATIVES_RESIDUAL = 1e-6
 """Residual up to which the equations of an iteration may serve the next one."""
 
-UNHELD = 1e-9
+MAX_UNBALANCED_FORCE = 1e-9
 """Force left on a floating part over the maximum load, or the total force, above which a message names it."""
 
-NOT_BALANCED = 1e-6
+MAX_FORCE_ALONG_MOTION = 1e-6
 """Force along a motion over the maximum load, above which a message names it."""
 
 ROUND_OFF = 1e-13
@@ -96,13 +96,13 @@ ROUND_OFF = 1e-13
 MAX_ROUND_OFF = 1e-3
 """Residual that round-off of the positions excuses, at most: where nothing moves it would excuse any force."""
 
-UNHELD_AFTER = 12
+SLIDE_ITERATIONS = 12
 """Iterations after which a part slides away if friction did not hold its load in one: by about its size."""
 
 MAX_DENSE_EQUATIONS = 4000
 """Equations of a contact with friction up to which a dense matrix of them is made where there is another way."""
 
-NAMED = 3
+MAX_NAMED = 3
 """How many constraints a message names."""
 
 MAX_TRAVEL = 2.0
@@ -323,7 +323,7 @@ class _Run:
     def take_over(self, after: ContactLinearisation) -> None:
         """Go on with another linearisation about the same positions or new ones; forces stay where constraints do."""
         self.forces, self.tangential = (
-            carried_forces(self.current, each, after) for each in (self.forces, self.tangential)
+            carried_forces(self.current, forces, after) for forces in (self.forces, self.tangential)
         )
         self.current, self.slides = after, self._slides(after, self.displacements)
 
@@ -343,11 +343,11 @@ class _Run:
     def iterate(self) -> str | None:
         """Newton's method with the forces corrected last; None if it converged, else why not."""
         first = len(self.history)
-        before = sum(each.correction == self.corrections for each in self.history)
+        before = sum(iteration.correction == self.corrections for iteration in self.history)
         for iteration in range(self.settings.max_iterations - before):
             if loose := self._approach():
                 return loose
-            if iteration >= UNHELD_AFTER and self.unheld.any():
+            if iteration >= SLIDE_ITERATIONS and self.unheld.any():
                 words = "; ".join(self.parts.describe(self.motions, self.unheld[:, None]))
                 what = "a load" if self.parts.load.any() else "what the motion presses"
                 return (
@@ -362,7 +362,7 @@ class _Run:
                     "finer mesh or a softer penalty"
                 )
             here, fraction, settle = copy(self), 1.0, len(self.history) >= MEMORY
-            limit = MAX_GROWTH * max((each.residual for each in self.history[-MEMORY:]), default=np.inf)
+            limit = MAX_GROWTH * max((iteration.residual for iteration in self.history[-MEMORY:]), default=np.inf)
             taken = self._take(here, step, fraction, settle=settle)
             while taken.residual > limit and fraction > MIN_FRACTION:
                 fraction /= 2.0
@@ -398,7 +398,9 @@ class _Run:
         after = self.constraints.linearise(self.reference + moved, here.current, settle=settle)
         self.current, self.displacements, self.forces, self.tangential = here.current, moved, new_forces, new_tangential
         self.take_over(after)
-        yielded = max(float(np.abs(each).max(initial=0.0)) for each in (moved, self._compliances(after) * self.forces))
+        yielded = max(
+            float(np.abs(vector).max(initial=0.0)) for vector in (moved, self._compliances(after) * self.forces)
+        )
         if yielded <= EPS * float(np.abs(self.reference).max()) and not self.parts.forces(self.motions).any():
             # nothing presses, and neither bodies nor laws yield: what is left of forces is round-off
             self.forces, self.tangential = np.zeros((2, len(after.keys)))
@@ -408,7 +410,7 @@ class _Run:
         nodal, left = self._nodal(), self._left()
         left -= self.neutral[0] @ (self.neutral[0].T @ left)
         unbalanced = np.append(nodal - applied, left)
-        most = max(float(np.abs(each).max(initial=0.0)) for each in (applied, self.parts.load))
+        most = max(float(np.abs(vector).max(initial=0.0)) for vector in (applied, self.parts.load))
         slack = self._gaps(after) + self._compliances(after) * carried - active_set.standoffs(carried, after.barriers)
         residual = residual_of(slack, carried, unbalanced, most, scale)
         if self.slides is not None:
@@ -422,7 +424,7 @@ class _Run:
     def _scale(self) -> float:
         """Maximum displacement, or way of a placed body."""
         ways = self.displacements, self.reference - self.begun
-        return max(*(float(np.abs(each).max(initial=0.0)) for each in ways), 1e-300)
+        return max(*(float(np.abs(vector).max(initial=0.0)) for vector in ways), 1e-300)
 
     def _gaps(self, lin: ContactLinearisation) -> Floats:
         """Gaps less what the corrected forces press in."""
@@ -465,20 +467,20 @@ class _Run:
         products, reaches = current.barriers.T
         # barriers push before surfaces meet
         gaps = self._gaps(current) - np.where(products > 0.0, reaches, 0.0)
-        near = (self.forces > 0.0) | (gaps <= WITHIN * self._scale())
+        near = (self.forces > 0.0) | (gaps <= OPEN_GAP * self._scale())
         before, self.equations = self.equations if bend and self._serves(near) else None, None
         geometric, constrained = self._laws(before, bend=bend)
         while True:
             near = near if near.any() else ~near
-            found = self._step_of(geometric, constrained, near, before, bend=bend)
-            if found is None:
+            solution = self._step_of(geometric, constrained, near, before, bend=bend)
+            if solution is None:
                 return None
-            forces, moved, motion = found
+            forces, moved, motion = solution
             # the laws of the others hold with them open if the step leaves a gap there, which it closes by no more than
             # nodes of both sides move: the mean over a sliver of an edge has derivatives that say more
             step = moved - constrained.displacements
             apart = gaps + (constrained.jacobian @ step)[: len(near)]
-            missed = ~near & (apart < 0.0) & (gaps < CLOSES * float(np.abs(step).max()))
+            missed = ~near & (apart < 0.0) & (gaps < GAP_CLOSURE * float(np.abs(step).max()))
             if not missed.any():
                 break
             near, before = near | missed, None
@@ -496,7 +498,7 @@ class _Run:
         if self.equations is None:
             return False
         last, same_keys = self.history[-1], np.array_equal(self.equations.keys, self.current.keys[near])
-        reached = last.residual <= CLOSE and last.residual * last.change <= self.settings.tolerance
+        reached = last.residual <= OLD_DERIVATIVES_RESIDUAL and last.residual * last.change <= self.settings.tolerance
         return reached and not last.changed and same_keys and np.array_equal(self.equations.nodes, self.current.nodes)
 
     def _step_of(
@@ -515,11 +517,11 @@ class _Run:
         if solver is not None:
             solved, own = solver
             laws = active_set.Laws(coefficients, barriers, own)
-            found = active_set.solve(laws, active_set.sparse_equations(solved, laws), guess)
-            if found is None:
+            answer = active_set.solve(laws, active_set.sparse_equations(solved, laws), guess)
+            if answer is None:
                 return None
-            forces[rows] = found.forces
-            loads = constrained.directions.T @ found.forces + geometric @ constrained.displacements
+            forces[rows] = answer.forces
+            loads = constrained.directions.T @ answer.forces + geometric @ constrained.displacements
             bent = self.response.tangent(self.rotations, current.nodes, geometric, symmetric=False)
             return forces, bent(sp.csr_array(loads[:, None]))[:, 0], np.zeros(0)
         if before is None:
@@ -530,28 +532,28 @@ class _Run:
         sprung = rigid.sprung(matrix.diagonal(), SPRING if bend else STIFF_SPRING) if n else rigid
         own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
         laws = active_set.Laws(coefficients, barriers, own)
-        found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
-        if found is None:
+        answer = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+        if answer is None:
             return None
         if n:
             # with springs there always is a solution; without them Newton's method for the motions goes on from there
             equations = active_set.DenseEquations(matrix, offset, laws, rigid)
-            left, right, loose = equations.free_motions(found)
-            self.neutral = np.stack([np.linalg.qr(each)[0] for each in (left, right)])
+            left, right, loose = equations.free_motions(answer)
+            self.neutral = np.stack([np.linalg.qr(basis_side)[0] for basis_side in (left, right)])
             basis = _complement(left), _complement(right)
             held = active_set.DenseEquations(matrix, offset, laws, rigid.without(*basis))
-            exact = None if loose else active_set.solve(laws, held, found.forces)
+            exact = None if loose else active_set.solve(laws, held, answer.forces)
             if exact is not None:
-                found = exact._replace(motions=basis[1] @ exact.motions)
+                answer = exact._replace(motions=basis[1] @ exact.motions)
                 self.unheld = np.zeros(self.parts.n)
             elif self.slides is not None and not self.unheld.any():
-                self.unheld = rigid.unbalanced(found, self.neutral[0])
-        self.tangent = matrix, rigid, found.forces[: laws.m] > 0.0
+                self.unheld = rigid.unbalanced(answer, self.neutral[0])
+        self.tangent = matrix, rigid, answer.forces[: laws.m] > 0.0
         # if one more iteration was not enough, the next one has its own
         self.equations = problem if bend and before is None else None
-        motion = self.parts.shortened(found.motions, self.parts.velocities(self.motions, self.reference))
-        forces[rows] = found.forces
-        return forces, problem.by_loads @ np.concatenate((found.forces, (1.0,), motion)), motion
+        motion = self.parts.shortened(answer.motions, self.parts.velocities(self.motions, self.reference))
+        forces[rows] = answer.forces
+        return forces, problem.by_loads @ np.concatenate((answer.forces, (1.0,), motion)), motion
 
     def _laws(self, before: _Equations | None, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
         """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""
@@ -638,7 +640,7 @@ class _Run:
         left = self._left()
         size = float(np.abs(kept.T @ left).max(initial=0.0))
         why = "nothing prevents"
-        if size > UNHELD * self.forces.sum():
+        if size > MAX_UNBALANCED_FORCE * self.forces.sum():
             why = f"hardly anything prevents: it is kept in place, against a force of {size:.2g}"
         named = [f"{words}, which {why}" for words in self.parts.describe(self.motions, free)]
         named += [f"{words} out of an unstable equilibrium" for words in self.parts.describe(self.motions, unstable)]
@@ -654,8 +656,8 @@ class _Run:
             reason = f"the displacements still change by {last.change:.1e} of the maximum one"
         else:
             positions = self.reference + self.displacements
-            named = [self.constraints.describe(key, positions) for key in last.changed[:NAMED]]
-            more = f" and {len(last.changed) - NAMED} more" if len(last.changed) > NAMED else ""
+            named = [self.constraints.describe(key, positions) for key in last.changed[:MAX_NAMED]]
+            more = f" and {len(last.changed) - MAX_NAMED} more" if len(last.changed) > MAX_NAMED else ""
             reason = f"contact still comes and goes at {'; '.join(named)}{more}"
             advice += (
                 "; with node-to-segment contact, nodes opposite each other change between two edges: take elements of "
@@ -666,7 +668,7 @@ class _Run:
     def _unbalanced(self) -> str:
         """Words for the maximum force that is left on a handle."""
         left = self._left()
-        if not (np.abs(left) > NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)).any():
+        if not (np.abs(left) > MAX_FORCE_ALONG_MOTION * np.abs(self.parts.load).max(initial=0.0)).any():
             return ""
         most = np.zeros_like(left)
         most[np.abs(left).argmax()] = 1.0
@@ -680,7 +682,11 @@ class _Run:
         """
         if not self.parts.n:
             return ""
-        scale, reach, travel = NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0), self.constraints.reach, 0.0
+        scale, reach, travel = (
+            MAX_FORCE_ALONG_MOTION * np.abs(self.parts.load).max(initial=0.0),
+            self.constraints.reach,
+            0.0,
+        )
         while travel <= MAX_TRAVEL * self.parts.size:
             alone = self.parts.untouched(self.current.nodes)
             left = np.where(alone, self.parts.forces(self.motions), 0.0)
@@ -706,7 +712,7 @@ class _Run:
         left = self._left()
         velocities = self.parts.velocities(self.motions, self.reference + self.displacements)
         held = np.einsum("niq,ni->q", np.abs(velocities), np.abs(self._nodal()))
-        beyond = NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)
+        beyond = MAX_FORCE_ALONG_MOTION * np.abs(self.parts.load).max(initial=0.0)
         pushed = np.where((np.abs(left) > beyond) & (held < beyond), left, 0.0)
         words = self.parts.describe(self.motions, pushed[:, None] / np.abs(pushed).max()) if pushed.any() else []
         if not words:
@@ -757,4 +763,4 @@ def _counted(number: int, word: str) -> str:
 def _is_near(start: ContactState, reference: Floats) -> bool:
     """Whether a start's bodies have moved by less than a part of their displacements."""
     moved = np.abs(reference - (start.positions - start.displacements)).max()
-    return bool(moved <= NEAR * np.abs(start.displacements).max())
+    return bool(moved <= START_DISTANCE * np.abs(start.displacements).max())

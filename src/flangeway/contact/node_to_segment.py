@@ -32,10 +32,10 @@ from flangeway.types import Bools, Floats, Ints
 # --- Node-to-segment contact: each secondary node against one primary edge (Moherdaui 2021, 3.5).
 
 
-SLACK, OVERHANG = 1e-3, 0.1
+FOOT_SLACK, OPEN_SLACK = 1e-3, 0.1
 """Parts of an edge beyond its ends within which the foot of a node behind it may be, and that of an open node: the
 latter bridges the dead angle at convex corners, where an open node is beyond the ends of both edges."""
-CONCAVE = 0.5
+CONCAVE_SLACK = 0.5
 """The same at a concave joint, behind which points are beyond the ends of both edges."""
 
 
@@ -100,7 +100,7 @@ class NodePairs(Pairs):
 
 
 def node_terms(
-    places: Ints, edges: tuple[Floats, Floats], nodes: Ints, faced: Ints, side: int = 0
+    contact_nodes: Ints, edges: tuple[Floats, Floats], nodes: Ints, faced: Ints, side: int = 0
 ) -> tuple[Floats, Ints, Ints, Ints]:
     """Points and slots of `NodePairs`, and their secondary and primary edges, each (m,).
 
@@ -108,7 +108,7 @@ def node_terms(
 
     Parameters
     ----------
-    places
+    contact_nodes
         `Surface.contact_places` of the nodes' own side.
     edges
         Positions of the nodes of both sides' edges, each (n_edges, order + 1, 2).
@@ -118,10 +118,10 @@ def node_terms(
         Side of the nodes: 0 for the secondary, 1 for the primary.
 
     """
-    owner, column = np.zeros((2, places.max() + 1), dtype=np.int64)
-    for number in range(places.shape[1]):
-        owner[places[:, number]] = np.arange(len(places))
-        column[places[:, number]] = number
+    owner, column = np.zeros((2, contact_nodes.max() + 1), dtype=np.int64)
+    for number in range(contact_nodes.shape[1]):
+        owner[contact_nodes[:, number]] = np.arange(len(contact_nodes))
+        column[contact_nodes[:, number]] = number
     secondary_edges, primary_edges = (owner[nodes], faced)[:: 1 - 2 * side]
     n_secondary, n_faced = edges[0].shape[1], edges[1 - side].shape[1]
     its = np.arange(n_faced) + (1 - side) * n_secondary
@@ -143,11 +143,11 @@ class NodeToSegment(Pairing):
     """
 
     averages: ClassVar[bool] = False
-    slack: float = SLACK
+    slack: float = FOOT_SLACK
 
     def __post_init__(self) -> None:
-        if not (is_finite(self.slack) and 0.0 < self.slack <= OVERHANG):
-            raise InputError(f"NodeToSegment(slack={short(self.slack)})", f"0 < slack <= {OVERHANG}", "leave it out")
+        if not (is_finite(self.slack) and 0.0 < self.slack <= OPEN_SLACK):
+            raise InputError(f"NodeToSegment(slack={short(self.slack)})", f"0 < slack <= {OPEN_SLACK}", "leave it out")
 
     def pair(
         self,
@@ -159,14 +159,25 @@ class NodeToSegment(Pairing):
         *,
         settle: bool = False,
     ) -> NodePairs:
-        """See `Pairing.pair`; ``settle``: pairs are kept within `OVERHANG` of their edge, not within ``slack``."""
-        places = secondary.contact_places
+        """See `Pairing.pair`; ``settle``: pairs are kept within `OPEN_SLACK` of their edge, not within ``slack``."""
+        contact_nodes = secondary.contact_places
         given = positions[: len(secondary.nodes)], secondary.edge_places, primary_edges, kept
-        nodes, faced, found = self.find(*given, primary.corners, settle=settle)
-        points, slots, own, _ = node_terms(places, (positions[places], primary_edges), nodes, faced)
+        nodes, faced, gaps = self.find(*given, primary.corners, settle=settle)
+        points, slots, own, _ = node_terms(contact_nodes, (positions[contact_nodes], primary_edges), nodes, faced)
         areas, rows = self.node_areas(secondary)[nodes], np.arange(len(nodes))[:, None]
         return NodePairs(
-            nodes, faced, nodes, found.gaps, areas, areas, places[own], faced, rows, points, slots, found.parameters
+            nodes,
+            faced,
+            nodes,
+            gaps.gaps,
+            areas,
+            areas,
+            contact_nodes[own],
+            faced,
+            rows,
+            points,
+            slots,
+            gaps.parameters,
         )
 
     def find(
@@ -183,13 +194,13 @@ class NodeToSegment(Pairing):
 
         ``edge_places`` is the secondary surface's, ``corners`` the primary's `Surface.corners` (left out: none).
         """
-        stay = OVERHANG if settle else self.slack
+        stay = OPEN_SLACK if settle else self.slack
         corners = np.zeros(len(primary_edges), dtype=np.bool_) if corners is None else corners
-        at_end = np.where(corners, SLACK, OVERHANG)
+        at_end = np.where(corners, FOOT_SLACK, OPEN_SLACK)
         margins = np.stack((np.roll(at_end, 1), at_end), axis=1)
         normals, every = node_normals(positions, edge_places), np.arange(len(positions))
         given = positions, edge_places, primary_edges, every, normals, kept
-        nodes, edges, gaps = facing_pairs(*given, stay, margins, OVERHANG)
+        nodes, edges, gaps = facing_pairs(*given, stay, margins, OPEN_SLACK)
         reach = 2.0 * float(np.linalg.norm(primary_edges[:, -1] - primary_edges[:, 0], axis=1).mean())
         near = gaps.gaps < reach
         return nodes[near], edges[near], gaps.take(near)
@@ -211,12 +222,12 @@ def facing_pairs(
     stays = kept[wanted] >= 0
     stays[stays] = np.abs(closest_parameters(points[stays], edges[kept[wanted[stays]]]) - 0.5) <= 0.5 + stay
     partners[stays] = kept[wanted[stays]]
-    found = partners >= 0
-    nodes, partners = wanted[found], partners[found]
+    has_partner = partners >= 0
+    nodes, partners = wanted[has_partner], partners[has_partner]
     gaps = node_edge_gaps(positions[nodes], edges[partners])
     beyond = margins[partners]
     beyond[gaps.gaps >= 0.0] = np.maximum(beyond[gaps.gaps >= 0.0], overhang)
-    near = stays[found] | ((gaps.parameters >= -beyond[:, 0]) & (gaps.parameters <= 1.0 + beyond[:, 1]))
+    near = stays[has_partner] | ((gaps.parameters >= -beyond[:, 0]) & (gaps.parameters <= 1.0 + beyond[:, 1]))
     if explained is not None:
         near &= gaps.gaps < -explained(nodes, partners)
     behind = np.flatnonzero(near & (gaps.gaps < 0.0))
@@ -231,19 +242,20 @@ def facing_pairs(
 def guarded_margins(edges: Floats) -> Floats:
     """How far beyond the start and the end of each edge of a chain the foot of a guarded node behind it may lie.
 
-    In parts of the edge, shape (n, 2): `CONCAVE` at a concave joint, else `SLACK`, beyond which the node is outside.
+    In parts of the edge, shape (n, 2): `CONCAVE_SLACK` at a concave joint, else `FOOT_SLACK`; beyond, the node is
+    outside.
     """
     ends = edges[:, [0, -1]]
     turns = turns_of(ends, np.roll(np.arange(len(ends)), -1))
     concave = (turns < -COLLINEAR) & (ends[:, 1] == np.roll(ends[:, 0], -1, axis=0)).all(axis=1)
-    at_end = np.where(concave, CONCAVE, SLACK)
+    at_end = np.where(concave, CONCAVE_SLACK, FOOT_SLACK)
     return np.stack((np.roll(at_end, 1), at_end), axis=1)
 
 
 # --- Node-to-node contact: each node against the one opposite it, on boundaries whose nodes match.
 
 
-NEAR = 0.25
+MAX_MATCH_DISTANCE = 0.25
 """Distance along the primary of nodes that match, over the shorter edge there: on curves they are not quite opposite
 each other."""
 
@@ -313,8 +325,8 @@ class MatchedPairs(NodePairs):
 
     def _apart(self, directions: Floats) -> Floats:
         """Derivatives of the distances of nodes from those opposite them along directions (n, 2)."""
-        result, each = np.zeros((len(directions), 1, *self.points.shape[1:])), np.arange(len(directions))
-        result[each, 0, self.slots[:, 0]], result[each, 0, self.opposite] = directions, -directions
+        result, rows = np.zeros((len(directions), 1, *self.points.shape[1:])), np.arange(len(directions))
+        result[rows, 0, self.slots[:, 0]], result[rows, 0, self.opposite] = directions, -directions
         return result
 
 
@@ -349,24 +361,26 @@ class NodeToNode(Pairing):
         settle: bool = False,  # noqa: ARG002
     ) -> MatchedPairs:
         """See `Pairing.pair`. An `InputError` if the boundaries do not match."""
-        found, places = matching_nodes(secondary, primary), secondary.contact_places
+        matching, contact_nodes = matching_nodes(secondary, primary), secondary.contact_places
         ends = primary.part.placement.points(primary.part.body.nodes[primary.nodes])[primary.edge_places[:, [0, -1]]]
         turn = _chord(primary_edges[:, [0, -1]]) / _chord(ends)
-        turned = (found.normals @ np.array([1.0, 1j])) * turn / abs(turn)
+        turned = (matching.normals @ np.array([1.0, 1j])) * turn / abs(turn)
         normals = np.column_stack((turned.real, turned.imag))
-        apart = positions[found.nodes] - primary_edges[found.edges, found.columns]
+        apart = positions[matching.nodes] - primary_edges[matching.edges, matching.columns]
         gaps = np.einsum("ni,ni->n", normals, apart)
-        areas, whole = found.lengths * secondary.part.body.depth, self.node_areas(secondary)[found.nodes]
+        areas, whole = matching.lengths * secondary.part.body.depth, self.node_areas(secondary)[matching.nodes]
         longest = np.zeros(len(secondary.nodes))
         for column in secondary.edge_places.T:
             np.maximum.at(longest, column, secondary.edge_lengths)
-        points, slots, own, _ = node_terms(places, (positions[places], primary_edges), found.nodes, found.edges)
-        parameters = gauss_lobatto(primary_edges.shape[1])[0][found.columns]
-        members, each = places[own], np.arange(len(gaps))
+        points, slots, own, _ = node_terms(
+            contact_nodes, (positions[contact_nodes], primary_edges), matching.nodes, matching.edges
+        )
+        parameters = gauss_lobatto(primary_edges.shape[1])[0][matching.columns]
+        members, rows = contact_nodes[own], np.arange(len(gaps))
         return MatchedPairs(
-            found.nodes, found.edges, found.nodes, gaps, areas, whole, members, found.edges, each[:, None], points,
-            slots, parameters, normals, slots[each, 1 + found.columns], np.abs(cross_product(normals, apart)),
-            longest[found.nodes],
+            matching.nodes, matching.edges, matching.nodes, gaps, areas, whole, members, matching.edges, rows[:, None],
+            points, slots, parameters, normals, slots[rows, 1 + matching.columns],
+            np.abs(cross_product(normals, apart)), longest[matching.nodes],
         )  # fmt: skip
 
 
@@ -401,7 +415,7 @@ def _found(secondary: Surface, primary: Surface) -> MatchingNodes:
     points = [side.part.placement.points(side.part.body.nodes[side.nodes]) for side in (secondary, primary)]
     ends = [side.edge_places[:, [0, -1]] for side in (secondary, primary)]
     _, onto = opposite_places((points[0], ends[0]), (points[1], ends[1]))
-    near = onto.away <= NEAR
+    near = onto.away <= MAX_MATCH_DISTANCE
     partner = np.full(len(points[0]), -1)
     partner[onto.points[near]] = onto.nearest[near]
     start, end = partner[ends[0]].T
@@ -419,16 +433,16 @@ def _found(secondary: Surface, primary: Surface) -> MatchingNodes:
             "boundaries whose nodes are opposite each other before the deformation",
             "give both meshes each other's nodes by flangeway.mesh.match_boundaries, or take SegmentToSegment",
         )
-    mine, theirs = secondary.edge_places[paired], np.flip(primary.edge_places[edges[paired]], axis=1)
-    width = mine.shape[1]
+    nodes_of_edges, theirs = secondary.edge_places[paired], np.flip(primary.edge_places[edges[paired]], axis=1)
+    width = nodes_of_edges.shape[1]
     lengths = np.zeros(len(points[0]))
-    np.add.at(lengths, mine, secondary.edge_shares[paired])
-    nodes, first = np.unique(mine, return_index=True)
+    np.add.at(lengths, nodes_of_edges, secondary.edge_shares[paired])
+    nodes, first = np.unique(nodes_of_edges, return_index=True)
     at_edge, column = edges[paired][first // width], width - 1 - first % width
     shifted = [
         side.part.placement.points(side.part.body.nodes[side.nodes] + side.shifts) for side in (secondary, primary)
     ]
-    normals = [_normals(*each) for each in zip(shifted, (secondary, primary), strict=True)]
+    normals = [_normals(*pair) for pair in zip(shifted, (secondary, primary), strict=True)]
     mean = normals[1][theirs.ravel()[first]] - normals[0][nodes]
     at_edge = at_edge.astype(np.int64)
     column = column if primary.bends is None else 2 * column  # the middles of edges with bends are between

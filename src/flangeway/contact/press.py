@@ -125,7 +125,7 @@ class ContactSolution(Result):
     def table(self) -> ResultTable:
         """Parts and forces of the contacts."""
         (x, y), penetrations = self.forces.T, self.initial_penetration
-        sides = [(each.secondary.part.name, each.primary.part.name) for each in self.system.contacts]
+        sides = [(contact.secondary.part.name, contact.primary.part.name) for contact in self.system.contacts]
         secondary, primary = zip(*sides, strict=True)
         return ResultTable(
             {
@@ -168,10 +168,10 @@ class ContactSolution(Result):
         """
         friction, solved = self.state.friction, self.system.solved(self.state.linearisation, self.state.forces)
         closed = self.state.forces > 0.0
-        numbers = np.repeat(np.arange(len(solved)), [len(each.forces) for each in solved])
-        places = [self.system.nodes_of(each.contact.secondary)[each.pairs.nodes] for each in solved]
-        points = self.state.positions[np.concatenate(places)]
-        areas = np.concatenate([each.pairs.areas for each in solved])
+        numbers = np.repeat(np.arange(len(solved)), [len(contact.forces) for contact in solved])
+        positions = [self.system.nodes_of(contact.contact.secondary)[contact.pairs.nodes] for contact in solved]
+        points = self.state.positions[np.concatenate(positions)]
+        areas = np.concatenate([contact.pairs.areas for contact in solved])
         nothing = np.zeros(len(closed))
         tangential, slips = (nothing, nothing) if friction is None else (friction.forces, friction.slips)
         sticks = nothing > 0.0 if friction is None else friction.sticks
@@ -194,8 +194,8 @@ class ContactSolution(Result):
         for step in self.steps:
             if (friction := step.state.friction) is not None:
                 total += [
-                    friction.works[each.inside].sum()
-                    for each in self.system.solved(step.state.linearisation, step.state.forces)
+                    friction.works[contact.inside].sum()
+                    for contact in self.system.solved(step.state.linearisation, step.state.forces)
                 ]
         return total
 
@@ -374,7 +374,7 @@ def _errors_of_step(
     """Why a solution is none that the path leads to: bodies overlap, or one has moved through another one."""
     states = [state] if start is None else [start, state]
     overlaps = body_overlaps(system, response, state)
-    return [*(str(each) for each in overlaps if not each.is_explained), *passages(system, states)]
+    return [*(str(overlap) for overlap in overlaps if not overlap.is_explained), *passages(system, states)]
 
 
 def _uncertain(state: ContactState) -> float:
@@ -387,7 +387,7 @@ def _step_settings(
     system: ContactSystem, n_motions: int, steps: StepSettings | Sequence[StepSettings] | None
 ) -> list[StepSettings | None]:
     """Sizes of the steps of each motion; with friction, where nothing is said, by their error."""
-    if steps is None and any(each.friction_coefficient for each in system.contacts):
+    if steps is None and any(contact.friction_coefficient for contact in system.contacts):
         steps = StepSettings(error=FRICTION_ERROR)
     settings_of: list[StepSettings | None] = list(steps) if isinstance(steps, Sequence) else [steps] * n_motions
     if len(settings_of) != n_motions:
@@ -405,8 +405,10 @@ def _step_settings(
 def _usual_path(system: ContactSystem, *, floating: bool) -> Literal["condensed", "sparse"]:
     """The path where nothing else is said, see `press`; `floating`: whether a part is on a handle."""
     needed = condensed_bytes(system.surface_nodes)
-    if any(each.friction_coefficient for each in system.contacts) and not floating:
-        needed += 8 * ITERATION_COPIES * sum(2 * len(each.nodes) for each in system.surface_nodes) ** 2
+    if any(contact.friction_coefficient for contact in system.contacts) and not floating:
+        needed += (
+            8 * ITERATION_COPIES * sum(2 * len(surface_nodes.nodes) for surface_nodes in system.surface_nodes) ** 2
+        )
     return "condensed" if needed <= MAX_DENSE_BYTES else "sparse"
 
 
@@ -456,7 +458,7 @@ def _refuse_bad_motions(system: ContactSystem, motions: Sequence[Mapping[Part, P
             "a motion {part: Placement(...)}, or a path of at least one",
             "write [{part: Placement(...)}, {part: Placement(...)}]",
         )
-    for part, moved in (each for motion in motions for each in motion.items()):
+    for part, moved in (moved_part for motion in motions for moved_part in motion.items()):
         if not isinstance(part, Part) or not isinstance(moved, Placement):
             raise InputError(
                 f"motion={{{short(part)}: {short(moved)}}}",
@@ -516,7 +518,7 @@ def _refuse_bad_handles(
     if not are_all(handles, Handle):
         raise refused("press", "handles", handles, "a list of Handle(...)", "leave it out")
     with_handle = list(loaded)
-    for handle, part in ((each, part) for each in handles for part in each.parts):
+    for handle, part in ((handle_of_part, part) for handle_of_part in handles for part in handle_of_part.parts):
         named, body = f"a handle of part {part.name!r}", part.body
         along_axis = len(handle.directions) == 1 and handle.directions[0, 0] == 0.0 and not handle.turns
         _refuse_without_contact(system, part, "a handle")
@@ -659,13 +661,16 @@ def press_nonlinear(
             offset = linear.elasticity.stiffness().times(fields[part].ravel()).reshape(-1, 2) - forces
             if offset.any():
                 loads[now[part]] = [GivenForces(offset)]
-        moved = [replace(each, secondary=_on(each.secondary, now), primary=_on(each.primary, now)) for each in contacts]
+        moved = [
+            replace(contact, secondary=_on(contact.secondary, now), primary=_on(contact.primary, now))
+            for contact in contacts
+        ]
         motions = {now.get(part, part): placement for part, placement in motion.items()}
         solution = press(moved, motions, body_loads=loads, path="sparse")
-        found = {part: solution.field(now[part]).displacements for part in bodies}
-        size = max(float(np.abs(each).max()) for each in found.values()) or 1.0
-        change = max(float(np.abs(found[part] - fields[part]).max()) for part in bodies) / size
-        fields = found
+        displacements = {part: solution.field(now[part]).displacements for part in bodies}
+        size = max(float(np.abs(displaced).max()) for displaced in displacements.values()) or 1.0
+        change = max(float(np.abs(displacements[part] - fields[part]).max()) for part in bodies) / size
+        fields = displacements
         if not np.isfinite(change) or (converged := solution.status.converged and change <= tolerance):
             break
     after = {part: body.committed(states[part], fields[part]) for part, body in bodies.items()} if converged else states

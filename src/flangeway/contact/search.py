@@ -12,7 +12,7 @@ GROWTH = 4.0
 """Factor from one box of the search to the next: a few edges more in each against fewer of them."""
 ZERO_DEPTH = 1e-6
 """Depth over the longest edge up to which a point is on the surface; see `leads_out`."""
-DEEP = 0.1
+MAX_ENTRY_DEPTH = 0.1
 """Depth behind an edge, over the length of the surface there, from which the point may have entered elsewhere."""
 MAX_SAGITTA = 0.25
 """Height of a curved edge over its chord, over the chord, beyond all meshes: a quarter of a circle has 0.2."""
@@ -106,9 +106,9 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
         of, near, squares = of[order], near[order], squares[order]
         first = np.diff(of, prepend=-1) > 0
         # beyond the radius an edge outside of the box may be nearer
-        found = first & ((squares <= radius**2) | (radius >= extent))
-        result[of[found]] = near[found]
-        open_points = np.setdiff1d(open_points, of[found]) if radius < extent else open_points[:0]
+        close = first & ((squares <= radius**2) | (radius >= extent))
+        result[of[close]] = near[close]
+        open_points = np.setdiff1d(open_points, of[close]) if radius < extent else open_points[:0]
         radius *= GROWTH
     return result
 
@@ -117,8 +117,8 @@ def _may_face(directions: Floats, normals: Floats) -> NDArray[np.bool_]:
     """Whether any edge faces points with outward directions (n, 2): its normal is the most against one, (n,)."""
     angles = np.sort(np.arctan2(normals[:, 1], normals[:, 0]))
     against = np.arctan2(-directions[:, 1], -directions[:, 0])
-    place = np.searchsorted(angles, against)
-    nearest = np.stack((angles[place - 1], angles[place % len(angles)]))
+    index = np.searchsorted(angles, against)
+    nearest = np.stack((angles[index - 1], angles[index % len(angles)]))
     return (np.cos(nearest - against) > -1e-9).any(axis=0)
 
 
@@ -162,7 +162,7 @@ def leads_out(
     of, edges = candidate_pairs(ways, other[0][:, [0, -1]], 0.0)
     _, inwards, _ = _crossed(ways[of], other[0][edges])
     through[of[inwards & ~other[1][far[of], edges]]] = True
-    result[far] = through | (nearer & (depths[far] > DEEP * sizes[far]))
+    result[far] = through | (nearer & (depths[far] > MAX_ENTRY_DEPTH * sizes[far]))
     return result
 
 

@@ -49,7 +49,7 @@ from flangeway.types import Bools, Floats, Ints
 
 
 SNAP = 1e-8  # parts of an edge within which the ends of two pieces are one
-FAR = 0.5  # parts of an edge beyond its ends where a foot on its chord is not one on the edge itself
+MAX_FOOT_DISTANCE = 0.5  # parts of an edge beyond its ends where a foot on its chord is not one on the edge itself
 MIN_FACING = 0.2  # cosine between the normals of two edges above which they do not face each other
 
 
@@ -115,7 +115,7 @@ def _over_chords(secondary: Floats, primary: Floats, candidates: tuple[Ints, Int
     chord, other = as_complex(secondary[:, -1]) - start, as_complex(primary[:, -1]) - other_start
     # the primary's start, and its chord: parts along the secondary's chord, and to its left
     high, along = (other_start[partners] - start[edges]) / chord[edges], other[partners] / chord[edges]
-    over = (high.real > -FAR) & (high.real + along.real < 1.0 + FAR)
+    over = (high.real > -MAX_FOOT_DISTANCE) & (high.real + along.real < 1.0 + MAX_FOOT_DISTANCE)
     over &= along.real < -MIN_FACING * np.abs(along)  # the two sides run against each other
     return edges[over], partners[over]
 
@@ -217,9 +217,9 @@ class PieceIntegrals:
 
     def _integral(self, values: Taylor) -> tuple[Floats, Floats]:
         """Integrals with the hats (p, 2) of values at the points, and their derivatives (p, 2, d)."""
-        found = [(hat * values).sum() for hat in self._at.hats]
-        firsts = np.stack([each.first for each in found])
-        return np.stack([each.value for each in found], axis=1), _by_all(np.moveaxis(firsts, -1, 0))
+        integrals = [(hat * values).sum() for hat in self._at.hats]
+        firsts = np.stack([integral.first for integral in integrals])
+        return np.stack([integral.value for integral in integrals], axis=1), _by_all(np.moveaxis(firsts, -1, 0))
 
     @cached_property
     def gaps(self) -> tuple[Floats, Floats]:
@@ -248,10 +248,10 @@ class PieceIntegrals:
 
         With the hats (p, 2); their derivatives, and unit tangential forces, each (p, 2, d).
         """
-        own, other = ([each[:, None] for each in edge_series(edges)] for edges in (secondary, primary))
+        own, other = ([series[:, None] for series in edge_series(edges)] for edges in (secondary, primary))
         at, slope = self._at, horner(derivative(own), self._at.xi)
         slips = dot(slope, horner(own, at.xi) - horner(other, at.eta)) / slope.abs
-        directions = np.concatenate([each.value for each in self._directions], axis=-1)
+        directions = np.concatenate([direction.value for direction in self._directions], axis=-1)
         return *self._integral(slips), _components(at.hat_values @ directions)
 
     @cached_property
@@ -264,7 +264,7 @@ class PieceIntegrals:
         at, (own, other) = self._at, self._orders
         shapes, slopes, bends = shape_functions(own, at.xi.value)
         onto, moving, _ = shape_functions(other, at.eta.value)
-        xi, eta, tangent = (each[:, :, None] for each in (at.xi, at.eta, at.tangent))
+        xi, eta, tangent = (values[:, :, None] for values in (at.xi, at.eta, at.tangent))
         turning = (at.gap / at.length * at.tangent * -1.0j)[:, :, None]
         on_secondary = turning * xi.chained(slopes, bends) - tangent * xi.chained(shapes, slopes)
         return on_secondary, tangent * eta.chained(onto, moving)
@@ -272,7 +272,7 @@ class PieceIntegrals:
     def turns(self, factors: Floats) -> Floats:
         """Derivatives of the sums of factors (p, 2) times the two unit tangential forces, shape (p, d, d)."""
         weights = _weighted(self._at, factors)[:, :, None]
-        sums = [(weights * each).sum(axis=-2).first for each in self._directions]
+        sums = [(weights * direction).sum(axis=-2).first for direction in self._directions]
         return _by_all(np.moveaxis(_components(np.concatenate(sums, axis=-1)), 0, -1))
 
 
@@ -313,7 +313,7 @@ def _distances(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
 MIN_COVERED = 1e-6
 """Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""
 
-FLAT = np.deg2rad(20.0)
+MAX_FLAT_ANGLE = np.deg2rad(20.0)
 """Angle up to which a secondary edge lies flat on primary ones: far above that of the chords of coarse curves, which it
 meets in turn, and below that of the sides of a sharp corner."""
 
@@ -441,33 +441,33 @@ class SegmentToSegment(Pairing):
         candidates = candidate_pairs(_swept(edges, reach, depth), primary_edges, secondary.edge_lengths)
         pieces = find_pieces(edges, primary_edges, candidates, reach, depth)
         pieces = pieces.take(~_through_itself(pieces, edges, primary_edges))
-        found = _integrals(pieces, edges, primary_edges, secondary)
+        integrals = _integrals(pieces, edges, primary_edges, secondary)
 
         of_piece = hats.of_edge[pieces.edges]
         covered = np.zeros(len(hats.nodes))
-        np.add.at(covered, of_piece, found.lengths)
+        np.add.at(covered, of_piece, integrals.lengths)
         thickness = secondary.part.body.depth
         keys = np.flatnonzero(covered * thickness > MIN_COVERED * hats.areas)
         if len(keys) == 0:  # at most slivers, which carry nothing
             pieces = pieces.take(np.empty(0, dtype=np.int64))
-            found = _integrals(pieces, edges, primary_edges, secondary)
+            integrals = _integrals(pieces, edges, primary_edges, secondary)
             of_piece = of_piece[:0]
         # pieces add nothing to a hat that is almost uncovered: their weight is zero
         row_of = np.zeros(len(hats.nodes), dtype=np.int64)
         row_of[keys] = np.arange(len(keys))
         inverse = np.zeros(len(hats.nodes))
         inverse[keys] = 1.0 / covered[keys]
-        weights = self._functions(pieces, found, secondary, edges, primary_edges) * inverse[of_piece][:, :, None]
+        weights = self._functions(pieces, integrals, secondary, edges, primary_edges) * inverse[of_piece][:, :, None]
         rows = row_of[of_piece]
         gaps = np.zeros(len(keys))
-        np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, found.gaps[0]))
+        np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, integrals.gaps[0]))
         return SegmentPairs(
             keys, np.full(len(keys), -1), hats.nodes[keys], gaps, covered[keys] * thickness, hats.areas[keys],
-            secondary.contact_places[pieces.edges], pieces.partners, rows, pieces, found, weights,
+            secondary.contact_places[pieces.edges], pieces.partners, rows, pieces, integrals, weights,
         )  # fmt: skip
 
     def _functions(
-        self, pieces: Pieces, found: PieceIntegrals, secondary: Surface, edges: Floats, primary_edges: Floats
+        self, pieces: Pieces, integrals: PieceIntegrals, secondary: Surface, edges: Floats, primary_edges: Floats
     ) -> Floats:
         """Weighting functions as combinations of the two hats of each piece's edge, shape (p, 2, 2).
 
@@ -478,13 +478,14 @@ class SegmentToSegment(Pairing):
         functions[:] = np.eye(2)
         if self.weighting == "dual":
             covered = np.zeros(len(edges))
-            np.add.at(covered, pieces.edges, found.lengths.sum(axis=1))
+            np.add.at(covered, pieces.edges, integrals.lengths.sum(axis=1))
             flat = covered > (1.0 - MIN_COVERED) * secondary.edge_lengths
             along, opposite = (
-                (each[:, -1] - each[:, 0]) for each in (edges[pieces.edges], primary_edges[pieces.partners])
+                (edge_points[:, -1] - edge_points[:, 0])
+                for edge_points in (edges[pieces.edges], primary_edges[pieces.partners])
             )
             cosines = -(along * opposite).sum(axis=1) / np.linalg.norm(along, axis=1) / np.linalg.norm(opposite, axis=1)
-            flat[pieces.edges[cosines < np.cos(FLAT)]] = False
+            flat[pieces.edges[cosines < np.cos(MAX_FLAT_ANGLE)]] = False
             functions[flat[pieces.edges]] = DUAL
         return functions
 

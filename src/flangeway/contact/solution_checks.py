@@ -11,7 +11,7 @@ import shapely
 from flangeway.contact.kinematics import shape_functions
 from flangeway.contact.newton import ContactState
 from flangeway.contact.node_to_segment import MatchedPairs
-from flangeway.contact.surface import CORNER, sagittas_of
+from flangeway.contact.surface import CORNER_ANGLE, sagittas_of
 from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ROUND_OFF, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product, point_text, turned_right
@@ -26,10 +26,10 @@ from flangeway.types import Floats, Ints
 SAMPLES = np.linspace(0.0, 1.0, 6)[:, None]
 """Points of a side of an overlap at which its depth is measured, as parts of the side."""
 
-PASSAGE = 1e-6
+MAX_PASSAGE_DEPTH = 1e-6
 """Depth over the size of the smaller body up to which bodies that slide along each other are apart."""
 
-TURNED = 0.05
+MAX_ROTATION_STEP = 0.05
 """Rotation in rad between two positions of a path that is checked."""
 
 
@@ -70,7 +70,7 @@ class Boundary:
     sagittas: Floats
 
     @classmethod
-    def of_part(cls, part: Part, positions: Floats, chord_turn: float = CORNER) -> "Boundary":
+    def of_part(cls, part: Part, positions: Floats, chord_turn: float = CORNER_ANGLE) -> "Boundary":
         """Boundary of a part whose nodes are at positions in space (n_nodes, 2); curved edges become 8 segments."""
         edges = part.body.boundary_edges
         nodes = part.body.edge_nodes(edges)
@@ -126,8 +126,8 @@ class Boundary:
         if not points:
             return None
         at = np.concatenate(points)
-        (mine, own), (theirs, its) = self.nearest(at), other.nearest(at)
-        return _deepest(at, np.maximum(mine, theirs), self.sagittas[own] + other.sagittas[its])
+        (own_depths, own), (theirs, its) = self.nearest(at), other.nearest(at)
+        return _deepest(at, np.maximum(own_depths, theirs), self.sagittas[own] + other.sagittas[its])
 
     def overlap_with_itself(self, apart: float) -> Intrusion | None:
         """Point of this boundary in the body's other side with the maximum depth, seen from ``apart`` outside of it.
@@ -214,7 +214,7 @@ def deformed_boundaries(
         points = part.body.nodes
         at = state.placements[number].points(points + field[: len(points)])
         at[system.surface_nodes[number].nodes] = state.positions[first:last]
-        surfaces = (side for each in system.contacts for side in each.sides if side.part is part)
+        surfaces = (side for contact in system.contacts for side in contact.sides if side.part is part)
         boundaries.append(Boundary.of_part(part, at, max(surface.chord_turn for surface in surfaces)))
     return boundaries
 
@@ -244,9 +244,11 @@ def body_overlaps(
         fields = response.fields(response.rotations(state.placements), state.nodal_forces)
     boundaries = deformed_boundaries(system, response, state, fields)
     moved = float(np.linalg.norm(state.displacements, axis=1).max(initial=0.0))
-    found = []
-    sides = [each for each in zip(system.parts, boundaries, strict=True) if each[0].body.boundary_is_closed]
-    touched = {id(each.primary.part) for each in system.contacts if each.primary.part is each.secondary.part}
+    overlaps = []
+    sides = [side for side in zip(system.parts, boundaries, strict=True) if side[0].body.boundary_is_closed]
+    touched = {
+        id(contact.primary.part) for contact in system.contacts if contact.primary.part is contact.secondary.part
+    }
     alone = [(side, side) for side in sides if id(side[0]) in touched]
     for (one, first_side), (other, other_side) in itertools.chain(itertools.combinations(sides, 2), alone):
         if one is other:
@@ -257,17 +259,17 @@ def body_overlaps(
             size = min(one.body.size, other.body.size)
             allowed = deepest.allowed + _between(system, state, one, other)
             allowed += MAX_OVERLAP * moved + ROUND_OFF * size
-            found.append(BodyOverlap((one.name, other.name), deepest.depth, deepest.position, allowed))
-    return tuple(found)
+            overlaps.append(BodyOverlap((one.name, other.name), deepest.depth, deepest.position, allowed))
+    return tuple(overlaps)
 
 
 def _between(system: ContactSystem, state: ContactState, one: Part, other: Part) -> float:
     """Maximum penetration that the laws of contacts between two parts explain."""
     both = {one, other}
     laws = (
-        system.explained(each, 0.0)
-        for each in system.solved(state.linearisation, state.forces)
-        if set(each.contact.parts) == both
+        system.explained(contact, 0.0)
+        for contact in system.solved(state.linearisation, state.forces)
+        if set(contact.contact.parts) == both
     )
     return max(laws, default=0.0)
 
@@ -288,14 +290,14 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
 
     """
     errors = []
-    for one, other in dict.fromkeys(each.parts for each in system.contacts):
+    for one, other in dict.fromkeys(contact.parts for contact in system.contacts):
         numbers = system.parts.index(one), system.parts.index(other)
         apart = [(one.placement, other.placement)]
-        ways, smallest = [], PASSAGE * min(one.body.size, other.body.size)
+        ways, smallest = [], MAX_PASSAGE_DEPTH * min(one.body.size, other.body.size)
         for state in states:
             (stop, bent), (other_stop, other_bent) = (_shifted(system, state, number) for number in numbers)
             solved = system.solved(state.linearisation, state.forces)
-            if any(each.forces.any() for each in solved if set(each.contact.parts) == {one, other}):
+            if any(contact.forces.any() for contact in solved if set(contact.contact.parts) == {one, other}):
                 apart = []
                 continue
             ways += [([*apart[-1:], (stop, other_stop)], smallest + bent + other_bent)]
@@ -327,7 +329,7 @@ def passes_through(one: Part, other: Part, way: Sequence[tuple[Placement, Placem
             continue
         first, last = (placements[target].inverse().after(placements[mover]) for placements in way)
         motion = last.after(first.inverse())
-        shares = np.linspace(0.0, 1.0, 2 + int(abs(motion.rotation_rad) / TURNED)).tolist()
+        shares = np.linspace(0.0, 1.0, 2 + int(abs(motion.rotation_rad) / MAX_ROTATION_STEP)).tolist()
         (x, y), angle = motion.translation, motion.rotation_rad
         frames = [Placement(share * angle, (share * x, share * y)).after(first) for share in shares]
         moved, still = (Boundary.of_part(part, part.body.nodes) for part in (bodies[mover], bodies[target]))
@@ -352,7 +354,7 @@ MAX_SLIDE = 0.5
 MAX_KEPT = 1e-3
 """Force along a motion that is kept in place over all forces of the part, see `flangeway.solve.Handle`."""
 
-TINY = float(np.finfo(np.float64).tiny)
+MIN_POSITIVE = float(np.finfo(np.float64).tiny)
 
 LARGE_STRAIN = 0.05
 """Mean strain of a cell, or pressure over the modulus, above which small strains are off by as many parts."""
@@ -383,7 +385,7 @@ def check_solution(
         Placement of each part before its handle moved it, and the handle with its loads.
 
     """
-    errors = [str(each) for each in overlaps if not each.is_explained]
+    errors = [str(overlap) for overlap in overlaps if not overlap.is_explained]
     undeformed = state.positions - state.displacements
     warnings = [
         f"a corner meets a corner at ({x:.4g}, {y:.4g}): the side that carries the force is arbitrary; move one of "
@@ -396,9 +398,9 @@ def check_solution(
     slide, by_slides = _slide(system, state, errors)
     # Forces of a pair act at points that a gap separates: the sum of f.x over all nodes is that of force times gap.
     work = abs(float((state.nodal_forces * (state.positions - state.positions.mean(axis=0))).sum()))
-    gap = work / max(float(state.forces.sum()), TINY)
+    gap = work / max(float(state.forces.sum()), MIN_POSITIVE)
     # forces that displace no digit of the positions are none
-    least = TINY + EPS * size / max(part.body.softness for part in system.parts)
+    least = MIN_POSITIVE + EPS * size / max(part.body.softness for part in system.parts)
     loads = (float(np.abs(handle.load[:2]).max()) for _, handle in given if handle is not None)
     reference = max(float(np.linalg.norm(state.nodal_forces, axis=1).max(initial=0.0)), least, *loads)
     # Friction acts across the gap of a law, and that between nodes; forces of paired nodes across their slides.
@@ -417,7 +419,7 @@ def check_solution(
             cells = _cells(part, part.body, field, errors, warnings)
             inverted, strain, turn = inverted + cells[0], max(strain, cells[1]), max(turn, cells[2])
     # without the tolerance for what bends between nodes
-    beyond = [each.depth - each.allowed + MAX_OVERLAP * moved for each in overlaps]
+    beyond = [overlap.depth - overlap.allowed + MAX_OVERLAP * moved for overlap in overlaps]
     overlap = max([0.0, *beyond])
     if overlap > LARGE_OVERLAP * moved and not errors:
         deepest = overlaps[int(np.argmax(beyond))]

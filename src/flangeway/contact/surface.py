@@ -16,33 +16,33 @@ from flangeway.mesh.connectivity import chain_starts, edge_places, ordered_pairs
 from flangeway.problems import Body, Part
 from flangeway.types import Bools, Complex, Floats, Ints
 
-FAR = 0.25
+MAX_CURVE_DISTANCE = 0.25
 """Distance of a node from the surface's curve, over the mean edge, above which the curve is refused."""
 
 COLLINEAR = 1e-6
 """Turn between edges, in rad, below which they are one line."""
 
-CORNER = np.deg2rad(15.0)
+CORNER_ANGLE = np.deg2rad(15.0)
 """Turn between edges from which they meet in a corner."""
 
-CHORDS = np.deg2rad(5.0)
+CHORD_ANGLE = np.deg2rad(5.0)
 """Turn between edges up to which they are taken for chords of a curve where none is drawn, 72 or more to a circle: what
-these overlap is allowed, what the sides of a polygon overlap is not. Of a drawn curve it is `CORNER`."""
+these overlap is allowed, what the sides of a polygon overlap is not. Of a drawn curve it is `CORNER_ANGLE`."""
 
-ROUGH = np.deg2rad(30.0)
+ROUGH_ANGLE = np.deg2rad(30.0)
 """Turn between edges from which a surface is not smooth in the mean: the pressure may jump there, so that both sides
 have a constraint each. Edges that turn by less are taken for a coarse curve in the warning of straight edges."""
 
-LONGEST = 1.5
+CHORD_RATIO = 1.5
 """Length of an edge that is a chord of a curve over that of the longer neighbour."""
 
-STRAIGHT = 1e-9
+MAX_STRAIGHT_DISTANCE = 1e-9
 """Distance of the curve from the edges' middles, over the edges, below which it is straight."""
 
 
 @dataclass(frozen=True, eq=False)
 class Hats:
-    """Hat functions on a surface, which weight the gaps: one at each end of edges, two where the surface is `ROUGH`.
+    """Hat functions on a surface, which weight the gaps: one at each end of edges, two where it turns by `ROUGH_ANGLE`.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ class Surface:
         body = self.part.body
         body.edge_nodes(edges)  # refuses what is no edge
         outer = body.boundary_edges
-        places, known = edge_places(edges, outer, len(body.nodes))
+        rows, known = edge_places(edges, outer, len(body.nodes))
         if not known.all():
             a, b = edges[known.argmin()]
             raise InputError(
@@ -135,7 +135,7 @@ class Surface:
                 "edges of the boundary",
                 "choose among mesh.boundary_edges",
             )
-        return outer[places]
+        return outer[rows]
 
     @cached_property
     def edge_nodes(self) -> NDArray[np.int32]:
@@ -163,7 +163,7 @@ class Surface:
         ends = self.edge_places[:, [0, -1]]
         points = self.part.placement.points(self.part.body.nodes[self.nodes])
         turns = turns_of(points[ends], np.roll(np.arange(len(ends)), -1))
-        return (turns > CORNER) & (ends[:, 1] == np.roll(ends[:, 0], -1))
+        return (turns > CORNER_ANGLE) & (ends[:, 1] == np.roll(ends[:, 0], -1))
 
     @cached_property
     def shifts(self) -> Floats:
@@ -190,7 +190,7 @@ class Surface:
         else:
             return None
         bends = as_complex(off) / as_complex(ends[:, 1] - ends[:, 0])
-        return bends if np.abs(bends).max() > STRAIGHT else None
+        return bends if np.abs(bends).max() > MAX_STRAIGHT_DISTANCE else None
 
     @cached_property
     def contact_places(self) -> Ints:
@@ -233,13 +233,13 @@ class Surface:
         line = (np.cumsum(~(np.abs(turns) < COLLINEAR)) - 1) % len(starts)
         lengths = np.bincount(line, np.abs(chords)).astype(np.float64)
         # a straight side is far longer than the chords of the arcs beside it
-        lengths = np.minimum(lengths, LONGEST * np.maximum(np.roll(lengths, 1), np.roll(lengths, -1)))
+        lengths = np.minimum(lengths, CHORD_RATIO * np.maximum(np.roll(lengths, 1), np.roll(lengths, -1)))
         before, after = turns[starts], np.roll(turns[starts], -1)
         # a chain's first and last line have one turn each
         before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)
-        depth[:] = chord_depths(lengths, before, after, ROUGH)[line]
+        depth[:] = chord_depths(lengths, before, after, ROUGH_ANGLE)[line]
         across = (as_complex(self.part.body.nodes[self.edge_nodes]) - ends[:, :1]) / chords[:, None]
-        depth[np.abs(across.imag).max(axis=1) > STRAIGHT] = 0.0
+        depth[np.abs(across.imag).max(axis=1) > MAX_STRAIGHT_DISTANCE] = 0.0
         return depth
 
     def _to_curve(self, points: Floats) -> Floats:
@@ -255,7 +255,7 @@ class Surface:
 
     def _refuse_far_curve(self) -> None:
         apart = np.linalg.norm(self.shifts, axis=1)
-        allowed = FAR * float(self.edge_lengths.mean())
+        allowed = MAX_CURVE_DISTANCE * float(self.edge_lengths.mean())
         if apart.max() > allowed:
             x, y = self.part.body.nodes[self.nodes[apart.argmax()]]
             raise InputError(
@@ -276,7 +276,7 @@ class Surface:
         points = self.part.body.nodes
         ends = points[self.edge_nodes[:, [0, -1]]]
         following = np.roll(np.arange(len(ends)), -1)
-        starts_anew = np.abs(np.roll(turns_of(ends, following), 1)) > ROUGH
+        starts_anew = np.abs(np.roll(turns_of(ends, following), 1)) > ROUGH_ANGLE
         starts_anew[0] |= self.edge_places[-1, -1] != 0
         # one new function at each edge's end, one more at its start where the surface starts anew
         last = np.arange(len(ends)) + np.cumsum(starts_anew)
@@ -307,7 +307,7 @@ class Surface:
         """Turn between edges up to which they are chords of a curve; edges of a curved mesh are drawn as curves too."""
         body = self.part.body
         is_drawn = self.curve is not None or (isinstance(body, Body) and body.mesh.curves is not None)
-        return CORNER if is_drawn else CHORDS
+        return CORNER_ANGLE if is_drawn else CHORD_ANGLE
 
     def sagittas(self, edges: Floats, bent: float) -> Floats:
         """How far a smooth curve may lie from deformed edges (n_edges, order + 1, 2), see `sagittas_of`: (n_edges,)."""
@@ -322,9 +322,9 @@ class Surface:
         In a body of revolution times its radius, which makes the integral of the node's shape function. On the axis
         that is 0 for higher orders: there the radius is that of the middle of the node's part, as an area is wanted.
         """
-        places, weights = gauss_lobatto(self.edge_nodes.shape[1])
+        abscissae, weights = gauss_lobatto(self.edge_nodes.shape[1])
         middles = np.cumsum(weights) - weights / 2.0
-        radii = self._radii_at(np.array([1.0, 2.0]) / 3.0 if len(weights) == 2 else places)
+        radii = self._radii_at(np.array([1.0, 2.0]) / 3.0 if len(weights) == 2 else abscissae)
         return self.edge_lengths[:, None] * weights * np.where(radii > 0.0, radii, self._radii_at(middles))
 
     @cached_property
@@ -422,10 +422,10 @@ def node_normals(positions: Floats, edge_places: Ints, *, bisecting: bool = Fals
 
     """
     chord = positions[edge_places[:, -1]] - positions[edge_places[:, 0]]
-    each = turned_right(chord)
+    edge_normals = turned_right(chord)
     if bisecting:
-        each /= np.linalg.norm(chord, axis=1)[:, None]
+        edge_normals /= np.linalg.norm(chord, axis=1)[:, None]
     normals = np.zeros_like(positions)
     for column in edge_places.T:
-        np.add.at(normals, column, each)
+        np.add.at(normals, column, edge_normals)
     return normals

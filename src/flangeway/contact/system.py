@@ -19,7 +19,7 @@ from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
 from flangeway.problems import Part
 from flangeway.solve import SurfaceNodes
-from flangeway.solve.active_set import AT_LIMIT
+from flangeway.solve.active_set import LIMIT_MARGIN
 from flangeway.types import Bools, Floats, Ints
 
 # --- Contact between two surfaces.
@@ -83,8 +83,8 @@ class Contact:
                 "give both bodies the length over which they touch",
             )
         bodies = [part.body for part in self.parts]
-        hypotheses = [each.hypothesis or "a plane of unknown strain" for each in bodies]
-        known = {each.hypothesis for each in bodies if each.hypothesis is not None}
+        hypotheses = [body.hypothesis or "a plane of unknown strain" for body in bodies]
+        known = {body.hypothesis for body in bodies if body.hypothesis is not None}
         if len(known) > 1 or bodies[0].axisymmetric != bodies[1].axisymmetric:
             raise InputError(
                 f"a contact of {self._names} in {' and '.join(word.replace('_', ' ') for word in hypotheses)}",
@@ -238,28 +238,28 @@ class ContactLinearisation:
     def slides(self, positions: Floats, before: Floats) -> Sliding:
         """Slips since earlier positions (n_nodes, 2) of the surface nodes, which are at others now."""
         now, was = self.points(positions), self.points(before)
-        found = []
+        sliding_parts = []
         for number, (pairs, terms) in enumerate(zip(self.parts, self.term_points, strict=True)):
             if self.coefficients[self.starts[number] : self.starts[number + 1]].any():
-                found.append(pairs.slides(now[terms], was[terms]))
+                sliding_parts.append(pairs.slides(now[terms], was[terms]))
             else:
-                found.append(_no_slides(pairs))
-        jacobian = self._by_nodes([slides.rates for slides in found])
-        directions = self._by_nodes([slides.directions for slides in found])
-        slips = np.concatenate([slides.slips for slides in found])
-        return Sliding(slips, jacobian, directions, partial(self._second, [slides.turns for slides in found]))
+                sliding_parts.append(_no_slides(pairs))
+        jacobian = self._by_nodes([part.rates for part in sliding_parts])
+        directions = self._by_nodes([part.directions for part in sliding_parts])
+        slips = np.concatenate([part.slips for part in sliding_parts])
+        return Sliding(slips, jacobian, directions, partial(self._second, [part.turns for part in sliding_parts]))
 
     def _by_nodes(self, all_gradients: Sequence[Floats]) -> sp.csr_array:
         """Derivatives of all constraints by the touched nodes, from those (p, r, w, 2) of each part's terms."""
         rows, columns, values = [], [], []
-        for start, part, place, gradients in zip(
+        for start, part, points, gradients in zip(
             self.starts[:-1], self.parts, self.term_points, all_gradients, strict=True
         ):
             rows.append(np.broadcast_to(start + part.rows[:, :, None, None], gradients.shape).ravel())
-            columns.append(np.broadcast_to(components_of(place)[:, None], gradients.shape).ravel())
+            columns.append(np.broadcast_to(components_of(points)[:, None], gradients.shape).ravel())
             values.append(gradients.ravel())
-        found = self._matrix(int(self.starts[-1]), rows, columns, values)
-        return found if self.spread is None else sp.csr_array(found @ self.spread)
+        matrix = self._matrix(int(self.starts[-1]), rows, columns, values)
+        return matrix if self.spread is None else sp.csr_array(matrix @ self.spread)
 
     def _second(self, seconds: Sequence[Callable[[Floats], tuple[Ints, Floats]]], forces: Floats) -> sp.csr_array:
         """Sum of ``force * second derivative`` by a function of each part, which has those of its terms."""
@@ -268,15 +268,15 @@ class ContactLinearisation:
             own = forces[self.starts[number] : self.starts[number + 1]]
             if not own.any():
                 continue
-            loaded, found = second(own)
+            loaded, matrix = second(own)
             dofs = components_of(self.term_points[number][loaded]).reshape(len(loaded), -1)
-            rows.append(np.broadcast_to(dofs[:, :, None], found.shape).ravel())
-            columns.append(np.broadcast_to(dofs[:, None, :], found.shape).ravel())
-            values.append(found.ravel())
+            rows.append(np.broadcast_to(dofs[:, :, None], matrix.shape).ravel())
+            columns.append(np.broadcast_to(dofs[:, None, :], matrix.shape).ravel())
+            values.append(matrix.ravel())
         if not values:
             return sp.csr_array((2 * len(self.nodes), 2 * len(self.nodes)))
-        found = self._matrix(None, rows, columns, values)
-        return found if self.spread is None else sp.csr_array(self.spread.T @ found @ self.spread)
+        matrix = self._matrix(None, rows, columns, values)
+        return matrix if self.spread is None else sp.csr_array(self.spread.T @ matrix @ self.spread)
 
     def _matrix(
         self, n_rows: int | None, rows: Sequence[Ints], columns: Sequence[Ints], values: Sequence[Floats]
@@ -285,9 +285,9 @@ class ContactLinearisation:
         n = 2 * len(self.nodes) if self.spread is None else self.spread.shape[0]
         entries = np.concatenate(rows), np.concatenate(columns)
         shape = (n if n_rows is None else n_rows, n)
-        found = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=shape))
-        found.eliminate_zeros()
-        return found
+        matrix = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=shape))
+        matrix.eliminate_zeros()
+        return matrix
 
     def points(self, positions: Floats) -> Floats:
         """Positions of the touched points by those of all surface nodes (n_nodes, 2), shape (n, 2)."""
@@ -312,10 +312,10 @@ def carried_forces(before: ContactLinearisation | None, forces: Floats, after: C
     if before is None or len(before.keys) == 0:
         return result
     order = np.argsort(before.keys)
-    place = np.searchsorted(before.keys, after.keys, sorter=order)
-    place = order[np.minimum(place, len(order) - 1)]
-    known = before.keys[place] == after.keys
-    result[known] = forces[place[known]]
+    rows = np.searchsorted(before.keys, after.keys, sorter=order)
+    rows = order[np.minimum(rows, len(order) - 1)]
+    known = before.keys[rows] == after.keys
+    result[known] = forces[rows[known]]
     return result
 
 
@@ -355,9 +355,9 @@ def changed_keys(
     pairs = []
     for lin, (values, tangential) in ((before, forces), (after, new_forces)):
         active = values > 0.0
-        signs = np.where(np.abs(tangential) >= (1.0 - AT_LIMIT) * lin.coefficients * values, np.sign(tangential), 0)
-        each = (lin.keys[active].tolist(), lin.partners[active].tolist(), signs[active].tolist())
-        pairs.append(set(zip(*each, strict=True)))
+        signs = np.where(np.abs(tangential) >= (1.0 - LIMIT_MARGIN) * lin.coefficients * values, np.sign(tangential), 0)
+        keys = (lin.keys[active].tolist(), lin.partners[active].tolist(), signs[active].tolist())
+        pairs.append(set(zip(*keys, strict=True)))
     return tuple(sorted({key for key, _, _ in pairs[0] ^ pairs[1]}))
 
 
@@ -422,7 +422,9 @@ class ContactSystem:
         sides = [contact.sides for contact in self.contacts]
         self._first_key = np.concatenate(([0], np.cumsum([key_starts(*both)[-1] for both in sides])))
         # edges of the primary side, then those of the secondary one
-        self._first_edge = np.concatenate(([0], np.cumsum([sum(len(each.edges) for each in both) for both in sides])))
+        self._first_edge = np.concatenate(
+            ([0], np.cumsum([sum(len(surface.edges) for surface in both) for both in sides]))
+        )
         self._points, self._spread = self._middles()
 
     @property
@@ -455,8 +457,11 @@ class ContactSystem:
         To ``settle`` is to keep them by a wider margin, for an iteration that goes round in circles.
         """
         none = [
-            (np.zeros(len(each.secondary.nodes), dtype=np.bool_), np.zeros(len(each.primary.nodes), dtype=np.bool_))
-            for each in self.contacts
+            (
+                np.zeros(len(contact.secondary.nodes), dtype=np.bool_),
+                np.zeros(len(contact.primary.nodes), dtype=np.bool_),
+            )
+            for contact in self.contacts
         ]
         return self._with(none if previous is None else previous.guarded_nodes, positions, previous, settle=settle)
 
@@ -465,7 +470,7 @@ class ContactSystem:
 
         Those of sharp corners under force stay: no other constraint has what such a corner presses on.
         """
-        if not any(each.any() for sides in lin.guarded_nodes for each in sides):
+        if not any(mask.any() for sides in lin.guarded_nodes for mask in sides):
             return lin
         kept = [corners_under_force(pairs, contact.sides, own) for contact, pairs, _, own in self.solved(lin, forces)]
         return self._with(kept, positions, lin, settle=False)
@@ -479,12 +484,12 @@ class ContactSystem:
         """
         guarded_nodes, more = [], False
         points = self._all_points(positions)
-        for number, each in enumerate(self.solved(lin, forces)):
-            sides, explained = each.contact.sides, self.explained(each, moved)
+        for number, contact in enumerate(self.solved(lin, forces)):
+            sides, explained = contact.contact.sides, self.explained(contact, moved)
             at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
-            found = penetrating(sides, at, lin.guarded_nodes[number], explained, MAX_OVERLAP * moved / 2.0)
-            one, other = (before | new for before, new in zip(lin.guarded_nodes[number], found, strict=True))
-            more |= int(one.sum() + other.sum()) > sum(int(each.sum()) for each in lin.guarded_nodes[number])
+            guards = penetrating(sides, at, lin.guarded_nodes[number], explained, MAX_OVERLAP * moved / 2.0)
+            one, other = (before | new for before, new in zip(lin.guarded_nodes[number], guards, strict=True))
+            more |= int(one.sum() + other.sum()) > sum(int(mask.sum()) for mask in lin.guarded_nodes[number])
             guarded_nodes.append((one, other))
         return self._with(guarded_nodes, positions, lin, settle=False) if more else None
 
@@ -556,8 +561,8 @@ class ContactSystem:
         contact = self.contacts[number]
         kept = np.full(len(contact.pairing.key_nodes(contact.secondary)), -1, dtype=np.int64)
         if previous is not None:
-            mine = (previous.keys >= first) & (previous.keys < first + len(kept))
-            kept[previous.keys[mine] - first] = previous.partners[mine] - self._first_edge[number]
+            of_contact = (previous.keys >= first) & (previous.keys < first + len(kept))
+            kept[previous.keys[of_contact] - first] = previous.partners[of_contact] - self._first_edge[number]
         return kept
 
     def _assembled(
@@ -566,13 +571,15 @@ class ContactSystem:
         parts = [part for pairs in all_pairs for part in pairs.parts]
         starts = np.cumsum([0, *(len(part.keys) for part in parts)])
         points = np.unique(np.concatenate([member.ravel() for member in members]))
-        places = tuple(np.searchsorted(points, member) for member in members)
+        point_rows = tuple(np.searchsorted(points, member) for member in members)
         nodes, spread = points, None
         if self._spread is not None:
             rows_of_points = self._spread[components_of(points).ravel()]
             nodes = np.unique(rows_of_points.indices // 2).astype(np.int64)
             spread = sp.csr_array(rows_of_points[:, components_of(nodes).ravel()])
-        laws = [each.enforcement for each, pairs in zip(self.contacts, all_pairs, strict=True) for _ in pairs.parts]
+        laws = [
+            contact.enforcement for contact, pairs in zip(self.contacts, all_pairs, strict=True) for _ in pairs.parts
+        ]
         return ContactLinearisation(
             tuple(all_pairs),
             starts,
@@ -584,7 +591,7 @@ class ContactSystem:
             np.concatenate([law.barriers(part) for law, part in zip(laws, parts, strict=True)]),
             np.repeat([law.tolerance() for law in laws], np.diff(starts)),
             np.repeat([contact.friction_coefficient for contact in self.contacts], [len(p.keys) for p in all_pairs]),
-            places,
+            point_rows,
             guarded_nodes,
             spread,
         )
@@ -595,7 +602,7 @@ class ContactSystem:
         Points are the nodes of all surfaces, then those of `Surface.bends`.
         """
         n = int(self._first_node[-1])
-        surfaces = {id(each): each for contact in self.contacts for each in contact.sides}
+        surfaces = {id(surface): surface for contact in self.contacts for surface in contact.sides}
         numbers: dict[int, Ints] = {}
         ends, bends = [], []
         count = n
@@ -621,8 +628,8 @@ class ContactSystem:
 
 def _refuse_twice(first: Contact, second: Contact) -> None:
     """Raise `InputError` if two contacts have edges of both bodies in common, whichever is secondary."""
-    sides, others = (each.sides for each in (first, second))
-    if any(all(map(_share_edges, sides, each)) for each in (others, others[::-1])):
+    sides, others = (contact.sides for contact in (first, second))
+    if any(all(map(_share_edges, sides, order)) for order in (others, others[::-1])):
         raise InputError(
             f"two contacts of {first.secondary.part.name!r} and {first.primary.part.name!r} along the same edges",
             "each pair of edges in one contact",

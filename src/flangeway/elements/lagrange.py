@@ -139,8 +139,8 @@ def _isoparametric(outline: Floats) -> Reconstruction:
     order, nodes = outline.shape[1], _nodes(outline)
     geometry = CurvedPolygons.of_outline(outline, outline_frame(outline))
     value, _, _ = _reference(order)
-    places, weights = triangle(order * order + 3 * order)
-    local = (places - 1.0 / 3.0).T
+    points, weights = triangle(order * order + 3 * order)
+    local = (points - 1.0 / 3.0).T
     shapes = np.einsum("aq,aj->qj", monomials.evaluate(order, local), value)
     slopes = np.einsum("aq,xab,bj->xqj", monomials.evaluate(order - 1, local), monomials.derivatives(order), value)
     # cofactors of the Jacobian times the derivatives on the reference triangle are derivatives in space times areas
@@ -158,8 +158,11 @@ def _isoparametric(outline: Floats) -> Reconstruction:
     projected[0] = value_moments[0] - np.einsum("ae,aje->je", geometry.moments[1 : len(at)], projected[1:])
     projected[0] /= geometry.moments[0]
     dofs = monomials.evaluate(order, geometry.frame.local(nodes)).swapaxes(0, 1)
-    found = Reconstruction(
+    reconstruction = Reconstruction(
         order, geometry.frame, projected, geometry.moments, dofs, gradient_moments, energy_moments, value_moments
     )
     energy = np.einsum("iqje,iqme,qe->jme", gradients, gradients, 1.0 / (jacobian * weights[:, None]))
-    return replace(found, missed=energy - found.gradient_energy(found.gradient, np.ones(outline.shape[-1])))
+    return replace(
+        reconstruction,
+        missed=energy - reconstruction.gradient_energy(reconstruction.gradient, np.ones(outline.shape[-1])),
+    )

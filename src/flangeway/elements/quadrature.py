@@ -75,20 +75,20 @@ def edge_unknowns(order: int, n_vertices: int) -> Ints:
     return np.column_stack((vertices, inside, np.roll(vertices, -1)))
 
 
-def edge_shapes(order: int, places: Floats) -> Floats:
+def edge_shapes(order: int, parameters: Floats) -> Floats:
     """Lagrange's polynomials of the Gauss-Lobatto points at places (n,) in [0, 1], shape (n, order + 1)."""
     nodes = gauss_lobatto(order + 1)[0]
     own = np.eye(order + 1, dtype=bool)
     apart = np.where(own, 1.0, nodes[:, None] - nodes)
-    factors = np.where(own, 1.0, (places[:, None, None] - nodes) / apart)
+    factors = np.where(own, 1.0, (parameters[:, None, None] - nodes) / apart)
     return factors.prod(axis=2)
 
 
 @cache
 def edge_rule(order: int, n_points: int) -> tuple[Floats, Floats, Floats]:
     """Gauss weights (n_points,), and there `edge_shapes` and their derivatives, (n_points, order + 1) each."""
-    places, weights = gauss(n_points)
-    shapes, nodes = edge_shapes(order, places), gauss_lobatto(order + 1)[0]
+    abscissae, weights = gauss(n_points)
+    shapes, nodes = edge_shapes(order, abscissae), gauss_lobatto(order + 1)[0]
     # derivatives at the nodes by barycentric weights (Berrut and Trefethen, 2004, eq. 9.4), interpolated
     apart = nodes[:, None] - nodes + np.eye(order + 1)
     factors = 1.0 / apart.prod(axis=1)
@@ -153,8 +153,8 @@ def _curved_quadrature(outline: Floats, degree: int) -> tuple[Floats, Floats]:
     points, weights = _between(np.broadcast_to(centre, nodes.shape), nodes, degree)
     if weights.min() > 0.0:
         return points, weights
-    places = gauss_lobatto(nodes.shape[1])[0][:, None, None]
-    chords = (1.0 - places) * nodes[:, :1] + places * nodes[:, -1:]
+    abscissae = gauss_lobatto(nodes.shape[1])[0][:, None, None]
+    chords = (1.0 - abscissae) * nodes[:, :1] + abscissae * nodes[:, -1:]
     inside, beside = polygon_quadrature(outline[:, 0], degree), _between(chords, nodes, degree)
     return np.concatenate((inside[0], beside[0])), np.concatenate((inside[1], beside[1]))
 

@@ -366,8 +366,8 @@ def _weighted_missed(reconstruction: Reconstruction, weights: Floats, projection
     """
     value = reconstruction.value if projection is None else projection
     missed = -np.einsum("iae,ame->ime", reconstruction.monomial_dofs, value)
-    places = np.arange(reconstruction.n_local)
-    missed[places, places] += 1.0
+    dofs = np.arange(reconstruction.n_local)
+    missed[dofs, dofs] += 1.0
     return batched.symmetric_product(missed, missed * np.broadcast_to(weights, missed.shape[::2])[:, None])
 
 

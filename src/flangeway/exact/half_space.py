@@ -83,7 +83,7 @@ def half_space_blocks(
     # differences of a primitive over the corners under load, and over those of the displaced cell for its mean
     apart = bounds[:, None] - bounds
     # even cells have few distances: each is evaluated once
-    _, first, places = np.unique(np.round(apart / np.ptp(bounds), 12), return_index=True, return_inverse=True)
+    _, first, of_distance = np.unique(np.round(apart / np.ptp(bounds), 12), return_index=True, return_inverse=True)
     x = apart.ravel()[first]
     z = strip * np.arange(-1.0, n_strips + 1.0)[:, None]
     x, z = np.broadcast_arrays(x, z)
@@ -93,7 +93,7 @@ def half_space_blocks(
 
     def integrated(primitive: Primitive, *, swapped: bool) -> Floats:
         corners = np.diff(primitive(z, x, r) if swapped else primitive(x, z, r), n=2, axis=0)
-        corners = np.diff(np.diff(corners[:, places.reshape(apart.shape)], axis=1), axis=2)
+        corners = np.diff(np.diff(corners[:, of_distance.reshape(apart.shape)], axis=1), axis=2)
         return -corners / over
 
     xx_zz = integrated(square, swapped=True), integrated(square, swapped=False)  # of x^2 / r^3 and z^2 / r^3
@@ -105,10 +105,10 @@ def half_space_blocks(
         (2, 2): inverse + poisson * xx_zz[1],
     }
     half = 0.5 - poisson
-    for place, kernel, swapped in (((0, 1), odd, False), ((2, 1), odd, True)):
-        if {place, place[::-1]} & set(pairs):
-            full[place] = half * integrated(kernel, swapped=swapped)
-            full[place[::-1]] = -full[place]
+    for indices, kernel, swapped in (((0, 1), odd, False), ((2, 1), odd, True)):
+        if {indices, indices[::-1]} & set(pairs):
+            full[indices] = half * integrated(kernel, swapped=swapped)
+            full[indices[::-1]] = -full[indices]
     if {(0, 2), (2, 0)} & set(pairs):
         full[0, 2] = full[2, 0] = poisson * integrated(mixed, swapped=False)
     return {pair: full[pair] / (2.0 * np.pi * shear) for pair in pairs}
@@ -157,7 +157,7 @@ def _arctan(y: Floats, x: Floats) -> Floats:
 
 
 def half_space_stresses(
-    x: Floats, z: Floats, pressures: Floats, places: Floats, poisson: float, shears: Floats | None = None
+    x: Floats, z: Floats, pressures: Floats, points: Floats, poisson: float, shears: Floats | None = None
 ) -> Floats:
     """Stresses at points of a half-space, summed over rectangles under uniform tractions.
 
@@ -167,7 +167,7 @@ def half_space_stresses(
         Ends of the rectangles across (n, 2), and along z (m, 2).
     pressures
         Shape (n, m).
-    places
+    points
         Points: x, depth > 0, z, shape (k, 3).
     poisson
         Poisson's ratio.
@@ -182,7 +182,7 @@ def half_space_stresses(
     """
     loads = pressures[:, :, None] if shears is None else np.concatenate((pressures[:, :, None], shears), axis=2)
     rows, columns = np.nonzero(loads.any(axis=2))
-    px, depth, pz = places.T[:, :, None, None, None]
+    px, depth, pz = points.T[:, :, None, None, None]
     kernels = _kernels(px - x[rows, :, None], pz - z[columns, None, :], depth, poisson, loads.shape[2])
     total = sum(kernel[..., 0, 0] @ loads[rows, columns, number] for number, kernel in enumerate(kernels))
     return np.asarray(total).T / (2.0 * np.pi)
@@ -238,7 +238,7 @@ def _kernels(a: Floats, b: Floats, d: Floats, poisson: float, n_loads: int) -> l
     corners = [_by_pressure(a, b, d, poisson)] if n_loads != 2 else []
     if n_loads != 1:
         corners += [_by_shear(a, b, d, poisson), _by_shear(b, a, d, poisson)[[2, 1, 0, 4, 3, 5]]]
-    return [np.diff(np.diff(each, axis=-2), axis=-1) for each in corners]
+    return [np.diff(np.diff(kernel, axis=-2), axis=-1) for kernel in corners]
 
 
 def _by_pressure(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:

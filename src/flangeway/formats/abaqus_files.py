@@ -43,8 +43,8 @@ class CalculixMatrix:
         order = np.lexsort((self.directions, self.nodes))
         keys = 2 * self.nodes[order] + self.directions[order] - 1
         wanted = 2 * given[:, None] + np.arange(2)
-        places = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        return np.where(keys[places] == wanted, order[places], -1).astype(np.int64)
+        rows = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        return np.where(keys[rows] == wanted, order[rows], -1).astype(np.int64)
 
 
 def read_calculix_matrix(path: str | Path) -> CalculixMatrix:
@@ -233,12 +233,12 @@ def _take(model: _Model, block: _Block) -> None:
     elif block.keyword in ("NSET", "ELSET"):
         sets = model.node_sets if block.keyword == "NSET" else model.element_sets
         name = block.parameters.get(block.keyword, "")
-        found = _members(sets, block)
+        members = _members(sets, block)
         if block.keyword == "NSET" and "ELSET" in block.parameters:
             elements = _members(model.element_sets, replace(block, rows=[(block.parameters["ELSET"],)]))
             of_element = model.cells | model.lines
-            found = [node for each in elements for node in of_element.get(each, ())]
-        sets[name] += found
+            members = [node for element in elements for node in of_element.get(element, ())]
+        sets[name] += members
     elif block.keyword == "SURFACE":
         _take_surface(model, block)
     else:
@@ -333,8 +333,8 @@ def _take_surface(model: _Model, block: _Block) -> None:
     if kind == "NODE":
         for row in block.rows:
             word = row[0].rpartition(".")[2]
-            found = [int(word)] if word.isdigit() else model.node_sets.get(word, [])
-            model.node_sets[name] += found
+            members = [int(word)] if word.isdigit() else model.node_sets.get(word, [])
+            model.node_sets[name] += members
     elif kind == "ELEMENT":
         model.surfaces[name] += [
             (row[0].rpartition(".")[2], row[1].upper() if len(row) > 1 else "") for row in block.rows
@@ -354,13 +354,13 @@ def _faces(model: _Model, where: str, face: str) -> list[list[int]]:
     for cell in cells:
         for a, b in sides_of(cell):
             count.setdefault((min(a, b), max(a, b)), []).append(a)
-    return [list(pair) for pair, found in count.items() if len(found) == 1]
+    return [list(pair) for pair, elements in count.items() if len(elements) == 1]
 
 
 def _drawn(model: _Model) -> DrawnMesh:
-    place = {number: row for row, number in enumerate(model.nodes)}
+    row_of_node = {number: row for row, number in enumerate(model.nodes)}
     for number, corners in (model.cells | model.lines).items():
-        missing = [node for node in corners if node not in place]
+        missing = [node for node in corners if node not in row_of_node]
         if missing:
             raise InputError(
                 f"element {number} with node {missing[0]}, which is missing",
@@ -368,31 +368,31 @@ def _drawn(model: _Model) -> DrawnMesh:
                 "add the node, or correct the element",
             )
     row_of = {number: row for row, number in enumerate(model.cells)}
-    cell_sets, found = {}, {}
+    cell_sets, surfaces = {}, {}
     for name, members in model.element_sets.items():
         rows = [row_of[number] for number in members if number in row_of]
         pairs = [model.lines[number] for number in members if number in model.lines]
         if rows:
             cell_sets[name] = np.array(rows)
         if pairs:
-            found[name] = pairs
+            surfaces[name] = pairs
     for name, entries in model.surfaces.items():
         pairs = [pair for where, face in entries for pair in _faces(model, where, face)]
         if pairs:
-            found[name] = pairs
+            surfaces[name] = pairs
         else:
             model.notices.append(f"Surface '{name}': no edge of a plane element is in it; left out.")
     return DrawnMesh(
         np.array(list(model.nodes.values())),
-        [np.array([place[node] for node in corners]) for corners in model.cells.values()],
+        [np.array([row_of_node[node] for node in corners]) for corners in model.cells.values()],
         cell_sets,
-        {name: np.array([[place[a], place[b]] for a, b in pairs]) for name, pairs in found.items()},
+        {name: np.array([[row_of_node[a], row_of_node[b]] for a, b in pairs]) for name, pairs in surfaces.items()},
         {
-            name: np.array([place[node] for node in members if node in place], dtype=np.int64)
+            name: np.array([row_of_node[node] for node in members if node in row_of_node], dtype=np.int64)
             for name, members in model.node_sets.items()
         },
         tuple(model.notices),
-        np.array([place[node] for node in model.middles if node in place], dtype=np.int64),
+        np.array([row_of_node[node] for node in model.middles if node in row_of_node], dtype=np.int64),
     )
 
 

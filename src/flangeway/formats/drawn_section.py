@@ -248,17 +248,17 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
         loops = [drawn_polygon([_point(row, "x", "y", number) for number, row in rows])]
     else:
         loops = _loops([parse_segment(row, number) for number, row in rows])
-    found = []
+    outlines = []
     for number, loop in enumerate(loops, 1):
         what = "outline" if len(loops) == 1 else f"loop {number} of {len(loops)}"
         drawn = _with_mirror_image(loop, what) if mirrored else loop
         try:
-            found.append(repaired_outline(drawn, what, direction_matters=not mirrored and number == 1))
+            outlines.append(repaired_outline(drawn, what, direction_matters=not mirrored and number == 1))
         except InputError as reason:
             if "starts at" in reason.given and "from the end" in reason.given:
                 raise InputError(reason.given, reason.allowed, _MIRROR_ADVICE) from reason
             raise
-    return section_of(found, agreed)
+    return section_of(outlines, agreed)
 
 
 def parse_table(text: str) -> tuple[list[tuple[int, dict[str, str]]], str | None]:

@@ -184,8 +184,8 @@ def _sets_of(read: Any, block: int, names: dict[tuple[int, int], str], dimension
         tags = np.asarray(read.cell_data["gmsh:physical"][block])
         for tag in np.unique(tags[tags > 0]).tolist():
             name = names.get((dimension, tag), str(tag))
-            found = np.flatnonzero(tags == tag)
-            sets[name] = np.union1d(sets[name], found) if name in sets else found
+            tagged = np.flatnonzero(tags == tag)
+            sets[name] = np.union1d(sets[name], tagged) if name in sets else tagged
     return sets
 
 
@@ -235,14 +235,14 @@ def write_vtu(
     at_points = _checked(point_data or {}, mesh.n_points, "points")
     at_cells = _at_cells(cell_data or {}, mesh.n_cells, "cells", body_id)
     at_corners = _checked(corner_data or {}, len(mesh.cell_points), "corners of the cells")
-    places = mesh.points if positions is None else positions
-    space = _checked({"positions": places}, mesh.n_points, "points")["positions"]
+    points = mesh.points if positions is None else positions
+    space = _checked({"positions": points}, mesh.n_points, "points")["positions"]
     if at_points.keys() & at_corners.keys():
         raise InputError(f"'{min(at_points.keys() & at_corners.keys())}' at points and corners", "one", "rename one")
     if mesh.curves is not None and positions is None:
         at_points, at_corners = (
-            {name: _between(mesh, array, at_entries=each is at_corners) for name, array in each.items()}
-            for each in (at_points, at_corners)
+            {name: _between(mesh, array, at_entries=arrays is at_corners) for name, array in arrays.items()}
+            for arrays in (at_points, at_corners)
         )
         mesh = as_polylines(mesh)
         space = np.column_stack((mesh.points, np.zeros(mesh.n_points)))

@@ -20,7 +20,7 @@ from flangeway.mesh.mesh_checks import check, conforming, hanging_points, touchi
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints, floats
 
-FLAT = 1e-9  # range of the third coordinate, over the size of the mesh, up to which a mesh is plane
+MAX_HEIGHT = 1e-9  # range of the third coordinate, over the size of the mesh, up to which a mesh is plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +132,7 @@ def _plane(points: Floats, notices: list[str]) -> Floats:
         raise InputError(f"point {row} at {points[row].tolist()}", "finite coordinates", "repair the file")
     if points.shape[1] == 3:
         height = points[:, 2]
-        if np.ptp(height) > FLAT * extent(points):
+        if np.ptp(height) > MAX_HEIGHT * extent(points):
             raise InputError(
                 f"a mesh with z from {height.min():.6g} to {height.max():.6g}",
                 "a plane mesh in x and y, with one z for all points",
@@ -177,8 +177,8 @@ def _sound_cells(points: Floats, cells: list[Ints], notices: list[str]) -> tuple
     if not len(sound):
         raise InputError("cells without area", "triangles, quadrilaterals or polygons", "look at the file")
     corners, offsets = given[single & (sizes >= 3)[owner]], offsets_of(sizes[sound])
-    places = points[corners] - np.repeat(points[corners[offsets[:-1]]], sizes[sound], axis=0)
-    clockwise = np.add.reduceat(cross_product(places, places[next_in_row(offsets)]), offsets[:-1]) < 0.0
+    corner_offsets = points[corners] - np.repeat(points[corners[offsets[:-1]]], sizes[sound], axis=0)
+    clockwise = np.add.reduceat(cross_product(corner_offsets, corner_offsets[next_in_row(offsets)]), offsets[:-1]) < 0.0
     corners = np.where(np.repeat(clockwise, sizes[sound]), corners[rows_reversed(offsets)], corners)
     result: list[Ints] = []
     known: dict[tuple[int, ...], int] = {}

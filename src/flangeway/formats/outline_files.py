@@ -158,27 +158,27 @@ def _path(steps: Any, what: str) -> list[DrawnSegment]:
         )
     if set(steps[0]) != {"from"}:
         raise InputError(f"{what}: a path that starts with {short(steps[0])}", "{ from = [x, y] } first", "add it")
-    place = _point(steps[0]["from"], f"{what}: from")
+    end = _point(steps[0]["from"], f"{what}: from")
     drawn = []
     for number, step in enumerate(steps[1:], 1):
-        segment = _step(step, place, f"{what}: step {number}")
+        segment = _step(step, end, f"{what}: step {number}")
         drawn.append(segment)
-        place = segment.end
+        end = segment.end
     return drawn
 
 
-def _step(step: Mapping[str, Any], place: Point, here: str) -> DrawnSegment:
+def _step(step: Mapping[str, Any], start: Point, here: str) -> DrawnSegment:
     _refuse_unknown(step, ("line_to", "arc_to", "through", "centre", "turn", "name"), here)
     name = _name(step.get("name", here.rpartition(": ")[2].replace(" ", "_")), f"{here}: name")
     keys = set(step) - {"name"}
     if keys == {"line_to"}:
-        return DrawnSegment(place, _point(step["line_to"], f"{here}: line_to"), name=name)
+        return DrawnSegment(start, _point(step["line_to"], f"{here}: line_to"), name=name)
     if keys == {"arc_to", "through"}:
         end, middle = _point(step["arc_to"], f"{here}: arc_to"), _point(step["through"], f"{here}: through")
-        return through_arc(place, middle, end, name, here)
+        return through_arc(start, middle, end, name, here)
     if keys == {"arc_to", "centre", "turn"} and step["turn"] in ("left", "right"):
         end, centre = _point(step["arc_to"], f"{here}: arc_to"), _point(step["centre"], f"{here}: centre")
-        return DrawnSegment(place, end, centre, step["turn"] == "left", name)
+        return DrawnSegment(start, end, centre, step["turn"] == "left", name)
     raise InputError(
         f"{here} is {short(dict(step))}",
         '{ line_to }, { arc_to, through } or { arc_to, centre, turn = "left" or "right" }, each with an optional name',
@@ -346,8 +346,8 @@ def _flat(entity: Any, point: Any) -> Point:
             "a plane drawing",
             "flatten the drawing",
         )
-    place = point if entity.dxftype() == "LINE" else entity.ocs().to_wcs(point)
-    return float(place[0]), float(place[1])
+    world_point = point if entity.dxftype() == "LINE" else entity.ocs().to_wcs(point)
+    return float(world_point[0]), float(world_point[1])
 
 
 def drawn_entity(entity: Any) -> DrawnSegment:
@@ -384,8 +384,8 @@ def in_order(pieces: Sequence[DrawnSegment]) -> list[DrawnSegment]:
 
     ordered = [first if gap(first.end) <= gap(first.start) else reversed_segment(first)]
     for piece in pieces[1:]:
-        place = ordered[-1].end
-        forward = math.dist(place, piece.start) <= math.dist(place, piece.end)
+        end = ordered[-1].end
+        forward = math.dist(end, piece.start) <= math.dist(end, piece.end)
         ordered.append(piece if forward else reversed_segment(piece))
     return ordered
 
@@ -409,17 +409,17 @@ def joined_chains(chains: Sequence[list[DrawnSegment]], *, closed: bool = True) 
     left = set(range(len(chains)))
     joined = []
     # open chains are entered at a free end, closed ones at one of their ends
-    for place in (*(n for n in range(len(ends)) if n not in partner), *range(0, len(ends), 2)):
-        if place // 2 not in left:
+    for index in (*(n for n in range(len(ends)) if n not in partner), *range(0, len(ends), 2)):
+        if index // 2 not in left:
             continue
         chain: list[DrawnSegment] = []
-        at: int | None = place
+        at: int | None = index
         while at is not None and at // 2 in left:
             piece = chains[at // 2]
             left.remove(at // 2)
             chain += piece if at % 2 == 0 else [reversed_segment(s) for s in reversed(piece)]
             at = partner.get(at ^ 1)
-        joined.append(_exact_joints(chain) if place in partner else chain)
+        joined.append(_exact_joints(chain) if index in partner else chain)
     return joined
 
 
@@ -461,8 +461,8 @@ def read_section(path: str | Path, *, unit: str | None = None, mirrored: bool = 
         ".dxf": lambda: dxf_section(content, unit=unit),
     }
     with located(f"{file}: "):
-        found = readers[ending]()
-    return found if found.title else replace(found, title=file.stem)
+        section = readers[ending]()
+    return section if section.title else replace(section, title=file.stem)
 
 
 def _text(content: bytes) -> str:

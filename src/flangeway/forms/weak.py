@@ -139,7 +139,7 @@ def local_functions(batch: CellBatch, points: Floats) -> Functions:
     energetic = reconstruction.for_energy
     values = monomials.evaluate(max(reconstruction.order, energetic.order - 1), reconstruction.frame.local(points))
     coefficients = reconstruction.projected_value, *energetic.gradient.swapaxes(0, 1)
-    return [(values[: len(each)], each) for each in coefficients]
+    return [(values[: len(coefficient)], coefficient) for coefficient in coefficients]
 
 
 def evaluated(functions: Functions, dofs: Values) -> Values:
@@ -158,7 +158,7 @@ def integrals(functions: Functions, fields: Values) -> Values:
 def _products(tests: Functions, weighted: Values, functions: Functions) -> NDArray[Any]:
     """Sums over points of test functions times fields (m', jets, m, jets, q, e) times functions, (n', m', n, m, e)."""
     m_test, _, m, _, _, n_cells = weighted.shape
-    n_test, n = (each[0][1].shape[1] for each in (tests, functions))
+    n_test, n = (side[0][1].shape[1] for side in (tests, functions))
     symmetric = tests is functions and np.array_equal(weighted, weighted.transpose(2, 3, 0, 1, 4, 5))
     result = np.zeros((n_test, m_test, n, m, n_cells), dtype=weighted.dtype)
     for i, x, j, y in np.argwhere(weighted.any(axis=(-2, -1))):
@@ -383,7 +383,7 @@ def assembled_form(
             np.add.at(forces, test_dofs, np.abs(np.einsum("minje,ne->mei", added, constant)))
         numbers = m * dofs[:, None] + np.arange(m)[:, None]
         test_numbers = m_test * test_dofs[:, None] + np.arange(m_test)[:, None]
-        rows, columns = (each.reshape(-1, weights.shape[1]) for each in (test_numbers, numbers))
+        rows, columns = (numbers_of_side.reshape(-1, weights.shape[1]) for numbers_of_side in (test_numbers, numbers))
         parts.append((rows, columns, local.reshape(len(rows), len(columns), -1)))
     matrix = scattered(parts, (m_test * test.n_dofs, m * trial.n_dofs))
     return FormMatrix.measured(matrix, np.repeat(trial.constant, m), forces.ravel(), least.ravel())
@@ -456,7 +456,7 @@ def assembled_vector(region: FormRegion, vector: Callable[[SimpleNamespace], Val
     result: Values | None = None
     for w, weights, (_, (functions, dofs)), _ in region.parts():
         fields = vector(w).reshape(m, region.n_jets, *weights.shape) * weights
-        local = np.stack([integrals(functions, each) for each in fields], axis=-1)
+        local = np.stack([integrals(functions, field) for field in fields], axis=-1)
         if result is None or (np.iscomplexobj(local) and not np.iscomplexobj(result)):
             result = np.zeros((region.spaces[1].n_dofs, m), dtype=local.dtype) + (0.0 if result is None else result)
         np.add.at(result, dofs, local)

@@ -105,9 +105,9 @@ class Contour:
     def _refuse_crossing(self) -> None:
         crossing = first_crossing(self.segments, closed=self._closed, tolerance=CROSSING_TOLERANCE * self.size)
         if crossing is not None:
-            i, j, place = crossing
+            i, j, crossing_point = crossing
             raise InputError(
-                f"segments {i} ({self.names[i]}) and {j} ({self.names[j]}) meet at {point_text(place)}",
+                f"segments {i} ({self.names[i]}) and {j} ({self.names[j]}) meet at {point_text(crossing_point)}",
                 "a chain that does not cross or touch itself",
                 "repair these two segments, or remove a point that is given twice",
             )

@@ -222,17 +222,17 @@ def _lies_in(inner: Outline, outer: Outline) -> bool:
         )
     inside = outer.contains(points[apart])
     if inside.any() and not inside.all():
-        place = chains_meet(inner.segments, outer.segments, CROSSING_TOLERANCE * outer.size)
-        where = _place(inner) if place is None else point_text(place)
+        meeting_point = chains_meet(inner.segments, outer.segments, CROSSING_TOLERANCE * outer.size)
+        where = _place(inner) if meeting_point is None else point_text(meeting_point)
         raise InputError(f"two loops that cross at {where}", "loops that do not cross", "repair one of them")
     return bool(inside.all())
 
 
 def _refuse_meeting(name: str, hole: Outline, other_name: str, other: Outline) -> None:
-    place = chains_meet(hole.segments, other.segments, CROSSING_TOLERANCE * max(other.size, hole.size))
-    if place is not None:
+    meeting_point = chains_meet(hole.segments, other.segments, CROSSING_TOLERANCE * max(other.size, hole.size))
+    if meeting_point is not None:
         raise InputError(
-            f"{name} meets {other_name} at {point_text(place)}",
+            f"{name} meets {other_name} at {point_text(meeting_point)}",
             "holes that keep apart from the outer boundary and from each other",
             "move or shrink this hole, or draw the notch as part of the outer boundary",
         )

@@ -97,7 +97,7 @@ class LiveEngine:
             "groups": [(caption, [shown[key] for key, *_ in rows]) for caption, rows in groups.items()],
             "profiles": names,
             "files": list(self.files),
-            "units": {unit: (found.name, float(found.metric)) for unit, found in units.items() if found},
+            "units": {unit: (us_unit.name, float(us_unit.metric)) for unit, us_unit in units.items() if us_unit},
         }
 
     def add_profile(self, name: str, content: bytes, options: Mapping[str, Any]) -> dict[str, Any]:
@@ -243,7 +243,7 @@ def _geometry(case: SpatialWheelsetCase) -> dict[str, Any]:
 
 def _patches(run: WheelsetRun) -> dict[str, Any]:
     """Pressures on the cells of both sides and stresses below from above, with places to the right and ahead, in mm."""
-    found: dict[str, Any] = {}
+    arrays: dict[str, Any] = {}
     for side in SIDES:
         shown, cells = patch_map(run.space, side), run.space.equilibrium.state.sides[side].cells
         loaded = cells.pressures > 0.0
@@ -253,18 +253,18 @@ def _patches(run: WheelsetRun) -> dict[str, Any]:
         part = slice(max(rows[0] - 1, 0), rows[-1] + 2), slice(max(strips[0] - 1, 0), strips[-1] + 2)
         tractions = run.space.tractions_of(side)
         below = stresses_below(run.space, side)
-        found[side] = {
+        arrays[side] = {
             "across": _rounded(shown.across(cells.grid.cells[part[0]])),
             "along": _rounded(cells.grid.along[part[1]]),
             "strip": cells.grid.strip,
             "pressures": _rounded(cells.pressures[part], 1),
-            "stresses": {each.name: _rounded(below[each.array][part], 1) for each in below_fields(run.case.units)},
+            "stresses": {field.name: _rounded(below[field.array][part], 1) for field in below_fields(run.case.units)},
             # along the rail's surface to the right, and ahead
             "tractions": None
             if tractions is None
             else _rounded(tractions[part] * np.array([-SIDE_SIGN[side], 1.0]), 1),
         }
-    return found
+    return arrays
 
 
 def _rounded(values: Floats, digits: int = 4) -> list[Any]:

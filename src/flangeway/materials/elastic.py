@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import are_finite, check_finite, check_positive, refused
 from flangeway.errors import InputError
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
 # --- What every linear elastic material gives, in the plane or about an axis.
 
@@ -75,8 +74,8 @@ class Material(ABC):
     @property
     def stiffness(self) -> Floats:
         """In-plane elasticity tensor ``C[i, j, k, l]``, shape (2, 2, 2, 2): stress = C : strain."""
-        place = np.array([[0, 2], [2, 1]])
-        return self.matrix[place[:, :, None, None], place]
+        voigt = np.array([[0, 2], [2, 1]])
+        return self.matrix[voigt[:, :, None, None], voigt]
 
     @property
     def out_of_plane(self) -> Floats:
@@ -337,13 +336,13 @@ class Orthotropic(Material):
         """See `Material.matrix`; plane stress from the compliance in the plane, which keeps its digits."""
         return self._matrix(np.array([0, 1])) if self.hypothesis == "plane_stress" else self.spatial_matrix
 
-    def _matrix(self, places: NDArray[np.int64]) -> Floats:
+    def _matrix(self, indices: Ints) -> Floats:
         """Stiffness where there are normal stresses at some places of xx, yy, xy, zz only."""
-        n = len(places)
+        n = len(indices)
         root = np.sqrt(np.array(self.young, dtype=np.float64))[:n]
         normal = np.linalg.inv(self._scaled_compliance[:n, :n]) * np.outer(root, root)
         matrix = np.zeros((4, 4))
-        matrix[np.ix_(places, places)] = (normal + normal.T) / 2.0
+        matrix[np.ix_(indices, indices)] = (normal + normal.T) / 2.0
         matrix[2, 2] = self.shear
         turned: Floats = self._to_axes.T @ matrix @ self._to_axes
         return turned

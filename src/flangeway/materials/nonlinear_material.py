@@ -172,10 +172,10 @@ class J2Plasticity(NonlinearMaterial):
         # C = K 1 x 1 + 2 G theta (I - 1 x 1 / 3) - 2 G theta_bar n x n
         theta = 1.0 - 2.0 * shear * flow / np.maximum(size, np.finfo(float).tiny)
         theta_bar = np.where(flow > 0.0, 1.0 / (1.0 + hardening / (3.0 * shear)) - (1.0 - theta), 0.0)
-        place = np.array([[0, 2], [2, 1]])
-        in_plane = normal[:, place]
+        voigt = np.array([[0, 2], [2, 1]])
+        in_plane = normal[:, voigt]
         tangent = 2.0 * shear * theta[:, None, None, None, None] * SYMMETRIC_UNIT
         pressure = bulk - 2.0 / 3.0 * shear * theta
         tangent = tangent + np.einsum("n,ij,kl->nijkl", pressure, UNIT, UNIT)
         tangent -= np.einsum("n,nij,nkl->nijkl", 2.0 * shear * theta_bar, in_plane, in_plane)
-        return Response(stress[:, place], tangent, after)
+        return Response(stress[:, voigt], tangent, after)

@@ -51,9 +51,9 @@ def entries_of(offsets: IntArray, rows: Indices) -> tuple[Ints, IntArray]:
 
 def places_among(kept: Indices, n: int) -> Ints:
     """Return the place of each of n numbers among some of them, -1 where it is none, (n,)."""
-    places = np.full(n, -1, dtype=np.int64)
-    places[kept] = np.arange(len(kept))
-    return places
+    indices = np.full(n, -1, dtype=np.int64)
+    indices[kept] = np.arange(len(kept))
+    return indices
 
 
 def first_connected(pairs: Indices, n: int) -> Ints:
@@ -94,8 +94,8 @@ def edge_places(edges: Indices, others: Indices, n_points: int) -> tuple[Ints, B
     """Places among other edges (m, 2) of edges (n, 2) in either direction, and whether each is there, both (n,)."""
     wanted, keys = (pairs.min(axis=1).astype(np.int64) * n_points + pairs.max(axis=1) for pairs in (edges, others))
     order = np.argsort(keys)
-    places = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(order) - 1)]
-    return places, keys[places] == wanted
+    rows = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(order) - 1)]
+    return rows, keys[rows] == wanted
 
 
 def shortest_edges(points: Floats, edges: Indices) -> Floats:
@@ -106,10 +106,10 @@ def shortest_edges(points: Floats, edges: Indices) -> Floats:
     return shortest
 
 
-def pairs_divided(pairs: Indices, places: Indices, added: Indices) -> IntArray:
-    """Return pairs (m, 2) divided at added points (k,), each in the pair at its place (k,), places rising."""
+def pairs_divided(pairs: Indices, rows: Indices, added: Indices) -> IntArray:
+    """Return pairs (m, 2) divided at added points (k,), each in the pair of its row (k,), rows rising."""
     starts, ends = pairs.astype(np.int32).T
-    return np.column_stack((np.insert(starts, places + 1, added), np.insert(ends, places, added)))
+    return np.column_stack((np.insert(starts, rows + 1, added), np.insert(ends, rows, added)))
 
 
 def chain_starts(pairs: IntArray) -> Ints:
@@ -136,8 +136,8 @@ def ordered_pairs(pairs: IntArray, name: str) -> IntArray:
     starts = chain_starts(pairs)
     ends = pairs[np.append(starts[1:], len(pairs)) - 1, 1]
     by_start = np.argsort(pairs[:, 0])
-    places = np.minimum(np.searchsorted(pairs[by_start, 0], ends), len(pairs) - 1)
-    following = by_start[places]
+    rows = np.minimum(np.searchsorted(pairs[by_start, 0], ends), len(pairs) - 1)
+    following = by_start[rows]
     # in order if nothing leaves the end of a chain but, where it is closed, its own first pair
     if np.all((pairs[following, 0] != ends) | (following == starts)):
         return pairs
@@ -197,9 +197,9 @@ class EdgeCurves:
     number: Ints
     ends: Floats
 
-    def points(self, places: ArrayLike, rows: Ints | slice = slice(None)) -> Floats:
-        """Points (m, n, 2) of the edges, or of some, at places (n,) from 0 at their first point to 1."""
-        at = np.atleast_1d(floats(places))
+    def points(self, positions: ArrayLike, rows: Ints | slice = slice(None)) -> Floats:
+        """Points (m, n, 2) of the edges, or of some, at positions (n,) from 0 at their first point to 1."""
+        at = np.atleast_1d(floats(positions))
         number, ends = self.number[rows], self.ends[rows]
         parameters = ends[:, :1] + at * (ends[:, 1:] - ends[:, :1])
         points = np.empty((*parameters.shape, 2))
@@ -260,13 +260,13 @@ class EdgeCurves:
 def united(several: Sequence[EdgeCurves]) -> EdgeCurves:
     """Curved edges of several tables as one; those of the same curves keep them once."""
     curves: list[Curve] = []
-    places: dict[int, int] = {}
+    row_of_pair: dict[int, int] = {}
     numbers = []
     for table in several:
         for curve in table.curves:
-            if id(curve) not in places:
-                places[id(curve)] = len(curves)
+            if id(curve) not in row_of_pair:
+                row_of_pair[id(curve)] = len(curves)
                 curves.append(curve)
-        numbers.append(np.array([places[id(curve)] for curve in table.curves])[table.number])
+        numbers.append(np.array([row_of_pair[id(curve)] for curve in table.curves])[table.number])
     pairs, ends = (np.concatenate([getattr(table, name) for table in several]) for name in ("pairs", "ends"))
     return EdgeCurves(pairs.astype(np.int32), tuple(curves), np.concatenate(numbers), ends)

@@ -18,7 +18,7 @@ from flangeway.types import Floats, Indices, Ints
 Curves: TypeAlias = Contour | Spline | Region | Section | Iterable[Contour | Spline]
 """What has curves: an outline or open chain, a spline, a region, a section, or several of the first two."""
 
-NEAR = 1.0
+MAX_CURVE_DISTANCE = 1.0
 """Distance from an arc, over the shorter boundary edge at the point, up to which the point belongs on it.
 
 As large as that, since the middle of a coarse chord is far from its arc; the nearest curve decides.
@@ -50,22 +50,22 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
     """
     points = snapped_points(mesh, curves)
     sets = np.full(mesh.n_cells, -1, dtype=np.int64)
-    for place, cells in enumerate(mesh.cell_sets.values()):
-        sets[cells] = place
+    for index, cells in enumerate(mesh.cell_sets.values()):
+        sets[cells] = index
     one, other = mesh.edge_cells.T
     edges = np.flatnonzero((other < 0) | (sets[one] != sets[other]))
     pairs = mesh.edges[edges]
     start, end = points[pairs[:, 0]], points[pairs[:, 1]]
     lengths = norms(end - start)
     segments = _segments(curves)
-    best, number, places = np.full(len(edges), np.inf), np.full(len(edges), -1), np.zeros((len(edges), 2))
+    best, number, parameters = np.full(len(edges), np.inf), np.full(len(edges), -1), np.zeros((len(edges), 2))
     for which, segment in enumerate(segments):
         (at_start, off_start), (at_end, off_end) = segment.closest(start), segment.closest(end)
         near = np.flatnonzero(np.maximum(off_start, off_end) <= ON_CURVE * lengths)
         off = segment.closest((start[near] + end[near]) / 2.0)[1]
         nearer = near[off < best[near]]
         best[nearer], number[nearer] = off[off < best[near]], which
-        places[nearer] = np.column_stack((at_start[nearer], at_end[nearer]))
+        parameters[nearer] = np.column_stack((at_start[nearer], at_end[nearer]))
     kept = [which for which, segment in enumerate(segments) if not isinstance(segment, Line)]
     rank = places_among(np.array(kept, dtype=np.int64), len(segments) + 1)
     on = rank[number] >= 0
@@ -75,7 +75,7 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
             "the arcs and splines of the outline that was meshed",
             "give the outline in the frame of the mesh, or leave it out where all sides are straight",
         )
-    ends = _unwrapped(segments, number, places)[on]
+    ends = _unwrapped(segments, number, parameters)[on]
     table = EdgeCurves(pairs[on], tuple(segments[which] for which in kept), rank[number[on]], ends)
     return replace(mesh, points=points, curves=table)
 
@@ -103,11 +103,11 @@ def as_polylines(mesh: PolyMesh, pieces: int = PIECES, cells: Indices | None = N
     edge_sets = {}
     for name, pairs in mesh.edge_sets.items():
         rows = mesh.curve_rows[mesh.edge_numbers(pairs)]
-        places, added = (
+        divided_pairs, added = (
             np.repeat(np.flatnonzero(rows >= 0), pieces - 1),
             _points_between(mesh, rows, pairs[:, 0], pieces),
         )
-        edge_sets[name] = pairs_divided(pairs, places, added.ravel())
+        edge_sets[name] = pairs_divided(pairs, divided_pairs, added.ravel())
     return PolyMesh(points, new_offsets, corners, mesh.cell_sets, edge_sets)
 
 
@@ -124,13 +124,13 @@ def _points_between(mesh: PolyMesh, rows: Ints, starts: Indices, pieces: int) ->
     return numbers
 
 
-def _unwrapped(segments: Sequence[Segment | Spline], number: Ints, places: Floats) -> Floats:
+def _unwrapped(segments: Sequence[Segment | Spline], number: Ints, parameters: Floats) -> Floats:
     """Parameters (n, 2) of edges that pass the end of a closed spline, continued beyond it."""
     for which, segment in enumerate(segments):
         if isinstance(segment, Spline) and segment.closed:
             on_segment = number == which
-            places[on_segment, 1] -= np.round(places[on_segment, 1] - places[on_segment, 0])
-    return places
+            parameters[on_segment, 1] -= np.round(parameters[on_segment, 1] - parameters[on_segment, 0])
+    return parameters
 
 
 def _segments(curves: Curves) -> list[Segment | Spline]:
@@ -157,15 +157,15 @@ def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:
     """
     rim = np.unique(mesh.boundary_edges)
     points, own = mesh.points.copy(), mesh.points[rim]
-    nearest = NEAR * shortest_edges(mesh.points, mesh.boundary_edges)[rim]
+    nearest = MAX_CURVE_DISTANCE * shortest_edges(mesh.points, mesh.boundary_edges)[rim]
     for segment in _segments(curves):
-        place, distance = segment.closest(own)
+        parameter, distance = segment.closest(own)
         nearer = distance < nearest
         nearest[nearer] = distance[nearer]
         points[rim[nearer]] = own[nearer]
-        inside = nearer & (place > 1e-9) & (place < 1.0 - 1e-9)
+        inside = nearer & (parameter > 1e-9) & (parameter < 1.0 - 1e-9)
         if not isinstance(segment, Line):
-            points[rim[inside]] = segment.point(place[inside])
+            points[rim[inside]] = segment.point(parameter[inside])
     return points
 
 

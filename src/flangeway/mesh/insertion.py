@@ -34,7 +34,7 @@ MAX_PAIRS = 1_000_000  # of nodes and edges that are examined at a time
 Edges = str | Indices
 
 
-def divided(mesh: PolyMesh, edges: Indices, places: Floats) -> PolyMesh:
+def divided(mesh: PolyMesh, edges: Indices, positions: Floats) -> PolyMesh:
     """Return the mesh with points on edges of its boundary; they are numbered behind its own, in the order given.
 
     Points, cells and sets keep their numbers and names; edge sets and curves get the pieces of their edges.
@@ -45,26 +45,26 @@ def divided(mesh: PolyMesh, edges: Indices, places: Floats) -> PolyMesh:
         Any mesh.
     edges
         Rows of ``mesh.boundary_edges``, one for each point, (n,).
-    places
+    positions
         Where the points are on them, from 0 to 1, (n,); of an edge on a curve in parts of its parameter.
     """
     rim = mesh.boundary_edges.astype(np.int64)
     start, end = mesh.points[rim[edges, 0]], mesh.points[rim[edges, 1]]
-    points = (1.0 - places)[:, None] * start + places[:, None] * end
-    order = np.lexsort((places, edges))
+    points = (1.0 - positions)[:, None] * start + positions[:, None] * end
+    order = np.lexsort((positions, edges))
     at, numbers = edges[order].astype(np.int64), mesh.n_points + order
     # pieces of all boundary edges: the edge, both ends, and where these are on it
     owner = np.repeat(np.arange(len(rim)), 1 + np.bincount(at, minlength=len(rim)))
     pieces = pairs_divided(rim, at, numbers)
     spans = np.column_stack(
-        (np.insert(np.zeros(len(rim)), at + 1, places[order]), np.insert(np.ones(len(rim)), at, places[order]))
+        (np.insert(np.zeros(len(rim)), at + 1, positions[order]), np.insert(np.ones(len(rim)), at, positions[order]))
     )
     curves = mesh.curves
     if curves is not None:
         rows = mesh.curve_rows[mesh.edge_numbers(rim)]
         on = rows[edges] >= 0
         ends = _curve_ends(curves, rim, rows)
-        parameters = ends[edges, 0] + places * (ends[edges, 1] - ends[edges, 0])
+        parameters = ends[edges, 0] + positions * (ends[edges, 1] - ends[edges, 0])
         for number, curve in enumerate(curves.curves):
             on_curve = on & (curves.number[rows[edges]] == number)
             points[on_curve] = curve.point(parameters[on_curve])
@@ -141,29 +141,29 @@ def insert_nodes(mesh: PolyMesh, edges: Edges, points: ArrayLike) -> PolyMesh:
         If an edge is not at the boundary.
     """
     rows, given = _rows(mesh, edges), as_points(points)
-    distances, places = np.full(len(given), np.inf), np.zeros(len(given))
+    distances, positions = np.full(len(given), np.inf), np.zeros(len(given))
     nearest = np.zeros(len(given), dtype=np.int64)
     on_curve = mesh.curve_rows[mesh.edge_numbers(mesh.boundary_edges[rows])]
     for row, bent in zip(rows.tolist(), on_curve.tolist(), strict=True):
         start, end = mesh.points[mesh.boundary_edges[row]]
         if bent < 0:
-            place, distance = Line(as_point(start), as_point(end)).closest(given)
+            parameter, distance = Line(as_point(start), as_point(end)).closest(given)
         else:
             assert mesh.curves is not None
             curve, ends = mesh.curves.curves[mesh.curves.number[bent]], mesh.curves.ends[bent]
             parameters = curve.closest(given)[0]
             parameters = parameters - np.round(parameters - ends.mean()) * getattr(curve, "closed", False)
-            place = np.clip((parameters - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0)
-            distance = norms(given - curve.point(ends[0] + place * (ends[1] - ends[0])))
+            parameter = np.clip((parameters - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0)
+            distance = norms(given - curve.point(ends[0] + parameter * (ends[1] - ends[0])))
             if mesh.curves.pairs[bent, 0] != mesh.boundary_edges[row, 0]:
-                place = 1.0 - place
+                parameter = 1.0 - parameter
         nearer = distance < distances
-        distances[nearer], places[nearer], nearest[nearer] = distance[nearer], place[nearer], row
-    new = np.minimum(places, 1.0 - places) > MERGE
-    order = np.flatnonzero(new)[np.lexsort((places[new], nearest[new]))]
-    apart = (np.diff(nearest[order], prepend=-1) != 0) | (np.diff(places[order], prepend=-1.0) > MERGE)
+        distances[nearer], positions[nearer], nearest[nearer] = distance[nearer], parameter[nearer], row
+    new = np.minimum(positions, 1.0 - positions) > MERGE
+    order = np.flatnonzero(new)[np.lexsort((positions[new], nearest[new]))]
+    apart = (np.diff(nearest[order], prepend=-1) != 0) | (np.diff(positions[order], prepend=-1.0) > MERGE)
     chosen = np.sort(order[apart])
-    return divided(mesh, nearest[chosen], places[chosen])
+    return divided(mesh, nearest[chosen], positions[chosen])
 
 
 def match_boundaries(one: PolyMesh, edges: Edges, other: PolyMesh, other_edges: Edges) -> tuple[PolyMesh, PolyMesh]:
@@ -271,11 +271,11 @@ def _normals(points: Floats, pairs: Indices) -> Floats:
     bent |= (np.roll(chain[:, 1], 1) != chain[:, 0]) | (np.einsum("mi,mi->m", before, chords) < 0.0)
     line = (np.cumsum(bent) - 1) % max(int(bent.sum()), 1)
     sums = np.stack([np.bincount(line, column) for column in chords.T], axis=1)
-    each = np.column_stack((sums[:, 1], -sums[:, 0])) / np.einsum("li,li->l", sums, sums)[:, None]
+    scaled = np.column_stack((sums[:, 1], -sums[:, 0])) / np.einsum("li,li->l", sums, sums)[:, None]
     normals = np.zeros_like(points)
     first, last = bent, np.roll(bent, -1)  # edges at the start and at the end of their lines
-    np.add.at(normals, chain[first, 0], each[line[first]])
-    np.add.at(normals, chain[last, 1], each[line[last]])
+    np.add.at(normals, chain[first, 0], scaled[line[first]])
+    np.add.at(normals, chain[last, 1], scaled[line[last]])
     sizes = norms(normals)
     normals /= np.where(sizes > 0.0, sizes, 1.0)[:, None]
     ends = np.zeros((2, len(sums)), dtype=np.int64)
@@ -313,15 +313,15 @@ def _opposite(
         root = slope + np.sqrt(np.maximum(slope**2 - 4.0 * square * first, 0.0))
         rising = root > 0.0
         which, at, chord = which[rising], at[rising], chord[rising]
-        places = np.clip(-2.0 * first[rising] / root[rising], 0.0, 1.0)
-        distances = norms(apart[which, at, 0] - places[:, None] * chord)
+        parameters = np.clip(-2.0 * first[rising] / root[rising], 0.0, 1.0)
+        distances = norms(apart[which, at, 0] - parameters[:, None] * chord)
         order = np.lexsort((distances, which))
         order = order[np.diff(which[order], prepend=-1) != 0]
-        pieces.append((some[which[order]], at[order], places[order]))
-    which, at, places = (np.concatenate(column) for column in zip(*pieces, strict=True))
-    nearest = pairs[at, (places > 0.5).astype(np.int64)].astype(np.int64)
-    away = np.minimum(places, 1.0 - places) * lengths[at] / shortest_edges(points, pairs)[nearest]
-    return OppositePlaces(which.astype(np.int64), at, places, nearest, away)
+        pieces.append((some[which[order]], at[order], parameters[order]))
+    which, at, parameters = (np.concatenate(column) for column in zip(*pieces, strict=True))
+    nearest = pairs[at, (parameters > 0.5).astype(np.int64)].astype(np.int64)
+    away = np.minimum(parameters, 1.0 - parameters) * lengths[at] / shortest_edges(points, pairs)[nearest]
+    return OppositePlaces(which.astype(np.int64), at, parameters, nearest, away)
 
 
 def _rows(mesh: PolyMesh, edges: Edges) -> Ints:

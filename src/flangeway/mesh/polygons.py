@@ -101,15 +101,15 @@ class _Joining:
         """Points of both polygons in order; None if they do not meet in one piece."""
         row = self.rows[cell]
         shared = [self.left.get((b, a)) == other for a, b in sides_of(row)]
-        starts = [place for place in range(len(row)) if shared[place] and not shared[place - 1]]
+        starts = [index for index in range(len(row)) if shared[index] and not shared[index - 1]]
         if len(starts) != 1 or len(set(row) & set(self.rows[other])) != sum(shared) + 1:
             return None
         row = row[starts[0] :] + row[: starts[0]]
         first, last = row[0], row[sum(shared)]
         row = row[sum(shared) :]  # from the last shared point to the point before the first
         theirs = self.rows[other]
-        place = theirs.index(first)
-        theirs = theirs[place:] + theirs[:place]
+        index = theirs.index(first)
+        theirs = theirs[index:] + theirs[:index]
         return [*row, *theirs[: theirs.index(last)]]
 
     def best_neighbour(self, cell: int) -> int | None:
@@ -190,8 +190,8 @@ def dual(mesh: PolyMesh, *, outline: Curves | None = None) -> PolyMesh:
     # a boundary point adds itself and the middle of the leaving edge before, of the reaching after
     offsets = offsets_of(counts + 3 * on_rim)
     cell_points = np.empty(offsets[-1], dtype=np.int32)
-    places = np.arange(len(ring_points)) + np.repeat(offsets[:-1] + 2 * on_rim - rings[:-1], counts)
-    cell_points[places] = ring_points
+    entries = np.arange(len(ring_points)) + np.repeat(offsets[:-1] + 2 * on_rim - rings[:-1], counts)
+    cell_points[entries] = ring_points
     start, end = offsets[:-1][on_rim], offsets[1:][on_rim]
     cell_points[start] = n_triangles + n_rim + leaving[on_rim]
     cell_points[start + 1] = n_triangles + leaving[on_rim]
@@ -461,25 +461,25 @@ class _Cells:
 
     def mesh(self, outline: Outline) -> PolyMesh:
         """The cells with common vertices; chords of an arc inside a cell become one."""
-        places, owner = shapely.get_coordinates(shapely.orient_polygons(self.cells), return_index=True)
+        points, owner = shapely.get_coordinates(shapely.orient_polygons(self.cells), return_index=True)
         start = np.diff(owner, prepend=-1) != 0
-        places, owner = places[~start], owner[~start]
+        points, owner = points[~start], owner[~start]
         joints = np.array([segment.start for segment in outline.segments])
-        near, joint = cKDTree(joints).query(places)
-        places = np.where((near < self.tolerance)[:, None], joints[joint], places)
-        number, _, distance = outline.closest(places)
+        near, joint = cKDTree(joints).query(points)
+        points = np.where((near < self.tolerance)[:, None], joints[joint], points)
+        number, _, distance = outline.closest(points)
         straight = np.array([isinstance(segment, Line) for segment in outline.segments])
         chords = _domain(outline).exterior
         on_arc = (distance < CHORD_ANGLE * outline.size) & ~straight[number]
-        on_arc[on_arc] = shapely.distance(shapely.points(places[on_arc]), chords) < self.tolerance
-        of_chords = cKDTree(shapely.get_coordinates(chords)).query(places)[0] < self.tolerance
+        on_arc[on_arc] = shapely.distance(shapely.points(points[on_arc]), chords) < self.tolerance
+        of_chords = cKDTree(shapely.get_coordinates(chords)).query(points)[0] < self.tolerance
         kept = ~(on_arc & of_chords) | (near < self.tolerance)
-        places, owner, on_arc, number = (array[kept] for array in (places, owner, on_arc, number))
+        points, owner, on_arc, number = (array[kept] for array in (points, owner, on_arc, number))
         for which in np.flatnonzero(~straight):
             rows = np.flatnonzero(on_arc & (number == which))
             if len(rows):
-                places[rows] = outline.segments[which].point(outline.segments[which].closest(places[rows])[0])
-        pairs = cKDTree(places).query_pairs(self.tolerance, output_type="ndarray")
-        kept, vertices = np.unique(first_connected(pairs, len(places)), return_inverse=True)
+                points[rows] = outline.segments[which].point(outline.segments[which].closest(points[rows])[0])
+        pairs = cKDTree(points).query_pairs(self.tolerance, output_type="ndarray")
+        kept, vertices = np.unique(first_connected(pairs, len(points)), return_inverse=True)
         cells = np.split(vertices, np.cumsum(np.bincount(owner))[:-1])
-        return PolyMesh.from_cells(places[kept], [list(dict.fromkeys(cell.tolist())) for cell in cells])
+        return PolyMesh.from_cells(points[kept], [list(dict.fromkeys(cell.tolist())) for cell in cells])

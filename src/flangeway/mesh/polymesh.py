@@ -440,9 +440,9 @@ class PolyMesh:
             pairs = ordered_pairs(pairs, " + ".join(names))
         starts = chain_starts(pairs)
         if len(starts) != 1:
-            places = ", ".join(point_text(self.points[p]) for p in pairs[starts, 0][:4])
+            points = ", ".join(point_text(self.points[p]) for p in pairs[starts, 0][:4])
             raise InputError(
-                f"edge set {' + '.join(names)} is {len(starts)} chains, from {places}",
+                f"edge set {' + '.join(names)} is {len(starts)} chains, from {points}",
                 "edges that follow each other without a gap",
                 "give neighbouring parts their own name",
             )

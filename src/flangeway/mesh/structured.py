@@ -128,23 +128,23 @@ def quadtree(
     base = np.array(checked_rectangle("quadtree", (width, height), (nx, ny), origin))
     check_integer("quadtree", "levels", levels, 0, MAX_LEVELS)
     size = np.array([width / nx, height / ny]) / 2**levels  # of the smallest cells, in which places are counted
-    place = 2**levels * np.stack(np.meshgrid(np.arange(nx), np.arange(ny)), axis=-1).reshape(-1, 2)
+    origins = 2**levels * np.stack(np.meshgrid(np.arange(nx), np.arange(ny)), axis=-1).reshape(-1, 2)
     done: list[tuple[Ints, int]] = []
     for level in range(levels, -1, -1):
         side = 2**level
-        cut = np.zeros(len(place), dtype=bool)
+        cut = np.zeros(len(origins), dtype=bool)
         if level:
-            centres = base + (place + side / 2.0) * size
-            cut = np.asarray(finer(centres, np.full(len(place), side * size.max())))
-            if cut.shape != (len(place),) or cut.dtype != bool:
+            centres = base + (origins + side / 2.0) * size
+            cut = np.asarray(finer(centres, np.full(len(origins), side * size.max())))
+            if cut.shape != (len(origins),) or cut.dtype != bool:
                 raise InputError(
                     f"quadtree(finer=...) with values of shape {cut.shape} and type {cut.dtype}",
-                    f"a truth value for each of {len(place)} cells",
+                    f"a truth value for each of {len(origins)} cells",
                     "write it for centres (n, 2) and sides (n,)",
                 )
-        done.append((place[~cut], side))
-        place = (place[cut][:, None] + side // 2 * CORNERS).reshape(-1, 2)
-        refuse_large_mesh("the cells of a quadtree", BYTES_A_LEAF * len(place))
+        done.append((origins[~cut], side))
+        origins = (origins[cut][:, None] + side // 2 * CORNERS).reshape(-1, 2)
+        refuse_large_mesh("the cells of a quadtree", BYTES_A_LEAF * len(origins))
     corners = np.concatenate([rows[:, None] + side * CORNERS for rows, side in done])
     points, cells = np.unique(corners.reshape(-1, 2), axis=0, return_inverse=True)
     mesh = conforming(PolyMesh.from_cells(base + points * size, cells.reshape(-1, 4)))

@@ -15,7 +15,7 @@ from flangeway.post.stress import corner_values, values_inside, von_mises
 from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.surface_compliance import StripForces, wave_sums, waves
 from flangeway.space import CellBatch
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Progress
 
 TO_AXES = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
 """Signs of the components of a half-space in the axes of a `DepthProfile`, in which the depth is -y."""
@@ -56,9 +56,9 @@ class SpatialStresses:
         """Principal stresses, descending, shape (n, 3)."""
         tensors = self.tensors
         defined = np.isfinite(tensors).all(axis=(1, 2))
-        found = np.full((len(tensors), 3), np.nan)
-        found[defined] = np.linalg.eigvalsh(tensors[defined])[:, ::-1]
-        return found
+        principal = np.full((len(tensors), 3), np.nan)
+        principal[defined] = np.linalg.eigvalsh(tensors[defined])[:, ::-1]
+        return principal
 
     @cached_property
     def von_mises(self) -> Floats:
@@ -68,9 +68,9 @@ class SpatialStresses:
     @property
     def by_name(self) -> dict[str, Floats]:
         """Components, principal and equivalent stresses, each (n,), by the names of arrays in files."""
-        found = {f"stress_{name}_MPa": self.components[:, number] for number, name in enumerate(NAMES)}
-        found |= {f"principal_{number + 1}_MPa": self.principal[:, number] for number in range(3)}
-        return {"von_mises_MPa": self.von_mises, "tresca_MPa": self.tresca, **found}
+        stresses = {f"stress_{name}_MPa": self.components[:, number] for number, name in enumerate(NAMES)}
+        stresses |= {f"principal_{number + 1}_MPa": self.principal[:, number] for number in range(3)}
+        return {"von_mises_MPa": self.von_mises, "tresca_MPa": self.tresca, **stresses}
 
     @property
     def tresca(self) -> Floats:
@@ -84,12 +84,12 @@ def summed_stresses(problem: Harmonic, batch: CellBatch, even: Floats, odd: Floa
     Stresses are linear in the wavenumber and in the amplitudes, so that their sums, and those times the wavenumber, of
     what varies as the cosine and as the sine, each (2, ..., n_dofs, 3), are enough.
     """
-    found = []
+    sums = []
     for fields, kept in ((even, slice(0, 4)), (odd, slice(4, 6))):
         constant, linear = (problem.cell_stresses(batch, fields[1], wavenumber)[1] for wavenumber in (0.0, 1.0))
         reconstruction, total = problem.cell_stresses(batch, fields[0], 0.0)
-        found.append((total + linear - constant)[..., kept, :, :])
-    return reconstruction, np.concatenate(found, axis=-3)
+        sums.append((total + linear - constant)[..., kept, :, :])
+    return reconstruction, np.concatenate(sums, axis=-3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,14 +130,14 @@ class SectionStresses:
 
 
 def patch_stresses(
-    found: PatchContact, which: int, z: float | None = None, progress: Callable[[str], None] = lambda _: None
+    contact: PatchContact, which: int, z: float | None = None, progress: Progress = lambda _: None
 ) -> SectionStresses:
     """Stresses in a body by the pressures of a contact.
 
     Parameters
     ----------
-    found
-        The contact.
+    contact
+        The contact, with its pressures.
     which
         0 for the first (lower) body, 1 for the second one.
     z
@@ -146,11 +146,11 @@ def patch_stresses(
         Called with a sentence at each stage.
 
     """
-    pair = found.pair
+    pair = contact.pair
     body, cells, grid = (pair.first, pair.second)[which], pair.cells[which], pair.grid
-    plane = float(found.patches[0].centre[2]) if z is None else z
+    plane = float(contact.patches[0].centre[2]) if z is None else z
     progress(f"stresses in {body.name}")
-    forces = found.contact.forces[::-1] if pair.backwards(which) else found.contact.forces
+    forces = contact.contact.forces[::-1] if pair.backwards(which) else contact.contact.forces
     on_cells = np.stack((np.zeros_like(forces), -forces, np.zeros_like(forces)), axis=1)
     loaded = StripForces(cells, on_cells, plane - grid.along, grid.strip)
     ((even, odd),) = wave_sums([loaded], waves(MIN_WAVENUMBER, grid.strip))
@@ -190,7 +190,7 @@ def depth_profile(section: SectionStresses, patch: ContactEllipse, depths: Float
 def half_space_profile(
     rectangles: tuple[Floats, Floats],
     pressures: Floats,
-    place: tuple[float, float],
+    position: tuple[float, float],
     depths: Floats,
     poisson: float,
     shears: Floats | None = None,
@@ -199,9 +199,9 @@ def half_space_profile(
 
     See `flangeway.exact.half_space.half_space_stresses`; the rectangles are its x and z.
     """
-    places = np.stack((np.full(len(depths), place[0]), depths, np.full(len(depths), place[1])), axis=1)
-    found = half_space_stresses(*rectangles, pressures, places, poisson, shears)
-    return DepthProfile(depths, SpatialStresses(found * TO_AXES))
+    points = np.stack((np.full(len(depths), position[0]), depths, np.full(len(depths), position[1])), axis=1)
+    stresses = half_space_stresses(*rectangles, pressures, points, poisson, shears)
+    return DepthProfile(depths, SpatialStresses(stresses * TO_AXES))
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, SegmentToSegment, Surface
 from flangeway.contact.pairs import Constraints
@@ -197,30 +196,30 @@ class ContactLine:
 
 def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLine]:
     """Pressures and gaps along the secondary surfaces of all contacts."""
-    patches, found = pressure_patches(system, state), []
+    patches, of_contacts = pressure_patches(system, state), []
     for number, (contact, pairs, inside, _) in enumerate(system.solved(state.linearisation, state.forces)):
         surface, own = contact.secondary, ~pairs.guarded
-        places = np.unique(contact.pairing.key_nodes(surface)).astype(np.int64)
+        nodes = np.unique(contact.pairing.key_nodes(surface)).astype(np.int64)
         n, pressures = len(surface.nodes), np.zeros(len(surface.nodes))
         for patch in patches:
             if patch.contact == number:
                 np.maximum.at(pressures, patch.nodes, patch.pressures)
         with np.errstate(invalid="ignore"):
             gaps = np.bincount(pairs.nodes[own], pairs.gaps[own], n) / np.bincount(pairs.nodes[own], minlength=n)
-        lines = np.column_stack((np.arange(len(places)), np.roll(np.arange(len(places)), -1)))
+        lines = np.column_stack((np.arange(len(nodes)), np.roll(np.arange(len(nodes)), -1)))
         closed = surface.edge_places[-1, -1] == 0
-        found.append(
+        of_contacts.append(
             ContactLine(
                 contact,
-                surface.nodes[places].astype(np.int64),
+                surface.nodes[nodes].astype(np.int64),
                 lines if closed else lines[:-1],
-                state.positions[system.nodes_of(surface)[places]],
-                pressures[places],
-                gaps[places],
-                *(each[places] for each in _sliding(pairs, state, inside, n)),
+                state.positions[system.nodes_of(surface)[nodes]],
+                pressures[nodes],
+                gaps[nodes],
+                *(values[nodes] for values in _sliding(pairs, state, inside, n)),
             )
         )
-    return found
+    return of_contacts
 
 
 def _sliding(pairs: Constraints, state: ContactState, inside: slice, n: int) -> tuple[Floats, Floats]:
@@ -233,7 +232,7 @@ def _sliding(pairs: Constraints, state: ContactState, inside: slice, n: int) -> 
     return np.bincount(at, state.friction.forces[inside], n) / whole, slips
 
 
-def _along(pairs: Constraints, contact: Contact) -> NDArray[np.int64]:
+def _along(pairs: Constraints, contact: Contact) -> Ints:
     """Keys of the constraints; guarded nodes have that of the pairing's constraint next to them."""
     nodes = contact.pairing.key_nodes(contact.secondary)
     order = np.argsort(nodes, kind="stable")
@@ -247,8 +246,8 @@ def _patch(
     pairs: Constraints,
     points: Floats,
     forces: Floats,
-    group: NDArray[np.int64],
-    keys: NDArray[np.int64],
+    group: Ints,
+    keys: Ints,
 ) -> PressurePatch:
     """Patch of the constraints in ``group``, sorted along the surface at ``points``; those of one key are added up."""
     nodes, force = pairs.nodes[group], forces[group]
@@ -291,10 +290,10 @@ def _lengths(contact: Contact) -> Floats:
     body = surface.part.body
     if not body.axisymmetric:
         return contact.node_areas / body.thickness
-    lengths, places = np.zeros(len(surface.nodes)), np.unique(contact.pairing.key_nodes(surface))
-    apart = np.linalg.norm(np.diff(body.nodes[surface.nodes[places]], axis=0), axis=1) / 2.0
-    lengths[places[:-1]] += apart
-    lengths[places[1:]] += apart
+    lengths, nodes = np.zeros(len(surface.nodes)), np.unique(contact.pairing.key_nodes(surface))
+    apart = np.linalg.norm(np.diff(body.nodes[surface.nodes[nodes]], axis=0), axis=1) / 2.0
+    lengths[nodes[:-1]] += apart
+    lengths[nodes[1:]] += apart
     return lengths
 
 
@@ -305,7 +304,7 @@ def _pressures(forces: Floats, areas: Floats, whole_areas: Floats, least: float 
     """
     of_node = _groups(areas, least)
     if of_node[-1] + 1 < len(of_node):
-        one, two, three = (np.bincount(of_node, each).astype(np.float64) for each in (forces, areas, whole_areas))
+        one, two, three = (np.bincount(of_node, weights).astype(np.float64) for weights in (forces, areas, whole_areas))
         return _pressures(one, two, three)[of_node]
     n = len(forces)
     slivers = areas < MIN_FACED_FRACTION * whole_areas
@@ -335,15 +334,15 @@ def _groups(areas: Floats, least: float) -> Ints:
 
 def _directions(pairs: Constraints) -> Floats:
     """Resultant on the secondary side of a unit force of each constraint, shape (m, 2)."""
-    found = []
+    of_parts = []
     for part in pairs.parts:
         directions = np.zeros((len(part.keys), 2))
         np.add.at(directions, part.rows, part.gradients[:, :, : part.secondary_members.shape[1]].sum(axis=2))
-        found.append(directions)
-    return np.concatenate(found)
+        of_parts.append(directions)
+    return np.concatenate(of_parts)
 
 
-def _reaches_end(members: NDArray[np.int64], n_all: int) -> bool:
+def _reaches_end(members: Ints, n_all: int) -> bool:
     return bool(members.min() == 0 or members.max() == n_all - 1)
 
 
@@ -405,9 +404,9 @@ def check_contact(
     for number, ((contact, pairs, _, forces), name) in enumerate(zip(solved, names, strict=True)):
         if forces.min(initial=0.0) < -MAX_PULL * np.abs(forces).max(initial=0.0):
             errors.append(sentence("{} pulls with {:.3g N} at a node, which contact cannot", name, -forces.min()))
-        mine = [patch for patch in patches if patch.contact == number]
+        own_patches = [patch for patch in patches if patch.contact == number]
         depth = float(-pairs.gaps[forces > 0.0].min(initial=0.0))
-        sinking = max((_sinking(contact, patch) for patch in mine), default=np.inf)
+        sinking = max((_sinking(contact, patch) for patch in own_patches), default=np.inf)
         if depth > SMALL_PENETRATION * sinking:
             too_soft = sentence(
                 "the penetration of {}, {:.1e mm}, is {:.0f} % of what the surfaces sink; {}",
@@ -444,7 +443,7 @@ def check_contact(
                     finer,
                 )
             )
-        for patch in mine:
+        for patch in own_patches:
             warnings += roughness(patch.n_segments, patch.oscillation, name, finer)
     return ContactChecks(tuple(errors), tuple(warnings))
 
@@ -472,12 +471,12 @@ def roughness(n_segments: float, oscillation: float, name: str, finer: str) -> l
     return [f"the pressure of {name} {remark} from node to node; {finer}"]
 
 
-def _facet_depth(contact: Contact, pairs: Constraints, loaded: NDArray[np.int64]) -> float:
+def _facet_depth(contact: Contact, pairs: Constraints, loaded: Ints) -> float:
     """Sum of the maximum distances of both sides' edges in contact from the curves they approximate."""
     secondary = np.isin(contact.secondary.edge_places, pairs.nodes[loaded]).any(axis=1)
     primary = pairs.primary_edges[np.isin(pairs.rows, loaded).any(axis=1)]
     depths = contact.secondary.facet_depth[secondary], contact.primary.facet_depth[primary]
-    return sum(float(each.max(initial=0.0)) for each in depths)
+    return sum(float(depths_of_side.max(initial=0.0)) for depths_of_side in depths)
 
 
 def _sinking(contact: Contact, patch: PressurePatch) -> float:
@@ -486,18 +485,18 @@ def _sinking(contact: Contact, patch: PressurePatch) -> float:
     return float(patch.pressures.max()) * patch.half_width * softness
 
 
-def _cut(contact: Contact, pairs: Constraints, loaded: NDArray[np.int64]) -> list[Surface]:
+def _cut(contact: Contact, pairs: Constraints, loaded: Ints) -> list[Surface]:
     nodes, edges = pairs.nodes[loaded], pairs.primary_edges[np.isin(pairs.rows, loaded).any(axis=1)]
     ends = {
         contact.secondary: (nodes.min() == 0, nodes.max() == len(contact.secondary.nodes) - 1),
         contact.primary: (edges.min() == 0, edges.max() == len(contact.primary.edges) - 1),
     }
-    found = []
+    surfaces = []
     for surface, reached in ends.items():
         first, last = reached[::-1] if surface.part.placement.mirrored else reached
         if (first and _goes_on(surface, forwards=False)) or (last and _goes_on(surface, forwards=True)):
-            found.append(surface)
-    return found
+            surfaces.append(surface)
+    return surfaces
 
 
 def _goes_on(surface: Surface, *, forwards: bool) -> bool:

@@ -58,10 +58,10 @@ def _add_rows(solution: ElasticitySolution, forces: Floats, moments: Floats) -> 
         resultant = np.einsum("nij,ni->j", handle.arms, solution.nodal_reactions[handle.nodes])
         on_groups[number] = resultant - np.array([*handle.support.force, handle.support.moment])
         points[(rows.nodes < 0) & (rows.groups == number)] = handle.pivot
-    groups, place, scaled, products = rows.products(problem.size)
+    groups, group_rows, scaled, products = rows.products(problem.size)
     inverse = np.linalg.pinv(products, rcond=RANK, hermitian=True)
     strain = np.einsum("gij,gj->gi", inverse, on_groups[groups] / scale)
-    parts = np.einsum("ni,ni->n", scaled, strain[place])[:, None] * rows.directions
+    parts = np.einsum("ni,ni->n", scaled, strain[group_rows])[:, None] * rows.directions
     turning = np.where(rows.nodes < 0, parts[:, 2], 0.0)  # of a node its arm from the pivot is not a support's own
     own = rows.supports >= 0  # the axis of revolution carries its own
     np.add.at(forces, rows.supports[own], parts[own, :2])
@@ -90,7 +90,7 @@ def relative_nodal_residual(field: ElasticField, forces: Floats, held: Bools) ->
     - `held`: which components of which nodes a support holds, shape (n_nodes, 2).
     """
     internal, left = _internal_and_left(field, forces)
-    reference = max(float(np.abs(each).max(initial=0.0)) for each in (left, forces, internal))
+    reference = max(float(np.abs(array).max(initial=0.0)) for array in (left, forces, internal))
     for spring in field.problem.springs:
         at_nodes = field.displacements[: len(forces)].ravel()
         left[: len(forces)] += (field.problem.spring_stiffness(spring) @ at_nodes).reshape(-1, 2)

@@ -24,7 +24,7 @@ from flangeway.types import Floats, Ints
 # --- Superconvergent patch recovery of stresses, and the error that it estimates.
 
 
-SMALLEST_SINGULAR = 1e-11
+MIN_SINGULAR_VALUE = 1e-11
 """Eigenvalue of a patch's normal equations, over the maximum, below which a polynomial is not seen by its cells."""
 
 
@@ -79,19 +79,19 @@ class RecoveredStresses(Result):
         mesh = self.solution.space.mesh
         components = np.empty((len(mesh.cell_points), 4))
         for batch in self.solution.space.batches():
-            places = mesh.batch_places(len(batch.vertices), batch.cells)
-            components[places] = self._at(batch.cells, batch.vertices).transpose(2, 1, 0)
+            entries = mesh.batch_places(len(batch.vertices), batch.cells)
+            components[entries] = self._at(batch.cells, batch.vertices).transpose(2, 1, 0)
         return Stresses(components)
 
     def at(self, points: Floats) -> Stresses:
         """Recovered stresses at points (n, 2), each of the cell that it lies in; not-a-number outside of the body."""
         mesh = self.solution.space.mesh
         cells = locate(mesh, points)
-        found = np.full((len(points), 4), np.nan)
+        stresses = np.full((len(points), 4), np.nan)
         inside = cells != OUTSIDE
         polynomials = self._at(cells[inside], points[inside].T[None])
-        found[inside] = polynomials[:, 0].T
-        return Stresses(found)
+        stresses[inside] = polynomials[:, 0].T
+        return Stresses(stresses)
 
     @property
     def nodal(self) -> Stresses:
@@ -205,7 +205,7 @@ def _patches(problem: Elasticity, n_wanted: int, n_each: int) -> sp.csr_array:
 def _solved(normal: Floats, rhs: Floats) -> Floats:
     """Least-squares solutions (n_cells, n, 4); what a patch does not see is left zero."""
     values, vectors = np.linalg.eigh(normal)
-    seen = values > SMALLEST_SINGULAR * values[:, -1:]
+    seen = values > MIN_SINGULAR_VALUE * values[:, -1:]
     inverse = np.where(seen, 1.0 / np.where(seen, values, 1.0), 0.0)
     return (vectors * inverse[:, None]) @ (vectors.swapaxes(1, 2) @ rhs)
 
@@ -248,7 +248,7 @@ class AdaptiveRun(Result, Generic[Solution]):
     @property
     def table(self) -> ResultTable:
         """Cells and estimated errors of its meshes."""
-        cells, errors = [each.mesh.n_cells for each in self.steps], [each.error for each in self.steps]
+        cells, errors = [step.mesh.n_cells for step in self.steps], [step.error for step in self.steps]
         return ResultTable({"cells": cells, "estimated_error": errors})
 
     @property

@@ -94,9 +94,9 @@ def corner_values(space: Space, polynomials: Polynomials, n_components: int) -> 
     for batch in space.batches():
         reconstruction, coefficients = polynomials(batch)
         basis = monomials.evaluate(reconstruction.order, reconstruction.frame.local(batch.vertices))
-        places = space.mesh.batch_places(len(batch.vertices), batch.cells)
+        entries = space.mesh.batch_places(len(batch.vertices), batch.cells)
         # v_evs = sum over monomials a of c_sae m_ave at the vertices v of the cells e
-        values[places] = np.einsum("sae,ave->evs", coefficients, basis[: coefficients.shape[1]])
+        values[entries] = np.einsum("sae,ave->evs", coefficients, basis[: coefficients.shape[1]])
     return values
 
 
@@ -153,7 +153,8 @@ def _cell_means(space: Space, polynomials: Polynomials, n_components: int) -> Fl
 # --- Cells of points, fields at points, stresses along lines and forces through cuts, from the cells' reconstructions.
 
 
-NEAR = 1e-9  # distance from the boundary, over the size of the mesh, within which a point still belongs to the mesh
+BOUNDARY_TOLERANCE = 1e-9
+"""Distance from the boundary, over the size of the mesh, within which a point still belongs to the mesh."""
 OUTSIDE = -1
 PIECES = 32  # of a curved edge as a polyline
 
@@ -249,8 +250,8 @@ def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutFo
         raise _no_body("a cut", start, end)
     shares = np.diff(breaks)[inside]
     abscissae, weights = gauss(solution.space.order // 2 + 1)
-    places = breaks[:-1][inside, None] + shares[:, None] * abscissae
-    points = (first + places[..., None] * along).reshape(-1, 2)
+    parameters = breaks[:-1][inside, None] + shares[:, None] * abscissae
+    points = (first + parameters[..., None] * along).reshape(-1, 2)
     at_cells = np.repeat(cells[inside], len(abscissae))
     xx, yy, xy, _ = polynomials_at(solution.space, points, at_cells, stress_polynomials(solution), 4).T
     normal = np.array([along[1], -along[0]]) / length
@@ -326,18 +327,18 @@ def stress_polynomials(solution: ElasticField) -> Polynomials:
 def polynomials_at(space: Space, points: Floats, cells: Ints, polynomials: Polynomials, n_components: int) -> Floats:
     """Values (n, n_components) of polynomials at points (n, 2) of cells (n,)."""
     values = np.empty((len(points), n_components))
-    place = np.full(space.mesh.n_cells, -1, dtype=np.int64)
+    row_of_cell = np.full(space.mesh.n_cells, -1, dtype=np.int64)
     for batch in space.batches():
-        place[batch.cells] = np.arange(len(batch.cells))
-        here = np.flatnonzero(place[cells] >= 0)
+        row_of_cell[batch.cells] = np.arange(len(batch.cells))
+        here = np.flatnonzero(row_of_cell[cells] >= 0)
         if len(here):
-            used, columns = np.unique(place[cells[here]], return_inverse=True)
+            used, columns = np.unique(row_of_cell[cells[here]], return_inverse=True)
             reconstruction, coefficients = polynomials(batch.part(used))
             frame = Frame(reconstruction.frame.origin[:, columns], reconstruction.frame.map[:, :, columns])
             monomial = monomials.evaluate(reconstruction.order, frame.local(points[here].T))
             chosen = coefficients[:, :, columns]
             values[here] = np.einsum("cae,ae->ec", chosen, monomial[: chosen.shape[1]])
-        place[batch.cells] = -1
+        row_of_cell[batch.cells] = -1
     return values
 
 
@@ -352,14 +353,14 @@ def locate(mesh: PolyMesh, points: ArrayLike) -> Ints:
     if given.ndim != 2 or given.shape[1:] != (2,) or not np.isfinite(given).all():
         raise InputError(f"points of shape {given.shape}", "finite numbers, shape (n, 2)", "give rows of x and y")
     cells = np.full(len(given), OUTSIDE, dtype=np.int64)
-    near = NEAR * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    near = BOUNDARY_TOLERANCE * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     if mesh.curves is not None:
         depths = mesh.points[mesh.curves.pairs].mean(axis=1) - mesh.curves.points([0.5])[:, 0]
         near = max(near, 2.0 * float(norms(depths).max()) / PIECES**2)
         mesh = as_polylines(mesh, PIECES)
-    tree, places = mesh.cell_tree, shapely.points(given)
-    which, candidates = tree.query(places, predicate="dwithin", distance=near)
+    tree, at = mesh.cell_tree, shapely.points(given)
+    which, candidates = tree.query(at, predicate="dwithin", distance=near)
     # the last that is written stays: the nearest cell, of several that hold the point the one of the highest number
-    order = np.lexsort((candidates, -shapely.distance(tree.geometries[candidates], places[which])))
+    order = np.lexsort((candidates, -shapely.distance(tree.geometries[candidates], at[which])))
     cells[which[order]] = candidates[order]
     return cells

@@ -24,7 +24,7 @@ from flangeway.types import Bools, Floats, Indices
 
 Components = Literal["x", "y", "xy"]
 
-SPRING_HOLDS = 1e-12
+MIN_SPRING_STIFFNESS = 1e-12
 """Stiffness of the springs against a rigid motion, over the maximum, below which they leave it free."""
 
 
@@ -73,8 +73,10 @@ class Body(LinearBody):
     def __post_init__(self) -> None:
         check_positive("Body", "thickness", self.thickness, "a positive length", "take 1 for forces per length")
         self._check_held()
-        for each in self.material.values() if isinstance(self.material, Mapping) else (self.material,):
-            check_kind("Body", "material", each, Material, "a material, or one by each cell set", "write Elastic(...)")
+        for material in self.material.values() if isinstance(self.material, Mapping) else (self.material,):
+            check_kind(
+                "Body", "material", material, Material, "a material, or one by each cell set", "write Elastic(...)"
+            )
         if not are_all(self.springs, Spring):
             raise InputError(
                 f"Body {self.name!r} springs={short(self.springs)}", "a list of Spring(...)", "make each one"
@@ -147,7 +149,7 @@ class Body(LinearBody):
     def softness(self) -> float:
         """See `LinearBody.softness`."""
         compliances = [np.linalg.inv(material.matrix[:3, :3]).diagonal() for material in self.elasticity.materials]
-        return max(float(each[:2].max()) for each in compliances)
+        return max(float(compliance[:2].max()) for compliance in compliances)
 
     @property
     def hypothesis(self) -> str | None:
@@ -223,7 +225,7 @@ class Body(LinearBody):
         held = motions[self.supported] if not self.axisymmetric else np.eye(3)[[0, 2]]
         free = [axis for axis, motion in zip("xy", np.eye(3)[:2], strict=True) if not np.any(held @ motion)]
         energies, directions = np.linalg.eigh(resisted + unit * held.T @ held)
-        loose = directions[:, energies <= SPRING_HOLDS * unit]
+        loose = directions[:, energies <= MIN_SPRING_STIFFNESS * unit]
         axes = "".join(axis for axis in free if np.allclose(np.abs(loose[["x", "y"].index(axis)]).sum(), 1.0))
         if loose.shape[1] > 1 or len(axes) < loose.shape[1]:
             raise InputError(
@@ -241,7 +243,7 @@ class Body(LinearBody):
     def _springs(self) -> sp.csc_array:
         """Stiffness of the springs on the displacements at nodes."""
         none = sp.csc_array((2 * self.space.n_nodes, 2 * self.space.n_nodes))
-        return sum((self.elasticity.spring_stiffness(each) for each in self.springs), none)
+        return sum((self.elasticity.spring_stiffness(spring) for spring in self.springs), none)
 
     @cached_property
     def condensed(self) -> CondensedMatrix:

@@ -117,7 +117,7 @@ def mean_and_rotation(rule: EdgeQuadrature) -> tuple[Ints, Floats, float]:
     arms = x - float((rule.weights * x).sum()) / length
     weights = np.stack((rule.weights / length, rule.weights * arms / (rule.weights * arms**2).sum()))
     nodes, numbers = np.unique(rule.nodes, return_inverse=True)
-    on_nodes = [np.bincount(numbers.ravel(), (each @ rule.shapes).ravel()) for each in weights]
+    on_nodes = [np.bincount(numbers.ravel(), (weight @ rule.shapes).ravel()) for weight in weights]
     shares = np.array(on_nodes, dtype=np.float64)
     return nodes.astype(np.int64), shares, length
 
@@ -163,9 +163,9 @@ class Harmonic:
                 "space, material and loads",
                 "give supports as held=... and foundations=..., forces per length",
             )
-        for name in [load.edges for load in self.longitudinal] + [each.edges for each in self.foundations]:
+        for name in [load.edges for load in self.longitudinal] + [foundation.edges for foundation in self.foundations]:
             problem.space.mesh.edge_set(name)
-        if problem.axisymmetric and any(each.roll is not None for each in self.foundations):
+        if problem.axisymmetric and any(foundation.roll is not None for foundation in self.foundations):
             raise InputError("a foundation with roll in a body of revolution", "one of a prism", "leave roll out")
         for where, components in (self.held or {}).items():
             if not components or set(components) - set("xyz"):

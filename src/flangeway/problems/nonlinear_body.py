@@ -119,7 +119,7 @@ class NonlinearBody:
 
     def __init__(self, problem: Elasticity, material: MaterialByCells) -> None:
         self.materials = list(material.values()) if isinstance(material, Mapping) else [material]
-        if not all(isinstance(each, NonlinearMaterial) for each in self.materials):
+        if not all(isinstance(material, NonlinearMaterial) for material in self.materials):
             raise InputError(f"the material {short(material)}", "a NonlinearMaterial", "make a J2Plasticity, ...")
         if problem.materials[0].hypothesis != "plane_strain" or problem.thermal_loads:
             raise InputError(
@@ -128,10 +128,12 @@ class NonlinearBody:
                 "make the Elasticity problem with the elasticity of the material",
             )
         mesh = problem.space.mesh
-        elastic = {name: each.elastic for name, each in material.items()} if isinstance(material, Mapping) else None
+        elastic = (
+            {name: nonlinear.elastic for name, nonlinear in material.items()} if isinstance(material, Mapping) else None
+        )
         self.problem = replace(problem, material=elastic or self.materials[0].elastic)
         numbers = set_numbers(mesh, material, "material") if isinstance(material, Mapping) else np.zeros(mesh.n_cells)
-        self.n_history = max(each.n_history for each in self.materials)
+        self.n_history = max(material.n_history for material in self.materials)
         self._points = [self._batch_points(batch, numbers.astype(int)) for batch in problem.space.batches()]
 
     @staticmethod
@@ -151,13 +153,13 @@ class NonlinearBody:
     @property
     def points(self) -> Floats:
         """Points of quadrature, (n_points, 2), batch by batch."""
-        return np.concatenate([each.at.swapaxes(1, 2).reshape(-1, 2) for each in self._points])
+        return np.concatenate([part.at.swapaxes(1, 2).reshape(-1, 2) for part in self._points])
 
     def start(self) -> MaterialState:
         """The undeformed body."""
         rest = np.zeros((self.problem.space.n_dofs, 2))
-        history = [np.zeros((each.weights.size, self.n_history)) for each in self._points]
-        missed = [np.zeros((*each.batch.dofs.shape, 2)).swapaxes(1, 2) for each in self._points]
+        history = [np.zeros((part.weights.size, self.n_history)) for part in self._points]
+        missed = [np.zeros((*part.batch.dofs.shape, 2)).swapaxes(1, 2) for part in self._points]
         state = MaterialState(rest, history, [None] * len(history), missed)
         return self._stabilised(state)
 
@@ -236,8 +238,10 @@ class NonlinearBody:
     def stresses(self, before: MaterialState, displacements: Floats) -> tuple[Floats, Floats]:
         """Stress (n_points, 2, 2) and history (n_points, n_history) at `points`, after a step from a state."""
         pairs = zip(self._points, before.history, strict=True)
-        found = [self._response(part, displacements, history) for part, history in pairs]
-        return np.concatenate([each[0] for each in found]), np.concatenate([each[2] for each in found])
+        responses = [self._response(part, displacements, history) for part, history in pairs]
+        return np.concatenate([response[0] for response in responses]), np.concatenate(
+            [response[2] for response in responses]
+        )
 
 
 def scaled(support: Support, motion: float, force: float) -> Support:

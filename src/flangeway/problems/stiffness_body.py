@@ -282,10 +282,10 @@ def _far_from(nodes: Floats, missing: Bools) -> Bools:
 # --- A linear body of a stiffness matrix that another program has assembled.
 
 
-SYMMETRIC = 1e-9
+MAX_ASYMMETRY = 1e-9
 """Difference of two entries across the diagonal, over the maximum entry, that rounding explains."""
 
-NEAR = 3.0
+MAX_EDGE_DISTANCE = 3.0
 """Distance of a node from an edge, over its length, within which it shows the side of the body."""
 
 
@@ -412,24 +412,24 @@ class StiffnessBody(LinearBody):
                 f"{2 * len(nodes)} rows, two a node",
                 "give rows=..., those of each node's components (n_nodes, 2), -1 where one is held",
             )
-        places = np.arange(n).reshape(-1, 2) if given is None else np.asarray(given)
-        used = places[places >= 0] if places.dtype.kind in "iu" else np.empty(0, dtype=np.int64)
-        if places.dtype.kind not in "iu" or places.shape != nodes.shape or places.max(initial=-1) >= n:
+        dofs = np.arange(n).reshape(-1, 2) if given is None else np.asarray(given)
+        used = dofs[dofs >= 0] if dofs.dtype.kind in "iu" else np.empty(0, dtype=np.int64)
+        if dofs.dtype.kind not in "iu" or dofs.shape != nodes.shape or dofs.max(initial=-1) >= n:
             raise InputError(
-                f"{self._owner} with rows of shape {places.shape}, up to {short(places.max(initial=-1))}",
+                f"{self._owner} with rows of shape {dofs.shape}, up to {short(dofs.max(initial=-1))}",
                 f"numbers of rows below {n}, or -1, shape {nodes.shape}",
                 "correct the numbers",
             )
         rows, counts = np.unique(used, return_counts=True)
         if (counts > 1).any():
             row = rows[counts.argmax()]
-            first, second = np.argwhere(places == row)[:2, 0]
+            first, second = np.argwhere(dofs == row)[:2, 0]
             raise InputError(
                 f"{self._owner} with row {row} for node {first} and node {second}", "a row a component", "correct one"
             )
         inner = np.setdiff1d(np.arange(n), rows)
         inner = np.append(inner, np.full(len(inner) % 2, -1)).reshape(-1, 2)
-        return np.concatenate((places, inner)).astype(np.int64)
+        return np.concatenate((dofs, inner)).astype(np.int64)
 
     @cached_property
     def free(self) -> Bools:
@@ -442,8 +442,8 @@ class StiffnessBody(LinearBody):
                 f"numbers of rows from 0 to {n - 1}",
                 "correct them; of a mask take np.flatnonzero(mask)",
             )
-        places = self._places.ravel()
-        return (places >= 0) & ~np.isin(places, held)
+        dofs = self._places.ravel()
+        return (dofs >= 0) & ~np.isin(dofs, held)
 
     @cached_property
     def stiffness(self) -> SymmetricMatrix:
@@ -505,7 +505,7 @@ class StiffnessBody(LinearBody):
 
     def edge_nodes(self, pairs: Indices) -> IntArray:
         """See `LinearBody.edge_nodes`."""
-        found, known = edge_places(pairs, self.boundary_edges, len(self.nodes))
+        rows, known = edge_places(pairs, self.boundary_edges, len(self.nodes))
         if not known.all():
             a, b = pairs[known.argmin()]
             raise InputError(
@@ -513,7 +513,7 @@ class StiffnessBody(LinearBody):
                 f"an edge of one of its surfaces: {', '.join(self.surfaces)}",
                 "take body.edge_sets[name], or rows of it",
             )
-        return _directed(self._edges, pairs, found)
+        return _directed(self._edges, pairs, rows)
 
     @cached_property
     def _chains(self) -> dict[str, IntArray]:
@@ -592,8 +592,8 @@ class StiffnessBody(LinearBody):
             )
         apart = sp.coo_array(matrix - matrix.T)
         most = float(np.abs(matrix.data).max(initial=0.0))
-        if np.abs(apart.data).max(initial=0.0) > SYMMETRIC * most:
-            i, j = (int(each[np.abs(apart.data).argmax()]) for each in apart.coords)
+        if np.abs(apart.data).max(initial=0.0) > MAX_ASYMMETRY * most:
+            i, j = (int(indices[np.abs(apart.data).argmax()]) for indices in apart.coords)
             raise InputError(
                 f"{self._owner}: K[{i}, {j}] is {matrix[i, j]:.6g} and K[{j}, {i}] is {matrix[j, i]:.6g}",
                 "a symmetric matrix: each work of a force on another's displacement is mutual",
@@ -615,8 +615,8 @@ class StiffnessBody(LinearBody):
             )
 
     def _check_rigid_motions(self) -> None:
-        places = self._places[: len(self.nodes)]
-        wrong = wrong_rows(self._matrix, self.nodes, places, axisymmetric=self.axisymmetric)
+        dofs = self._places[: len(self.nodes)]
+        wrong = wrong_rows(self._matrix, self.nodes, dofs, axisymmetric=self.axisymmetric)
         if wrong > MAX_WRONG:
             raise InputError(
                 f"{self._owner}: a rigid motion of the body makes forces on {100.0 * wrong:.0f} % of the nodes",
@@ -639,11 +639,11 @@ class StiffnessBody(LinearBody):
     def _check_surface(self, name: str) -> None:
         edges = self._chains[name]
         pairs = np.stack((edges[:, :-1], edges[:, 1:]), axis=2).reshape(-1, 2)
-        found = meeting(self.nodes, pairs)
-        if len(found.crossing) or len(found.on):
-            a, b = pairs[found.crossing[0] if len(found.crossing) else [found.on[0], found.of[0]]]
+        touching = meeting(self.nodes, pairs)
+        if len(touching.crossing) or len(touching.on):
+            a, b = pairs[touching.crossing[0] if len(touching.crossing) else [touching.on[0], touching.of[0]]]
             raise InputError(
-                f"{self._owner}: surface {name!r} {'crosses' if len(found.crossing) else 'touches'} itself with the "
+                f"{self._owner}: surface {name!r} {'crosses' if len(touching.crossing) else 'touches'} itself with the "
                 f"edges ({a[0]}, {a[1]}) and ({b[0]}, {b[1]}) near {point_text(self.nodes[a[0]])}",
                 "a line along the boundary that passes each place once",
                 "put its nodes in their order along the boundary",
@@ -661,7 +661,7 @@ class StiffnessBody(LinearBody):
         starts, chords = self.nodes[edges[:, 0]], self.nodes[edges[:, -1]] - self.nodes[edges[:, 0]]
         if len(inner):
             apart, near = cKDTree(self.nodes[inner]).query(starts + chords / 2.0)
-            close = apart <= NEAR * np.linalg.norm(chords, axis=1)
+            close = apart <= MAX_EDGE_DISTANCE * np.linalg.norm(chords, axis=1)
             votes = float(np.sign(cross_product(chords, self.nodes[inner[near]] - starts))[close].sum())
             if votes != 0.0:
                 return votes

@@ -51,8 +51,8 @@ def boundary_of(space: Space) -> SectionBoundary:
     labels = np.unique(first_connected(pairs, mesh.n_points)[pairs[:, 0]], return_inverse=True)[1]
     rule = edge_quadrature(space, pairs, space.order)
     # half the integral of the position times the normal along the edges, polynomials of their order
-    places = rule.points - mesh.points.mean(axis=0)
-    areas = np.bincount(labels, np.einsum("eq,eqi,eqi->e", rule.weights, places, rule.normals)) / 2.0
+    offsets = rule.points - mesh.points.mean(axis=0)
+    areas = np.bincount(labels, np.einsum("eq,eqi,eqi->e", rule.weights, offsets, rule.normals)) / 2.0
     holes = np.flatnonzero(areas <= 0.0)
     hole_areas = -areas[holes]
     hole_areas.setflags(write=False)

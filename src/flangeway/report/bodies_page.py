@@ -164,8 +164,8 @@ def _facts(run: BodiesRun) -> list[tuple[str, str]]:
     owners = [body.field.problem.name if len(bodies) > 1 else "" for body in bodies]
     extremes = []
     for quantity in (MAX_DISPLACEMENT, MAX_VON_MISES):
-        place = max(range(len(bodies)), key=lambda number, of=quantity: of.value(bodies[number]))  # type: ignore[misc]
-        extremes.append(fact(quantity, bodies[place], units, owners[place]))
+        body_of_maximum = max(range(len(bodies)), key=lambda number, of=quantity: of.value(bodies[number]))  # type: ignore[misc]
+        extremes.append(fact(quantity, bodies[body_of_maximum], units, owners[body_of_maximum]))
     return [*facts[:MAX_FACTS], *extremes]
 
 
@@ -196,27 +196,28 @@ def _assumptions(run: BodiesRun) -> list[str]:
     thicknesses = sorted({problem.thickness for problem in problems})
     sentences = [
         *(HYPOTHESES[name] for name in dict.fromkeys(material.hypothesis for material in materials)),
-        f"Thickness {', '.join(measured(each, 'mm', units) for each in thicknesses)}: forces refer to this length out "
-        "of the plane.",
+        f"Thickness {', '.join(measured(thickness, 'mm', units) for thickness in thicknesses)}: forces refer to this "
+        "length out of the plane.",
         *(
-            f"Linear elastic, isotropic: Young's modulus {measured(each.young, 'MPa', units, '.6g')}, Poisson's ratio "
-            f"{each.poisson:g}; no "
+            f"Linear elastic, isotropic: Young's modulus {measured(material.young, 'MPa', units, '.6g')}, "
+            f"Poisson's ratio {material.poisson:g}; no "
             "yielding, however high the stress."
-            for each in materials
-            if isinstance(each, Elastic)
+            for material in materials
+            if isinstance(material, Elastic)
         ),
         "Small strains. Stresses at re-entrant corners and under point forces are singular: they grow with refinement.",
     ]
     if run.contact is None:
         return sentences
     pairs = "; ".join(
-        f"{each.primary.part.name} is the primary surface for {each.secondary.part.name}"
-        for each in run.contact.system.contacts
+        f"{contact.primary.part.name} is the primary surface for {contact.secondary.part.name}"
+        for contact in run.contact.system.contacts
     )
-    coefficients = {each.friction_coefficient for each in run.contact.system.contacts}
+    coefficients = {contact.friction_coefficient for contact in run.contact.system.contacts}
     law = "Frictionless contact."
     if any(coefficients):
-        law = f"Coulomb's friction, coefficient {' and '.join(f'{each:g}' for each in sorted(coefficients))}."
+        values = " and ".join(f"{coefficient:g}" for coefficient in sorted(coefficients))
+        law = f"Coulomb's friction, coefficient {values}."
     return [*sentences, law, f"Contact pairs: {pairs}."]
 
 

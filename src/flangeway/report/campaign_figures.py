@@ -27,7 +27,7 @@ from flangeway.report.figures.drawing import (
 )
 from flangeway.report.page.record import Figures
 from flangeway.results import Units
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
 
 LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES = (
     *("contact-locus.png", "max-pressure-map.png", "max-pressure.png", "lateral-over-vertical.png", "forces.png"),
@@ -51,12 +51,12 @@ MIN_POINT, MAX_POINT = 3.0, 40.0
 
 def numeric_keys(table: CampaignTable) -> list[str]:
     """Inputs that are numbers and vary, in their order."""
-    found = []
+    keys = []
     for key in table.keys:
         values = {value for value in table.rows[key] if value is not None}
         if len(values) > 1 and not any(isinstance(value, str) for value in values):
-            found.append(key)
-    return found
+            keys.append(key)
+    return keys
 
 
 def campaign_figures(table: CampaignTable, units: Units = "metric") -> Figures:
@@ -97,10 +97,10 @@ def locus_figure(table: CampaignTable, key: str, units: Units = "metric") -> Fig
 def pressure_map(table: CampaignTable, first: str, second: str, units: Units = "metric") -> Figure:
     """Draw the maximum pressure over two inputs; the maximum over all other inputs."""
     figure, (both,) = panels(9.4, 4.2, 1, 2, units, sharey=True)
-    places, groups = np.unique(
+    points, groups = np.unique(
         np.column_stack((table.numbers(first), table.numbers(second))), axis=0, return_inverse=True
     )
-    pressures = {side: np.full(len(places), np.nan) for side in SIDES}
+    pressures = {side: np.full(len(points), np.nan) for side in SIDES}
     for side, highest in pressures.items():
         np.fmax.at(highest, groups.ravel(), table.numbers(f"{side}_max_pressure_MPa"))
     every = np.concatenate(list(pressures.values()))
@@ -108,12 +108,12 @@ def pressure_map(table: CampaignTable, first: str, second: str, units: Units = "
     for panel, side in zip(both, SIDES, strict=True):
         panel.grid(visible=False)
         values = pressures[side]
-        drawn = _draw_map(panel, places, values, limits)
+        drawn = _draw_map(panel, points, values, limits)
         failed = ~np.isfinite(values)
         rough = np.unique(groups.ravel()[_remarked(table, f"{side}_max_pressure_MPa")])
         for chosen, marker, label in ((failed, "x", "no contact, or no result"), (rough, "+", ROUGH)):
-            if len(places[chosen]):
-                panel.plot(*places[chosen].T, marker, color=INK, ms=5, label=label, path_effects=[HALO])
+            if len(points[chosen]):
+                panel.plot(*points[chosen].T, marker, color=INK, ms=5, label=label, path_effects=[HALO])
         panel.set_title(f"{side} side", fontsize=9)
         name_axes(panel, named(first))
     name_axes(both[0], y=named(second))
@@ -123,14 +123,14 @@ def pressure_map(table: CampaignTable, first: str, second: str, units: Units = "
     return figure
 
 
-def _draw_map(axes: Axes, places: Floats, values: Floats, limits: tuple[float, float]) -> mpl.cm.ScalarMappable:
-    """Colour the cells of a full grid, or scattered places."""
-    x, y = (np.unique(along) for along in places.T)
+def _draw_map(axes: Axes, points: Floats, values: Floats, limits: tuple[float, float]) -> mpl.cm.ScalarMappable:
+    """Colour the cells of a full grid, or scattered points."""
+    x, y = (np.unique(along) for along in points.T)
     style: Style = {"cmap": COLOURS, "vmin": limits[0], "vmax": limits[1]}
-    if len(x) * len(y) == len(values):  # places are sorted by the first, then the second
+    if len(x) * len(y) == len(values):  # points are sorted by the first, then the second
         field = np.ma.masked_invalid(values.reshape(len(x), len(y)).T)
         return axes.pcolormesh(x, y, field, shading="nearest", **style)
-    return axes.scatter(places[:, 0], places[:, 1], c=values, **style)
+    return axes.scatter(points[:, 0], points[:, 1], c=values, **style)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,10 +152,10 @@ def _series(table: CampaignTable, x: str) -> Iterator[_Series]:
     for number in range(len(along)):
         groups.setdefault(tuple(table.rows[key][number] for key in others), []).append(number)
     few = 1 < len(groups) <= MAX_LABELLED
-    for place, (values, members) in enumerate(groups.items()):
+    for index, (values, members) in enumerate(groups.items()):
         rows = np.array(members)
         label = ", ".join(map(_valued, others, values)) if few else None
-        yield _Series(label, place / max(len(groups) - 1, 1), rows[np.argsort(along[rows], kind="stable")])
+        yield _Series(label, index / max(len(groups) - 1, 1), rows[np.argsort(along[rows], kind="stable")])
 
 
 def _valued(key: str, value: object) -> str:
@@ -163,7 +163,7 @@ def _valued(key: str, value: object) -> str:
     return f"{words} {value} {unit}".rstrip()
 
 
-def _remarked(table: CampaignTable, column: str) -> NDArray[np.bool_]:
+def _remarked(table: CampaignTable, column: str) -> Bools:
     """Rows whose value in a column is not reliable, shape (n_rows,)."""
     remarks = table.rows.get(f"{column.removesuffix('_MPa')}_remark", [None] * len(table.rows["row"]))
     return np.array([remark is not None for remark in remarks], dtype=np.bool_)

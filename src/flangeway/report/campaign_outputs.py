@@ -57,14 +57,14 @@ def campaign_record(
     - `seconds`: how long it took.
     """
     counts = {status: number for status, number in end.counts.items() if number}
-    failures = sorted(table.failures().items(), key=lambda each: -len(each[1]))
+    failures = sorted(table.failures().items(), key=lambda failure: -len(failure[1]))
     warned: dict[str, int] = {}
     for text in table.rows["warnings"]:
         for warning in json.loads(str(text or "[]")):
             warned[warning] = warned.get(warning, 0) + 1
     files = "every row is in `results.csv`, every contact in `patches.csv`, all of it in `campaign.sqlite`"
     ranges = _ranges(table)
-    shown = tuple(_shown_range(name, each, units) for name, each in ranges)
+    shown = tuple(_shown_range(name, values, units) for name, values in ranges)
     return Record(
         name=table.name,
         title=f"{table.name}: a campaign of {table.case}",
@@ -84,7 +84,9 @@ def campaign_record(
             "inputs": table.inputs,
             "failures": [{"status": s, "message": m, "rows": rows} for (s, m), rows in failures],
             "warnings": warned,
-            "ranges": {name: dict(zip(("minimum", "median", "maximum"), each, strict=True)) for name, each in ranges},
+            "ranges": {
+                name: dict(zip(("minimum", "median", "maximum"), values, strict=True)) for name, values in ranges
+            },
             "versions": versions(),
         },
         again=Again(command, files=f"A campaign goes on where it stopped; {files}."),
@@ -114,34 +116,34 @@ def _warnings(
 
     - `other`: sentences in the units of the record by the metric ones, where they are others.
     """
-    found = [
+    warnings = [
         f"{len(rows)} {status}: {other.get(message, message)}; rows {_numbers(rows)}"
         for (status, message), rows in failures[:MAX_REASONS]
     ]
     if len(failures) > MAX_REASONS:
-        found.append(f"{len(failures) - MAX_REASONS} other reasons: column message of results.csv")
+        warnings.append(f"{len(failures) - MAX_REASONS} other reasons: column message of results.csv")
     alike: dict[str, list[tuple[str, int]]] = {}  # warnings that differ in numbers only
     for text, n in warned.items():
         alike.setdefault(re.sub(NUMBER, "", text), []).append((text, n))
-    kinds = sorted(alike.values(), key=lambda each: -sum(n for _, n in each))
+    kinds = sorted(alike.values(), key=lambda rows_of_kind: -sum(n for _, n in rows_of_kind))
     for kind in kinds[:MAX_WARNINGS]:
-        n = sum(each for _, each in kind)
+        n = sum(count for _, count in kind)
         numbers = ", numbers of the first" * (len(kind) > 1)
-        found.append(f"in {n} row{'s' * (n != 1)}{numbers}: {other.get(kind[0][0], kind[0][0])}")
+        warnings.append(f"in {n} row{'s' * (n != 1)}{numbers}: {other.get(kind[0][0], kind[0][0])}")
     if len(kinds) > MAX_WARNINGS:
-        found.append(f"{len(kinds) - MAX_WARNINGS} others: column warnings of results.csv")
-    return found
+        warnings.append(f"{len(kinds) - MAX_WARNINGS} others: column warnings of results.csv")
+    return warnings
 
 
 def _ranges(table: CampaignTable) -> list[tuple[str, list[float]]]:
     """Name, and minimum, median and maximum, of every column of results that are numbers."""
-    found = []
+    ranges = []
     for name, values in table.rows.items():
         known = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
         if name in ("row", *table.keys) or not known or any(isinstance(value, str) for value in values):
             continue
-        found.append((name, [min(known), median(known), max(known)]))
-    return sorted(found, key=lambda row: next((i for i, end in enumerate(FIRST) if row[0].endswith(end)), len(FIRST)))
+        ranges.append((name, [min(known), median(known), max(known)]))
+    return sorted(ranges, key=lambda row: next((i for i, end in enumerate(FIRST) if row[0].endswith(end)), len(FIRST)))
 
 
 def _shown_range(key: str, values: list[float], units: Units) -> tuple[str, ...]:

@@ -100,10 +100,10 @@ def _results(table: CreepTable) -> SummaryTable:
     rows.append(("claimed error, % of the limit of friction", _percent(checks["claimed_error"])))
     kinds = ("at random points", "between_positions"), ("where patches jump", "where_patches_jump")
     for words, kind in (*kinds, ("between creepages", "between_creepages")):
-        found = checks[kind]
-        rows.append((f"error {words}: points", str(found["n"])))
+        check = checks[kind]
+        rows.append((f"error {words}: points", str(check["n"])))
         for name, key in (("maximum", "max"), ("root mean square", "rms")):
-            rows.append((f"  {name}, % of the limit of friction", _percent(found[key])))
+            rows.append((f"  {name}, % of the limit of friction", _percent(check[key])))
     return SummaryTable("Table and its errors beside exact solutions", ("", "value"), tuple(rows))
 
 
@@ -117,12 +117,12 @@ def forces_figure(table: CreepTable, units: Units = "metric") -> Figure:
     slip, spin, creep = table.creep_axes
     size = 100.0 * SATURATED * slip[:-1] / (1.0 - slip[:-1])  # of creepages in %, over those of linear theory's limit
     figure, (both,) = panels(9.0, 4.0, 1, 2, units, sharey=True)
-    places = np.unique(np.linspace(0, len(lateral) - 1, MAX_CURVES).round().astype(int))
-    for place, colour in zip(places.tolist(), sequence_colours(len(places)), strict=True):
-        right = place, len(yaw) // 2, len(load) // 2, 1
+    chosen = np.unique(np.linspace(0, len(lateral) - 1, MAX_CURVES).round().astype(int))
+    for index, colour in zip(chosen.tolist(), sequence_colours(len(chosen)), strict=True):
+        right = index, len(yaw) // 2, len(load) // 2, 1
         most = *right, int(table.values["normal_force_N"][right].argmax())
         normal, angle, stiffness, forces = (table.values[name][most] for name in DRAWN)
-        label = f"{measured(float(lateral[place]), 'mm', units)}, {np.rad2deg(angle):.1f}°"
+        label = f"{measured(float(lateral[index]), 'mm', units)}, {np.rad2deg(angle):.1f}°"
         for component, axes in enumerate(both):
             shares = within_cone(slip[:-1, None] * forces[:-1, len(spin) // 2, component * (len(creep) // 2)])
             creepages = size * FRICTION * normal / stiffness[component]

@@ -118,8 +118,8 @@ def row_quantities(keys: Iterable[str], distance: str) -> list[Quantity[Mapping[
 
 
 def _number(key: str, row: Mapping[str, float]) -> float | None:
-    found: float | None = plain_numbers(row.get(key))
-    return found
+    number: float | None = plain_numbers(row.get(key))
+    return number
 
 
 def _whose(evolution: Evolution, role: str, side: str) -> str:
@@ -128,14 +128,14 @@ def _whose(evolution: Evolution, role: str, side: str) -> str:
 
 def _assumptions(inputs: DamageInputs) -> list[str]:
     evolution, settings = inputs.evolution, inputs.evolution.settings
-    found = [sentence("Wear of the {}: {}.", role, law.name) for role, law in evolution.laws.items()]
+    assumptions = [sentence("Wear of the {}: {}.", role, law.name) for role, law in evolution.laws.items()]
     if inputs.collective:
-        found.insert(
+        assumptions.insert(
             0,
             f"The bundled collective {inputs.collective} is assumed: its shares, radii and speeds are no measurements.",
         )
     theories = {state.model.rolling.theory for state in evolution.collective.states if state.model.rolling}
-    found += [
+    assumptions += [
         f"Creep forces by the theory {', '.join(sorted(theories))}; T-gamma and wear depend on it.",
         "Each wheel wears alike around its circumference, each rail alike under all axles.",
         sentence(
@@ -148,15 +148,15 @@ def _assumptions(inputs: DamageInputs) -> list[str]:
         "T-gamma damage is that of the Whole Life Rail Model; steel does not yield in the contact.",
     ]
     if "fastsim" in theories:
-        found.append("FASTSIM takes a patch for one ellipse: wear jumps where a wide patch splits in two.")
+        assumptions.append("FASTSIM takes a patch for one ellipse: wear jumps where a wide patch splits in two.")
     if not evolution.collective.separate:
-        found.append("Wheels of both sides wear alike, and so do both rails: the mean of both sides.")
-    return found
+        assumptions.append("Wheels of both sides wear alike, and so do both rails: the mean of both sides.")
+    return assumptions
 
 
 def _states(steps: Sequence[EvolutionStep], units: Units) -> SummaryTable:
     """Maximum pressure and T-gamma of each state on new and worn profiles."""
-    quantities: list[Quantity[Any]] = [Quantity("state", "state", lambda both: both[0].name)]
+    quantities: list[Quantity[Any]] = [Quantity("state", "state", "0.name")]
     for number, word in enumerate(("new", "worn")):
         pressure = partial(_max_pressure, number)
         energy = partial(_t_gamma, number)
@@ -192,7 +192,9 @@ def numbers_over_distance(evolution: Evolution, steps: Sequence[EvolutionStep]) 
 
 def _files(steps: Sequence[EvolutionStep], rows: Sequence[dict[str, float]], units: Units) -> dict[str, Writer]:
     table = ResultTable({key: [float(row[key]) for row in rows] for key in rows[0]})
-    worn = {f"worn-{side}-{role}.csv": text_writer(each.csv()) for (role, side), each in steps[-1].surfaces.items()}
+    worn = {
+        f"worn-{side}-{role}.csv": text_writer(surface.csv()) for (role, side), surface in steps[-1].surfaces.items()
+    }
     return {STEPS_CSV: text_writer(table.in_units(units).csv(17)), **worn}
 
 
@@ -248,7 +250,7 @@ def strategies_record(
     records = {strategy: record for strategy, (_, record) in runs.items()}
     unit = next(iter(records.values())).summary["unit"]
     rows = [record.summary["steps"][-1] for record in records.values()]
-    steps = [{"strategy": each} | row for each, record in records.items() for row in record.summary["steps"]]
+    steps = [{"strategy": strategy} | row for strategy, record in records.items() for row in record.summary["steps"]]
     keys = dict.fromkeys(key for row in rows for key in row)
     return Record(
         name=name,
@@ -257,7 +259,7 @@ def strategies_record(
         converged=all(record.converged for record in records.values()),
         message=f"{len(runs)} strategies, {name} the file as it is",
         success="done",
-        given={each: ", ".join(inputs.changes) or "the file as it is" for each, inputs in strategies.items()},
+        given={strategy: ", ".join(inputs.changes) or "the file as it is" for strategy, inputs in strategies.items()},
         facts=[(record.facts[0][0], f"{strategy}, {record.facts[0][1]}") for strategy, record in records.items()],
         results=table_across("Strategies at their ends", records, rows, row_quantities(keys, unit), units=units),
         summary={
@@ -274,7 +276,11 @@ def strategies_record(
         warnings=[f"{strategy}: {text}" for strategy, record in records.items() for text in record.warnings],
         assumptions=_all_assumptions(records),
         pictures=[
-            Picture(PICTURE, lambda: _figure({each: steps for each, (steps, _) in runs.items()}, unit, units), CAPTION)
+            Picture(
+                PICTURE,
+                lambda: _figure({strategy: steps for strategy, (steps, _) in runs.items()}, unit, units),
+                CAPTION,
+            )
         ],
         files=lambda: {STEPS_CSV: text_writer(ResultTable.of_rows(steps).in_units(units).csv(17))},
     )

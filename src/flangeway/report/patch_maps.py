@@ -168,7 +168,7 @@ def strip_mesh(nodes: Floats, z: Floats) -> PolyMesh:
 
 def at_corners(cells: Mapping[str, Floats]) -> dict[str, Floats]:
     """Arrays of a mesh of quadrilaterals at the corners of its cells, from those of the cells (n, n_z, ...)."""
-    return {name: np.repeat(each.reshape(-1, *each.shape[2:]), 4, axis=0) for name, each in cells.items()}
+    return {name: np.repeat(values.reshape(-1, *values.shape[2:]), 4, axis=0) for name, values in cells.items()}
 
 
 # --- Patches that roll with friction from above: stick and slip with tractions, slip velocity, frictional power.
@@ -221,8 +221,8 @@ class ShownRolling:
     def box(self) -> Floats:
         """Corners (2, 2) of the cells under pressure, with a margin."""
         both = zip(self.edges, self.forces.contact.box, strict=True)
-        found = np.stack([np.sort(edges[[cells.start, cells.stop]]) for edges, cells in both], axis=1)
-        return framed(found, ROLLING_MARGIN)
+        corners = np.stack([np.sort(edges[[cells.start, cells.stop]]) for edges, cells in both], axis=1)
+        return framed(corners, ROLLING_MARGIN)
 
     @property
     def tractions(self) -> Floats:
@@ -238,20 +238,20 @@ def cell_fields(forces: Rolling | SimplifiedRolling, speed_m_s: float) -> dict[s
     rolls = forces.motion.rolls
     scale = speed_m_s / abs(forces.motion.speed) if rolls else 1.0
     slip, power = ("slip_velocity_m_s", "frictional_power_W_mm2") if rolls else ("slip_mm", "frictional_work_N_mm")
-    found = {
+    fields = {
         "traction_MPa": forces.tractions,
         slip: scale * forces.slip_velocities,
         power: scale * forces.power_density,
     }
     if forces.flash_temperatures is not None:
-        found["flash_temperature_K"] = forces.flash_temperatures
-    return found | {"stick_slip_state": forces.states.astype(np.float64)}
+        fields["flash_temperature_K"] = forces.flash_temperatures
+    return fields | {"stick_slip_state": forces.states.astype(np.float64)}
 
 
 def shown_fields(fields: Mapping[str, Floats]) -> tuple[list[ShownField], dict[str, Floats]]:
     """Fields of cells (n_cells, n_strips[, 3]) for the viewer, which shows vectors by their sizes, and their arrays."""
-    known = {name: each for name, each in fields.items() if name in FIELDS}
-    arrays = {name: np.linalg.norm(each, axis=2) if each.ndim > 2 else each for name, each in known.items()}
+    known = {name: values for name, values in fields.items() if name in FIELDS}
+    arrays = {name: np.linalg.norm(values, axis=2) if values.ndim > 2 else values for name, values in known.items()}
     return [ShownField(name, *FIELDS[name], "Contact", name, "value") for name in arrays], arrays
 
 
@@ -266,9 +266,11 @@ def rolling_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> 
     for row, shown, box in zip(rows, patches, boxes, strict=False):
         _draw_states(row[0], shown)
         arrays = cell_fields(shown.forces, shown.speed_m_s)
-        drawn, found = shown_fields({name: arrays[name] for name in arrays if name.startswith(("slip", "frictional"))})
+        drawn, frictional = shown_fields(
+            {name: arrays[name] for name in arrays if name.startswith(("slip", "frictional"))}
+        )
         for axes, field in zip(row[1:], drawn, strict=True):
-            _draw_values(axes, shown, found[field.array], field.name, field.unit)
+            _draw_values(axes, shown, frictional[field.array], field.name, field.unit)
         ends = box[:, 0].mean() + np.array([-0.5, 0.5]) * float(width.max())
         for axes in row:
             axes.set(xlim=ends, ylim=box[:, 1])
@@ -294,7 +296,7 @@ def _draw_states(axes: Axes, shown: ShownRolling) -> None:
     for ends, cells in zip(edges, shown.forces.contact.box, strict=True):
         step = max(round(spacing / abs(float(np.diff(ends).mean()))), 1)
         chosen.append(np.arange(cells.start, cells.stop)[(cells.stop - cells.start - 1) % step // 2 :: step])
-    rows, strips = (each.ravel() for each in np.meshgrid(*chosen, indexing="ij"))
+    rows, strips = (positions.ravel() for positions in np.meshgrid(*chosen, indexing="ij"))
     rows, strips = rows[states[rows, strips] != NO_CONTACT], strips[states[rows, strips] != NO_CONTACT]
     x, z = ((ends[1:] + ends[:-1])[which] / 2.0 for ends, which in zip(edges, (rows, strips), strict=True))
     arrows, longest = shown.tractions[rows, strips], float(np.linalg.norm(shown.tractions, axis=2).max())

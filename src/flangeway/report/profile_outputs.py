@@ -115,8 +115,8 @@ def join_figure(joined: Joined, units: Units = "metric") -> Figure:
     below.axhline(0.0, color=GREY, lw=1.0, ls=NOMINAL)
     if off[lowest] < 0.0:
         below.plot(x[lowest], off[lowest], "o", ms=5, mfc="white", mec=INK)
-        depth, place = (measured(value, "mm", units, ".3g") for value in (-off[lowest], x[lowest]))
-        worn = f"; at most {depth} below it at x = {place}"
+        depth, position = (measured(value, "mm", units, ".3g") for value in (-off[lowest], x[lowest]))
+        worn = f"; at most {depth} below it at x = {position}"
     below.set_title(f"measured surface off the nominal outline along its normal{worn}", fontsize=9)
     name_axes(below, ("x", "mm"), ("deviation (below zero: worn)", "mm"))
     return _shape(whole)
@@ -362,10 +362,10 @@ def _joined_pictures(rows: Sequence[FolderProfile], kind: Kind, units: Units) ->
         if row.run.profile.kind != kind or row.nominal is None or len(pictures) == MAX_JOINED:
             continue
         try:
-            found = joined(replace(row.run.profile, title=row.file), row.nominal)
+            join = joined(replace(row.run.profile, title=row.file), row.nominal)
         except InputError:  # a whole outline, or a surface too short for contact
             continue
         file = f"worn-{kind}-{len(pictures) + 1}.png"
         caption = f"{row.file} on the nominal {row.nominal}."
-        pictures.append(Picture(file, partial(join_figure, found, units), caption, "Pictures"))
+        pictures.append(Picture(file, partial(join_figure, join, units), caption, "Pictures"))
     return pictures

@@ -96,9 +96,9 @@ def _draw_pairs(axes: Axes, run: GeometryRun, shown: ContactLocus, side: Side) -
         colour, width = (SIDE_COLOURS[side], 1.2) if central else (GREY, 0.5)
         axes.plot([top[0], sign * lower[0]], [top[1], lower[1]], color=colour, lw=width)
         if central:
-            place: Style = {"xytext": (0, 4), "textcoords": "offset points", "ha": "center"}
+            style: Style = {"xytext": (0, 4), "textcoords": "offset points", "ha": "center"}
             text = measured(lateral, "mm", units_of(axes), "z.0f").partition(" ")[0]
-            axes.annotate(text, top, fontsize=7, color=colour, **place)
+            axes.annotate(text, top, fontsize=7, color=colour, **style)
     low, high = np.sort(sign * rail.x[[0, -1]])
     axes.set(xlim=(low - 12.0, high + 12.0), ylim=(-32.0, LIFT_MM + 14.0))
     axes.set_aspect("equal", adjustable="box")

@@ -62,7 +62,7 @@ STYLES: dict[Theory, tuple[str, Any]] = {
     "polach": (SERIES[1], "dashdot"), "linear": (GREY, (0, (1, 1.5))),
 }  # fmt: skip
 CREEPAGE_OF = dict(zip(COMPONENTS, CREEPAGES, strict=True))
-FAR = 1.3
+MAX_DRAWN_FORCE = 1.3
 """Highest force that is drawn over the limit of friction: linear theory goes on."""
 WIDE_IN = 7.5
 """Width of a picture with room for all names beside each other."""
@@ -106,15 +106,15 @@ def rolling_patch_record(run: RollingPatchRun) -> Record:
 
 
 def _tables(run: RollingPatchRun) -> list[SummaryTable]:
-    found, names = [], [each.theory for each in run.theories]
+    tables, names = [], [rolling.theory for rolling in run.theories]
     if names:
         caption = "The same creepages by all theories"
-        found.append(table_across(caption, names, run.theories, (*FORCES, T_GAMMA), units=run.case.units))
+        tables.append(table_across(caption, names, run.theories, (*FORCES, T_GAMMA), units=run.case.units))
     if run.residuals:
         rows = [(f"law of friction: {name}", f"{value:.1e}") for name, value in run.residuals.items()]
         rows += rows_of([ENERGY_ERROR], run)
-        found.append(SummaryTable("Residuals", ("", "value"), tuple(rows)))
-    return found
+        tables.append(SummaryTable("Residuals", ("", "value"), tuple(rows)))
+    return tables
 
 
 def _shown(run: RollingPatchRun) -> ShownRolling:
@@ -125,13 +125,13 @@ def _shown(run: RollingPatchRun) -> ShownRolling:
 
 
 def _pictures(run: RollingPatchRun) -> Figures:
-    found: Figures = {}
+    figures: Figures = {}
     if run.state.cells is not None:
-        found[MAPS] = lambda: rolling_figure([_shown(run)], run.case.units)
-        found[SECTION] = lambda: section_figure(run)
+        figures[MAPS] = lambda: rolling_figure([_shown(run)], run.case.units)
+        figures[SECTION] = lambda: section_figure(run)
     if run.curve:
-        found[CURVE] = lambda: creep_curve_figure(run)
-    return found
+        figures[CURVE] = lambda: creep_curve_figure(run)
+    return figures
 
 
 def main_figure(run: RollingPatchRun) -> Figure:
@@ -149,17 +149,17 @@ def section_figure(run: RollingPatchRun) -> Figure:
     contact, tractions = run.contact, run.state.cells.tractions
     across, along = contact.places
     limit = contact.friction.limits[0][:, None] * contact.pressures
-    row, strip = (int(np.abs(places).argmin()) for places in (across, along))
+    row, strip = (int(np.abs(centres).argmin()) for centres in (across, along))
     figure, (both,) = panels(9.0, 3.7, 1, 2, run.case.units, sharey=True)
     lines = (
         (along, limit[row], tractions[row], "z ahead"),
         (across, limit[:, strip], tractions[:, strip], "to the right"),
     )
-    for axes, (places, most, cut, words) in zip(both, lines, strict=True):
-        axes.fill_between(places, most, color="#e8edf3", lw=0.0, label="up to the limit")
-        axes.plot(places, np.linalg.norm(cut, axis=-1), color=INK, lw=1.4, label="magnitude")
-        axes.plot(places, cut[:, 1], color=SERIES[0], lw=1.2, ls="--", label="ahead")
-        axes.plot(places, cut[:, 0], color=SERIES[1], lw=1.2, ls="dashdot", label="to the right")
+    for axes, (positions, most, cut, words) in zip(both, lines, strict=True):
+        axes.fill_between(positions, most, color="#e8edf3", lw=0.0, label="up to the limit")
+        axes.plot(positions, np.linalg.norm(cut, axis=-1), color=INK, lw=1.4, label="magnitude")
+        axes.plot(positions, cut[:, 1], color=SERIES[0], lw=1.2, ls="--", label="ahead")
+        axes.plot(positions, cut[:, 0], color=SERIES[1], lw=1.2, ls="dashdot", label="to the right")
         axes.axhline(0.0, color=GREY, lw=0.6)
         name_axes(axes, (words, "mm"))
     name_axes(both[0], y=("traction on the upper body", "MPa"))
@@ -190,7 +190,7 @@ def creep_curve_figure(run: RollingPatchRun) -> Figure:
         low, high = axes.get_ylim()
         # linear theory goes on beyond the limit of friction, and its moment beyond the others'
         others = [np.abs(line[:, 1]).max() for theory, line in curves.items() if theory != "linear"]
-        top = FAR * (max(others, default=0.0) if force is SPIN_MOMENT else limit) or max(-low, high)
+        top = MAX_DRAWN_FORCE * (max(others, default=0.0) if force is SPIN_MOMENT else limit) or max(-low, high)
         axes.set_ylim(max(low, -top), min(high, top))
         for level in () if force is SPIN_MOMENT else (-limit, limit):
             if low < level < high:
@@ -202,20 +202,20 @@ def creep_curve_figure(run: RollingPatchRun) -> Figure:
 
 def _fields(run: RollingPatchRun) -> dict[str, Floats]:
     """Fields of the cells, (n_cells, n_strips) or vectors to the right and ahead with a third component 0."""
-    found = {"pressure_MPa": run.contact.pressures}
+    fields = {"pressure_MPa": run.contact.pressures}
     cells = run.state.cells
     if cells is None:
-        return found
+        return fields
     for name, values in cell_fields(cells, abs(cells.motion.speed)).items():
-        found[name] = np.pad(values, ((0, 0), (0, 0), (0, 1))) if values.ndim > 2 else values
-    return found
+        fields[name] = np.pad(values, ((0, 0), (0, 0), (0, 1))) if values.ndim > 2 else values
+    return fields
 
 
 def _scene(run: RollingPatchRun) -> Scene:
     grid = run.contact.grid
     mesh = strip_mesh(grid.bounds, grid.strip_bounds)
     fields, arrays = shown_fields(_fields(run))
-    part = ShownPart("patch", mesh, cell_arrays={name: each.reshape(-1, 1) for name, each in arrays.items()})
+    part = ShownPart("patch", mesh, cell_arrays={name: values.reshape(-1, 1) for name, values in arrays.items()})
     note = (
         "The patch from above: x to the right, y ahead. Values are means over cells, vectors are shown by their sizes."
     )

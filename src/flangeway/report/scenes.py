@@ -90,15 +90,15 @@ def _words(names: Sequence[str], number: int) -> str:
 
 def _fields_at(run: BodiesRun, step: LoadStep, like: Sequence[BodyFields]) -> list[BodyFields]:
     bodies = run.at_step(step)
-    return [body_fields(each.name, bodies[each.name], each.shown) for each in like]
+    return [body_fields(body.name, bodies[body.name], body.shown) for body in like]
 
 
 def _n_values(run: BodiesRun, fields: Sequence[BodyFields]) -> int:
     """Numbers of one step: displacements of the places and stresses, which elements of order 1 have one a cell."""
     total = 0
-    for each in fields:
-        mesh, constant = each.shown.mesh, run.bodies[each.name].field.space.order == 1
-        total += 2 * int(each.shown.places.max() + 1) + 4 * (mesh.n_cells if constant else mesh.n_points)
+    for field in fields:
+        mesh, constant = field.shown.mesh, run.bodies[field.name].field.space.order == 1
+        total += 2 * int(field.shown.places.max() + 1) + 4 * (mesh.n_cells if constant else mesh.n_points)
     return total
 
 
@@ -153,7 +153,7 @@ def bodies_scene(run: BodiesRun, steps: BodySteps) -> Scene:
     is shown of very many steps.
     """
     orders = [body.field.space.order for body in run.bodies.values()]
-    whole = max(orders) > 1 and sum(each.shown.mesh.n_points for each in steps.fields[-1]) > MAX_POINTS
+    whole = max(orders) > 1 and sum(body.shown.mesh.n_points for body in steps.fields[-1]) > MAX_POINTS
     if whole:
         bodies = run.bodies.items()
         steps = body_steps(run, [body_fields(name, body, shown_cells(body.field.space, 1)) for name, body in bodies])
@@ -185,8 +185,8 @@ def _shown_body(steps: Sequence[BodyFields]) -> ShownPart:
     """A body with its values at each step."""
     last = steps[-1]
     arrays = {
-        DISPLACEMENT: np.stack([each.displacement for each in steps]),
-        "stresses": np.stack([each.stresses.components for each in steps]),
+        DISPLACEMENT: np.stack([step.displacement for step in steps]),
+        "stresses": np.stack([step.stresses.components for step in steps]),
     }
     shown = last.shown
     cells = None if shown.display is None else shown.cells

@@ -45,7 +45,7 @@ def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -
     - `command`: computes it again.
     - `summary_file`: file of the numbers for programs.
     """
-    found, case, units, unit = run.summary, run.case, run.case.units, run.drawn.unit
+    numbers, case, units, unit = run.summary, run.case, run.case.units, run.drawn.unit
     kind = "triangles" if case.method == "fem" else "polygons, virtual elements"
     quantities = section_quantities(run, units)
     return Record(
@@ -60,7 +60,7 @@ def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -
         results=SummaryTable(
             "Constants of the section", ("", "value"), tuple(rows_of(present(quantities, run), run, units))
         ),
-        summary=found,
+        summary=numbers,
         summary_file=summary_file,
         again=Again(
             command,
@@ -70,16 +70,16 @@ def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -
         ),
         units=units,
         notes=[
-            *found["notices"],
-            *weights_sentences(found),
-            *([f"Outline: {found['certainty']}"] if found["certainty"] else []),
+            *numbers["notices"],
+            *weights_sentences(numbers),
+            *([f"Outline: {numbers['certainty']}"] if numbers["certainty"] else []),
         ],
         assumptions=ASSUMPTIONS,
         scene=lambda: section_scene(run),
         pictures=[Picture(name, partial(draw, run, units), f"{words}.") for name, (draw, words) in PICTURES.items()],
         axes=AXES,
         inputs=inputs_tables(case),
-        timings_s=found["timings_s"],
+        timings_s=numbers["timings_s"],
         files=lambda: {FIELDS: partial(_write_fields, run)},
     )
 
@@ -117,14 +117,14 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
         ("max_shear_stress_per_torque_per_{u}3", "maximum shear stress per torque", "{u}⁻³", ".5g"),
     )
     (ixx, iyy, _), (low, high) = constants.second_moments, constants.torsion_bounds
-    found = run.summary | {
+    numbers = run.summary | {
         "principal_angle_deg": round(run.summary["principal_angle_deg"], 7) + 0.0,  # not -0
         "half_gap": 0.5 * abs(high - low) / constants.torsion_constant,
     }
-    least = {"{u}": 1e-7 * found[f"boundary_length_{unit}"], "{u}⁴": 1e-9 * math.sqrt(ixx * iyy)}
+    least = {"{u}": 1e-7 * numbers[f"boundary_length_{unit}"], "{u}⁴": 1e-9 * math.sqrt(ixx * iyy)}
     quantities: list[Quantity[SectionRun]] = []
     for key, label, of, form in shown:
-        value = found.get(key.format(u=unit))
+        value = numbers.get(key.format(u=unit))
         if isinstance(value, list):
             value = dict(zip("12" if key.startswith("principal") else "xy", value, strict=True))
         for part, number in value.items() if isinstance(value, dict) else (("", value),):

@@ -104,7 +104,7 @@ class BodyLoads:
     def problem(self, weights: Floats, share: float) -> Elasticity:
         """The body's problem with a share of the loads as they act in its frame."""
         forces = share * np.tensordot(weights, self.forces, 1)
-        warm = [_scaled(each, share) for each in self.warm]
+        warm = [_scaled(load, share) for load in self.warm]
         thermal = replace(self.body.elasticity, loads=warm).thermal_load_vector()
         return replace(self.body.elasticity, loads=[GivenForces(forces - thermal), *warm])
 
@@ -130,17 +130,17 @@ def loads_on(body: LinearBody, items: Sequence[BodyLoad]) -> BodyLoads:
             "forces and moments on its handle",
             "press(loads={part: (x, y, moment)}), or add the free displacements to its coordinates",
         )
-    unknown = [each for each in items if not isinstance(each, BodyLoad)]
+    unknown = [item for item in items if not isinstance(item, BodyLoad)]
     if unknown:
         raise InputError(
             f"the load {short(unknown[0])} on body {body.name!r}",
             "Traction, Pressure, PointForce, BodyForce, Gravity, TemperatureChange or PrescribedDisplacement",
             "supports are Body(held=...) and Body(springs=...)",
         )
-    loads = [each for each in items if isinstance(each, Load)]
+    loads = [item for item in items if isinstance(item, Load)]
     problem = replace(body.elasticity, loads=loads)
     warm = problem.thermal_loads
-    n, held = problem.space.n_dofs, _shifts(body, [each for each in items if isinstance(each, PrescribedDisplacement)])
+    n, held = problem.space.n_dofs, _shifts(body, [item for item in items if isinstance(item, PrescribedDisplacement)])
     by_kind = {"turning": problem.thermal_load_vector(), "space": np.zeros((n, 2)), "edges": np.zeros((n, 2))}
     for load in loads:
         if not isinstance(load, TemperatureChange):

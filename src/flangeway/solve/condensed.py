@@ -112,7 +112,7 @@ class CondensedBody:
 
 def condensed_bytes(surfaces: Sequence[SurfaceNodes]) -> int:
     """Bytes of the dense matrices of `CondensedBodies` at their peak: one that is made beside all that are kept."""
-    counts = {(id(each.body), each.nodes.tobytes()): 2 * len(each.nodes) for each in surfaces}
+    counts = {(id(surface.body), surface.nodes.tobytes()): 2 * len(surface.nodes) for surface in surfaces}
     return 8 * (DENSE_COPIES * max(counts.values()) ** 2 + sum(n**2 for n in counts.values()))
 
 
@@ -138,7 +138,7 @@ class CondensedBodies(BodyResponse):
             if key not in unique:
                 unique[key] = CondensedBody(surface, cache)
             self._condensed.append(unique[key])
-        self.digits = min(each.digits for each in self._condensed)
+        self.digits = min(body.digits for body in self._condensed)
         self._asked: Ints = np.empty(0, dtype=np.int64)
         self._kept: list[tuple[slice, Floats]] = []
 
@@ -234,7 +234,7 @@ class CondensedBodies(BodyResponse):
 ENTRIES_AT_ONCE = 5_000_000
 """Numbers of right-hand sides that are solved together, so that loads on a long surface need no more memory."""
 
-YIELDING = 4000.0
+SURFACE_SOFTNESS = 4000.0
 """Displacement of a surface by forces on all its nodes over that of one node under its own force with all others held:
 some number of nodes. Friction is found in the fewest guesses if it is too large rather than too small."""
 
@@ -305,7 +305,7 @@ class SparseBodies(BodyResponse):
         def solved(loads: sp.csr_array) -> Floats:
             right = sp.csc_array(spread.T @ loads)
             columns = (slice(first, first + at_once) for first in range(0, right.shape[1], at_once))
-            return np.concatenate([spread @ factor.solve(right[:, each].toarray()) for each in columns], axis=1)
+            return np.concatenate([spread @ factor.solve(right[:, block].toarray()) for block in columns], axis=1)
 
         return solved
 
@@ -324,12 +324,12 @@ class SparseBodies(BodyResponse):
             softness = (sp.diags_array(laws.compliances) @ spreading)[rows]
             system = sp.block_array([[tangent, by_forces], [jacobian[rows], softness]], format="csc")
             right, factor = np.concatenate((load, -offset[rows])), splu(system)
-            found = factor.solve(right)
-            found += factor.solve(right - system @ found)  # one refinement: thin bodies leave 1e-10 without
-            forces = np.asarray(spreading @ found[size:])
-            return forces, np.asarray(jacobian @ found[:size] + offset + laws.compliances * forces)
+            solution = factor.solve(right)
+            solution += factor.solve(right - system @ solution)  # one refinement: thin bodies leave 1e-10 without
+            forces = np.asarray(spreading @ solution[size:])
+            return forces, np.asarray(jacobian @ solution[:size] + offset + laws.compliances * forces)
 
-        own = YIELDING * np.asarray(jacobian.power(2) @ (1.0 / self._stiffness.diagonal()))
+        own = SURFACE_SOFTNESS * np.asarray(jacobian.power(2) @ (1.0 / self._stiffness.diagonal()))
         return solved, own + laws.compliances
 
     def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:

@@ -12,7 +12,7 @@ from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import cross_product, point_text, turned_right
 from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement, RigidHandle
 from flangeway.problems.loads import axes, scalar_at
-from flangeway.types import Floats, Ints
+from flangeway.types import Bools, Floats, Ints
 
 # --- Supports as constraints: displacements at nodes as an affine map of the motions that stay free.
 
@@ -51,10 +51,10 @@ class Rows:
         Returned: the groups that have rows (g,), the place of each row's group among them (n,), the directions in these
         units (n, 3), and the sums, (g, 3, 3).
         """
-        groups, place = np.unique(self.groups, return_inverse=True)
+        groups, group_rows = np.unique(self.groups, return_inverse=True)
         scaled, sums = self.directions / (1.0, 1.0, size), np.zeros((len(groups), 3, 3))
-        np.add.at(sums, place, scaled[:, :, None] * scaled[:, None])
-        return groups, place, scaled, sums
+        np.add.at(sums, group_rows, scaled[:, :, None] * scaled[:, None])
+        return groups, group_rows, scaled, sums
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class SupportConstraints:
     transform: sp.csr_array
     shift: Floats
     groups: NDArray[np.int32]
-    kept: NDArray[np.bool_] | None
+    kept: Bools | None
     rows: Rows
     handles: tuple[HandleNodes, ...]
     bases: tuple[Floats, ...]
@@ -118,13 +118,13 @@ def find_constraints(problem: Elasticity) -> SupportConstraints:
     space, scale = problem.space, np.array([1.0, 1.0, problem.size])
     handles = _handles(problem)
     rows = _rows(problem, handles)
-    groups, place, scaled, products = rows.products(problem.size)
+    groups, group_rows, scaled, products = rows.products(problem.size)
     at_nodes = groups < space.n_nodes
     products[at_nodes, 2, 2] = 1.0  # a node does not turn
     right = np.zeros((len(groups), 3))
-    np.add.at(right, place, scaled * rows.values[:, None])
+    np.add.at(right, group_rows, scaled * rows.values[:, None])
     held, vectors, motions = _least_motions(products, right)
-    _refuse_contradiction(problem, np.einsum("ni,ni->n", scaled, motions[place]) - rows.values, rows, handles)
+    _refuse_contradiction(problem, np.einsum("ni,ni->n", scaled, motions[group_rows]) - rows.values, rows, handles)
     nodes, motions, shift = groups[at_nodes], motions / scale, np.zeros((space.n_nodes, 2))
     shift[nodes] = motions[at_nodes, :2]
     bases = [np.eye(3)] * len(handles)
@@ -153,7 +153,7 @@ def find_constraints(problem: Elasticity) -> SupportConstraints:
         columns, at = sum(map(len, of_columns)) + np.arange(basis.shape[1]), components(handle.nodes)
         entries.append((np.repeat(at, len(columns)), np.tile(columns, len(at)), (handle.arms @ basis).ravel()))
         of_columns.append(np.full(len(columns), space.n_nodes + number))
-    at, columns, values = (np.concatenate(each) for each in zip(*entries, strict=True))
+    at, columns, values = (np.concatenate(column) for column in zip(*entries, strict=True))
     unknowns = np.concatenate(of_columns).astype(np.int32)
     transform = sp.csr_array(sp.coo_array((values, (at, columns)), shape=(shift.size, len(unknowns))))
     kept = free.ravel() if len(oblique) == 0 and not handles else None
@@ -188,12 +188,12 @@ def _rows(problem: Elasticity, handles: Sequence[HandleNodes]) -> Rows:
                     add(number, nodes, direction, scalar_at(name, value, points[nodes]))
     if problem.axisymmetric:
         add(AXIS, problem.on_axis, np.array([1.0, 0.0]), np.zeros(len(problem.on_axis)))
-    return Rows(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+    return Rows(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
 def _handles(problem: Elasticity) -> list[HandleNodes]:
     """Handles and their nodes."""
-    taken, found = np.zeros(problem.space.n_nodes, dtype=np.bool_), []
+    taken, handles = np.zeros(problem.space.n_nodes, dtype=np.bool_), []
     for number, support in enumerate(problem.supports):
         if not isinstance(support, RigidHandle):
             continue
@@ -211,8 +211,8 @@ def _handles(problem: Elasticity) -> list[HandleNodes]:
         arms = np.zeros((len(nodes), 2, 3))
         arms[:, 0, 0] = arms[:, 1, 1] = 1.0
         arms[:, :, 2] = -turned_right(points - pivot)
-        found.append(HandleNodes(support, number, nodes, arms, pivot))
-    return found
+        handles.append(HandleNodes(support, number, nodes, arms, pivot))
+    return handles
 
 
 def _own_motions(problem: Elasticity, handle: HandleNodes) -> dict[int, tuple[int, float]]:
@@ -230,7 +230,7 @@ def _own_motions(problem: Elasticity, handle: HandleNodes) -> dict[int, tuple[in
     return {0: (AXIS, 0.0), 2: (AXIS, 0.0), **motions}
 
 
-def _least_motions(normal: Floats, right: Floats) -> tuple[NDArray[np.bool_], Floats, Floats]:
+def _least_motions(normal: Floats, right: Floats) -> tuple[Bools, Floats, Floats]:
     """Least motions (..., n) of normal equations (..., n, n), (..., n); their eigenvectors and which are held."""
     values, vectors = np.linalg.eigh(normal)
     held = values > RANK * np.maximum(1.0, values[..., -1:])
@@ -304,9 +304,9 @@ def _unheld(
     nodes, owners = _nodes_of_pieces(problem, pieces)
     arms = (problem.space.nodes[nodes] - centre) / problem.size
     # M_(n i)(p j): component i of a node's velocity by motion j of its piece
-    each, by_piece = np.arange(len(nodes)), np.zeros((len(nodes), 2, n_pieces, 3))
-    by_piece[each, 0, owners, 0] = by_piece[each, 1, owners, 1] = 1.0
-    by_piece[each, 0, owners, 2], by_piece[each, 1, owners, 2] = -arms[:, 1], arms[:, 0]
+    rows, by_piece = np.arange(len(nodes)), np.zeros((len(nodes), 2, n_pieces, 3))
+    by_piece[rows, 0, owners, 0] = by_piece[rows, 1, owners, 1] = 1.0
+    by_piece[rows, 0, owners, 2], by_piece[rows, 1, owners, 2] = -arms[:, 1], arms[:, 0]
     velocities = by_piece.reshape(len(nodes), 2, 3 * n_pieces)
     new = np.diff(nodes, prepend=-1) > 0
     later = np.flatnonzero(~new)

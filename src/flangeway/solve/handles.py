@@ -33,7 +33,7 @@ SOLVED = 1e6
 """Factor on the size by which soft motions are measured, for handles whose soft motions are solved for: what is softer
 still is round-off of the stiffness."""
 
-HARDLY = 0.03
+MIN_NAMED_FRACTION = 0.03
 """Share of a motion over the whole one that is not named."""
 
 SoftMotions = Literal["solved", "kept"]
@@ -86,7 +86,7 @@ class Handle:
 
     def __post_init__(self) -> None:
         parts = tuple(self.parts) if isinstance(self.parts, Sequence) else ()
-        if not parts or len(set(parts)) < len(parts) or not all(isinstance(each, Part) for each in parts):
+        if not parts or len(set(parts)) < len(parts) or not all(isinstance(part, Part) for part in parts):
             raise InputError(f"Handle(parts={short(self.parts)})", "one or more parts, each once", "write (part,)")
         check_kind("Handle", "turns", self.turns, bool | np.bool_, "True or False", "choose one")
         if self.soft_motions not in get_args(SoftMotions):
@@ -346,7 +346,7 @@ class Handles:
             rigid[:2] = handle.directions.T @ directions[own][: len(handle.directions)]
             if handle.turns:
                 rigid[2] = directions[own.stop - 1]
-            rigid[np.abs(rigid) < HARDLY] = 0.0
+            rigid[np.abs(rigid) < MIN_NAMED_FRACTION] = 0.0
             words = described_motions(rigid, handle.pivot_after(motion), size)
             if words:
                 names = [self._response.surfaces[i].body.name for i in members]

@@ -59,14 +59,21 @@ NO_UNKNOWNS = np.empty(0, dtype=np.int32)
 NO_UNKNOWNS.setflags(write=False)
 
 
-def cholesky(matrix: SymmetricMatrix, groups: NDArray[np.int32], trailing: NDArray[np.int32] = NO_UNKNOWNS) -> Cholesky:
+def cholesky(
+    matrix: SymmetricMatrix,
+    groups: NDArray[np.int32],
+    trailing: NDArray[np.int32] = NO_UNKNOWNS,
+    max_bytes: int | None = None,
+) -> Cholesky:
     """Factorise a positive definite matrix, given the number of the node of each unknown, shape (n,).
 
-    The trailing unknowns are kept last, in this order, for their Schur complement. Raises `NotPositiveDefiniteError`
-    for a pivot that is not positive, `OutOfMemoryError` if the factor needs more memory than may be used.
+    The trailing unknowns are kept last, in this order, for their Schur complement. Memory to use is what is left,
+    which takes a millisecond to ask for, or given as `max_bytes`. Raises `NotPositiveDefiniteError` for a pivot that
+    is not positive, `OutOfMemoryError` if the factor needs more memory.
     """
+    max_bytes = memory_left() if max_bytes is None else max_bytes
     try:
-        return Cholesky(matrix.indptr, matrix.indices, matrix.values, groups, trailing, memory_left())
+        return Cholesky(matrix.indptr, matrix.indices, matrix.values, groups, trailing, max_bytes)
     except FactorTooLargeError as error:
         raise out_of_memory(f"the factorisation of {matrix.n} unknowns", error.args[1]) from error
 

@@ -149,12 +149,12 @@ def _solved(
         return solve_linear(matrix, constraints.groups, rhs, product)
     except NotPositiveDefiniteError as error:
         group = int(constraints.groups[int(error.args[1])])
-        place = f"its handle {group - problem.space.n_nodes}"
+        location = f"its handle {group - problem.space.n_nodes}"
         if group < problem.space.n_nodes:
             x, y = problem.space.nodes[group]
-            place = f"its node at ({x:g}, {y:g})"
+            location = f"its node at ({x:g}, {y:g})"
         raise InputError(
-            f"body `{problem.name}`, whose stiffness is singular: {place} can move without force",
+            f"body `{problem.name}`, whose stiffness is singular: {location} can move without force",
             "elements with a stabilisation, on a mesh without empty cells or cells joined at one point only",
             "check the mesh with flangeway.mesh.check, and leave the element's stabilisation as published",
         ) from error

@@ -17,7 +17,7 @@ ROUND_OFF = 1e-7
 """Residual below which an iteration has converged if it no longer falls: where slender bodies bend, round-off of their
 stiffness is above the tolerance."""
 
-STALLED = 3
+STALLED_ITERATIONS = 3
 """Iterations without a change of constraints, none of which halves the residual, after which it no longer falls."""
 
 
@@ -152,9 +152,9 @@ class Iteration:
 
 def is_at_round_off(history: Sequence[Iteration]) -> bool:
     """Whether the residual is small and has not fallen in the last iterations, while no constraint changed."""
-    last = [each for each in history[-STALLED - 1 :] if not each.changed]
-    small = len(last) > STALLED and max(each.residual for each in last) <= ROUND_OFF
-    return small and min(each.residual for each in last[1:]) > last[0].residual / 2.0
+    last = [iteration for iteration in history[-STALLED_ITERATIONS - 1 :] if not iteration.changed]
+    small = len(last) > STALLED_ITERATIONS and max(iteration.residual for iteration in last) <= ROUND_OFF
+    return small and min(iteration.residual for iteration in last[1:]) > last[0].residual / 2.0
 
 
 # --- Adaptive steps along a path (Moherdaui 2021, 3.5.7.1).
@@ -271,12 +271,12 @@ def follow(
                 return attempt
             attempt = shorter if attempt.status.converged else None
             continue
-        for each in reached:
-            accepted(*each)
+        for reached_position, reached_state in reached:
+            accepted(reached_position, reached_state)
         position, state, attempt = *reached[-1], None
         if target >= 1.0:
             return state
-        if max(each.status.iterations for _, each in reached) <= FEW_ITERATIONS and error <= SMALL_ERROR:
+        if max(state.status.iterations for _, state in reached) <= FEW_ITERATIONS and error <= SMALL_ERROR:
             size = min(2.0 * size, settings.maximum)
         elif state.status.iterations > MANY_ITERATIONS:
             size /= 2.0

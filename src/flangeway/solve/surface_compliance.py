@@ -20,10 +20,10 @@ from flangeway.geometry.arrays import chain_lengths
 from flangeway.materials import Elastic
 from flangeway.problems.harmonic import Harmonic, at_wavenumber
 from flangeway.solve.linear import cholesky
-from flangeway.space import InnerUnknowns, SymmetricMatrix
+from flangeway.space import InnerUnknowns, Space, SymmetricMatrix
 from flangeway.system.disk_cache import Arrays, Cache, cached
 from flangeway.system.memory_limits import memory_left, refuse_beyond_memory
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Bools, Floats, Ints, Progress
 
 # --- Influence among cells of a surface, as if there were half-spaces between each two of them.
 
@@ -68,8 +68,8 @@ def half_spaces_on(
     if len(materials) == 2 and materials[0] == materials[1]:
         signs = {pair: sign for pair, sign in signs.items() if sign > 0.0}
     flat = {
-        each: half_space_blocks(each.young, each.poisson, bounds, strip, n_strips, list(signs))
-        for each in dict.fromkeys(materials)
+        material: half_space_blocks(material.young, material.poisson, bounds, strip, n_strips, list(signs))
+        for material in dict.fromkeys(materials)
     }
     one = np.ones((len(bounds) - 1,) * 2)
     turn = {(0, 0): one, (1, 1): one, (2, 2): one}
@@ -135,6 +135,22 @@ class _CutMesh:
     inner: InnerUnknowns
     groups: NDArray[np.int32]
     scale: float
+
+
+def _depths(space: Space, nodes: Ints) -> Floats:
+    """Distances of degrees of freedom from the nearest of some nodes, (n_dofs,); inside a cell that of its last one."""
+    depths = np.empty(space.n_dofs)
+    depths[: space.n_nodes] = cKDTree(space.nodes[nodes]).query(space.nodes)[0]
+    for batch in space.batches():
+        outer = len(batch.dofs) - batch.element.n_interior()
+        depths[batch.dofs[outer:]] = depths[batch.dofs[:outer]].max(axis=0)
+    return depths
+
+
+def _cut_depths(depths: Floats, longest_edge: float) -> list[float]:
+    """Depths of the whole mesh and of those cut below a surface with a longest edge, falling."""
+    whole = float(depths.max())
+    return [whole, *(share * whole for share in CUTS if share * whole >= MIN_EDGES * longest_edge)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,7 +220,7 @@ class SurfaceCells:
     @cached_property
     def ends(self) -> Floats:
         """Ends of the cells, shape (n_cells + 1, 2)."""
-        return np.stack([np.interp(self.limits, self._stations, each) for each in self.chain.T], axis=1)
+        return np.stack([np.interp(self.limits, self._stations, coordinate) for coordinate in self.chain.T], axis=1)
 
     @cached_property
     def widths(self) -> Floats:
@@ -245,10 +261,10 @@ class SurfaceCells:
         cell = np.clip(np.searchsorted(self.limits, middles) - 1, 0, self.n_cells - 1)
         abscissae, weights = gauss(space.order + 1)
         # places of the Gauss points of each piece on its edge, in [0, 1]
-        places = (cuts[:-1, None] + lengths[:, None] * abscissae - self._stations[edge, None]) / np.diff(
+        parameters = (cuts[:-1, None] + lengths[:, None] * abscissae - self._stations[edge, None]) / np.diff(
             self._stations
         )[edge, None]
-        shapes = edge_shapes(space.order, places.ravel()).reshape(*places.shape, -1)
+        shapes = edge_shapes(space.order, parameters.ravel()).reshape(*parameters.shape, -1)
         # a unit force on a cell is spread evenly over its width
         shares = np.einsum("pq,pqm->pm", lengths[:, None] * weights, shapes) / self.widths[cell, None]
         of_edges = space.edge_nodes(self.edges)[edge]
@@ -272,17 +288,12 @@ class SurfaceCells:
         """The whole mesh, then those cut nearer and nearer to the cells."""
         space = self.problem.elasticity.space
         nodes, loads = self.nodes_and_loads
-        depths = np.empty(space.n_dofs)
-        depths[: space.n_nodes] = cKDTree(space.nodes[nodes]).query(space.nodes)[0]
-        for batch in space.batches():
-            outer = len(batch.dofs) - batch.element.n_interior()
-            depths[batch.dofs[outer:]] = depths[batch.dofs[:outer]].max(axis=0)
+        depths = _depths(space, nodes)
         unknowns = (3 * nodes[:, None] + np.arange(3)).ravel()
         rows, columns = np.nonzero(loads)
         entries = loads[rows, columns], (columns, unknowns[rows])
         border = sp.csc_array(sp.coo_array(entries, shape=(loads.shape[1], 3 * space.n_dofs)))
-        whole, free = float(depths.max()), self.problem.free(1.0)
-        at = [whole, *(share * whole for share in CUTS if share * whole >= MIN_EDGES * self.longest_edge)]
+        free, at = self.problem.free(1.0), _cut_depths(depths, self.longest_edge)
         return tuple(self._cut(depth, (free & (depths <= depth)[:, None]).ravel(), border) for depth in at)
 
     def _cut(self, depth: float, kept: Bools, border: sp.csc_array) -> _CutMesh:
@@ -322,7 +333,10 @@ class SurfaceCells:
         whole, *cut = self._cut_meshes
         space = self.problem.elasticity.space
         per_length = wavenumber / np.max(self.problem.depth(space.nodes))
-        mesh = min([whole, *(each for each in cut if per_length * each.depth >= WAVE_DEPTH)], key=lambda one: one.depth)
+        mesh = min(
+            [whole, *(mesh_cut for mesh_cut in cut if per_length * mesh_cut.depth >= WAVE_DEPTH)],
+            key=lambda one: one.depth,
+        )
         matrix = at_wavenumber(mesh.parts, wavenumber)
         matrix = replace(matrix, values=mesh.inner.eliminated(matrix.values, wavenumber))
         border = np.arange(matrix.n - 3 * self.n_cells, matrix.n, dtype=np.int32)
@@ -341,7 +355,9 @@ class SurfaceCells:
         """What determines the compliance, for `flangeway.system.disk_cache.cached`."""
         problem, mesh = self.problem, self.problem.elasticity.space.mesh
         held = problem.held or {}
-        names = {each.edges for each in problem.foundations} | {name for name in held if isinstance(name, str)}
+        names = {foundation.edges for foundation in problem.foundations} | {
+            name for name in held if isinstance(name, str)
+        }
         return (
             (mesh.points, mesh.cell_offsets, mesh.cell_points, dict(mesh.cell_sets)),
             {name: mesh.edge_set(name) for name in sorted(names)},
@@ -462,7 +478,7 @@ def compliance_table(
     least: float,
     maximum: float,
     tolerance: float = 1e-4,
-    progress: Callable[[str], None] = lambda _: None,
+    progress: Progress = lambda _: None,
     cache: Cache | None = None,
 ) -> ComplianceTable:
     """Compliance at as many wavenumbers as the interpolation between them needs.
@@ -499,13 +515,11 @@ def compliance_table(
         raise InputError("surface cells of a body of revolution", "a prism", "take the prism of its section")
     settings = least, maximum, tolerance
     content = *cells.content, *settings, PER_DECADE, MAX_DOUBLINGS, HALVED
-    found = cached(cache, lambda: _computed(cells, *settings, progress), "compliance", *content)
-    return ComplianceTable(cells, found["wavenumbers"], found["values"], float(found["error"]))
+    table = cached(cache, lambda: _computed(cells, *settings, progress), "compliance", *content)
+    return ComplianceTable(cells, table["wavenumbers"], table["values"], float(table["error"]))
 
 
-def _computed(
-    cells: SurfaceCells, least: float, maximum: float, tolerance: float, progress: Callable[[str], None]
-) -> Arrays:
+def _computed(cells: SurfaceCells, least: float, maximum: float, tolerance: float, progress: Progress) -> Arrays:
     count = max(int(np.ceil(PER_DECADE * np.log10(maximum / least))), 3) + 1
     size = 8 * (3 * cells.n_cells) ** 2
     refuse_beyond_memory(f"the compliance of {cells.n_cells} cells at {2 * count} wavenumbers", 6 * count * size)
@@ -574,20 +588,31 @@ WAVES_PER_DECADE = 8
 """Wavenumbers for each decade; twice as many change no stress by more than 1e-3 of the maximum pressure."""
 
 
-def amplitudes(problem: Harmonic, wavenumbers: Floats, rhs: Floats) -> Iterator[Floats]:
-    """Amplitudes (3 n_dofs, m) at each wavenumber, by loads (3 n_dofs, n_k, m), or (3 n_dofs, 1, m) at all of them."""
-    free = problem.free(1.0).ravel()
-    parts = [part.restricted(free) for part in problem.parts]
-    groups = (np.flatnonzero(free) // 3).astype(np.int32)
-    loads = np.broadcast_to(rhs[free], (int(free.sum()), len(wavenumbers), rhs.shape[2]))
+def amplitudes(
+    problem: Harmonic, wavenumbers: Floats, rhs: Floats, depths: Floats | None = None, cuts: Sequence[float] = (np.inf,)
+) -> Iterator[Floats]:
+    """Amplitudes (3 n_dofs, m) at each wavenumber, by loads (3 n_dofs, n_k, m), or (3 n_dofs, 1, m) at all of them.
+
+    - `depths`: of the degrees of freedom below the loads, (n_dofs,), zero if left out.
+    - `cuts`: depths that the mesh may be cut off at, falling, the first one of the whole mesh: below, a wave that is
+      short over the depth moves nothing.
+    """
+    free, depths = problem.free(1.0), np.zeros(len(rhs) // 3) if depths is None else depths
+    kept = {cut: (free & (depths <= cut)[:, None]).ravel() for cut in cuts}
+    parts = {cut: [part.restricted(inside) for part in problem.parts] for cut, inside in kept.items()}
+    groups = {cut: (np.flatnonzero(inside) // 3).astype(np.int32) for cut, inside in kept.items()}
+    n_workers = n_threads()
+    left = memory_left() // n_workers
 
     def answer(number: int) -> Floats:
-        found = np.zeros((len(free), rhs.shape[2]))
-        factor = cholesky(at_wavenumber(parts, wavenumbers[number]), groups)
-        found[free] = factor.solve(np.ascontiguousarray(loads[:, number]))
-        return found
+        wavenumber = wavenumbers[number]
+        cut = min([cuts[0], *(depth for depth in cuts if wavenumber * depth >= WAVE_DEPTH)])
+        displacements = np.zeros((len(rhs), rhs.shape[2]))
+        factor = cholesky(at_wavenumber(parts[cut], wavenumber), groups[cut], max_bytes=left)
+        displacements[kept[cut]] = factor.solve(rhs[kept[cut], number if rhs.shape[1] > 1 else 0])
+        return displacements
 
-    with ThreadPoolExecutor(n_threads()) as pool:
+    with ThreadPoolExecutor(n_workers) as pool:
         yield from pool.map(answer, range(len(wavenumbers)))
 
 
@@ -665,14 +690,18 @@ def wave_sums(
     first = others.shape[1]
     rhs = np.zeros((len(others), len(wavenumbers), first + 2 * len(loaded)))
     rhs[..., :first] = others[:, None]
-    for number, each in enumerate(loaded):
-        unknowns, loads = each.at_waves(wavenumbers)
+    for number, strip_forces in enumerate(loaded):
+        unknowns, loads = strip_forces.at_waves(wavenumbers)
         rhs[unknowns, :, first + 2 * number : first + 2 * number + 2] = loads
     sums = np.zeros((len(loaded), 2, len(others), 2))
-    for i, (k, found) in enumerate(zip(wavenumbers.tolist(), amplitudes(problem, wavenumbers, rhs), strict=True)):
-        by_others = found[:, :first]
+    nodes = np.concatenate([strip_forces.cells.nodes_and_loads[0] for strip_forces in loaded])
+    depths = _depths(problem.elasticity.space, nodes)
+    cuts = _cut_depths(depths, max(strip_forces.cells.longest_edge for strip_forces in loaded))
+    by_wave = amplitudes(problem, wavenumbers, rhs, depths, cuts)
+    for i, (k, displacements) in enumerate(zip(wavenumbers.tolist(), by_wave, strict=True)):
+        by_others = displacements[:, :first]
         for number in range(len(loaded)):
-            moved = found[:, first + 2 * number : first + 2 * number + 2]
+            moved = displacements[:, first + 2 * number : first + 2 * number + 2]
             if first:
                 moved = moved + by_others @ amounts[number](i, np.concatenate((moved, by_others), axis=1))
             sums[number] += np.stack((moved, k * moved))

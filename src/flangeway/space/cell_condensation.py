@@ -108,7 +108,7 @@ class InnerUnknowns:
         """Find them in assembled parts, for the matrix of the unknowns at nodes that are kept."""
         n_components = parts[0].n // space.n_dofs
         numbers = np.where(kept, np.cumsum(kept) - 1, -1)
-        blocks, pairs, places = [], [], []
+        blocks, pairs, entries = [], [], []
         for batch in space.batches():
             n_inner = n_components * batch.element.n_interior()
             unknowns = batch.vector_dofs(n_components)
@@ -118,11 +118,11 @@ class InnerUnknowns:
             inner = parts[0].places(unknowns[-n_inner:, None], unknowns[None])
             blocks.append(np.stack([part.values[inner] for part in parts]))
             lower = np.tril_indices(len(unknowns) - n_inner)
-            rows, columns = (numbers[unknowns[each]] for each in lower)
+            rows, columns = (numbers[unknowns[indices]] for indices in lower)
             loose = np.minimum(rows, columns) >= 0
             pairs.append(lower)
-            places.append(np.where(loose, matrix.places(rows, columns), len(matrix.values)).ravel())
-        return cls(tuple(blocks), tuple(pairs), np.concatenate(places) if places else np.empty(0, dtype=np.int64))
+            entries.append(np.where(loose, matrix.places(rows, columns), len(matrix.values)).ravel())
+        return cls(tuple(blocks), tuple(pairs), np.concatenate(entries) if entries else np.empty(0, dtype=np.int64))
 
     def eliminated(self, values: Floats, wavenumber: float) -> Floats:
         """Values of the matrix on the nodes, once the internal unknowns at a wavenumber have been eliminated."""

@@ -32,9 +32,9 @@ def function_of(
     if not callable(function):
         constant = as_numbers(name, given)
         function = lambda points: np.broadcast_to(constant, (len(points), *constant.shape))  # noqa: E731
-    if at is not None and (found := values_at(function, at).shape) != (len(at), *shape):
+    if at is not None and (returned := values_at(function, at).shape) != (len(at), *shape):
         raise InputError(
-            f"{name} with values of shape {found} at {len(at)} points", f"{(len(at), *shape)}", "correct it"
+            f"{name} with values of shape {returned} at {len(at)} points", f"{(len(at), *shape)}", "correct it"
         )
     return function
 

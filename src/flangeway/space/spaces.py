@@ -252,12 +252,12 @@ class Space:
 
     def _batch(self, element: Element, n_vertices: int, cells: Ints) -> CellBatch:
         mesh = self.mesh
-        places = mesh.batch_places(n_vertices, cells)
-        corners = mesh.cell_points[places]
+        entries = mesh.batch_places(n_vertices, cells)
+        corners = mesh.cell_points[entries]
         parts = [corners]
         if self.order > 1:
             forward = corners < np.roll(corners, -1, axis=1)
-            parts.append(self._edge_inner(mesh.cell_edges[places], forward).reshape(len(cells), -1))
+            parts.append(self._edge_inner(mesh.cell_edges[entries], forward).reshape(len(cells), -1))
         if element.n_interior():
             parts.append(self._interior_offsets[cells][:, None] + np.arange(element.n_interior()))
         dofs = np.ascontiguousarray(np.concatenate(parts, axis=1).T.astype(np.int32))
@@ -303,7 +303,7 @@ class Space:
         refuse_large_assembly(numbers.shape for numbers in dofs)
 
         def matrices_of(batch: CellBatch) -> tuple[Floats, ...]:
-            return tuple(np.ascontiguousarray(each) for each in cell_matrices(batch))
+            return tuple(np.ascontiguousarray(matrix) for matrix in cell_matrices(batch))
 
         # NumPy releases the interpreter in its loops; those of order 1 are too short for threads to pay
         workers = 1 if self.order == 1 else min(n_threads(), len(batches))
@@ -314,7 +314,7 @@ class Space:
                 matrices = list(_begun(pool, matrices_of, batches))
         n = n_components * self.n_dofs
         pattern = Pattern(n, dofs)
-        scattered = (pattern.scatter(list(each)) for each in zip(*matrices, strict=True))
+        scattered = (pattern.scatter(list(values)) for values in zip(*matrices, strict=True))
         return tuple(SymmetricMatrix(n, pattern.indptr, pattern.indices, values) for values in scattered)
 
 

@@ -78,9 +78,15 @@ class SampledPatch:
         return derivatives(roll(self.contact, Creepages()))
 
     @cached_property
+    def limits(self) -> Floats:
+        """Limits of friction of the cells, (n_cells, n_strips)."""
+        limits: Floats = self.contact.friction.limits[0][:, None] * self.contact.normal_forces
+        return limits
+
+    @cached_property
     def limit(self) -> float:
         """Limit of friction."""
-        return float((self.contact.friction.limits[0][:, None] * self.contact.normal_forces).sum())
+        return float(self.limits.sum())
 
     @cached_property
     def radius(self) -> float:
@@ -121,8 +127,7 @@ class SampledPatch:
         s, z = self.contact.places
         slip = Creepages(*self.direction(spin, creep).tolist()).rigid(s, z)
         size = np.maximum(np.linalg.norm(slip, axis=1, keepdims=True), np.finfo(float).tiny)
-        limits = self.contact.friction.limits[0][:, None] * self.contact.normal_forces
-        forces = -slip / size * limits[:, None]
+        forces = -slip / size * self.limits[:, None]
         moment = np.sum(s[:, None] * forces[:, 1]) - np.sum(z * forces[:, 0])
         return np.array([forces[:, 1].sum(), forces[:, 0].sum(), moment / self.radius]) / self.limit
 

@@ -1,11 +1,12 @@
 """Reads a table of creep forces: contact and creep forces of a wheelset at any position and any creepages.
 
-This file needs NumPy only, so that it also runs inside an FMU and beside other programs. Units: mm, mrad, kN for the
+This file needs NumPy only, so that it also runs beside other programs. Units: mm, mrad, kN for the
 axle load, N, N mm. Axes of forces are those of each patch; see the README that is written beside every table.
 """
 
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,8 +14,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from flangeway.geometry.arrays import norms
 
 try:
     from flangeway.errors import InputError
@@ -95,6 +94,12 @@ def stencil(axis: Floats, values: Floats, smooth: NDArray[np.bool_]) -> tuple[ND
     return nodes, ends + h * t * (1.0 - t) * ((1.0 - t) * first - t * second)
 
 
+def crossed(arrays: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], ...]:
+    """Give three arrays (..., k) axes of their own, (..., k, 1, 1), (..., 1, k, 1) and (..., 1, 1, k)."""
+    first, second, third = arrays
+    return first[..., :, None, None], second[..., None, :, None], third[..., None, None, :]
+
+
 def interior(axis: Floats) -> NDArray[np.bool_]:
     """Points of an axis other than its ends, (n_points,)."""
     place = np.arange(len(axis))
@@ -171,7 +176,7 @@ def direction(spin: Floats, creep: Floats) -> Floats:
 
 def within_cone(forces: Floats) -> Floats:
     """Forces over the limit of friction, those near it and beyond it shortened without a kink, (..., 3)."""
-    size = norms(forces)
+    size = np.hypot(forces[..., 0], forces[..., 1])
     near = np.clip(size, 1.0 - ROUNDED, 1.0 + ROUNDED) - 1.0 + ROUNDED
     forces[..., :2] *= ((np.minimum(size, 1.0 + ROUNDED) - near**2 / (4.0 * ROUNDED)) / np.maximum(size, TINY))[
         ..., None
@@ -252,8 +257,8 @@ class CreepTable:
         given = np.broadcast_arrays(
             *(np.atleast_1d(np.asarray(each, float)) for each in (lateral_mm, yaw_mrad, load_kN))
         )
-        given_axes = []
-        for name, axis, values in zip(AXES, self.axes, given, strict=True):
+        around, fractions = [], []
+        for name, axis, values, smooth in zip(AXES, self.axes, given, self.smooth, strict=True):
             inside = np.clip(values, axis[0], axis[-1])
             slack = 1e-9 * max(float(np.abs(axis).max()), 1.0)
             if not (clamp or (np.abs(values - inside) <= slack).all()):
@@ -263,27 +268,22 @@ class CreepTable:
                     f"values from {axis[0]:g} to {axis[-1]:g}, the range of the table",
                     "make a larger table, or clamp=True",
                 )
-            given_axes.append((axis, inside))
-        around = [stencil(axis, inside, smooth) for (axis, inside), smooth in zip(given_axes, self.smooth, strict=True)]
-        shape = tuple(len(axis) for axis in self.axes)
-        cell = tuple(np.minimum(nodes[:, 1], max(n - 2, 0)) for (nodes, _), n in zip(around, shape, strict=True))
-        fractions = [
-            np.clip((inside - axis[nodes[:, 1]]) / np.maximum(axis[nodes[:, 2]] - axis[nodes[:, 1]], TINY), 0.0, 1.0)
-            for (axis, inside), (nodes, _) in zip(given_axes, around, strict=True)
-        ]
+            around.append(stencil(axis, inside, smooth))
+            low, high = axis[around[-1][0][:, 1:3]].T
+            fractions.append(np.clip((inside - low) / np.maximum(high - low, TINY), 0.0, 1.0))
         fractions[0] = fractions[0] ** 2 * (3.0 - 2.0 * fractions[0])
-        numbers = np.empty((len(given[0]), 64), dtype=np.intp)
-        weights = np.zeros((*numbers.shape[:1], 2, 1 if self.values["joined"].all() else 8, 64))
-        joined = self.values["joined"][cell]
-        for number, places in enumerate(np.ndindex(4, 4, 4)):
-            columns = [(nodes[:, k], weight[..., k]) for (nodes, weight), k in zip(around, places, strict=True)]
-            numbers[:, number] = np.ravel_multi_index([nodes for nodes, _ in columns], shape)
-            weights[:, :, 0, number] = np.where(joined, np.prod([weight for _, weight in columns], axis=0), 0.0)
-            if weights.shape[2] > 1 and all(k in (1, 2) for k in places):
-                corner = np.ravel_multi_index([k - 1 for k in places], (2, 2, 2))
-                part = np.prod([t if k == 2 else 1.0 - t for t, k in zip(fractions, places, strict=True)], axis=0)
-                weights[:, :, corner, number] += np.where(joined, 0.0, part[:, None])
-        return numbers, weights
+        nodes, of_nodes = zip(*around, strict=True)
+        numbers = np.ravel_multi_index(crossed(nodes), [len(axis) for axis in self.axes]).reshape(-1, 64)
+        cells = self.values["joined"]
+        # the last point of an axis is in the cell before it
+        joined = cells[tuple(np.minimum(at[:, 1], n - 1) for at, n in zip(nodes, cells.shape, strict=False))]
+        weights = np.zeros((len(numbers), 2, 1 if cells.all() else 8, 4, 4, 4))
+        weights[:, :, 0] = np.where(joined[..., None, None, None], math.prod(crossed(of_nodes)), 0.0)
+        if weights.shape[2] > 1:
+            parts: Any = math.prod(crossed([np.stack((1.0 - t, t), axis=-1) for t in fractions]))
+            for corner, (a, b, c) in enumerate(np.ndindex(2, 2, 2)):
+                weights[:, :, corner, a + 1, b + 1, c + 1] += np.where(joined, 0.0, parts[:, None, a, b, c])
+        return numbers, weights.reshape(*weights.shape[:3], 64)
 
     @cached_property
     def smooth(self) -> tuple[NDArray[np.bool_], ...]:

@@ -2,7 +2,7 @@
 
 import itertools
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,14 +11,13 @@ import numpy as np
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import CURVE_KEYS
 from flangeway.errors import InputError
-from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.system.disk_cache import Cache
 from flangeway.system.output_folder import versions
 from flangeway.system.workers import LostWorkerError, computed_here, n_processes
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_table import AXES, FORMAT, OF_PATCH, SIDES, CreepTable
 from flangeway.tables.table_positions import FRICTION, Arrays, PositionTask, compute_position
-from flangeway.types import Floats, Ints, floats
+from flangeway.types import Floats, Ints, Progress, floats
 
 JUMP_MM = 0.1
 """Distance of lateral positions to which a jump of the patches is located."""
@@ -40,7 +39,6 @@ FREE_KEYS = tuple(key for key in SpatialWheelsetCase.position_keys if key not in
 """Inputs of a wheelset that the axes of a table replace, and friction and motion, which are free."""
 
 Position = tuple[float, float, float]
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -117,9 +115,9 @@ def make_table(request: TableRequest, *, workers: int | None = None, progress: P
 
     """
     start = time.perf_counter()
-    n_workers, cache = n_processes(workers), Cache.of_user()
-    if n_workers > 1 and cache is not None:  # once for all of them
-        running_surfaces(request.case.problem(), request.case.spatial_model(), cache=cache, progress=progress)
+    n_workers = n_processes(workers)
+    if n_workers > 1 and Cache.of_user() is not None:  # once for all of them
+        request.case.prepared(progress)
     build = _Build(request, n_workers, progress)
     table = build.table()
     return replace(table, metadata={**table.metadata, "seconds": round(time.perf_counter() - start, 1)})
@@ -156,7 +154,7 @@ class _Build:
                 self._run("table", wave, self.sampled, N_POINTS)
             found = self._assembled()
             errors = self._errors_between(found, number)
-            checks = self._checks(errors)
+            checks = self._checks(found, errors)
             wrong = self._intervals_above(errors)
             n_added = len(wrong) * len(self._positions()) // len(self.lateral)
             if checks["within_tolerance"] or not wrong or len(self._positions()) + n_added > MAX_POSITIONS:
@@ -185,7 +183,7 @@ class _Build:
 
         Lateral positions by halving at the middle yaw and load, then other loads, then other yaws.
         """
-        yaw, load = (float(axis[len(axis) // 2]) for axis in (self.request.yaw_mrad, self.request.load_kN))
+        yaw, load = (axis[len(axis) // 2] for axis in self._axes[1:])
         groups, step = [self.lateral[:1]], 1 << max(len(self.lateral) - 2, 0).bit_length()
         while step:
             groups.append(self.lateral[step :: 2 * step])
@@ -222,10 +220,13 @@ class _Build:
         between = (1.0 - share) * self.sampled[low]["beyond"] + share * self.sampled[high]["beyond"]
         return {"side": sides, "beyond": between.astype(np.float32)}
 
+    @property
+    def _axes(self) -> tuple[list[float], list[float], list[float]]:
+        """Lateral positions, yaws and loads."""
+        return self.lateral, [*map(float, self.request.yaw_mrad)], [*map(float, self.request.load_kN)]
+
     def _positions(self) -> list[Position]:
-        return list(
-            itertools.product(self.lateral, map(float, self.request.yaw_mrad), map(float, self.request.load_kN))
-        )
+        return [*itertools.product(*self._axes)]
 
     def _run(self, kind: str, positions: Iterable[Position], store: dict[Position, Arrays], n_points: int = 0) -> None:
         """Compute what is missing."""
@@ -297,9 +298,7 @@ class _Build:
 
     def _assembled(self) -> CreepTable:
         """The table without its checks."""
-        axes = [
-            np.array(each, dtype=np.float64) for each in (self.lateral, self.request.yaw_mrad, self.request.load_kN)
-        ]
+        axes = [np.array(each, dtype=np.float64) for each in self._axes]
         shape = tuple(map(len, axes))
         places = dict(zip(self._positions(), np.ndindex(shape), strict=True))
         most = max(int(np.bincount(found["side"], minlength=2).max()) for found in self.sampled.values())
@@ -332,7 +331,7 @@ class _Build:
     def _errors_between(self, table: CreepTable, number: int) -> list[dict[str, Any]]:
         """Compare with exact forces at random positions and creepages, at others in each pass."""
         random = np.random.default_rng(number)
-        ends = [(axis[0], axis[-1]) for axis in (self.lateral, self.request.yaw_mrad, self.request.load_kN)]
+        ends = [(axis[0], axis[-1]) for axis in self._axes]
         points: list[Position] = [
             tuple(round(float(random.uniform(*each)), 6) for each in ends)  # type: ignore[misc]
             for _ in range(N_RANDOM)
@@ -344,7 +343,7 @@ class _Build:
             for error in _differences(table, position, self.checked[position])
         ]
 
-    def _checks(self, between: list[dict[str, Any]]) -> dict[str, Any]:
+    def _checks(self, table: CreepTable, between: list[dict[str, Any]]) -> dict[str, Any]:
         """What the checks found, for the metadata."""
         used = [self.sampled[each] for each in self._positions()]
         force, moment = (
@@ -352,11 +351,12 @@ class _Build:
         )
         smooth, jumping = ([each for each in between if each["jump"] == jump] for jump in (False, True))
         claimed = claimed_error(*(np.array([each[name] for each in smooth]) for name in ("force", "place")))
-        joined = self._cells(tuple(map(len, (self.lateral, self.request.yaw_mrad, self.request.load_kN))))
         jumps = [
             {"side": name, "lateral_mm": (low + high) / 2.0, "width_mm": high - low}
             for side, name in enumerate(SIDES)
-            for (low, high), cells in zip(itertools.pairwise(self.lateral), joined[..., side], strict=False)
+            for (low, high), cells in zip(
+                itertools.pairwise(self.lateral), table.values["joined"][..., side], strict=False
+            )
             if not cells.all()
         ]
         return {

@@ -13,10 +13,7 @@ from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
-from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset.rolling.patch_rolling import rolling_contact_of
-from flangeway.railway.wheelset.running_surfaces import running_surfaces
-from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.results import sentence
@@ -76,19 +73,15 @@ def compute_position(task: PositionTask) -> Arrays:
 
 @lru_cache(maxsize=1)
 def _prepared(bodies: str) -> SpatialWheelset:
-    case = SpatialWheelsetCase.model_validate_json(bodies)
-    problem, model = case.problem(), case.spatial_model()
-    return SpatialWheelset(problem, running_surfaces(problem, model, cache=Cache.of_user()), model)
+    prepared: SpatialWheelset = SpatialWheelsetCase.model_validate_json(bodies).prepared()
+    return prepared
 
 
 def _computed(task: PositionTask) -> Arrays:
-    case = task.own_case
-    prescribed = Prescribed(case.lateral_mm, None, None)
-    whole = _prepared(task.case.model_dump_json()).at(case.load(), prescribed, case.spatial_model().yaw_rad)
-    result = solve_position(whole, {})
+    result = task.own_case.run_on(_prepared(task.case.model_dump_json())).space
     if not result.status.converged:
         raise _refused(task, result.status)
-    axle = np.append(result.equilibrium.position.axle(whole.problem.wheelset), 0.0)
+    axle = np.append(result.equilibrium.position.axle(result.problem.wheelset), 0.0)
     patches = sorted(result.patches, key=lambda patch: (SIDES.index(patch.side), -patch.rail_point_mm[0]))
     sampled = [SampledPatch(rolling_contact_of(patch, Friction(FRICTION))) for patch in patches]
     rows = [_numbers(patch, each, axle) for patch, each in zip(patches, sampled, strict=True)]

@@ -111,13 +111,13 @@ class Collective:
         Both sides then wear alike. Each side by itself would differ by round-off, and rigid wheels that differ by this
         touch at other places where worn surfaces conform.
         """
-        if any(not (each.problem.track.is_symmetric and each.problem.wheelset.is_symmetric) for each in self.states):
+        if any(not (state.problem.track.is_symmetric and state.problem.wheelset.is_symmetric) for state in self.states):
             return False
-        mirrored = [each.mirrored for each in self.states]
+        mirrored = [state.mirrored for state in self.states]
         # twice mirrored has no -0.0 either
         here, there = (
-            sorted(f"{each.share!r} {each.problem!r} {each.model!r}" for each in states)
-            for states in ([each.mirrored for each in mirrored], mirrored)
+            sorted(f"{state.share!r} {state.problem!r} {state.model!r}" for state in states)
+            for states in ([state.mirrored for state in mirrored], mirrored)
         )
         return here == there
 
@@ -125,24 +125,24 @@ class Collective:
         """Whose profiles wear by a wheel or a rail of a side, and by which part of it."""
         if not self.separate:
             return {(role, "right"): 0.5}
-        return {(role, each): 0.5 for each in SIDES} if self.is_symmetric else {(role, side): 1.0}
+        return {(role, worn_side): 0.5 for worn_side in SIDES} if self.is_symmetric else {(role, side): 1.0}
 
     def profiles(self, roles: Sequence[Role]) -> dict[SurfaceKey, WheelProfile | RailProfile]:
         """New profiles of bodies that wear; an `InputError` if states have different ones of them."""
-        found: dict[SurfaceKey, WheelProfile | RailProfile] = {}
+        profiles: dict[SurfaceKey, WheelProfile | RailProfile] = {}
         sides: Sequence[Side] = SIDES if self.separate else ("right",)
         for state in self.states:
             track, wheelset = state.problem.track, state.problem.wheelset
             for role in roles:
                 for side in sides:
                     profile = wheelset.wheel_of(side) if role == "wheel" else track.rail_of(side)
-                    if found.setdefault((role, side), profile) != profile:
+                    if profiles.setdefault((role, side), profile) != profile:
                         raise InputError(
-                            f"{state.name}: {side} {role} {profile.title}, and {found[role, side].title} before",
+                            f"{state.name}: {side} {role} {profile.title}, and {profiles[role, side].title} before",
                             f"one {role} that wears",
                             f"leave out the wear of {role}s, which may then differ, or give all states the same",
                         )
-        return found
+        return profiles
 
     def problem_with(self, state: RunningState, profiles: Mapping[SurfaceKey, Any]) -> WheelsetProblem:
         """The problem of a state with other profiles; one for both sides makes the sides alike."""
@@ -177,7 +177,7 @@ def parts_of(state: Mapping[str, Any]) -> list[dict[str, Any]]:
     """
     ranges, number, name = ranges_of(state), state.get("parts", 1), state["name"]
     for key, pair in ranges.items():
-        numbers = [each for each in pair if isinstance(each, int | float) and math.isfinite(each)]
+        numbers = [number for number in pair if isinstance(number, int | float) and math.isfinite(number)]
         if len(pair) != 2 or len(numbers) != 2 or (key == RADIUS and not numbers[0] * numbers[1] > 0.0):
             raise InputError(
                 f"{name}: {key} = {list(pair)}",
@@ -186,12 +186,12 @@ def parts_of(state: Mapping[str, Any]) -> list[dict[str, Any]]:
             )
     if number > 1 and not ranges:
         raise InputError(f"{name}: {number} parts of a state without ranges", "inputs with [first, last]", "add one")
-    found = []
+    parts = []
     for part in range(number):
         at = {key: _between(key, pair, (part + 0.5) / number) for key, pair in ranges.items()}
         of_part = {"name": f"{name}, {part + 1} of {number}" if number > 1 else name, "share": state["share"] / number}
-        found.append({key: value for key, value in state.items() if key != "parts"} | at | of_part)
-    return found
+        parts.append({key: value for key, value in state.items() if key != "parts"} | at | of_part)
+    return parts
 
 
 def _between(key: str, ends: Sequence[float], fraction: float) -> float:

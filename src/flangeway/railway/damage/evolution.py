@@ -3,7 +3,7 @@
 import hashlib
 import json
 import sqlite3
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -31,7 +31,7 @@ from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWhe
 from flangeway.results import sentence, with_unit
 from flangeway.system.disk_cache import Cache
 from flangeway.system.output_folder import versions
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 MM_PER_KM = 1e6
 MAX_COMPLIANCE_WEAR_MM = 1.0
@@ -126,23 +126,23 @@ class EvolutionStep:
     @property
     def unconverged(self) -> tuple[str, ...]:
         """Names of the states without equilibrium."""
-        return tuple(f"{each.name}: " + each.message for each in self.states if each.message)
+        return tuple(f"{state.name}: " + state.message for state in self.states if state.message)
 
     @property
     def row(self) -> dict[str, float]:
         """Numbers for a table: depths, areas, measures, mean T-gamma and maximum pressure."""
-        found = {"position": self.position, "t_gamma_N": self.t_gamma_N}
-        pressures = [patch.max_pressure_MPa for each in self.states for patch in each.patches]
-        found["max_pressure_MPa"] = max(pressures, default=float("nan"))
+        row = {"position": self.position, "t_gamma_N": self.t_gamma_N}
+        pressures = [patch.max_pressure_MPa for state in self.states for patch in state.patches]
+        row["max_pressure_MPa"] = max(pressures, default=float("nan"))
         indices = [
-            patch.fatigue_index for each in self.states for patch in each.patches if patch.fatigue_index is not None
+            patch.fatigue_index for state in self.states for patch in state.patches if patch.fatigue_index is not None
         ]
-        found["max_fatigue_index"] = max(indices, default=float("nan"))
+        row["max_fatigue_index"] = max(indices, default=float("nan"))
         for (role, side), surface in self.surfaces.items():
             numbers = {"depth_mm": float(surface.depth.max()), "area_mm2": surface.worn_area_mm2}
             numbers |= worn_measures(surface) | {"max_damage": float(self.damage[role, side].max())}
-            found |= {f"{side}_{role}_{name}": value for name, value in numbers.items()}
-        return found
+            row |= {f"{side}_{role}_{name}": value for name, value in numbers.items()}
+        return row
 
 
 def limit_positions(steps: Sequence[EvolutionStep], limits: Mapping[str, float]) -> dict[str, float]:
@@ -150,15 +150,15 @@ def limit_positions(steps: Sequence[EvolutionStep], limits: Mapping[str, float])
 
     By the names in `EvolutionStep.reached`.
     """
-    last, found = steps[-1], dict[str, float]()
+    last, positions = steps[-1], dict[str, float]()
     for key, surface in last.surfaces.items():
         for name in reached(surface, limits):
             whole, position = f"{key[0]}: {name}", last.position
             if len(steps) > 1:
                 before, after = (worn_measures(step.surfaces[key])[LIMITS[name].measure] for step in steps[-2:])
                 position -= (last.position - steps[-2].position) * (after - limits[name]) / (after - before)
-            found[whole] = min(position, found.get(whole, position))
-    return found
+            positions[whole] = min(position, positions.get(whole, position))
+    return positions
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,9 +212,7 @@ class Evolution:
             return MM_PER_KM
         return 1.0 if self.unit == "axles" else float(self.settings.axles_per_km or 0.0)
 
-    def run(
-        self, file: Path | None = None, progress: Callable[[str], None] = lambda _: None
-    ) -> tuple[EvolutionStep, ...]:
+    def run(self, file: Path | None = None, progress: Progress = lambda _: None) -> tuple[EvolutionStep, ...]:
         """Evolve to the end or the first limit.
 
         - `file`: SQLite file in which each step is stored when it is done; a run that was interrupted goes on from
@@ -257,7 +255,7 @@ class Evolution:
     def _ends(self, step: EvolutionStep) -> bool:
         return step.position >= self.settings.end or bool(step.reached)
 
-    def _next(self, steps: list[EvolutionStep], progress: Callable[[str], None]) -> EvolutionStep:
+    def _next(self, steps: list[EvolutionStep], progress: Progress) -> EvolutionStep:
         """Take a step by Heun's method, whose error is estimated by the difference from Euler's.
 
         Depth ``h (f0 + f1) / 2`` with rates ``f0`` at its start and ``f1`` after Euler's step ``h f0``; the difference
@@ -276,7 +274,7 @@ class Evolution:
         while True:
             # the end exactly, so that a run to it ends there
             end = settings.end if last.position + way >= settings.end * (1.0 - 1e-12) else last.position + way
-            predicted = {key: each.worn_by(way * last.rates[key]) for key, each in last.surfaces.items()}
+            predicted = {key: surface.worn_by(way * last.rates[key]) for key, surface in last.surfaces.items()}
             there = self._evaluated(end, predicted, last.damage, progress, last.states)
             error = max(0.5 * way * float(np.abs(there.rates[key] - last.rates[key]).max()) for key in last.rates)
             if error <= settings.max_error_mm:
@@ -285,16 +283,17 @@ class Evolution:
             way *= self._stretch(error)
         half = 0.5 * way
         surfaces = {
-            key: each.worn_by(half * (last.rates[key] + there.rates[key])) for key, each in last.surfaces.items()
+            key: surface.worn_by(half * (last.rates[key] + there.rates[key])) for key, surface in last.surfaces.items()
         }
         damage = {
-            key: each + half * (last.damage_rates[key] + there.damage_rates[key]) for key, each in last.damage.items()
+            key: summed + half * (last.damage_rates[key] + there.damage_rates[key])
+            for key, summed in last.damage.items()
         }
-        found = self._evaluated(end, surfaces, damage, progress, there.states)
+        step = self._evaluated(end, surfaces, damage, progress, there.states)
         # what did not converge on the way is reported as well
-        both = zip(found.states, there.states, strict=True)
+        both = zip(step.states, there.states, strict=True)
         states = tuple(replace(state, message=state.message or other.message) for state, other in both)
-        return replace(found, states=states, error_mm=error)
+        return replace(step, states=states, error_mm=error)
 
     def _stretch(self, error_mm: float) -> float:
         """Length of the next step over that of one with an error."""
@@ -303,15 +302,17 @@ class Evolution:
 
     def _limits_of(self, surfaces: Mapping[SurfaceKey, WornSurface]) -> tuple[str, ...]:
         """Limits that are reached, with the role of the profile."""
-        found = (f"{key[0]}: {name}" for key, each in surfaces.items() for name in reached(each, self.settings.limits))
-        return tuple(dict.fromkeys(found))
+        limits = (
+            f"{key[0]}: {name}" for key, surface in surfaces.items() for name in reached(surface, self.settings.limits)
+        )
+        return tuple(dict.fromkeys(limits))
 
     def _evaluated(
         self,
         position: float,
         surfaces: Mapping[SurfaceKey, WornSurface],
         damage: Mapping[SurfaceKey, Floats],
-        progress: Callable[[str], None],
+        progress: Progress,
         near: Sequence[StateDamage] = (),
     ) -> EvolutionStep:
         """Solve all states on worn profiles.
@@ -322,7 +323,9 @@ class Evolution:
         profiles = {key: surface.worn_body if deep else surface.worn for key, surface in surfaces.items()}
         if self.collective.is_symmetric:
             profiles = {(role, side): profiles[role, "right"] for role, side in profiles}
-        rates, damage_rates = ({key: np.zeros(len(each.depth)) for key, each in surfaces.items()} for _ in range(2))
+        rates, damage_rates = (
+            {key: np.zeros(len(surface.depth)) for key, surface in surfaces.items()} for _ in range(2)
+        )
         made, bodies = list[SpatialWheelset](), ElasticBodies()
         states, t_gamma, solved = [], 0.0, 0.0
         all_states, end = self.collective.states, self.settings.end
@@ -330,18 +333,18 @@ class Evolution:
             share = state.share
             progress(f"{position:.4g} of {end:.4g} {self.unit}, state {count} of {len(all_states)}")
             problem = self.collective.problem_with(state, profiles)
-            place = near[count - 1].place if near else None
+            start = near[count - 1].place if near else None
             try:
-                result = _solved(SpatialWheelset(problem, {}, state.model), made, bodies, place)
+                result = _solved(SpatialWheelset(problem, {}, state.model), made, bodies, start)
                 message = "" if result.status.converged else result.status.message
             except InputError as reason:
                 message = reason.given
             if message:
                 states.append(StateDamage(state.name, (), message))
                 continue
-            place = RollingPlace.of(result.equilibrium)
-            states.append(StateDamage(state.name, tuple(patch_damage(result)), place=place))
-            t_gamma += share * sum(each.t_gamma_N for each in states[-1].patches)
+            start = RollingPlace.of(result.equilibrium)
+            states.append(StateDamage(state.name, tuple(patch_damage(result)), place=start))
+            t_gamma += share * sum(patch.t_gamma_N for patch in states[-1].patches)
             solved += share
             for wear in row_wear(result, dict(self.laws)):
                 widths = np.linalg.norm(np.diff(wear.ends, axis=1)[:, 0], axis=1)
@@ -362,8 +365,8 @@ class Evolution:
                 "run the states as cases of their own",
             )
         # states without equilibrium wear as the mean of the others
-        rates = {key: surfaces[key].filtered(each / solved, self.settings.filter_mm) for key, each in rates.items()}
-        damage_rates = {key: each / solved for key, each in damage_rates.items()}
+        rates = {key: surfaces[key].filtered(rate / solved, self.settings.filter_mm) for key, rate in rates.items()}
+        damage_rates = {key: rate / solved for key, rate in damage_rates.items()}
         return EvolutionStep(
             position,
             surfaces,
@@ -395,10 +398,10 @@ class Evolution:
             "position": step.position,
             "t_gamma_N": step.t_gamma_N,
             "error_mm": step.error_mm,
-            "states": [asdict(each) for each in step.states],
+            "states": [asdict(state) for state in step.states],
             "depth": {" ".join(key): surface.depth.tolist() for key, surface in step.surfaces.items()},
             **{
-                name: {" ".join(key): each.tolist() for key, each in getattr(step, name).items()}
+                name: {" ".join(key): array.tolist() for key, array in getattr(step, name).items()}
                 for name in OVER_PIECES
             },
         }
@@ -410,15 +413,17 @@ class Evolution:
             return {key: np.array(row[name][" ".join(key)]) for key in profiles}
 
         depths = stored("depth")
-        surfaces = {key: WornSurface(each, depths[key], self.settings.spacing_mm) for key, each in profiles.items()}
+        surfaces = {
+            key: WornSurface(profile, depths[key], self.settings.spacing_mm) for key, profile in profiles.items()
+        }
         states = tuple(
             StateDamage(
-                each["name"],
-                tuple(PatchDamage(**patch) for patch in each["patches"]),
-                each["message"],
-                None if each["place"] is None else RollingPlace(*each["place"]),
+                state["name"],
+                tuple(PatchDamage(**patch) for patch in state["patches"]),
+                state["message"],
+                None if state["place"] is None else RollingPlace(*state["place"]),
             )
-            for each in row["states"]
+            for state in row["states"]
         )
         return EvolutionStep(
             position=row["position"],
@@ -437,9 +442,9 @@ def _solved(
     """Solve a state; equal bodies, and rigid geometry of equal wheelsets on equal tracks, are made once."""
     problem, model = wheelset.problem, wheelset.model
     for other in made:
-        found = other.at(problem.load, problem.prescribed, model.yaw_rad, model.rolling)
-        if (found.problem, found.model) == (problem, model):
-            return solve_position(found, {}, near=near)
+        moved = other.at(problem.load, problem.prescribed, model.yaw_rad, model.rolling)
+        if (moved.problem, moved.model) == (problem, model):
+            return solve_position(moved, {}, near=near)
     made.append(replace(wheelset, surfaces=running_surfaces(problem, model, cache=Cache.of_user(), done=bodies)))
     return solve_position(made[-1], {}, near=near)
 

@@ -444,7 +444,7 @@ def patch_loads(rolling: RollingPatch) -> CellLoads:
 
 def row_wear(result: SpatialResult, laws: dict[Role, WearLaw]) -> list[RowWear]:
     """Wear of both sides' wheels and rails by a wheelset that rolls; bodies without a law do not wear."""
-    found: list[RowWear] = []
+    rows: list[RowWear] = []
     for rolling in result.rolling:
         loads, damage = patch_loads(rolling), float(t_gamma_damage(np.array(rolling.t_gamma_N)).net)
         for role in ROLES:
@@ -456,8 +456,8 @@ def row_wear(result: SpatialResult, laws: dict[Role, WearLaw]) -> list[RowWear]:
             if not worn.size:
                 continue
             ends, radii = _ends(rolling, role)
-            found.append(RowWear(rolling.patch.side, role, ends[worn], areas[worn], radii[worn], damage))
-    return found
+            rows.append(RowWear(rolling.patch.side, role, ends[worn], areas[worn], radii[worn], damage))
+    return rows
 
 
 def _ends(rolling: RollingPatch, role: Role) -> tuple[Floats, Floats]:
@@ -480,11 +480,11 @@ def _ends(rolling: RollingPatch, role: Role) -> tuple[Floats, Floats]:
 def patch_damage(result: SpatialResult) -> Sequence[PatchDamage]:
     """Numbers of the patches of a wheelset that rolls."""
     shear = None if result.yield_MPa is None else result.yield_MPa / np.sqrt(3.0)
-    found = []
+    damages = []
     for rolling in result.rolling:
         patch, friction = rolling.patch, rolling.used_friction
         p0, (a, b) = patch.ellipse.max_pressure, patch.ellipse.semi_axes
-        found.append(
+        damages.append(
             PatchDamage(
                 patch.side,
                 patch.region,
@@ -496,4 +496,4 @@ def patch_damage(result: SpatialResult) -> Sequence[PatchDamage]:
                 float(t_gamma_damage(np.array(rolling.t_gamma_N)).net),
             )
         )
-    return found
+    return damages

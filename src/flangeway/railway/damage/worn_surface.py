@@ -228,7 +228,7 @@ class WornSurface:
         first, last = self.bounds[np.clip(limits + np.array([-1, 1]), 0, len(self.bounds) - 1)]
         depth, slope = self._depth_at, self._depth_at.derivative()
         touched = (starts[1:] > first) & (starts[:-1] < last)
-        ends = np.array([[each.point([0.0, 1.0]), each.normal([0.0, 1.0])] for each in surface.segments])
+        ends = np.array([[segment.point([0.0, 1.0]), segment.normal([0.0, 1.0])] for segment in surface.segments])
         depths = np.stack((depth(starts[:-1]), depth(starts[1:])), axis=1) * touched[:, None]
         points = ends[:, 0] - depths[..., None] * ends[:, 1]
         # neighbours meet at the mean of their worn ends, which are apart at corners, or at the end that stays
@@ -343,14 +343,14 @@ def worn_measures(surface: WornSurface) -> dict[str, float]:
     """
     worn = surface.worn.running_surface.sampled(spacing=0.1, max_deviation=1e-4)
     if isinstance(surface.new, WheelProfile):
-        found = measures(surface.from_tread, "wheel")
+        measured = measures(surface.from_tread, "wheel")
         tread = worn[worn[:, 0] > HOLLOW_FROM_MM]
         rim = np.minimum.accumulate(tread[::-1, 1])[::-1]
         hollow = float((tread[:, 1] - rim).max())
-        return found | {"tread_wear_mm": surface.radius_loss_mm, "hollow_mm": hollow} | _cut(surface)
+        return measured | {"tread_wear_mm": surface.radius_loss_mm, "hollow_mm": hollow} | _cut(surface)
     new = surface.surface.sampled(spacing=0.1, max_deviation=1e-4)
     level = float(new[:, 1].max()) - GAUGE_DEPTH_MM
-    heights, faces = ([_at(each, axis, at) for each in (new, worn)] for axis, at in ((0, 0.0), (1, level)))
+    heights, faces = ([_at(profile, axis, at) for profile in (new, worn)] for axis, at in ((0, 0.0), (1, level)))
     return {"top_wear_mm": heights[0] - heights[1], "side_wear_mm": faces[1] - faces[0]} | _cut(surface)
 
 
@@ -377,9 +377,9 @@ def check_limits(limits: Mapping[str, float]) -> None:
 
 def reached(surface: WornSurface, limits: Mapping[str, float]) -> tuple[str, ...]:
     """Names of the limits that a profile has reached; those of the other kind of profile do not count."""
-    found, kinds = worn_measures(surface), [(name, LIMITS[name], limit) for name, limit in limits.items()]
+    measured, kinds = worn_measures(surface), [(name, LIMITS[name], limit) for name, limit in limits.items()]
     return tuple(
         name
         for name, kind, limit in kinds
-        if kind.measure in found and (found[kind.measure] - limit) * kind.sense >= 0.0
+        if kind.measure in measured and (measured[kind.measure] - limit) * kind.sense >= 0.0
     )

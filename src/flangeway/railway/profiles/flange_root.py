@@ -83,7 +83,7 @@ def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfi
     along, off = tread.tangent(0.0)[0], tread.normal(0.0)[0]
     # the outline has the wheel on its left: the flange root's hollow arcs have their centres on its right
     arm = np.array(narrow.centre) - np.array(tread.start)
-    depth, place = float(arm @ off), float(arm @ along)
+    depth, along_arm = float(arm @ off), float(arm @ along)
     square = (radius_mm - narrow.radius) ** 2 - (radius_mm - depth) ** 2
     if radius_mm <= narrow.radius or square <= 0.0:
         raise InputError(
@@ -91,7 +91,7 @@ def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfi
             sentence("more than {:.1f mm}", 0.5 * (narrow.radius + depth)),
             sentence("leave it out for {38.1 mm}"),
         )
-    foot = np.array(tread.start) + (place + math.sqrt(square)) * along
+    foot = np.array(tread.start) + (along_arm + math.sqrt(square)) * along
     centre = foot + radius_mm * off
     ray = np.array(narrow.centre) - centre
     joint = as_point(centre + radius_mm * ray / norms(ray))

@@ -32,8 +32,8 @@ from flangeway.results import sentence
 
 
 _HEAD_SHARE = 0.6  # of the height: above it the widest point belongs to the head
-_SAME = 1e-6
-_FLAT = 1e-6
+_POSITION_TOLERANCE = 1e-6
+_SLOPE_TOLERANCE = 1e-6
 _SPACING_MM = 0.05
 
 
@@ -61,7 +61,7 @@ def whole_profile(measured: MeasuredProfile) -> RailProfile | WheelProfile:
 def _rail(outline: Outline, title: str, certainty: str, source: str) -> RailProfile:
     low = outline.bounds()[0]
     size = outline.size
-    base = [i for i, segment in enumerate(outline.segments) if segment.bounds[1, 1] - low[1] <= _FLAT * size]
+    base = [i for i, segment in enumerate(outline.segments) if segment.bounds[1, 1] - low[1] <= _SLOPE_TOLERANCE * size]
     if not base:
         raise InputError("a rail without a flat base", "a straight side at the lowest height", "check the outline")
     ends = np.array([p for i in base for p in (outline.segments[i].start, outline.segments[i].end)])
@@ -92,7 +92,7 @@ def _wheel(outline: Outline, title: str, flange_back_mm: float, certainty: str, 
     high = outline.top
     names: dict[int, str] = {}
     for i, segment in enumerate(outline.segments):
-        if isinstance(segment, Line) and segment.bounds[0, 1] >= high - _FLAT * outline.size:
+        if isinstance(segment, Line) and segment.bounds[0, 1] >= high - _SLOPE_TOLERANCE * outline.size:
             names[i] = "cut"
     if not names:
         raise InputError("a wheel without a level cut on top", "a straight, level side on top", "check the outline")
@@ -115,10 +115,10 @@ def _renamed(outline: Outline, names: dict[int, str], other: str) -> Outline:
     return Outline.from_segments(outline.segments, [names.get(i, other) for i in range(outline.n_segments)])
 
 
-def point_at(outline: Outline, place: float) -> Point:
+def point_at(outline: Outline, length: float) -> Point:
     """Return the point at a length along an outline."""
-    i = int(outline.numbers_at(np.array(place)))
-    return as_point(outline.segments[i].point((place - outline.offsets[i]) / outline.segments[i].length)[0])
+    i = int(outline.numbers_at(np.array(length)))
+    return as_point(outline.segments[i].point((length - outline.offsets[i]) / outline.segments[i].length)[0])
 
 
 def pieces_between(outline: Contour, first: float, last: float) -> list[tuple[str, Segment]]:
@@ -130,11 +130,15 @@ def pieces_between(outline: Contour, first: float, last: float) -> list[tuple[st
         for i, segment in enumerate(outline.segments):
             low, high = outline.offsets[i : i + 2] + lap
             start, end = max(first, low), min(last, high)
-            if end - start <= _SAME:
+            if end - start <= _POSITION_TOLERANCE:
                 continue
-            cuts = [(at - low) / segment.length for at in (start, end) if low + _SAME < at < high - _SAME]
+            cuts = [
+                (at - low) / segment.length
+                for at in (start, end)
+                if low + _POSITION_TOLERANCE < at < high - _POSITION_TOLERANCE
+            ]
             parts = segment.split(cuts) if cuts else (segment,)
-            inside = 1 if start > low + _SAME else 0
+            inside = 1 if start > low + _POSITION_TOLERANCE else 0
             pieces.append((outline.names[i], parts[inside]))
     return pieces
 
@@ -553,7 +557,7 @@ def _joints(
     names = ("transition_field", "transition_gauge") if is_rail else ("transition_back", "transition_rim")
     limits = (MAX_GAP_MM, MAX_GAP_MM if is_rail else MAX_RIM_GAP_MM)
     total = float(nominal.outline.offsets[-1])
-    places, joints = [], []
+    lengths, joints = [], []
     for i, (end, sense) in enumerate(zip(surface.ends, (-1.0, 1.0), strict=True)):
         foot_place = float(nominal.outline.lengths_at([end])[0])
         foot = point_at(nominal.outline, foot_place % total)
@@ -573,18 +577,18 @@ def _joints(
                 + ("" if is_rail else ", and the tape line: --tape"),
             )
         blend = min(max(MIN_BLEND_MM, BLEND_FACTOR * gap), MAX_BLEND_MM)
-        place = (foot_place + sense * blend) % total
-        places.append(place)
-        joints.append(Joint(end, foot, point_at(nominal.outline, place), gap, names[i]))
-    return places, (joints[0], joints[1])
+        length = (foot_place + sense * blend) % total
+        lengths.append(length)
+        joints.append(Joint(end, foot, point_at(nominal.outline, length), gap, names[i]))
+    return lengths, (joints[0], joints[1])
 
 
 def _closed(
     surface: Contour, nominal: RailProfile | WheelProfile, where: Callable[[Point], str]
 ) -> tuple[Outline, tuple[Joint, Joint]]:
     """Return the outline of the measured surface, both transitions, and the remainder of the nominal outline."""
-    places, joints = _joints(surface, nominal, where)
-    others = pieces_between(nominal.outline, places[1], places[0])
+    lengths, joints = _joints(surface, nominal, where)
+    others = pieces_between(nominal.outline, lengths[1], lengths[0])
     chain: list[tuple[str, Segment]] = [
         (joints[0].name, Line(joints[0].landing, joints[0].end)),
         *((MEASURED, segment) for segment in surface.segments),

@@ -6,14 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Segment, as_point
 from flangeway.geometry.arrays import chain_lengths, cross_product, norms
 from flangeway.results import sentence
-from flangeway.types import Floats, floats
+from flangeway.types import Bools, Floats, floats
 
 # --- Measured points to a smooth curve of arcs: a smoothing spline on arc length, whose deviation is reported and
 # limited.
@@ -108,13 +107,13 @@ def noise_um(points: FloatArray) -> float:
     not moved by corners or single bad points. Noise that neighbours share is not seen.
     """
     s = chain_lengths(points)
-    places = np.arange(2, len(points) - 2)[:, None] + np.arange(-2, 3)
-    local = s[places]
+    rows = np.arange(2, len(points) - 2)[:, None] + np.arange(-2, 3)
+    local = s[rows]
     gaps = local[:, :, None] - local[:, None, :] + np.eye(5)
     weights = 1.0 / gaps.prod(axis=2)
     weights /= np.sqrt((weights**2).sum(axis=1))[:, None]
-    residuals = np.einsum("ij,ijk->ik", weights, points[places])
-    along = points[places[:, -1]] - points[places[:, 0]]
+    residuals = np.einsum("ij,ijk->ik", weights, points[rows])
+    along = points[rows[:, -1]] - points[rows[:, 0]]
     across = cross_product(residuals, along)
     return 1.4826e3 * float(np.median(np.abs(across / norms(along))))
 
@@ -200,7 +199,7 @@ def _limited_spline(
     spacing = np.gradient(all_s)
     bending = (wavelength / (2.0 * math.pi)) ** 4
     weight = np.ones(len(all_s))
-    held: NDArray[np.bool_] = np.zeros(len(s), dtype=np.bool_)
+    held: Bools = np.zeros(len(s), dtype=np.bool_)
     for _ in range(_N_ROUNDS):
         spline = _spline(all_s, all_points, weight * spacing, bending)
         deviations = _distances(spline, s, points)

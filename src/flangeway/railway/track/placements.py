@@ -68,12 +68,12 @@ def usual_gauge(gauge_mm: float) -> UsualGauge:
 
     An `InputError` if there is none near: the distance of the wheels is needed then.
     """
-    near = min(USUAL_GAUGES, key=lambda each: abs(gauge_mm - each.gauge_mm))
+    near = min(USUAL_GAUGES, key=lambda gauge: abs(gauge_mm - gauge.gauge_mm))
     if not GAUGE_OFF_MM[0] <= gauge_mm - near.gauge_mm <= GAUGE_OFF_MM[1]:
         raise InputError(
             sentence("{gauge_mm = :g} without back_to_back_mm", gauge_mm),
             "gauge_mm and back_to_back_mm, or a gauge near "
-            + joined_text(", ", (with_unit(each.gauge_mm, "(mm)") for each in USUAL_GAUGES[:-1]))
+            + joined_text(", ", (with_unit(gauge.gauge_mm, "(mm)") for gauge in USUAL_GAUGES[:-1]))
             + sentence(", {:g mm}", USUAL_GAUGES[-1].gauge_mm),
             "give the distance between the wheels' inner faces as back_to_back_mm",
         )
@@ -281,16 +281,16 @@ def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
     """
     given = sentence("{gauge_mm = :g} and {back_to_back_mm = :g} do not fit", track.gauge_mm, wheelset.back_to_back_mm)
     allowed, room = "wheels that stand on the heads of the rails, with their flanges between these", 0.0
-    usual = [each for each in USUAL_GAUGES if abs(each.gauge_mm - track.gauge_mm) <= GAUGE_OFF_MM[1]]
+    usual = [gauge for gauge in USUAL_GAUGES if abs(gauge.gauge_mm - track.gauge_mm) <= GAUGE_OFF_MM[1]]
     advice = "check gauge_mm and back_to_back_mm" + joined_text(
         "",
         (
             sentence(
                 ": {:g (mm)} goes with {:g (mm)}, and is taken where back_to_back_mm is left out",
-                each.back_to_back_mm,
-                each.gauge_mm,
+                gauge.back_to_back_mm,
+                gauge.gauge_mm,
             )
-            for each in usual
+            for gauge in usual
         ),
     )
     for side in SIDES:
@@ -299,7 +299,7 @@ def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
         on_wheel = wheelset.placement(side).points(wheel.running_surface.sampled(spacing=0.5)) * [outward, 1.0]
         on_rail = track.placement(side).points(rail.running_surface.sampled(spacing=0.5)) * [outward, 1.0]
         (near, far), (inner, outer) = (
-            (float(each[:, 0].min()), float(each[:, 0].max())) for each in (on_wheel, on_rail)
+            (float(points[:, 0].min()), float(points[:, 0].max())) for points in (on_wheel, on_rail)
         )
         missed = max(inner - far, near - outer)
         if missed > 0.0:

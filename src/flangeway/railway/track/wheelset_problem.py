@@ -228,10 +228,10 @@ class Prescribed:
     roll_rad: float | None = None
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            value = getattr(self, each.name)
+        for component in fields(self):
+            value = getattr(self, component.name)
             if value is not None:
-                check_finite("Prescribed", each.name, value, advice="leave it out to find it")
+                check_finite("Prescribed", component.name, value, advice="leave it out to find it")
 
     @property
     def components(self) -> tuple[float | None, float | None, float | None]:

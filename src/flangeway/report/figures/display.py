@@ -63,8 +63,8 @@ class Display:
         inner = on_edge & (self.step > 0) & (self.step < self.pieces)
         numbers[inner] = mesh.n_points + self.edge[inner] * (self.pieces - 1) + self.step[inner] - 1
         for end, step in enumerate((0, self.pieces)):
-            mine = on_edge & (self.step == step)
-            numbers[mine] = mesh.edges[self.edge[mine], end]
+            of_step = on_edge & (self.step == step)
+            numbers[of_step] = mesh.edges[self.edge[of_step], end]
         return numbers
 
     def function(self, dofs: Floats) -> Floats:
@@ -96,11 +96,13 @@ def display(space: Space, pieces: int | None = None) -> Display:
     parts = []
     for n_vertices, cells in mesh.batches():
         centres, seen = cell_centres(mesh, cells)
-        places = mesh.batch_places(n_vertices, cells)
+        entries = mesh.batch_places(n_vertices, cells)
         if seen.any():
-            parts.append(_fans(space, pieces, cells[seen], places[seen], centres[seen], mesh.cell_edges[places[seen]]))
+            parts.append(
+                _fans(space, pieces, cells[seen], entries[seen], centres[seen], mesh.cell_edges[entries[seen]])
+            )
         for row in np.flatnonzero(~seen).tolist():
-            parts += _star_fans(space, pieces, int(cells[row]), places[row])
+            parts += _star_fans(space, pieces, int(cells[row]), entries[row])
     starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
     triangles = np.concatenate([part[2] + start for part, start in zip(parts, starts, strict=True)])
     points = np.concatenate([part[0] for part in parts])
@@ -108,28 +110,28 @@ def display(space: Space, pieces: int | None = None) -> Display:
     return Display(space, pieces, points, owner, triangles, edge, step)
 
 
-def _star_fans(space: Space, pieces: int, cell: int, places: Ints) -> list[_Fans]:
+def _star_fans(space: Space, pieces: int, cell: int, entries: Ints) -> list[_Fans]:
     fans, mesh = [], space.mesh
-    for part in star_parts(np.arange(len(places), dtype=np.int32), mesh.points[mesh.cell_points[places]]):
-        whole = (np.roll(part, -1) - part) % len(places) == 1  # a side of the cell, not a diagonal
-        edges = np.where(whole, mesh.cell_edges[places[part]], NO_EDGE)
-        centre = kernel_centre(mesh.points[mesh.cell_points[places[part]]])[0]
-        fans.append(_fans(space, pieces, np.array([cell]), places[part][None], centre[None], edges[None]))
+    for part in star_parts(np.arange(len(entries), dtype=np.int32), mesh.points[mesh.cell_points[entries]]):
+        whole = (np.roll(part, -1) - part) % len(entries) == 1  # a side of the cell, not a diagonal
+        edges = np.where(whole, mesh.cell_edges[entries[part]], NO_EDGE)
+        centre = kernel_centre(mesh.points[mesh.cell_points[entries[part]]])[0]
+        fans.append(_fans(space, pieces, np.array([cell]), entries[part][None], centre[None], edges[None]))
     return fans
 
 
 def _fans(
-    space: Space, pieces: int, cells: NDArray[np.integer], places: Ints, centres: Floats, edges: NDArray[np.integer]
+    space: Space, pieces: int, cells: NDArray[np.integer], entries: Ints, centres: Floats, edges: NDArray[np.integer]
 ) -> _Fans:
     """What makes a `Display`, from its points on, of star-shaped polygons (n_cells, n_vertices) of one size.
 
     The points of a cell lie on rings about its centre, ring j with j points to each side; the last ring is the rim.
     """
-    mesh, (n_cells, n) = space.mesh, places.shape
-    corners = mesh.points[mesh.cell_points[places]]
+    mesh, (n_cells, n) = space.mesh, entries.shape
+    corners = mesh.points[mesh.cell_points[entries]]
     along = np.roll(corners, -1, axis=1) - corners
     bent = (edges != NO_EDGE) & (mesh.curve_rows[edges] >= 0) & (space.order > 1)
-    numbers = mesh.cell_points[places]
+    numbers = mesh.cell_points[entries]
     nodes = space.nodes[space.edge_nodes(np.stack((numbers, np.roll(numbers, -1, axis=1)), axis=-1)[bent])]
     layers = [centres[:, None]]
     for j in range(1, pieces + 1):
@@ -141,7 +143,7 @@ def _fans(
     n_each = points.shape[1]
     local = _ring_triangles(n, pieces)
     triangles = (np.arange(n_cells)[:, None, None] * n_each + local).reshape(-1, 3)
-    forward = mesh.cell_points[places] < np.roll(mesh.cell_points[places], -1, axis=1)
+    forward = mesh.cell_points[entries] < np.roll(mesh.cell_points[entries], -1, axis=1)
     t = np.arange(pieces)
     steps = np.where(forward[..., None], t, pieces - t)
     edge = np.full((n_cells, n_each), NO_EDGE, dtype=np.int64)
@@ -150,9 +152,9 @@ def _fans(
     step[:, n_each - n * pieces :] = steps.reshape(n_cells, -1)
     # a corner between a diagonal and a side belongs to the side
     for corner in np.flatnonzero((edges == NO_EDGE).any(axis=0) & (np.roll(edges, 1, axis=1) != NO_EDGE).any(axis=0)):
-        place = n_each - n * pieces + corner * pieces
-        edge[:, place] = edges[:, corner - 1]
-        step[:, place] = np.where(forward[:, corner - 1], pieces, 0)
+        start = n_each - n * pieces + corner * pieces
+        edge[:, start] = edges[:, corner - 1]
+        step[:, start] = np.where(forward[:, corner - 1], pieces, 0)
     return (
         points.reshape(-1, 2),
         np.repeat(cells.astype(np.int64), n_each),
@@ -204,13 +206,13 @@ def shown_cells(space: Space, pieces: int | None = None) -> ShownCells:
     """Cut the cells' sides into some pieces, see `display`; with one piece the cells are shown as they are."""
     mesh = space.mesh
     if pieces == 1 or (pieces is None and space.order == 1):
-        used, places = np.unique(mesh.cell_points, return_inverse=True)
-        return ShownCells(mesh.apart(), np.arange(mesh.n_cells), places, len(used), space, None)
+        used, numbers_of_points = np.unique(mesh.cell_points, return_inverse=True)
+        return ShownCells(mesh.apart(), np.arange(mesh.n_cells), numbers_of_points, len(used), space, None)
     shown = display(space, pieces)
-    numbers, places = np.unique(shown.places, return_inverse=True)
+    numbers, numbers_of_points = np.unique(shown.places, return_inverse=True)
     n_rim = int(np.searchsorted(numbers, mesh.n_points + mesh.n_edges * (shown.pieces - 1)))
     cut = PolyMesh.from_cells(shown.points, shown.triangles)
-    return ShownCells(cut, shown.cells[shown.triangles[:, 0]], places, n_rim, space, shown)
+    return ShownCells(cut, shown.cells[shown.triangles[:, 0]], numbers_of_points, n_rim, space, shown)
 
 
 # --- Files for ParaView: solutions with their orders shown, and series of steps in time.
@@ -272,10 +274,10 @@ def solution_frame(
         Where the body is shown; displacements and stresses are in the axes of that space.
 
     """
-    place, shown = placement or Placement(), shown_cells(solution.space, pieces)
+    placed, shown = placement or Placement(), shown_cells(solution.space, pieces)
     moved, stresses = shown.values(solution)
-    arrays = field_arrays(place.vectors(moved), placed_stresses(stresses, place), unit, length_unit)
-    return SeriesFrame(time, shown.mesh.placed(place), arrays, {"cell_number": shown.cells}, part)
+    arrays = field_arrays(placed.vectors(moved), placed_stresses(stresses, placed), unit, length_unit)
+    return SeriesFrame(time, shown.mesh.placed(placed), arrays, {"cell_number": shown.cells}, part)
 
 
 def field_arrays(
@@ -285,7 +287,7 @@ def field_arrays(
 
     ``displacement_mm``; ``stress_MPa``: the tensor's xx, yy, zz, xy, yz, xz, tension positive; ``von_mises_MPa``.
     """
-    ending, length = (f"_{each}" if each else "" for each in (unit, length_unit))
+    ending, length = (f"_{word}" if word else "" for word in (unit, length_unit))
     return {
         f"displacement{length}": displacement,
         f"stress{ending}": stresses.tensors,
@@ -317,22 +319,24 @@ def write_contacts(path: Path, system: ContactSystem, state: ContactState, start
 
     - `starts`: where the bodies are drawn, by their names in the order of their numbers.
     """
-    found = contact_lines(system, state)
-    parts = [line.contact.secondary.part for line in found]
-    nodes = zip(parts, found, strict=True)
+    lines_of_contacts = contact_lines(system, state)
+    parts = [line.contact.secondary.part for line in lines_of_contacts]
+    nodes = zip(parts, lines_of_contacts, strict=True)
     points = np.vstack([starts[part.name].points(part.body.space.nodes[line.nodes]) for part, line in nodes])
-    first = np.cumsum([0, *(len(line.nodes) for line in found)])
+    first = np.cumsum([0, *(len(line.nodes) for line in lines_of_contacts)])
     numbers = [list(starts).index(part.name) for part in parts]
     arrays = {
-        "pressure_MPa": np.concatenate([line.pressures for line in found]),
-        "gap_mm": np.concatenate([line.gaps for line in found]),
-        "displacement_mm": np.vstack([line.positions for line in found]) - points,
+        "pressure_MPa": np.concatenate([line.pressures for line in lines_of_contacts]),
+        "gap_mm": np.concatenate([line.gaps for line in lines_of_contacts]),
+        "displacement_mm": np.vstack([line.positions for line in lines_of_contacts]) - points,
     }
     if state.friction is not None:
-        arrays["traction_MPa"] = np.concatenate([line.tractions for line in found])
-        arrays["slip_mm"] = np.concatenate([line.slips for line in found])
-    lines = np.vstack([line.lines + start for line, start in zip(found, first[:-1], strict=True)])
-    write_vtu_lines(path, points, lines, arrays, body_id=np.repeat(numbers, [len(line.lines) for line in found]))
+        arrays["traction_MPa"] = np.concatenate([line.tractions for line in lines_of_contacts])
+        arrays["slip_mm"] = np.concatenate([line.slips for line in lines_of_contacts])
+    lines = np.vstack([line.lines + start for line, start in zip(lines_of_contacts, first[:-1], strict=True)])
+    write_vtu_lines(
+        path, points, lines, arrays, body_id=np.repeat(numbers, [len(line.lines) for line in lines_of_contacts])
+    )
 
 
 def write_series(path: str | Path, frames: Iterable[SeriesFrame]) -> tuple[Path, ...]:

@@ -101,9 +101,9 @@ class DrawnBody:
     def within(self, window: Floats) -> Bools:
         """Whether a cell has a point in a window (2, 2), shape (n_cells,)."""
         inside = ((self.points >= window[0]) & (self.points <= window[1])).all(axis=1)
-        found = np.zeros(self.space.mesh.n_cells, dtype=np.bool_)
-        found[self.shown.cells[inside]] = True
-        return found
+        among = np.zeros(self.space.mesh.n_cells, dtype=np.bool_)
+        among[self.shown.cells[inside]] = True
+        return among
 
     def draw(self, axes: Axes, values: Floats, shade: ScalarMappable, cells: Bools | None = None) -> None:
         """Draw values at the points of the triangles, edges of cells, and the outline.
@@ -202,7 +202,7 @@ def part_fields(result: WheelsetResult) -> Iterator[ShownPart]:
     rigid motion of a wheel since the first touch of wheels and rails is its approach.
     """
     touches = result.model.placements(result.model.rigid_position)
-    at_touch = {part.name: place for part, place in zip(result.model.system.parts, touches, strict=True)}
+    at_touch = {part.name: point for part, point in zip(result.model.system.parts, touches, strict=True)}
     for name, part in result.model.parts.items():
         placement, mesh = result.placements[name], part.body.space.mesh
         displacement = result.displacements[name]

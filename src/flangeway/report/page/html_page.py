@@ -4,7 +4,7 @@ import base64
 import re
 import shlex
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import date
 from functools import cache
 from importlib.resources import files
@@ -27,6 +27,7 @@ from flangeway.results import ResultTable, Units, in_us_units, joined_text, sent
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 from flangeway.system.templates import templates
 from flangeway.system.workbook import csv_tables, write_workbook
+from flangeway.types import Progress
 
 # --- What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables.
 
@@ -64,7 +65,7 @@ def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any
 
 def given_inputs(case: Case, first: Sequence[str]) -> dict[str, str]:
     """Return values by meanings of some inputs, and of those that are not the defaults; without those inside tables."""
-    fields, given = type(case).model_fields, {}
+    fields, given = type(case).described_fields(), {}
     changed = [key for key, field in fields.items() if getattr(case, key) != field.default]
     for key in dict.fromkeys([*first, *changed]):
         if key in OF_REPORT or table_in(fields[key].annotation) is not None:
@@ -101,7 +102,7 @@ def case_text(case: RunnableCase) -> str:
 
 def inputs_tables(case: Case) -> list[SummaryTable]:
     """Inputs for the page: plain ones with their meanings, and those inside tables that are set, table by table."""
-    fields = type(case).model_fields
+    fields = type(case).described_fields()
     plain = {key: value for key, value in case.model_dump().items() if table_in(fields[key].annotation) is None}
     meanings = [fields[key].description or "" for key in plain]
     if case.units == "us":
@@ -214,7 +215,7 @@ def record_html(record: Record) -> str:
 def write_record(
     record: Record,
     folder: Path,
-    progress: Callable[[str], None] = lambda _: None,
+    progress: Progress = lambda _: None,
     *,
     pictures: bool = True,
     xlsx: bool = False,

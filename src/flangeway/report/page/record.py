@@ -29,8 +29,8 @@ class SummaryTable:
     @property
     def remarks(self) -> list[str]:
         """Why the approximate values are so."""
-        found = dict.fromkeys(cell.remark for row in self.rows for cell in row if isinstance(cell, About))
-        return [f"≈ {remark}" for remark in found]
+        remarks = dict.fromkeys(cell.remark for row in self.rows for cell in row if isinstance(cell, About))
+        return [f"≈ {remark}" for remark in remarks]
 
     def markdown(self) -> str:
         """Return its lines, without the caption."""
@@ -106,7 +106,7 @@ def with_whole(
     rows = [(name, text, *[""] * (n_columns - 1)) for name, text in whole.items()]
     for name, texts in (of_group or {}).items():
         rows.append(
-            (name, *(texts.get(each, "") if groups.index(each) == at else "" for at, each in enumerate(groups)))
+            (name, *(texts.get(group, "") if groups.index(group) == at else "" for at, group in enumerate(groups)))
         )
     return replace(table, rows=(*rows, *table.rows))
 
@@ -141,9 +141,9 @@ def print_table(console: Console, table: SummaryTable) -> None:
     """Print a table of results and the remarks on it; a single column of values needs no header."""
     shown = plain_table()
     shown.show_header = any(table.header[2:])
-    for place, name in enumerate(table.header):
+    for index, name in enumerate(table.header):
         # names of files are read to their ends
-        shown.add_column(name, justify="left" if place == 0 or table.of_words else "right", overflow="fold")
+        shown.add_column(name, justify="left" if index == 0 or table.of_words else "right", overflow="fold")
     for row in table.rows:
         shown.add_row(*(f"≈ {cell}" if isinstance(cell, About) else cell.strip("*") for cell in row))
     console.print(shown, markup=False)

@@ -40,7 +40,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
 from flangeway.mesh import PolyMesh
 from flangeway.quantities import Quantity, columns, measured, present
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
-from flangeway.railway.track.wheelset_problem import ROLES, Role
+from flangeway.railway.track.wheelset_problem import ROLES
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.supported_rail import REGIONS, RailAlongTrack
 from flangeway.railway.wheelset.whole_sections import whole_sections
@@ -170,8 +170,8 @@ def below_fields(units: Units) -> list[ShownField]:
     names = [f"{MISES}:{number}" for number in range(len(depths) + 1)]
     words = ("largest at any depth", *depths)
     return [
-        ShownField(name, f"von Mises stress, {each}", "MPa", "Below the patches", name, "value")
-        for name, each in zip(names, words, strict=True)
+        ShownField(name, f"von Mises stress, {word}", "MPa", "Below the patches", name, "value")
+        for name, word in zip(names, words, strict=True)
     ]
 
 
@@ -179,11 +179,11 @@ def stresses_below(result: SpatialResult, side: Side) -> dict[str, Floats]:
     """Arrays of `below_fields` on the cells of a side, (n, n_z)."""
     grid = result.equilibrium.state.sides[side].grid.grid
     total = np.zeros((len(BELOW_MM) + 1, len(grid.stations), grid.n_strips))
-    for patch in (each for each in result.patches if each.side == side):
+    for patch in (patch_of_side for patch_of_side in result.patches if patch_of_side.side == side):
         field = result.stress_fields[patch]["rail"]
-        place = np.searchsorted(field.depths, BELOW_MM).clip(1, len(field.depths) - 1)
-        part = (BELOW_MM - field.depths[place - 1]) / np.diff(field.depths)[place - 1]
-        low, high = field.von_mises[place - 1], field.von_mises[place]
+        row = np.searchsorted(field.depths, BELOW_MM).clip(1, len(field.depths) - 1)
+        part = (BELOW_MM - field.depths[row - 1]) / np.diff(field.depths)[row - 1]
+        low, high = field.von_mises[row - 1], field.von_mises[row]
         values = np.concatenate(
             (field.von_mises.max(axis=0)[None], low + part.clip(0.0, 1.0)[:, None, None] * (high - low))
         )
@@ -215,8 +215,8 @@ def _foot(rail: RailAlongTrack) -> Floats:
     foot = np.flatnonzero(rail.stresses.regions == "foot")
     lowest = foot[points[foot, 1] <= points[foot, 1].min() + 1e-6]
     middle = lowest[np.argmin(np.abs(points[lowest, 0] - points[lowest, 0].mean()))]
-    found: Floats = rail.stresses.along_MPa[:, middle]
-    return found
+    stresses: Floats = rail.stresses.along_MPa[:, middle]
+    return stresses
 
 
 LINES: tuple[tuple[str, str, Callable[[RailAlongTrack], Floats]], ...] = (
@@ -246,8 +246,8 @@ def rails_figure(run: WheelsetRun) -> Figure:
             top.axvline(z / 1e3, color=GREY, lw=0.6, ls=":")
             seats = (rail.reactions[number, 1] / 1e3 for rail in rails.values())
             forces = " / ".join(f"{kip.of(seat):z.1f}" if kip else f"{seat:z.0f}" for seat in seats)
-            place: Style = {"xycoords": ("data", "axes fraction"), "ha": "center"}
-            top.annotate(forces, (z / 1e3, 1.02), fontsize=7, color=INK, **place)
+            words_at: Style = {"xycoords": ("data", "axes fraction"), "ha": "center"}
+            top.annotate(forces, (z / 1e3, 1.02), fontsize=7, color=INK, **words_at)
     if len(first.sleepers_mm):
         words = f"forces of the sleepers on the left / right rail, {kip.name if kip else 'kN'}"
         top.set_title(words, fontsize=9, pad=16, loc="left")
@@ -268,9 +268,9 @@ def rails_table(run: WheelsetRun) -> SummaryTable:
         quantities.append(Quantity("seat", "maximum force of a sleeper", force, "kN", ".2f"))
     for region in REGIONS:
         for name, kind in (("stress along the track", "along_MPa"), ("von Mises stress", "von_mises_MPa")):
-            peak, place = (partial(_peak, region, kind, part) for part in (0, 1))
+            peak, position = (partial(_peak, region, kind, part) for part in (0, 1))
             quantities.append(Quantity(kind, f"{region}: {name}", peak, "MPa", ".1f"))
-            quantities.append(Quantity(f"{kind}_at", "  at", place, "mm", ".0f", ("x", "y", "z")))
+            quantities.append(Quantity(f"{kind}_at", "  at", position, "mm", ".0f", ("x", "y", "z")))
     caption = "Rails along the track: maximum values"
     return table_across(caption, rails, list(rails.values()), quantities, units=units)
 
@@ -458,11 +458,11 @@ def _what(run: WheelsetRun) -> str:
 def _method(run: WheelsetRun) -> str:
     problem = run.problem
     settings = problem.discretisation
-    words = []
-    for role in ("wheel", "rail"):
-        kind: Role = "wheel" if role == "wheel" else "rail"
-        order = "linear" if settings.order_of(kind) == 1 else "quadratic"
-        words.append(f"{order} {'finite' if settings.method_of(kind) == 'fem' else 'virtual'} elements")
+    words = [
+        f"{'linear' if settings.order_of(role) == 1 else 'quadratic'} "
+        f"{'finite' if settings.method_of(role) == 'fem' else 'virtual'} elements"
+        for role in ROLES
+    ]
     elements = words[0] if words[0] == words[1] else f"{words[0]} in the wheels, {words[1]} in the rails"
     return f"{elements}, the {problem.primary[0]}s are the primary surface"
 

@@ -22,7 +22,7 @@ from flangeway.railway.wheelset.plane_wheelset import WheelsetResult
 from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
-from flangeway.railway.wheelset.wheelset_model import HELD
+from flangeway.railway.wheelset.wheelset_model import SUPPORT
 from flangeway.railway.wheelset.whole_sections import WholeSection
 from flangeway.report.figures.drawing import (
     COLOURS,
@@ -122,7 +122,7 @@ def _deformed(result: WheelsetResult, side: Side) -> list[Floats]:
     rims = []
     for name in (f"rail-{side}", f"wheel-{side}"):
         mesh = result.model.parts[name].body.space.mesh
-        rim = mesh.chain(*(name for name in mesh.edge_sets if name != HELD))  # its edges have other names too
+        rim = mesh.chain(*(name for name in mesh.edge_sets if name != SUPPORT))  # its edges have other names too
         rims.append(result.placements[name].points(mesh.points[rim] + result.displacements[name][rim]))
     return rims
 
@@ -191,8 +191,8 @@ def patches_figure(run: WheelsetRun) -> Figure:
         axes.axhline(0.0, color=GREY, lw=0.6, ls="-.", zorder=0)
         axes.set_title(f"{side} rail".capitalize(), fontsize=10)
         words = ("← field side", "gauge side →") if side == "left" else ("← gauge side", "field side →")
-        for place, word, end in zip((0.01, 0.99), words, ("left", "right"), strict=True):
-            axes.text(place, 0.99, word, transform=axes.transAxes, fontsize=7.5, va="top", color=GREY, ha=end)
+        for x, word, end in zip((0.01, 0.99), words, ("left", "right"), strict=True):
+            axes.text(x, 0.99, word, transform=axes.transAxes, fontsize=7.5, va="top", color=GREY, ha=end)
         if not shown.patches:
             axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", fontsize=9)
     return figure
@@ -221,10 +221,10 @@ def stresses_figure(run: WheelsetRun) -> Figure:
             (across, values[:, :, at[2]], across[at[0]], "length along the rail's surface"),
             (field.z, values[:, at[0]], field.z[at[2]], "z ahead of the axle"),
         )
-        for axes, (places, cut, middle, words) in zip(row, cuts, strict=False):
+        for axes, (positions, cut, middle, words) in zip(row, cuts, strict=False):
             levels = np.linspace(0.0, highest.value, N_LEVELS)
-            order = np.argsort(places)
-            axes.contourf(places[order], field.depths, cut[:, order], levels, cmap=COLOURS, extend="max")
+            order = np.argsort(positions)
+            axes.contourf(positions[order], field.depths, cut[:, order], levels, cmap=COLOURS, extend="max")
             axes.plot(middle, highest.position[1], "+", color="white", ms=9)
             axes.set_aspect("equal", adjustable="box")
             name_axes(axes, (words, "mm"))
@@ -267,16 +267,19 @@ def rolling_pictures(run: WheelsetRun) -> list[Picture]:
     # right of the track to the right, lengths from the middle of the rail's profile
     shown = [
         ShownRolling(
-            patch_name(each.patch),
-            each.forces,
-            each.speed_m_s,
-            patch_map(result, each.patch.side).origin,
-            SIDE_SIGN[each.patch.side],
+            patch_name(rolled_patch.patch),
+            rolled_patch.forces,
+            rolled_patch.speed_m_s,
+            patch_map(result, rolled_patch.patch.side).origin,
+            SIDE_SIGN[rolled_patch.patch.side],
         )
-        for each in result.rolling
-        if isinstance(each.forces, Rolling | SimplifiedRolling)
+        for rolled_patch in result.rolling
+        if isinstance(rolled_patch.forces, Rolling | SimplifiedRolling)
     ]
-    points = [(patch_name(each.patch), each.used_friction, each.patch.ellipse.max_pressure) for each in result.rolling]
+    points = [
+        (patch_name(rolled_patch.patch), rolled_patch.used_friction, rolled_patch.patch.ellipse.max_pressure)
+        for rolled_patch in result.rolling
+    ]
     figures: Figures = {}
     if shown:
         figures[MAPS] = lambda: rolling_figure(shown, units)
@@ -306,8 +309,8 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     nodes, z = state.grid.grid.bounds, state.grid.grid.strip_bounds
     mesh = strip_mesh(nodes, z)
     on_rail, on_wheel, met = _corners(state, nodes, z)
-    places = on_wheel if role == "wheel" else on_rail
-    places[..., 0] *= SIDE_SIGN[side]
+    positions = on_wheel if role == "wheel" else on_rail
+    positions[..., 0] *= SIDE_SIGN[side]
     corners = mesh.cell_points.reshape(-1, 4)
     opposite = met.ravel()[corners].all(axis=1)
     chosen = opposite if role == "wheel" else np.ones_like(opposite)
@@ -315,8 +318,10 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     mesh = PolyMesh.from_cells(mesh.points[used], numbers.reshape(-1, 4))
     gaps = np.where(opposite.reshape(state.gaps.shape), state.gaps, np.nan)
     values = {"pressure_MPa": state.cells.pressures, "gap_mm": gaps} | friction_fields(result, side, role)
-    arrays = {key: each[np.repeat(chosen, 4)] for key, each in at_corners(values).items()}
-    write_vtu(path, mesh, corner_data=arrays, positions=places.reshape(-1, 3)[used], body_id=PARTS.index((side, role)))
+    arrays = {key: values[np.repeat(chosen, 4)] for key, values in at_corners(values).items()}
+    write_vtu(
+        path, mesh, corner_data=arrays, positions=positions.reshape(-1, 3)[used], body_id=PARTS.index((side, role))
+    )
 
 
 def write_section(section: WholeSection, side: Side, role: Role, path: Path) -> None:
@@ -339,11 +344,11 @@ def write_stresses(result: SpatialResult, side: Side, role: Role, path: Path) ->
     The points are in the track's axes; components of the stress are those across (x), normal to the surface (y) and
     along the track (z) at each patch.
     """
-    found = [(each, result.stress_fields[each][role]) for each in result.patches if each.side == side]
+    stress_fields = [(patch, result.stress_fields[patch][role]) for patch in result.patches if patch.side == side]
     grids: list[Floats] = []
     stresses: list[Floats] = []
     mises: list[Floats] = []
-    for patch, field in found:
+    for patch, field in stress_fields:
         # beyond the last cells the surface has no points of its own
         low, high = patch.state.grid.grid.stations[[0, -1]]
         shown = np.ix_(field.depths <= DEPTH * patch.ellipse.semi_axes[1], (field.along >= low) & (field.along <= high))
@@ -369,10 +374,10 @@ def friction_fields(result: SpatialResult, side: Side, role: Role) -> dict[str, 
     axes[:, 0, :2] = np.stack((-SIDE_SIGN[side] * state.normals[:, 1], state.normals[:, 0]), axis=1)
     axes[:, 1, 2] = 1.0
     for patch in result.rolling:
-        found = patch.forces
-        if not isinstance(found, Rolling | SimplifiedRolling):
+        forces = patch.forces
+        if not isinstance(forces, Rolling | SimplifiedRolling):
             continue
-        for name, values in cell_fields(found, patch.speed_m_s).items():
+        for name, values in cell_fields(forces, patch.speed_m_s).items():
             here = patch.patch.side == side
             whole = patch.on_side(values) if here else np.zeros((*state.forces.shape, *values.shape[2:]))
             if values.ndim > 2:

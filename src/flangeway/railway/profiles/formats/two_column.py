@@ -9,12 +9,12 @@ from itertools import pairwise
 from typing import Literal, TypeAlias, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.formats import UNITS
 from flangeway.geometry import Contour, FloatArray
 from flangeway.system.file_content import csv_cells, csv_separator
+from flangeway.types import Ints
 
 # --- Result of a reader of profile files: numbers as they are written, and what the file declares.
 
@@ -51,7 +51,7 @@ class RawProfile:
     """
 
     points: FloatArray
-    lines: NDArray[np.int64]
+    lines: Ints
     unit: str | None = None
     unit_is_sure: bool = True
     kind: Kind | None = None
@@ -65,7 +65,7 @@ class RawProfile:
     notices: tuple[str, ...] = ()
 
 
-def numbered_points(rows: Sequence[tuple[int, float, float]]) -> tuple[FloatArray, NDArray[np.int64]]:
+def numbered_points(rows: Sequence[tuple[int, float, float]]) -> tuple[FloatArray, Ints]:
     """Return points (n, 2) and their lines (n,) from rows of line, x and y.
 
     An `InputError` if there is no row, or a number is not finite or absurdly large; the message names the line.
@@ -113,9 +113,7 @@ def keys_and_rows(lines: Iterable[tuple[int, str]]) -> tuple[Header, list[tuple[
     return header, rows
 
 
-def points_in(
-    rows: Sequence[tuple[int, list[float]]], first: int = 0, second: int = 1
-) -> tuple[FloatArray, NDArray[np.int64]]:
+def points_in(rows: Sequence[tuple[int, list[float]]], first: int = 0, second: int = 1) -> tuple[FloatArray, Ints]:
     """Return points (n, 2) from two columns of rows, and their lines (n,); errors as of `numbered_points`.
 
     An `InputError` if a row is shorter.
@@ -131,13 +129,13 @@ def points_in(
 def leading_numbers(line: str) -> list[float]:
     """Return the numbers that a line starts with, apart by blanks, commas or semicolons; words end them."""
     numbers = []
-    place = 0
+    start = 0
     line = with_decimal_points(line)
-    while match := LEADING_NUMBER.match(line, place):
+    while match := LEADING_NUMBER.match(line, start):
         numbers.append(float(match[1].replace("d", "e").replace("D", "e")))
-        place = match.end()
-        separator = re.compile(r"\s*[,;]?").match(line, place)
-        place = separator.end() if separator else place
+        start = match.end()
+        separator = re.compile(r"\s*[,;]?").match(line, start)
+        start = separator.end() if separator else start
     return numbers
 
 
@@ -281,11 +279,11 @@ def _numbers(cells: list[str], n_names: int = 0) -> list[float] | None:
     - `n_names`: headings; in a line of as many cells words, such as "good", may follow two numbers, and are NaN.
     """
     values = []
-    for place, cell in enumerate(cells):
+    for column, cell in enumerate(cells):
         try:
             values.append(float(cell.replace("D", "e").replace("d", "e")) if cell else math.nan)
         except ValueError:
-            if place < 2 or len(cells) != n_names:
+            if column < 2 or len(cells) != n_names:
                 return None
             values.append(math.nan)
     return values if len(values) > 1 and any(cells) else None
@@ -323,9 +321,9 @@ def _columns_taken(
 
     for first, second in names_taken if len(words) > 2 else ():
         if words.count(first) == 1 and words.count(second) == 1 and max(map(words.index, (first, second))) < fewest:
-            places = words.index(first), words.index(second)
-            if all(map(is_coordinate, places)):
-                return places
+            taken = words.index(first), words.index(second)
+            if all(map(is_coordinate, taken)):
+                return taken
     columns = [column for column in range(fewest) if is_coordinate(column)] if fewest > 2 else []
     return (columns[0], columns[1]) if len(columns) > 1 else (0, 1)
 
