@@ -1,11 +1,11 @@
 """Rolling with friction on half-spaces beside closed forms, published numbers and the Manchester contact benchmark."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.exact_rolling import FIRST, STEADY, derivatives, roll
+from flangeway.contact.rolling.exact_rolling import FIRST_STEP_WEIGHTS, STEADY_WEIGHTS, derivatives, roll
 from flangeway.contact.rolling.fast_theories import fastrip, fastsim
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import STICKS, Creepages, Rolling, RollingContact
@@ -13,7 +13,7 @@ from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.railway.wheelset.rolling.patch_rolling import rolling_contact_of
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 from studies.study import Published, Row, Run, published_values
 from studies.wheelset3d_study import TABLE, BenchmarkPosition, PressedWheel, on_square_cells
 
@@ -188,7 +188,7 @@ def coefficients(ratio: float, poisson: float, n: int) -> tuple[float, float, fl
     return (rates[0, 0] / area), (rates[1, 1] / area), (mixed / area**1.5), (rates[2, 2] / area**2)
 
 
-def coefficient_numbers(progress: Callable[[str], None]) -> Iterator[Row]:
+def coefficient_numbers(progress: Progress) -> Iterator[Row]:
     """Kalker's coefficients for five ellipses."""
     table = published("coefficients")
     for code in dict.fromkeys(code for code, _ in table):
@@ -263,9 +263,9 @@ LEVER = f"a lever of the creep force below {MIN_LEVER_MM:g} mm"
 SCHEME = "differences of second order; CONTACT's error of first order is in the published number"
 BENT = "the bodies move the patch from the centre of the undeformed overlap, of which the moment is"
 VARIANTS = (
-    ("", "real", STEADY, None),
-    (" of half-spaces", "half_spaces", STEADY, None),
-    (" of half-spaces, CONTACT's cells and scheme", "half_spaces", FIRST, CELL_MM),
+    ("", "real", STEADY_WEIGHTS, None),
+    (" of half-spaces", "half_spaces", STEADY_WEIGHTS, None),
+    (" of half-spaces, CONTACT's cells and scheme", "half_spaces", FIRST_STEP_WEIGHTS, CELL_MM),
 )
 
 

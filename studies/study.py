@@ -39,7 +39,7 @@ from flangeway.results import ResultTable
 from flangeway.solve import Status
 from flangeway.system.file_content import packaged_rows
 from flangeway.system.output_folder import text_writer, versions
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 ROUND_OFF = 1e-10  # numbers below it are shown as such, not with digits that change with the machine
 MIN_CHANGE = 1e-5  # relative differences below it are shown as such
@@ -157,7 +157,7 @@ class Run:
     """What the rows of a study are computed with."""
 
     quick: bool = False  # whether to leave out what takes minutes
-    progress: Callable[[str], None] = lambda _: None  # shows a sentence on long computations between two rows
+    progress: Progress = lambda _: None  # shows a sentence on long computations between two rows
     failures: list[str] = field(default_factory=list)  # sentences on what failed besides the numbers
     curves: list[Curve] = field(default_factory=list)
 
@@ -233,7 +233,7 @@ class Study:
     def _file(self) -> str:
         return (files("studies") / "text" / f"{self.name}.md").read_text(encoding="utf-8")
 
-    def compute(self, *, quick: bool = False, progress: Callable[[str], None] = lambda _: None) -> "Computed":
+    def compute(self, *, quick: bool = False, progress: Progress = lambda _: None) -> "Computed":
         """Compute its rows."""
         start, run = time.perf_counter(), Run(quick, progress)
         rows: list[Row] = []

@@ -8,7 +8,6 @@ from functools import cache
 
 import numpy as np
 
-from flangeway.cases.case import Progress
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
 from flangeway.elements import TraceStabilisation
 from flangeway.errors import InputError
@@ -27,7 +26,7 @@ from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Discretisation, Prescribed, WheelsetLoad, WheelsetProblem
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult, maximum_shear, solve_wheelset
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 from studies.study import Limit, Published, Row, Run, published_rows
 
 # --- Tables 15 and 16: the published kind of computation, the flange root that one number identifies, and comparisons.

@@ -9,7 +9,7 @@ A kind of result has a list of quantities. From the same list come
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Generic, TypeAlias, TypeVar
@@ -119,7 +119,7 @@ Quantities: TypeAlias = tuple[Quantity[T_contra], ...]
 
 
 def getter(of: str | Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """Return a function as it is, or one that follows a path of attributes and numbers of entries, ``"head.3"``.
+    """Return a function as it is, or one that follows a path of attributes, keys and numbers of entries, ``"head.3"``.
 
     What it returns is None where something on the way is None.
     """
@@ -128,7 +128,9 @@ def getter(of: str | Callable[[Any], Any]) -> Callable[[Any], Any]:
 
 def _at(path: Sequence[str], source: Any) -> Any:
     for name in path:
-        if source is not None:
+        if isinstance(source, Mapping):
+            source = source.get(name)
+        elif source is not None:
             source = source[int(name)] if name.isdigit() else getattr(source, name)
     return source
 

@@ -1,5 +1,7 @@
 """Names of types that many modules use, and arrays of numbers."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -11,6 +13,9 @@ Indices = NDArray[np.integer]
 Complex = NDArray[np.complex128]
 Key = tuple[str | int, ...]
 """Path of an input: a name, or in nested tables names and positions in lists."""
+
+Progress = Callable[[str], None]
+"""What takes sentences on long computations between others."""
 
 
 def floats(values: ArrayLike) -> Floats:

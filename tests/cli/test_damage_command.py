@@ -128,7 +128,7 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
         ([("[evolution]", "[evolutoin]")], ("evolutoin", "evolution")),
         ([("[inputs]", 'collective = "metro"\n[inputs]')], ("collective",)),
         ([("friction = 0.3", "")], ("friction",)),
-        ([('unit = "mm3/kJ"', 'unit = "mm3/kJ"\nper_patch = "no"')], ("line 17", "per_patch = 'no'", "true or false")),
+        ([('unit = "mm3/kJ"', 'unit = "mm3/kJ"\nper_patch = "no"')], ("line 21", "per_patch = 'no'", "true or false")),
         (
             [("end = 100", "end = 100\n[limits]\nmax_side_wear_mm = 4")],
             ("max_side_wear_mm", "rails, which do not wear"),

@@ -143,7 +143,7 @@ def test_wear_is_what_was_taken_away(done):
 def test_conicity_is_that_of_the_geometry(done):
     """A new wheel and a new rail have the conicity that `flangeway geometry` has of the pair, from their files."""
     pair = run_geometry("s1002-60e1", find_geometry_case("s1002-60e1", {"step_mm": 0.1}))
-    wanted = pair.conicities.at_reference()["integration"]
+    wanted = pair.conicities.at_reference["integration"]
     for row in done.profiles:
         if row.file in ("new.whl", "head.ban"):
             assert row.conicity == pytest.approx(wanted, rel=0.02)

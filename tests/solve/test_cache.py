@@ -113,7 +113,7 @@ def test_a_key_changes_with_content_and_version(monkeypatch: pytest.MonkeyPatch)
     keys.add(content_key("kind", values.reshape(1, 3), 1.0))
     monkeypatch.setattr(cache_module, "FORMAT", cache_module.FORMAT + 1)
     keys.add(content_key("kind", values, 1.0))
-    monkeypatch.setattr(cache_module, "_version", lambda: "another")
+    monkeypatch.setattr(cache_module, "version_of", lambda _: "another")
     keys.add(content_key("kind", values, 1.0))
     assert len(keys) == 8
     assert None not in keys

@@ -1,6 +1,8 @@
 """Reading a table: positions, jumps, ranges, kinematics, and files that are none. Its forces are made up."""
 
 import json
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,6 +15,7 @@ from flangeway.errors import InputError
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep
 from flangeway.railway.wheelset.side_contact import WheelPose
+from flangeway.tables import creep_table
 from flangeway.tables.creep_table import FORMAT, MIRROR, OF_PATCH, CreepTable, interior, stencil
 
 ANGLES = np.linspace(0.0, np.pi, 9)
@@ -212,3 +215,14 @@ def test_the_cubic_of_an_axis_has_a_continuous_derivative(seed):
         low, high = ((value(numbers, place + s, smooth) - value(numbers, place, smooth)) / s for s in (-step, step))
         # the step times a second derivative of some hundreds; a kink would be of the size of the numbers
         np.testing.assert_allclose(low, high, atol=1e-4)
+
+
+def test_a_copy_of_the_reader_needs_numpy_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where flangeway is not installed the copied module is imported, and refuses what it refuses as a ValueError."""
+    monkeypatch.setitem(sys.modules, "flangeway.errors", None)
+    spec = spec_from_file_location("copied_reader", creep_table.__file__)
+    copied = module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "copied_reader", copied)
+    spec.loader.exec_module(copied)
+    assert copied.InputError is ValueError
+    assert copied.within_cone(np.array([[2.0, 0.0, 1.0]]))[0, 0] == pytest.approx(1.0)

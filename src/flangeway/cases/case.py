@@ -9,7 +9,6 @@ from abc import abstractmethod
 from collections import ChainMap
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
@@ -18,7 +17,7 @@ from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, TypeAlias, Union, cast, get_args, get_origin
 
 import annotated_types as at
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, ValidationInfo, model_validator
 from pydantic.fields import FieldInfo
 
 from flangeway.cases.summary import mapped, summary_numbers
@@ -37,12 +36,10 @@ from flangeway.results import (
 )
 from flangeway.solve import Status
 from flangeway.system.file_content import toml_data
-from flangeway.types import Key
+from flangeway.types import Key, Progress
 
 # --- What all cases share: named inputs with ranges, checked before anything is computed.
 
-
-Progress = Callable[[str], None]
 
 HALVING = {
     **dict.fromkeys(
@@ -80,13 +77,11 @@ SolidModulus = Annotated[float, at.Ge(1000.0)]  # of wheels and rails, MPa; plas
 PoissonRatio = Annotated[float, at.Gt(-1.0), at.Lt(0.5)]
 ElementSize = Annotated[float, at.Ge(1e-6)]
 ElementOrder = Annotated[int, at.Ge(1), at.Le(2)]
+LengthUnit = Literal["mm", "cm", "m", "in", "ft"]
 
 
 InputRow: TypeAlias = tuple[str, str, str, str]
 """Key, default, what is allowed, and meaning of an input."""
-
-_IN_US_UNITS: ContextVar[set[str]] = ContextVar("_IN_US_UNITS")
-"""Inputs of the case that is being made which were given in US units."""
 
 
 def described_by(text: str) -> str:
@@ -181,20 +176,20 @@ class Table(BaseModel):
 
         mapped(values, refuse_huge)
         in_us_units: set[str] = set()
-        token = _IN_US_UNITS.set(in_us_units)
         try:
-            case = cls(**values)
+            case = cls.model_validate(values, context=in_us_units)
         except ValidationError as reason:
             raise _input_error(cls, reason, values, where) from None
-        finally:
-            _IN_US_UNITS.reset(token)
         case._us_keys |= in_us_units
         return case
 
     @model_validator(mode="before")
     @classmethod
-    def _typed(cls, values: Any) -> Any:
-        """Read what is `GivenText`, take tuples and NumPy's numbers as Python's, and US units as metric ones."""
+    def _typed(cls, values: Any, info: ValidationInfo) -> Any:
+        """Read what is `GivenText`, take tuples and NumPy's numbers as Python's, and US units as metric ones.
+
+        The context receives the inputs that were given in US units, those of inner tables too.
+        """
         if not isinstance(values, Mapping):
             return values
         metric: dict[str, Any] = {}
@@ -205,8 +200,8 @@ class Table(BaseModel):
                 continue
             read = _typed(value, cls.model_fields[name].annotation)
             metric[name] = unit.to_metric(read) if unit else read
-            if unit:
-                _IN_US_UNITS.get(set()).add(name)
+            if unit and info.context is not None:
+                info.context.add(name)
         return metric
 
     @classmethod
@@ -223,6 +218,25 @@ class Table(BaseModel):
                 if unit is not None and unit.name == key:
                     return name, unit
         return key, None
+
+    @classmethod
+    def tables_of_inputs(cls, units: Units = "metric", path: str = "") -> list[tuple[str, list[InputRow]]]:
+        """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path.
+
+        - `path`: that of this table in the case, with a point at the end.
+        """
+        rows, inner = [], []
+        for key, field in cls.described_fields().items():
+            unit, meaning = us_key(key) if units == "us" else None, field.description or ""
+            default = "needed" if field.is_required() else _default_text(field, unit)
+            kind = table_in(field.annotation)
+            if kind is not None:
+                several = "[]" if any(get_origin(kind) is list for kind in alternatives(field.annotation)) else ""
+                inner += kind.tables_of_inputs(units, f"{path}{key}{several}.")
+                default = default if field.is_required() else "none"
+            name, meaning = (unit.name if unit else key), (in_us_units(meaning) if units == "us" else meaning)
+            rows.append((name, default, allowed(field, unit), meaning))
+        return [(path.rstrip("."), rows), *inner]
 
     def refuse_without_effect(self, keys: Iterable[str], key: str, wanted: str, within: str = "") -> None:
         """Refuse inputs that another one leaves without effect, if they are not those by default.
@@ -275,11 +289,6 @@ class Case(Table):
         except InputError as reason:
             given, allowed, advice = map(self.as_written, (reason.given, reason.allowed, reason.advice))
             raise InputError(f"{place(given)}{given}", allowed, advice) from reason
-
-    @classmethod
-    def tables_of_inputs(cls, units: Units = "metric") -> list[tuple[str, list[InputRow]]]:
-        """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path."""
-        return _inputs_of(cls, "", units)
 
 
 def example_of(name: str) -> dict[str, Any]:
@@ -377,21 +386,6 @@ class PresetCase(RunnableCase):
         return replace(cast("Any", self.general().run(progress)), case=self)
 
 
-def _inputs_of(table: type[Table], path: str, units: Units) -> list[tuple[str, list[InputRow]]]:
-    rows, inner = [], []
-    for key, field in table.described_fields().items():
-        unit, meaning = us_key(key) if units == "us" else None, field.description or ""
-        default = "needed" if field.is_required() else _default_text(field, unit)
-        kind = table_in(field.annotation)
-        if kind is not None:
-            several = "[]" if any(get_origin(kind) is list for kind in alternatives(field.annotation)) else ""
-            inner += _inputs_of(kind, f"{path}{key}{several}.", units)
-            default = default if field.is_required() else "none"
-        name, meaning = (unit.name if unit else key), (in_us_units(meaning) if units == "us" else meaning)
-        rows.append((name, default, allowed(field, unit), meaning))
-    return [(path.rstrip("."), rows), *inner]
-
-
 GROUPS = {
     "rail": "Profiles",
     "gauge_mm": "Track and wheelset",
@@ -440,7 +434,7 @@ def _metadata(annotation: Any) -> list[Any]:
     """What the members of a union are annotated with, such as their limits."""
     if get_origin(annotation) is Annotated:
         return list(annotation.__metadata__)
-    return [each for member in get_args(annotation) for each in _metadata(member)]
+    return [constraint for member in get_args(annotation) for constraint in _metadata(member)]
 
 
 def _words(annotation: Any, bounds: str = "") -> list[str]:

@@ -20,7 +20,6 @@ from flangeway.cases.case import (
     Table,
     allowed,
     closest,
-    described_by,
     key_text,
     merged,
     table_in,
@@ -225,14 +224,14 @@ class CaseText(TomlFile):
         return values.pop("case"), values
 
     def _refuse_other_format(self, number: Any) -> None:
-        place = self.place(("flangeway",))
+        location = self.place(("flangeway",))
         if isinstance(number, bool) or not isinstance(number, int) or number < 1:
             raise InputError(
-                f"{place}flangeway = {short(number)}", f"the number of the file's format, {FORMAT}", "leave it out"
+                f"{location}flangeway = {short(number)}", f"the number of the file's format, {FORMAT}", "leave it out"
             )
         if number > FORMAT:
             raise InputError(
-                f"{place}flangeway = {short(number)}, a newer format than this version reads",
+                f"{location}flangeway = {short(number)}, a newer format than this version reads",
                 f"up to {FORMAT} in flangeway {versions()['flangeway']}",
                 "install a newer flangeway, or write the file anew with `flangeway init`",
             )
@@ -296,29 +295,24 @@ def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
     return changed
 
 
-def _set_inside(values: dict[str, Any], path: list[str], value: Any, name: str) -> None:
-    place: Any = values
-    for number, item in enumerate(path):
-        known: dict[str, Any] = {}
-        if isinstance(place, list):
-            known = {str(n): n - 1 for n in range(1, len(place) + 1)}
-            known |= {
-                str(entry["name"]): n for n, entry in enumerate(place) if isinstance(entry, dict) and "name" in entry
-            }
-        elif isinstance(place, dict):
-            known = {key: key for key in place}
-        last = number == len(path) - 1
-        if isinstance(place, dict) and last:
-            new = merged(place, {item: value})
-            place.clear()
-            place.update(new)
-            return
-        if item not in known or last:
-            raise InputError(
-                f"--set {name}", f"at {'.'.join(path[:number]) or 'the top'} one of: {', '.join(known) or 'nothing'}",
-                "name tables by their keys, and items of lists by their numbers from 1 or their names",
-            )  # fmt: skip
-        place = place[known[item]]
+def _set_inside(table: Any, path: list[str], value: Any, name: str, above: str = "") -> None:
+    """Replace a value below a table or a list; `above` is the path to it, for the message."""
+    item, *inner = path
+    if isinstance(table, dict) and not inner:
+        changed = merged(table, {item: value})
+        table.clear()
+        table.update(changed)
+        return
+    known: dict[str, Any] = table if isinstance(table, dict) else {}
+    if isinstance(table, list):
+        known = {str(number): entry for number, entry in enumerate(table, 1)}
+        known |= {str(entry["name"]): entry for entry in table if isinstance(entry, dict) and "name" in entry}
+    if item not in known or not inner:
+        raise InputError(
+            f"--set {name}", f"at {above or 'the top'} one of: {', '.join(known) or 'nothing'}",
+            "name tables by their keys, and items of lists by their numbers from 1 or their names",
+        )  # fmt: skip
+    _set_inside(known[item], inner, value, name, f"{above}.{item}".removeprefix("."))
 
 
 # --- Identity of cases by the content of their inputs, and of the bodies that several cases share.
@@ -494,7 +488,7 @@ def schema() -> dict[str, Any]:
         for table in _tables_of(case):
             table.described_fields()
             table.model_rebuild(force=True)  # a model that has checked values keeps what it knew then
-        described = _with_sentences(case.model_json_schema())
+        described = case.model_json_schema()
         definitions |= described.pop("$defs", {})
         _add_us_keys(described)
         choices.append(
@@ -524,19 +518,7 @@ def schema() -> dict[str, Any]:
 def _tables_of(table: type[Table]) -> list[type[Table]]:
     """Return the tables inside a table, inner ones first, and itself."""
     inner = [table_in(field.annotation) for field in table.model_fields.values()]
-    return [*(each for kind in inner if kind is not None for each in _tables_of(kind)), table]
-
-
-def _with_sentences(described: Any) -> Any:
-    """Return a description of inputs with its texts, also those of several lines, as sentences, see `described_by`."""
-    if isinstance(described, list):
-        return [*map(_with_sentences, described)]
-    if not isinstance(described, dict):
-        return described
-    return {
-        key: described_by(value) if key == "description" and isinstance(value, str) else _with_sentences(value)
-        for key, value in described.items()
-    }
+    return [*(nested for kind in inner if kind is not None for nested in _tables_of(kind)), table]
 
 
 _BOUNDS = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")

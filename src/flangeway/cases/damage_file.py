@@ -72,14 +72,14 @@ class DamageTables(Table):
     """what other strategies change, by their names: tables and keys of this file"""
 
 
-def inputs_of(kind: type[Any], *without: str) -> type[Table]:
-    """Return the table whose keys are the fields of a record, without some of them."""
-    entries = {
+def inputs_of(kind: type[Any], *without: str, **more: Any) -> type[Table]:
+    """Return the table whose keys are the fields of a record, without some of them, and more: type and default."""
+    entries = more | {
         field.name: (field.type, ... if field.default is MISSING else field.default)
         for field in fields(kind)
         if field.name not in without
     }
-    table: type[Table] = create_model(kind.__name__, __base__=Table, **entries)  # type: ignore[call-overload]
+    table: type[Table] = create_model(kind.__name__, __base__=Table, **entries)
     return table
 
 
@@ -123,7 +123,7 @@ class DamageFile(TomlFile):
     def strategies(self) -> dict[str, DamageInputs]:
         """Return the inputs of the file as it is, by its name, and those of its strategies."""
         name = self.file.stem
-        found = {name: self.damage()}
+        strategies = {name: self.damage()}
         for other, changes in self.data.get("strategies", {}).items():
             if not STRATEGY_NAME.fullmatch(other) or other == name:
                 raise InputError(
@@ -134,8 +134,8 @@ class DamageFile(TomlFile):
             data = _merged(self.data, {key: value for key, value in changes.items() if key != "inputs"})
             data.pop("strategies")
             file = replace(self, data=data, strategy=other, changed_inputs=changes.get("inputs", {}))
-            found[other] = replace(file.damage(), name=other, changes=[*_lines(changes)])
-        return found
+            strategies[other] = replace(file.damage(), name=other, changes=[*_lines(changes)])
+        return strategies
 
     def place(self, key: Key) -> str:
         """File and line of a key; in a strategy those of its change."""
@@ -167,24 +167,24 @@ class DamageFile(TomlFile):
             | {"name": state.name or f"state {number}", "share": state.share, "parts": state.parts}
             for number, state in enumerate(tables.states, 1)
         ]
-        found = []
+        states = []
         for number, state in enumerate(given):
             with located(self.place(("states", number) if tables.states else ("collective",))):
                 parts = parts_of(state)
-            found += [self._state(inputs | part, number if tables.states else None) for part in parts]
+            states += [self._state(inputs | part, number if tables.states else None) for part in parts]
         settings = self._values(("evolution",), tables.evolution, inputs_of(EvolutionSettings, "limits"))
         given_laws: dict[Role, dict[str, Any] | None] = {"wheel": tables.wear.wheel, "rail": tables.wear.rail}
         laws = {role: self._law(role, law) for role, law in given_laws.items() if law is not None}
         with located(f"{self.file}: "):
-            collective = Collective(found, tables.sides == "separate")
+            collective = Collective(states, tables.sides == "separate")
             evolution = Evolution(collective, laws, EvolutionSettings(**settings, limits=tables.limits))
         return DamageInputs(self.file.stem, evolution, name, inputs)
 
     def _state(self, values: dict[str, Any], number: int | None) -> RunningState:
         """A state by its name, its share and its inputs; that of a number in the file."""
         name, share = values.pop("name"), values.pop("share")
-        place = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
-        with located(f"{place}{name}: "):
+        location = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
+        with located(f"{location}{name}: "):
             case = SpatialWheelsetCase.from_values(values | mapped(self.changed_inputs, self._resolved))
             if case.model == "plane":
                 raise InputError("model = 'plane'", "spatial: wear needs cells along the rail", "leave model out")
@@ -192,15 +192,15 @@ class DamageFile(TomlFile):
 
     def _law(self, role: Role, given: Mapping[str, Any]) -> WearLaw:
         """The wear law of wheels or rails, for each cell, or for each patch as a whole."""
-        constants, key = dict(given), ("wear", role)
-        name, per_patch = constants.pop("law", None), constants.pop("per_patch", False)
+        name, key = given.get("law"), ("wear", role)
         with located(self.place(key)):
             require_known("law", str(name), LAWS)
-            if not isinstance(per_patch, bool):
-                raise InputError(f"per_patch = {per_patch!r}", "true or false", "leave it out for the law of each cell")
-        values = self._values(key, constants, inputs_of(LAWS[name]))
+        table = inputs_of(LAWS[str(name)], law=(str, ...), per_patch=(bool, False))
+        constants = self._values(key, given, table)
+        del constants["law"]
+        per_patch = constants.pop("per_patch", False)
         with located(self.place(key)):
-            law: WearLaw = LAWS[name](**values)
+            law: WearLaw = LAWS[str(name)](**constants)
         return PerPatch(law) if per_patch else law
 
     def _values(self, key: Key, given: Mapping[str, Any], table: type[Table]) -> dict[str, Any]:

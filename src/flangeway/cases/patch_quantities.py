@@ -237,10 +237,6 @@ def _if_rolling(rolls: bool, value: str | Callable[[CreepResult], Any]) -> Calla
 _rolling, _shifting = partial(_if_rolling, True), partial(_if_rolling, False)
 
 
-def _t_gamma(number: int) -> Callable[[CreepResult], float | None]:
-    return lambda creep: None if creep.t_gamma is None else creep.t_gamma[number]
-
-
 THEORY: Creep = Quantity("theory", "theory", "theory")
 LONGITUDINAL_CREEPAGE: Creep = Quantity(
     "longitudinal_creepage", "longitudinal creepage", _rolling("creepages.along"), form="z.4%"
@@ -267,11 +263,11 @@ TRACTION: Creep = Quantity(
     form=".4f",
     meaning="creep force over normal force",
 )
-T_GAMMA: Creep = Quantity("t_gamma", "T-gamma", _t_gamma(0), "N", "z.3f", meaning="frictional power over the speed")
+T_GAMMA: Creep = Quantity("t_gamma", "T-gamma", "t_gamma.0", "N", "z.3f", meaning="frictional power over the speed")
 T_GAMMAS: tuple[Creep, ...] = (
     T_GAMMA,
-    Quantity("t_gamma_without_spin", "  forces times creepages", _t_gamma(1), "N", "z.3f"),
-    Quantity("t_gamma_with_spin", "  and spin moment times spin", _t_gamma(2), "N", "z.3f"),
+    Quantity("t_gamma_without_spin", "  forces times creepages", "t_gamma.1", "N", "z.3f"),
+    Quantity("t_gamma_with_spin", "  and spin moment times spin", "t_gamma.2", "N", "z.3f"),
 )
 SLIP_AREA: Creep = Quantity("slipping_share", "slip area", "slip_fraction", form=".1%")
 MAX_TRACTION: Creep = Quantity("max_traction", "maximum traction", lambda f: f.maximum("tractions"), "MPa", ".1f")

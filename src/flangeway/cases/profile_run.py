@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.cases.case import Progress
 from flangeway.cases.rigid_run import conicities_of, find_geometry_case
 from flangeway.cases.wheelset.wheelset_inputs import USUAL_BODIES, with_body
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline
-from flangeway.quantities import Quantities, Quantity, columns, getter, values
+from flangeway.quantities import Quantities, Quantity, columns, getter, of_part, values
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.two_column import Kind
 from flangeway.railway.profiles.joining import (
@@ -45,6 +44,7 @@ from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.operating_system import number_of_cores
 from flangeway.system.output_folder import versions
 from flangeway.system.workers import LostWorkerError, computed_here
+from flangeway.types import Progress
 
 # --- A profile from a file or by name, checked, measured, joined and converted, as ``flangeway profile`` does it.
 
@@ -132,10 +132,6 @@ def _how(key: str, read: str | Callable[[Orientation], str]) -> Callable[[Profil
     return lambda run: f"{getter(read)(run.profile.orientation)} ({run.profile.orientation.how[key]})"
 
 
-def _measure(name: str) -> Callable[[ProfileRun], float | None]:
-    return lambda run: run.measures.get(name)
-
-
 def _radius(run: ProfileRun, sign: float) -> float | None:
     curvature = max(sign * segment.curvature for segment in run.running.segments)
     return 1.0 / curvature if curvature > MIN_CURVATURE_PER_MM else None
@@ -152,7 +148,7 @@ def _worn_more_at(run: ProfileRun) -> str | None:
 
 
 MEASURES: Quantities[ProfileRun] = tuple(
-    Quantity(key, label, _measure(f"{key}_mm"), "mm", ".3f")
+    Quantity(key, label, f"measures.{key}_mm", "mm", ".3f")
     for key, label in {
         "flange_height": "flange height Sh",
         "flange_thickness": "flange thickness Sd",
@@ -250,10 +246,10 @@ def run_profiles(names: Sequence[str], options: ReadOptions, join: str | None = 
     """
     runs, files = [], []
     for name in names:
-        places = sections_of(Path(name)) if options.position is None else ()
-        each = [replace(options, position=place) for place in places] or [options]
-        runs += [run_profile(name, one, join) for one in each]
-        files += [Path(name).name] * len(each)
+        positions = sections_of(Path(name)) if options.position is None else ()
+        all_options = [replace(options, position=position) for position in positions] or [options]
+        runs += [run_profile(name, one, join) for one in all_options]
+        files += [Path(name).name] * len(all_options)
     titles = Counter(run.profile.title for run in runs)
     return [
         run if titles[run.profile.title] == 1 else _renamed(run, f"{run.profile.title}, {file}")
@@ -372,14 +368,6 @@ class ProfileFolder(Result):
         return columns(FOLDER_QUANTITIES, self.profiles)
 
 
-def _wear(key: str) -> Callable[[FolderProfile], float | None]:
-    return lambda row: row.wear_mm.get(key)
-
-
-def _of_run(quantity: Quantity[ProfileRun]) -> Quantity[FolderProfile]:
-    return Quantity(quantity.key, quantity.label, lambda row: quantity.value(row.run), quantity.unit, "z.2f")
-
-
 WEAR: dict[Kind, dict[str, str]] = {
     "wheel": {"tread_wear": "tread wear", "flange_wear": "flange wear"},
     "rail": {"top_wear": "top wear", "side_wear": "side wear at 14 mm"},
@@ -395,8 +383,12 @@ FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("file", "file", "file"),
     Quantity("kind", "kind", "run.profile.kind"),
     Quantity("nominal", "nominal", "nominal"),
-    *map(_of_run, MEASURES[:4]),
-    *(Quantity(key, label, _wear(key), "mm", "z.2f") for words in WEAR.values() for key, label in words.items()),
+    *(replace(of_part("run", measure), form="z.2f") for measure in MEASURES[:4]),
+    *(
+        Quantity[Any](key, label, f"wear_mm.{key}", "mm", "z.2f")
+        for words in WEAR.values()
+        for key, label in words.items()
+    ),
     Quantity("conicity", sentence("conicity at {:g mm}", REFERENCE_AMPLITUDE_MM), "conicity", form=".3f"),
 )
 """What is reported of each profile."""
@@ -418,12 +410,12 @@ def run_folder(
         raise InputError(f"folder {folder}", "a folder with files of profiles", "give the folder, not a file of it")
     files = sorted(file for file in folder.iterdir() if file.suffix.lower() in FORMATS)
     profiles, refused = [], []
-    for number, found in enumerate(_each([(file, partner, nominal) for file in files]), 1):
+    for number, outcome in enumerate(_each([(file, partner, nominal) for file in files]), 1):
         progress(f"{number} of {len(files)} files")
-        if isinstance(found, FolderProfile):
-            profiles.append(found)
+        if isinstance(outcome, FolderProfile):
+            profiles.append(outcome)
         else:
-            refused.append(sentence("{}; allowed is {}", found.given, found.allowed))
+            refused.append(sentence("{}; allowed is {}", outcome.given, outcome.allowed))
     if not profiles:
         raise InputError(
             f"folder {folder} with {len(files)} files of profiles, none of which can be read",
@@ -441,11 +433,11 @@ Work = tuple[Path, str | None, str | None]
 def _each(works: list[Work]) -> Iterator[FolderProfile | InputError]:
     """Profiles or reasons why files are refused, in any order: by all cores where there are many files."""
     n_workers = min(number_of_cores(), math.ceil(len(works) / FILES_A_WORKER))
-    for (file, *_), found in computed_here(works, _profile, n_workers):
-        if isinstance(found, LostWorkerError):
-            yield InputError(f"{file.name}: {found}", "a file that fits into memory", "give it alone")
+    for (file, *_), outcome in computed_here(works, _profile, n_workers):
+        if isinstance(outcome, LostWorkerError):
+            yield InputError(f"{file.name}: {outcome}", "a file that fits into memory", "give it alone")
         else:
-            yield found
+            yield outcome
 
 
 def _profile(work: Work) -> FolderProfile | InputError:
@@ -502,7 +494,7 @@ def _conicity(run: ProfileRun, partner: str) -> float:
     if len(locus.lateral_mm) < 2:
         raise InputError("contact in the middle of the track alone", "contact on both sides of it", "look at the pair")
     conicities = conicities_of(RollingRadiusDifference.of(locus), REFERENCE_AMPLITUDE_MM)
-    conicity = (conicities.at_reference() or {}).get("integration", math.nan)
+    conicity = (conicities.at_reference or {}).get("integration", math.nan)
     if math.isnan(conicity):
         raise InputError(
             joined_text("; ", conicities.notices),

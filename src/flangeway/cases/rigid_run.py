@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.case import Case, Progress, closest, merged
+from flangeway.cases.case import Case, LengthUnit, closest, merged
 from flangeway.cases.case_file import CaseText, resolved
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
@@ -19,7 +19,7 @@ from flangeway.errors import InputError, short
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantities, Quantity, values
-from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, conforming
+from flangeway.railway.profiles.orientation import conforming
 from flangeway.railway.rigid.conicity import (
     REFERENCE_AMPLITUDE_MM,
     RollingRadiusDifference,
@@ -38,9 +38,10 @@ from flangeway.railway.rigid.rigid_geometry import ContactJump, ContactLocus, Ri
 from flangeway.railway.rigid.rigid_side import MAX_YAW_RAD
 from flangeway.railway.track.placements import RUNNING_CIRCLES_MM, SIDES, Track, Wheelset
 from flangeway.results import Result, ResultTable, assigned, joined_text, sentence
+from flangeway.system.file_content import toml_data
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.output_folder import versions
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 # --- Inputs of ``flangeway geometry``: a rigid wheelset on two rigid rails, its profiles, measures and load.
 
@@ -80,39 +81,10 @@ def _main_inputs() -> dict[str, Any]:
     return {key: main[key].default for key in shared}
 
 
-_STANDARD = {
-    "gauge_depth_mm": GAUGE_DEPTH_MM,
-    "back_to_back_mm": 1360.0,
-    "wheel_radius_mm": 460.0,
-    "wheel_radius_at": "tape-line",
-    "centre_of_gravity_height_mm": 1000.0,
-    "axle_load_kN": 200.0,
-    "maximum_lateral_mm": 7.0,
-}
-"""A vehicle on standard gauge, which is measured 14 mm below the top of the rails."""
+_FILE = Path(__file__).with_name("geometry_cases.toml")
 GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
-    "wheelset": ("S1002 on 60E1 at 1:40, standard gauge, as `flangeway run wheelset`", _main_inputs()),
-    "wheelset-tangent": ("136RE and AAR-1B on straight, level track", {}),
-    "wheelset-curve": (
-        sentence("136RE and AAR-1B in a curve of {400 m} at {70 km/h}, superelevation {3 cm}"),
-        {"lateral_force_kN": 28.4, "superelevation_mm": 30.0, "maximum_lateral_mm": 9.9},
-    ),
-    "s1002-60e1": (
-        sentence("S1002 on 60E1 at 1:40, gauge {1435 mm}, back-to-back {1360 mm}, rolling radius {460 mm}"),
-        _STANDARD | {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0},
-    ),
-    "en15302": (
-        sentence("benchmark of EN 15302: R-519-A on S-519-A at 1:20, gauge {1435.16 mm}, diameter {920 mm}"),
-        _STANDARD
-        | {
-            "rail": "S-519-A",
-            "wheel": "R-519-A",
-            "gauge_mm": 1435.1654,  # tape lines and the origins of the rails' formulas are then at the same positions
-            "rail_inclination": 0.05,
-            "roll": "none",
-            "maximum_amplitude_mm": 7.4,
-        },
-    ),
+    name: (sentence(inputs.pop("title")), inputs | (_main_inputs() if name == SpatialWheelsetCase.name else {}))
+    for name, inputs in toml_data(_FILE.read_text(encoding="utf-8"), "").items()
 }
 """Title and inputs that differ from the defaults, by name."""
 
@@ -196,6 +168,7 @@ class Conicities(Result):
             dict(zip(("amplitude_mm", "conicity_integration", "conicity_regression"), columns, strict=True))
         )
 
+    @property
     def at_reference(self) -> dict[str, float] | None:
         """Conicity at the reference amplitude; None where it is not computed."""
         at = np.flatnonzero(np.abs(self.amplitudes_mm - REFERENCE_AMPLITUDE_MM) < 1e-6)
@@ -260,7 +233,7 @@ class ConicityCase(Case):
     name = "conicity"
     title = "Equivalent conicity of a rolling radius difference"
 
-    unit: Literal["mm", "cm", "m", "in", "ft"] | None = None
+    unit: LengthUnit | None = None
     """unit of both columns; that of the file if left out"""
     maximum_amplitude_mm: float | None = Field(None, ge=FIRST_MM, le=30.0)
     """maximum amplitude; as far as the difference is given if left out"""
@@ -282,7 +255,7 @@ def run_conicity(file: Path, inputs: Mapping[str, Any]) -> ConicityRun:
         "title": f"Equivalent conicity of the rolling radius difference in {file.name}",
         "inputs": {"file": str(file), **case.model_dump()},
         "lateral_without_difference_mm": difference.centred_mm if len(conicities.amplitudes_mm) else None,
-        "equivalent_conicity": conicities.at_reference(),
+        "equivalent_conicity": conicities.at_reference,
         "notices": list(conicities.notices),
         "versions": versions(),
         "timings_s": {"total": time.perf_counter() - start},
@@ -330,13 +303,13 @@ CONICITY_QUANTITIES: Quantities["GeometryRun | ConicityRun"] = (
     Quantity(
         "conicity_integration",
         sentence("equivalent conicity at {:g mm}", REFERENCE_AMPLITUDE_MM),
-        lambda run: (run.conicities.at_reference() or {}).get("integration"),
+        "conicities.at_reference.integration",
         form=".4f",
     ),
     Quantity(
         "conicity_regression",
         "  by linear regression",
-        lambda run: (run.conicities.at_reference() or {}).get("regression"),
+        "conicities.at_reference.regression",
         form=".4f",
     ),
 )
@@ -447,7 +420,7 @@ def run_geometry(
             }
             for jump in jumps
         ],
-        "equivalent_conicity": conicities.at_reference(),
+        "equivalent_conicity": conicities.at_reference,
         "notices": remarks,
         "versions": versions(),
         "timings_s": {"total": time.perf_counter() - start},

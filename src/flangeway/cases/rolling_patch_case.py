@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.case import NotNegative, Positive, Progress, RunnableCase
+from flangeway.cases.case import NotNegative, Positive, RunnableCase
 from flangeway.cases.patch_quantities import (
     BY_THEORY,
     CREEPAGES,
@@ -44,7 +44,7 @@ from flangeway.quantities import Quantities, Quantity, values
 from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.file_content import number_table
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats, Ints, Progress
 
 # --- Pressures of a contact patch from a CSV file, as ``cells.csv`` of a patch that rolls has them.
 

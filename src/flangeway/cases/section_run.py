@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 from pydantic import Field
 
-from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.case import LengthUnit, RunnableCase
 from flangeway.cases.summary import RunResult
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError, located
@@ -27,6 +27,7 @@ from flangeway.railway.profiles.bundled import bundled_section
 from flangeway.results import ResultTable
 from flangeway.solve import Status
 from flangeway.space import Space
+from flangeway.types import Progress
 
 SOLVED = Status(True, "both formulations of torsion are solved", 1)
 STEEL_KG_M3 = 7850.0
@@ -48,7 +49,7 @@ class TorsionCase(RunnableCase):
 
     section: str = "136RE"
     """136RE, 136RE-8, 136RE-14, 60E1, or an outline file .toml, .csv, .dxf"""
-    unit: Literal["mm", "cm", "m", "in", "ft"] | None = None
+    unit: LengthUnit | None = None
     """unit of a file that does not name one; coordinates are not converted"""
     half: bool = False
     """whether a CSV file contains one half only, to be mirrored about x = 0"""

@@ -12,18 +12,8 @@ import numpy as np
 from pydantic import Field
 
 from flangeway.cases.bodies.bodies_model import elements_of
-from flangeway.cases.bodies.bodies_shape import BodyTable, FineTable, body_shape, elastic
-from flangeway.cases.case import (
-    Case,
-    ElementOrder,
-    Pair,
-    PoissonRatio,
-    Positive,
-    PresetCase,
-    Progress,
-    RunnableCase,
-    example_of,
-)
+from flangeway.cases.bodies.bodies_shape import BodyTable, FineTable, body_shape, elastic, listed
+from flangeway.cases.case import Case, ElementOrder, Pair, PoissonRatio, Positive, PresetCase, RunnableCase, example_of
 from flangeway.cases.patch_quantities import (
     ANGLE,
     AREA,
@@ -47,7 +37,7 @@ from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 # --- Numbers of two bodies in contact in three dimensions.
 
@@ -75,16 +65,14 @@ class SpatialBodyResult:
     profile: DepthProfile
 
     @property
-    def name(self) -> str:
-        """Of the body."""
-        return (self.contact.pair.first, self.contact.pair.second)[self.number].name
+    def body(self) -> PatchBody:
+        """The body."""
+        return (self.contact.pair.first, self.contact.pair.second)[self.number]
 
     @property
-    def sizes(self) -> tuple[int, int]:
-        """Elements, and unknowns of each wavenumber."""
-        body = (self.contact.pair.first, self.contact.pair.second)[self.number]
-        space = body.problem.elasticity.space
-        return space.mesh.n_cells, 3 * space.n_dofs
+    def name(self) -> str:
+        """Of the body."""
+        return self.body.name
 
     def maximum(self, values: Floats) -> tuple[float, float]:
         """Maximum of a stress on the line below the patch, MPa, and its depth in mm."""
@@ -137,8 +125,10 @@ MAX_VON_MISES: Quantity[SpatialBodyResult] = Quantity(
 )
 BODY: Quantities[SpatialBodyResult] = (
     Quantity("name", "", "name"),
-    Quantity("elements", "elements", "sizes.0", form=","),
-    Quantity("unknowns", "unknowns", "sizes.1", form=","),
+    Quantity("elements", "elements", "body.problem.elasticity.space.mesh.n_cells", form=","),
+    Quantity(  # of each wavenumber
+        "unknowns", "unknowns", "body.problem.elasticity.space.n_dofs", form=",", factor=3
+    ),
     Quantity(
         "wavenumbers", "wavenumbers", lambda body: len(body.contact.pair.tables[body.number].wavenumbers), form="d"
     ),
@@ -329,10 +319,10 @@ class SpatialCase(RunnableCase):
         for name, given in (("held_edges", table.held_edges), ("foundation_edges", table.foundation_edges)):
             if given is not None:
                 supports[name] = f"{key}.{name}"
-                mesh = mesh.with_edge_set(f"{key}.{name}", np.vstack([mesh.edge_set(edges) for edges in _list(given)]))
+                mesh = mesh.with_edge_set(f"{key}.{name}", np.vstack([mesh.edge_set(edges) for edges in listed(given)]))
         if (table.foundation_edges is None) != (table.foundation_N_mm3 is None):
             raise InputError(f"{key} with one of foundation_edges and foundation_N_mm3", "both or none", "give both")
-        names = _list(table.contact_edges)
+        names = listed(table.contact_edges)
         chain = mesh.chain(*names).astype(np.int64)
         material = {name: elastic(material, "plane-strain") for name, material in table.materials.items()}
         problem = Harmonic(
@@ -359,10 +349,6 @@ def _axis(table: SpatialBodyTable) -> Axis | None:
         return None
     angle = np.deg2rad(table.axis_rotation_deg)
     return Axis(table.axis_mm, (float(np.cos(angle)), float(np.sin(angle))), float(np.deg2rad(table.yaw_deg)))
-
-
-def _list(names: str | list[str]) -> list[str]:
-    return [names] if isinstance(names, str) else names
 
 
 # --- Contacts in three dimensions that machines have: a crane wheel on a rail, a roller on a race, crossed cylinders.

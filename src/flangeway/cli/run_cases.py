@@ -104,8 +104,8 @@ def converge(name: str, case: "RunnableCase", out: Path | None, show: Show) -> b
     stem = Path(name).stem
     folder = results_folder(out, f"{stem}-converge")
     with show.progress() as progress:
-        found = run_halved(case, progress)
-    return show.record(convergence_record(stem, found, command_typed()), folder)
+        convergence = run_halved(case, progress)
+    return show.record(convergence_record(stem, convergence, command_typed()), folder)
 
 
 @app.command()
@@ -135,23 +135,23 @@ def cases(
             }
             width = max(map(len, titles)) + 1
             for name, title in titles.items():
-                console.print(f"{name:{width}}{title}", markup=False, soft_wrap=True)
-            console.print("`flangeway cases NAME` lists the inputs of one of them.", markup=False)
+                console.print(f"{name:{width}}{title}", soft_wrap=True)
+            console.print("`flangeway cases NAME` lists the inputs of one of them.")
             return
         kind = find_case(case)
         system = units_given(units) or "metric"
         if case in CASE_FILES:
             note = f"a case file of {kind.name}, `flangeway init {case}` writes it"
-            console.print(f"{case}: {file_title(case)}; {note}", markup=False, soft_wrap=True)
-        console.print(f"{kind.name}: {kind.title}", style="bold", markup=False)
+            console.print(f"{case}: {file_title(case)}; {note}", soft_wrap=True)
+        console.print(f"{kind.name}: {kind.title}", style="bold")
         for path, rows in kind.tables_of_inputs(system):
             for caption, members in {path: rows}.items() if path else grouped(rows).items():
-                console.print(f"\n{caption}" if caption else "", style="bold", markup=False)
+                console.print(f"\n{caption}" if caption else "", style="bold")
                 table = Table(Column(no_wrap=True), "", box=None, pad_edge=False, show_header=False)
                 for key, default, allow, meaning in members:
                     given = "" if default == "none" else f" [default: {default}]" * (default != "needed")
                     table.add_row(key, f"{meaning}; {allow}{given}", style="bold" if default == "needed" else None)
-                console.print(table, markup=False)
+                console.print(table)
 
 
 @app.command()
@@ -195,7 +195,7 @@ def init(
                 "choose another name with --to, or remove it",
             )
         write_together(file.parent, {file.name: text_writer(text)})
-        stdout().print(f"{file}: edit it, then flangeway run {file}", markup=False, soft_wrap=True)
+        stdout().print(f"{file}: edit it, then flangeway run {file}", soft_wrap=True)
 
 
 @app.command()
@@ -217,7 +217,6 @@ def check(
         stdout().print(
             f"{file}: a case {inputs.name} with {given} input{'s' * (given != 1)}; nothing is wrong. Compute it with "
             f"flangeway run {file}",
-            markup=False,
             soft_wrap=True,
         )
 
@@ -241,7 +240,7 @@ def schema(
             typer.echo(text, nl=False)
             return
         write_together(to.parent, {to.name: text_writer(text)})
-        stdout().print(f"{to}: name it in the first line of a case file, #:schema {to}", markup=False, soft_wrap=True)
+        stdout().print(f"{to}: name it in the first line of a case file, #:schema {to}", soft_wrap=True)
 
 
 def _case(name: str, settings: list[str] | None, **options: str | None) -> "RunnableCase":

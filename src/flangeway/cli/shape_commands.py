@@ -100,19 +100,19 @@ def geometry(
     )
 
     name = file.stem if is_toml else case
-    found = []
+    records = []
     for pair in product(*([(key, e) for e in given] for key, given in (("wheel", wheel), ("rail", rail)) if given)):
         values = settings | dict(pair) | ({"units": show.units} if show.units else {})
         inputs, notices = read_geometry_case(file, values) if is_toml else (find_geometry_case(case, values), ())
         with inputs.errors_as_written():
             inputs.load()
         show.units = show.units or inputs.units
-        found.append((inputs, notices))
-    many = len(found) > 1
+        records.append((inputs, notices))
+    many = len(records) > 1
     folder = results_folder(out, f"geometry-{name}")
     runs = []
     with show.progress() as progress:
-        for inputs, notices in found:
+        for inputs, notices in records:
             with inputs.errors_as_written():
                 runs.append(run_geometry(name, inputs, progress, notices))
     command = command_typed()
@@ -161,19 +161,15 @@ def section(
     show: Show,
 ) -> bool:
     """Compute the constants of a cross-section; report, JSON, pictures and VTU in a folder (out/section-NAME)."""
-    from flangeway.cases.section_run import (  # noqa: PLC0415
-        TorsionCase,
-        find_section,
-        run_section,
-    )
+    from flangeway.cases.section_run import TorsionCase  # noqa: PLC0415
     from flangeway.report.section_page import section_record  # noqa: PLC0415
 
-    drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
     inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
     case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson, "units": show.units or "metric"})
+    case.check()
     folder = results_folder(out, f"section-{Path(name_or_file).stem}")
     with show.progress() as progress:
-        done = run_section(drawn, case, progress)
+        done = case.run(progress)
     show.record(section_record(done, command_typed()), folder)
     return True
 

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import are_finite, check_finite, check_positive, refused
 from flangeway.errors import InputError
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
 # --- What every linear elastic material gives, in the plane or about an axis.
 
@@ -337,7 +336,7 @@ class Orthotropic(Material):
         """See `Material.matrix`; plane stress from the compliance in the plane, which keeps its digits."""
         return self._matrix(np.array([0, 1])) if self.hypothesis == "plane_stress" else self.spatial_matrix
 
-    def _matrix(self, indices: NDArray[np.int64]) -> Floats:
+    def _matrix(self, indices: Ints) -> Floats:
         """Stiffness where there are normal stresses at some places of xx, yy, xy, zz only."""
         n = len(indices)
         root = np.sqrt(np.array(self.young, dtype=np.float64))[:n]

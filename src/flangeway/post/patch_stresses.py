@@ -15,7 +15,7 @@ from flangeway.post.stress import corner_values, values_inside, von_mises
 from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.surface_compliance import StripForces, wave_sums, waves
 from flangeway.space import CellBatch
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Progress
 
 TO_AXES = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
 """Signs of the components of a half-space in the axes of a `DepthProfile`, in which the depth is -y."""
@@ -130,7 +130,7 @@ class SectionStresses:
 
 
 def patch_stresses(
-    contact: PatchContact, which: int, z: float | None = None, progress: Callable[[str], None] = lambda _: None
+    contact: PatchContact, which: int, z: float | None = None, progress: Progress = lambda _: None
 ) -> SectionStresses:
     """Stresses in a body by the pressures of a contact.
 

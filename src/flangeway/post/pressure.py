@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, SegmentToSegment, Surface
 from flangeway.contact.pairs import Constraints
@@ -233,7 +232,7 @@ def _sliding(pairs: Constraints, state: ContactState, inside: slice, n: int) -> 
     return np.bincount(at, state.friction.forces[inside], n) / whole, slips
 
 
-def _along(pairs: Constraints, contact: Contact) -> NDArray[np.int64]:
+def _along(pairs: Constraints, contact: Contact) -> Ints:
     """Keys of the constraints; guarded nodes have that of the pairing's constraint next to them."""
     nodes = contact.pairing.key_nodes(contact.secondary)
     order = np.argsort(nodes, kind="stable")
@@ -247,8 +246,8 @@ def _patch(
     pairs: Constraints,
     points: Floats,
     forces: Floats,
-    group: NDArray[np.int64],
-    keys: NDArray[np.int64],
+    group: Ints,
+    keys: Ints,
 ) -> PressurePatch:
     """Patch of the constraints in ``group``, sorted along the surface at ``points``; those of one key are added up."""
     nodes, force = pairs.nodes[group], forces[group]
@@ -343,7 +342,7 @@ def _directions(pairs: Constraints) -> Floats:
     return np.concatenate(of_parts)
 
 
-def _reaches_end(members: NDArray[np.int64], n_all: int) -> bool:
+def _reaches_end(members: Ints, n_all: int) -> bool:
     return bool(members.min() == 0 or members.max() == n_all - 1)
 
 
@@ -472,7 +471,7 @@ def roughness(n_segments: float, oscillation: float, name: str, finer: str) -> l
     return [f"the pressure of {name} {remark} from node to node; {finer}"]
 
 
-def _facet_depth(contact: Contact, pairs: Constraints, loaded: NDArray[np.int64]) -> float:
+def _facet_depth(contact: Contact, pairs: Constraints, loaded: Ints) -> float:
     """Sum of the maximum distances of both sides' edges in contact from the curves they approximate."""
     secondary = np.isin(contact.secondary.edge_places, pairs.nodes[loaded]).any(axis=1)
     primary = pairs.primary_edges[np.isin(pairs.rows, loaded).any(axis=1)]
@@ -486,7 +485,7 @@ def _sinking(contact: Contact, patch: PressurePatch) -> float:
     return float(patch.pressures.max()) * patch.half_width * softness
 
 
-def _cut(contact: Contact, pairs: Constraints, loaded: NDArray[np.int64]) -> list[Surface]:
+def _cut(contact: Contact, pairs: Constraints, loaded: Ints) -> list[Surface]:
     nodes, edges = pairs.nodes[loaded], pairs.primary_edges[np.isin(pairs.rows, loaded).any(axis=1)]
     ends = {
         contact.secondary: (nodes.min() == 0, nodes.max() == len(contact.secondary.nodes) - 1),

@@ -27,7 +27,7 @@ from flangeway.report.figures.drawing import (
 )
 from flangeway.report.page.record import Figures
 from flangeway.results import Units
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
 
 LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES = (
     *("contact-locus.png", "max-pressure-map.png", "max-pressure.png", "lateral-over-vertical.png", "forces.png"),
@@ -163,7 +163,7 @@ def _valued(key: str, value: object) -> str:
     return f"{words} {value} {unit}".rstrip()
 
 
-def _remarked(table: CampaignTable, column: str) -> NDArray[np.bool_]:
+def _remarked(table: CampaignTable, column: str) -> Bools:
     """Rows whose value in a column is not reliable, shape (n_rows,)."""
     remarks = table.rows.get(f"{column.removesuffix('_MPa')}_remark", [None] * len(table.rows["row"]))
     return np.array([remark is not None for remark in remarks], dtype=np.bool_)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from flangeway.campaign import CampaignTable
 from flangeway.cases import BodiesRun, WheelsetRun
 from flangeway.cases.bodies.bodies_run import BodiesCase
-from flangeway.cases.case import Case, Progress, Run
+from flangeway.cases.case import Case, Run
 from flangeway.cases.profile_run import ProfileRun
 from flangeway.cases.rigid_run import ConicityRun, GeometryRun
 from flangeway.cases.rolling_patch_case import RollingPatchCase, RollingPatchRun
@@ -30,6 +30,7 @@ from flangeway.report.section_figures import warping_figure
 from flangeway.report.wheelset import wheelset_page
 from flangeway.report.wheelset.wheelset_patches import section_figure
 from flangeway.results import Result
+from flangeway.types import Progress
 
 RECORDS: dict[type[Case], Callable[[Any], Record]] = {
     WheelsetCase: wheelset_page.wheelset_record,

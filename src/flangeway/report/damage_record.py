@@ -156,7 +156,7 @@ def _assumptions(inputs: DamageInputs) -> list[str]:
 
 def _states(steps: Sequence[EvolutionStep], units: Units) -> SummaryTable:
     """Maximum pressure and T-gamma of each state on new and worn profiles."""
-    quantities: list[Quantity[Any]] = [Quantity("state", "state", lambda both: both[0].name)]
+    quantities: list[Quantity[Any]] = [Quantity("state", "state", "0.name")]
     for number, word in enumerate(("new", "worn")):
         pressure = partial(_max_pressure, number)
         energy = partial(_t_gamma, number)

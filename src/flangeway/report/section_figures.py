@@ -177,7 +177,7 @@ def part_numbers(mesh: PolyMesh) -> NDArray[np.int32]:
     return part
 
 
-def _spread(mesh: PolyMesh) -> NDArray[np.int64]:
+def _spread(mesh: PolyMesh) -> Ints:
     """Return cells of which one lies in each square of a grid."""
     step = extent(mesh.points) / N_ARROWS
     _, first = np.unique(np.floor(mesh.cell_centroids / step), axis=0, return_index=True)

@@ -12,7 +12,7 @@ from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import cross_product, point_text, turned_right
 from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement, RigidHandle
 from flangeway.problems.loads import axes, scalar_at
-from flangeway.types import Floats, Ints
+from flangeway.types import Bools, Floats, Ints
 
 # --- Supports as constraints: displacements at nodes as an affine map of the motions that stay free.
 
@@ -100,7 +100,7 @@ class SupportConstraints:
     transform: sp.csr_array
     shift: Floats
     groups: NDArray[np.int32]
-    kept: NDArray[np.bool_] | None
+    kept: Bools | None
     rows: Rows
     handles: tuple[HandleNodes, ...]
     bases: tuple[Floats, ...]
@@ -230,7 +230,7 @@ def _own_motions(problem: Elasticity, handle: HandleNodes) -> dict[int, tuple[in
     return {0: (AXIS, 0.0), 2: (AXIS, 0.0), **motions}
 
 
-def _least_motions(normal: Floats, right: Floats) -> tuple[NDArray[np.bool_], Floats, Floats]:
+def _least_motions(normal: Floats, right: Floats) -> tuple[Bools, Floats, Floats]:
     """Least motions (..., n) of normal equations (..., n, n), (..., n); their eigenvectors and which are held."""
     values, vectors = np.linalg.eigh(normal)
     held = values > RANK * np.maximum(1.0, values[..., -1:])

@@ -23,7 +23,7 @@ from flangeway.solve.linear import cholesky
 from flangeway.space import InnerUnknowns, Space, SymmetricMatrix
 from flangeway.system.disk_cache import Arrays, Cache, cached
 from flangeway.system.memory_limits import memory_left, refuse_beyond_memory
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Bools, Floats, Ints, Progress
 
 # --- Influence among cells of a surface, as if there were half-spaces between each two of them.
 
@@ -478,7 +478,7 @@ def compliance_table(
     least: float,
     maximum: float,
     tolerance: float = 1e-4,
-    progress: Callable[[str], None] = lambda _: None,
+    progress: Progress = lambda _: None,
     cache: Cache | None = None,
 ) -> ComplianceTable:
     """Compliance at as many wavenumbers as the interpolation between them needs.
@@ -519,9 +519,7 @@ def compliance_table(
     return ComplianceTable(cells, table["wavenumbers"], table["values"], float(table["error"]))
 
 
-def _computed(
-    cells: SurfaceCells, least: float, maximum: float, tolerance: float, progress: Callable[[str], None]
-) -> Arrays:
+def _computed(cells: SurfaceCells, least: float, maximum: float, tolerance: float, progress: Progress) -> Arrays:
     count = max(int(np.ceil(PER_DECADE * np.log10(maximum / least))), 3) + 1
     size = 8 * (3 * cells.n_cells) ** 2
     refuse_beyond_memory(f"the compliance of {cells.n_cells} cells at {2 * count} wavenumbers", 6 * count * size)

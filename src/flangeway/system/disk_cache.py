@@ -2,15 +2,12 @@
 
 import contextlib
 import hashlib
-import io
 import os
 import tempfile
 import warnings
-import zipfile
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -19,21 +16,21 @@ from numpy.typing import NDArray
 
 from flangeway.system.memory_limits import size_of_variable
 from flangeway.system.operating_system import cache_parent
+from flangeway.system.output_folder import version_of
 
 # --- Arrays kept on disk by the content that they were computed from.
 #
 # ``FLANGEWAY_CACHE`` names the folder, or is ``off``; left out it is ``flangeway`` in `cache_parent`.
-# ``FLANGEWAY_CACHE_MB`` limits its size (2000 by default): what was used longest ago is removed. A file holds a
-# checksum, is written under another name and then renamed, so that no process sees half of it; a damaged one is
-# noticed, removed and made anew. Nothing is ever wrong for lack of a cache: where the disk refuses, all is computed.
+# ``FLANGEWAY_CACHE_MB`` limits its size (2000 by default): what was used longest ago is removed. A file is an archive
+# of NumPy, which has a checksum of each array (CRC-32) that reading verifies. It is written under another name and then
+# renamed, so that no process sees half of it; a damaged one is noticed, removed and made anew. Nothing is ever wrong
+# for lack of a cache: where the disk refuses, all is computed.
 
 
 Arrays = Mapping[str, NDArray[Any]]
 
-FORMAT = 2  # rises when what is stored, or how it is computed, changes within one version of the package
+FORMAT = 3  # rises when what is stored, or how it is computed, changes within one version of the package
 
-MAGIC = b"flangeway cache\n"
-DIGEST = 32
 SUFFIX = ".arrays"
 DEFAULT_MB = 2000.0
 PARTIAL = ".partial"
@@ -73,14 +70,14 @@ class Cache:
         """Arrays of a key; None if there are none. A damaged file is removed with a `CacheWarning`."""
         path = self._path(key)
         try:
-            content = path.read_bytes()
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+                arrays = {name: stored[name] for name in stored.files}
         except FileNotFoundError:
             return None
         except OSError as error:
             _warn(f"cannot read {path}: {error}")
             return None
-        arrays = _unpacked(content)
-        if arrays is None:
+        except Exception:  # NumPy and zipfile have many errors for what is no archive, or a damaged one
             _warn(f"{path} is damaged; it is computed anew")
             with contextlib.suppress(OSError):
                 path.unlink()
@@ -91,15 +88,14 @@ class Cache:
 
     def store(self, key: str, arrays: Arrays) -> None:
         """Store arrays under a key; another process may do the same at the same time."""
-        content = _packed(arrays)
-        if len(content) > self.limit_bytes:
+        if sum(np.asarray(value).nbytes for value in arrays.values()) > self.limit_bytes:
             return
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             handle, name = tempfile.mkstemp(dir=self.folder, suffix=PARTIAL)
             try:
                 with os.fdopen(handle, "wb") as file:
-                    file.write(content)
+                    np.savez(file, allow_pickle=False, **arrays)
                 Path(name).replace(self._path(key))
             except BaseException:
                 Path(name).unlink(missing_ok=True)
@@ -140,7 +136,7 @@ def content_key(kind: str, *parts: object) -> str | None:
 
     The parts are arrays, text, numbers, tuples, mappings, and objects whose ``repr`` shows all that they hold.
     """
-    digest = hashlib.sha256(f"{kind} {FORMAT} {_version()}".encode())
+    digest = hashlib.sha256(f"{kind} {FORMAT} {version_of('flangeway')}".encode())
     if not all(_add(digest, part) for part in parts):
         return None
     return f"{kind}-{digest.hexdigest()}"
@@ -160,34 +156,6 @@ def _add(digest: "hashlib._Hash", part: object) -> bool:
     text = repr(part)
     digest.update(f"<{len(text)}>{text}".encode())
     return " at 0x" not in text and "..." not in text
-
-
-def _version() -> str:
-    try:
-        return version("flangeway")
-    except PackageNotFoundError:
-        return "not installed"
-
-
-def _packed(arrays: Arrays) -> bytes:
-    buffer = io.BytesIO()
-    np.savez(buffer, allow_pickle=False, **{name: np.asarray(value) for name, value in arrays.items()})
-    payload = buffer.getvalue()
-    return MAGIC + hashlib.blake2b(payload, digest_size=DIGEST).digest() + payload
-
-
-def _unpacked(content: bytes) -> dict[str, NDArray[Any]] | None:
-    start = len(MAGIC) + DIGEST
-    payload = memoryview(content)[start:]
-    if content[: len(MAGIC)] != MAGIC:
-        return None
-    if hashlib.blake2b(payload, digest_size=DIGEST).digest() != content[len(MAGIC) : start]:
-        return None
-    try:
-        with np.load(io.BytesIO(payload), allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
-    except (ValueError, KeyError, OSError, zipfile.BadZipFile):
-        return None
 
 
 def _warn(message: str) -> None:

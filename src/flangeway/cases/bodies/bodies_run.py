@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel, build_bodies
 from flangeway.cases.bodies.bodies_shape import BodiesInputs, ContactTable
-from flangeway.cases.case import Progress, RunnableCase, example_of
+from flangeway.cases.case import RunnableCase, example_of
 from flangeway.cases.summary import RunResult
 from flangeway.contact import Contact, ContactSolution, LoadStep, press
 from flangeway.errors import InputError
@@ -35,7 +35,7 @@ from flangeway.problems import ElasticField
 from flangeway.quantities import Quantities, Quantity, values
 from flangeway.results import sentence
 from flangeway.solve import ElasticitySolution, Status, StepSettings, solve_elasticity
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 # --- What came out of a case of bodies that are pressed, pulled and held: one kind of result for all of them.
 
@@ -177,13 +177,18 @@ FORCES: Quantities[BodyResult] = (
     Quantity("supports", "supports", "supports_force", "N", "z.6g", XY),
 )
 HALF_WIDTH: Quantity[PressurePatch] = Quantity("half_width", "half width of contact", "half_width", "mm", ".6g")
+PATCH_PRESSURE: Quantity[PressurePatch] = Quantity(
+    "max_pressure", "maximum pressure", lambda patch: patch.pressures.max(), "MPa", ".6g", remark=lambda p: p.remark
+)
+REMARK: Quantity[Any] = Quantity("max_pressure_remark", "", "remark", meaning="why it is approximate")
+AT_EDGE: Quantity[PressurePatch] = Quantity("reaches_an_end", "reaches an end of the surface", "at_edge")
 PATCH: Quantities[PressurePatch] = (
     Quantity("centre", "centre of pressure", "centre", "mm", "z.6g", XY),
     HALF_WIDTH,
-    Quantity("max_pressure", "maximum pressure", lambda p: p.pressures.max(), "MPa", ".6g", remark=lambda p: p.remark),
-    Quantity("max_pressure_remark", "", "remark", meaning="why it is approximate"),
+    PATCH_PRESSURE,
+    REMARK,
     Quantity("force", "force on the secondary body", "force", "N", "z.6g", XY),
-    Quantity("reaches_an_end", "reaches an end of the surface", "at_edge"),
+    AT_EDGE,
 )
 SIDES: Quantities[PairResult] = (
     Quantity("secondary", "secondary", "sides.0"),
@@ -204,7 +209,7 @@ PAIR: Quantities[PairResult] = (
         *("initial_penetration", "initial overlap"), lambda p: p.solution.initial_penetration[p.number], "mm", "z.6g"
     ),
     MAX_PRESSURE,
-    Quantity("max_pressure_remark", "", "remark", meaning="why it is approximate"),
+    REMARK,
 )
 STICKING: Quantity[PairResult] = Quantity("sticking_share", "sticking fraction", "sticking_share", form=".3f")
 DISSIPATED: Quantity[PairResult] = Quantity(

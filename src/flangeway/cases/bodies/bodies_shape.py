@@ -17,6 +17,7 @@ from flangeway.cases.case import (
     ElementOrder,
     ElementSize,
     Fraction,
+    LengthUnit,
     NotNegative,
     Pair,
     Positive,
@@ -24,7 +25,7 @@ from flangeway.cases.case import (
     require_known,
 )
 from flangeway.contact import NodeToSegment
-from flangeway.contact.node_to_segment import OVERHANG
+from flangeway.contact.node_to_segment import OPEN_SLACK
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, read_section
 from flangeway.formats.drawn_section import UNITS_MM
@@ -36,6 +37,7 @@ from flangeway.materials import Elastic, Hypothesis
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
 from flangeway.problems import LinearBody
 from flangeway.results import assigned, sentence
+from flangeway.types import Bools
 
 # --- Inputs of the general case: tables of bodies, supports, loads, motions, contacts, steps.
 
@@ -77,7 +79,7 @@ Slack = Annotated[
     float,
     Field(
         gt=0.0,
-        le=OVERHANG,
+        le=OPEN_SLACK,
         description="how far beyond its edge, in parts of the edge, node-to-segment keeps a node paired with it",
     ),
 ]
@@ -154,7 +156,7 @@ class ShapeTable(Table):
     """shape: lines and arcs with points, path or circle, and holes, as in outline files"""
     file: str | None = None
     """shape from a file: outline .toml, .csv, .dxf; or mesh .msh, .inp, .vtu and others"""
-    unit: Literal["mm", "cm", "m", "in", "ft"] | None = None
+    unit: LengthUnit | None = None
     """unit of the file's coordinates (default: that in the file, or mm)"""
     cells: str | list[str] | None = None
     """cell sets of a mesh that form this body (default: all cells)"""
@@ -336,8 +338,6 @@ SHAPES = ("rectangle", "disc", "outline", "file")
 DIAGONAL_PER_SIZE = 20.0  # diagonal of a shape per default edge length of its triangles
 MAX_EDGES = 100_000  # along a side of an outline: more is a mistake in a size
 RIM, ARC, CUT = "rim", "arc", "cut"
-POINTS = ("start", "end", "centre")
-"""Points of segments."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -353,7 +353,7 @@ class BodyShape:
             return None
         loop = min(self.loops, key=lambda outline: float(outline.closest(points)[2].max()))
         try:
-            return loop if names is None else loop.part([name for name in _listed(names) if name in loop.names])
+            return loop if names is None else loop.part([name for name in listed(names) if name in loop.names])
         except InputError:
             return loop
 
@@ -440,7 +440,7 @@ def _refinement(fine: FineTable, key: str, region: Region) -> Refinement:
     if fine.at_mm is not None:
         return Refinement(np.array(fine.at_mm).reshape(-1, 2), fine.size_mm, fine.growth)
     sides = [(name, side) for loop in region.loops for name, side in zip(loop.names, loop.segments, strict=True)]
-    wanted = _listed(fine.edges)
+    wanted = listed(fine.edges)
     for name in wanted:
         require_known(f"{key}.edges", name, sorted({name for name, _ in sides}))
     chosen = [side for name, side in sides if name in wanted]
@@ -465,7 +465,7 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
     read = read_mesh(str(body.file), merge_points=body.cells is None)
     repairs, mesh = list(read.notices), read.mesh
     if body.cells is not None:
-        wanted = _listed(body.cells)
+        wanted = listed(body.cells)
         what = "cell sets of the file"
         if not wanted:
             raise InputError(f"{key}.cells = []", f"{what}: {', '.join(sorted(mesh.cell_sets))}", "leave cells out")
@@ -489,16 +489,20 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
 def _in_mm(outline: Outline, factor: float) -> Outline:
     """Outline times the length of its unit in mm."""
 
-    def scaled(segment: Line | Arc) -> Line | Arc:
-        points: dict[str, Any] = {
-            name: tuple(factor * x for x in value) for name, value in vars(segment).items() if name in POINTS
-        }
-        return replace(segment, **points)
+    def scaled(x: float, y: float) -> tuple[float, float]:
+        return factor * x, factor * y
 
-    return Outline.from_segments([scaled(segment) for segment in outline.segments], outline.names)
+    segments = [
+        replace(side, start=scaled(*side.start), end=scaled(*side.end), centre=scaled(*side.centre))
+        if isinstance(side, Arc)
+        else Line(scaled(*side.start), scaled(*side.end))
+        for side in outline.segments
+    ]
+    return Outline.from_segments(segments, outline.names)
 
 
-def _listed(names: str | Sequence[str] | None) -> list[str]:
+def listed(names: str | Sequence[str] | None) -> list[str]:
+    """Names of which one, or a list, or none is given."""
     return [names] if isinstance(names, str) else list(names or ())
 
 
@@ -547,7 +551,7 @@ def edges_at(
     """
     pairs = mesh.boundary_edges
     if names is not None:
-        chosen, what = _listed(names), f"edge sets of {body!r}"
+        chosen, what = listed(names), f"edge sets of {body!r}"
         known = sorted(name for name in mesh.edge_sets if "[" not in name)
         if not chosen:
             raise InputError(f"{key}.{which} = []", f"{what}: {', '.join(known) or 'none'}", f"leave {which} out")
@@ -576,5 +580,5 @@ def edges_at(
 def free_edges(body: LinearBody, pairs: Ints) -> Ints:
     """Edges without a point that is fixed in both components, where no contact force could act."""
     nodes = body.edge_nodes(pairs)
-    loose: NDArray[np.bool_] = np.logical_not(body.supported.all(axis=1))
+    loose: Bools = np.logical_not(body.supported.all(axis=1))
     return pairs[loose[nodes].all(axis=1)]

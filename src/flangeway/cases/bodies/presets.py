@@ -11,7 +11,16 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.bodies.bodies_run import BodiesCase, BodiesRun, BodyResult, TwoBodiesCase
+from flangeway.cases.bodies.bodies_run import (
+    AT_EDGE,
+    HALF_WIDTH,
+    PATCH_PRESSURE,
+    REMARK,
+    BodiesCase,
+    BodiesRun,
+    BodyResult,
+    TwoBodiesCase,
+)
 from flangeway.cases.bodies.bodies_shape import (
     ContactTable,
     MethodName,
@@ -22,7 +31,7 @@ from flangeway.cases.bodies.bodies_shape import (
     Stabilisation,
     Weighting,
 )
-from flangeway.cases.case import ElementOrder, ElementSize, Fraction, PoissonRatio, Positive, PresetCase, Progress
+from flangeway.cases.case import ElementOrder, ElementSize, Fraction, PoissonRatio, Positive, PresetCase
 from flangeway.contact import NodeToSegment
 from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.elements.lagrange import HIGHEST_ORDER
@@ -33,11 +42,11 @@ from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, rectangle_grid, refined, triangulate
 from flangeway.post import PressurePatch, displacements_at
 from flangeway.problems import Elasticity, Traction, fixed
-from flangeway.quantities import Quantities, Quantity
+from flangeway.quantities import Quantities, Quantity, of_part
 from flangeway.results import assigned, sentence
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 # --- Published problems as presets of the general case: Hertz's contact, and the contact patch test.
 
@@ -65,24 +74,22 @@ def _hertz(run: BodiesRun) -> LineContact:
 
 
 HERTZ: Quantities[BodiesRun] = (
-    Quantity(
-        *("max_pressure", "maximum pressure"), lambda run: _fullest(run).pressures.max(), "MPa", ".6g",
-        remark=lambda run: _fullest(run).remark,
-    ),
-    Quantity("max_pressure_remark", "", lambda run: _fullest(run).remark, meaning="why it is approximate"),
-    Quantity("hertz_max_pressure", "maximum pressure, Hertz", lambda run: _hertz(run).max_pressure, "MPa", ".6g"),
+    *(of_part(_fullest, quantity) for quantity in (PATCH_PRESSURE, REMARK)),
+    Quantity("hertz_max_pressure", "maximum pressure, Hertz", "theory.max_pressure", "MPa", ".6g"),
     Quantity(
         *("max_pressure_difference", "maximum pressure, relative difference"),
-        lambda run: _fullest(run).pressures.max() / _hertz(run).max_pressure - 1.0, form=".3g",
+        lambda run: _fullest(run).pressures.max() / _hertz(run).max_pressure - 1.0,
+        form=".3g",
     ),
-    Quantity("half_width", "half width of contact", lambda run: _fullest(run).half_width, "mm", ".6g"),
-    Quantity("hertz_half_width", "half width of contact, Hertz", lambda run: _hertz(run).half_width, "mm", ".6g"),
+    of_part(_fullest, HALF_WIDTH),
+    Quantity("hertz_half_width", "half width of contact, Hertz", "theory.half_width", "mm", ".6g"),
     Quantity(
         *("half_width_difference", "half width, relative difference"),
-        lambda run: _fullest(run).half_width / _hertz(run).half_width - 1.0, form=".3g",
+        lambda run: _fullest(run).half_width / _hertz(run).half_width - 1.0,
+        form=".3g",
     ),
-    Quantity("reaches_an_end", "reaches an end of the surface", lambda run: _fullest(run).at_edge),
-)  # fmt: skip
+    of_part(_fullest, AT_EDGE),
+)
 """Numbers of a contact beside Hertz's solution."""
 
 

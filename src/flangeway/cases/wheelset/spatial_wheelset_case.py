@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.case import ElementOrder, NotNegative, Positive, Progress, RunnableCase
+from flangeway.cases.case import ElementOrder, NotNegative, Positive, RunnableCase
 from flangeway.cases.patch_quantities import MAX_FRICTION, FrictionCoefficient, FrictionInputs
 from flangeway.cases.wheelset.wheelset_case import WheelsetRun, WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import ROLLING_KEYS, WheelsetInputs, profile_notes
@@ -20,7 +20,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     SPATIAL_ROW,
     WheelResult,
 )
-from flangeway.contact.patch.patch_contact import PARABOLIC
+from flangeway.contact.patch.patch_contact import MAX_PARABOLOID_DISTANCE
 from flangeway.contact.rolling.fast_theories import Theory
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
@@ -36,13 +36,14 @@ from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc
 from flangeway.results import sentence
 from flangeway.system.disk_cache import Cache
 from flangeway.system.file_content import number_table
+from flangeway.types import Progress
 
 # ruff: noqa: N815 (units in names)
 
 ALONG_TRACK = ("distance_m", "friction")
 HERTZ = (
     "Hertz's theory is left out where the curvatures vary within a patch: where the gap deviates from a paraboloid by "
-    f"more than {100.0 * PARABOLIC:g} % of its height."
+    f"more than {100.0 * MAX_PARABOLOID_DISTANCE:g} % of its height."
 )
 THEORIES: dict[Theory, str] = {
     "exact": "the exact theory on the bodies",
@@ -320,8 +321,8 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
             self.seat_roll_kNm_per_rad,
             self.sleeper_spacing_mm,
         )
-        place = f"{self.sleeper_position:g} of the spacing from" if self.sleeper_position else "over"
-        where = f"the wheelset is {place} a sleeper"
+        seats = f"{self.sleeper_position:g} of the spacing from" if self.sleeper_position else "over"
+        where = f"the wheelset is {seats} a sleeper"
         track = {
             "sleepers": sentence("Each rail on sleepers, {}; {}.", seat, where),
             "continuous": sentence("Each rail on a continuous foundation, {}.", seat),

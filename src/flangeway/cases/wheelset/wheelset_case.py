@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import ElementOrder, Fraction, PoissonRatio, Positive, Progress, RunnableCase, SolidModulus
+from flangeway.cases.case import ElementOrder, Fraction, PoissonRatio, Positive, RunnableCase, SolidModulus
 from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs, profile_notes, side_warnings
 from flangeway.cases.wheelset.wheelset_quantities import (
@@ -50,6 +50,7 @@ from flangeway.railway.wheelset.wheelset_model import build_model
 from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
+from flangeway.types import Progress
 
 # --- What a run of a wheelset found, in three dimensions or in the plane: results, ``summary.json``, rows of campaigns.
 

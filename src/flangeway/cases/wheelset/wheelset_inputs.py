@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import Case, NotNegative, PoissonRatio, Positive, SolidModulus
+from flangeway.cases.case import Case, LengthUnit, NotNegative, PoissonRatio, Positive, SolidModulus
 from flangeway.cases.patch_quantities import FRICTION_KEYS
 from flangeway.cases.wheelset.wheelset_quantities import MOTION, PLANE_PATCH_ROW, PLANE_ROW, WheelResult, row_columns
 from flangeway.errors import InputError
@@ -102,10 +102,14 @@ def profile_named(
 
 
 def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
-    for option, value in vars(options).items():
-        if value not in (None, False):
-            wrong = position_key(key) if option == "position" else f"{key}_{option}"
+    for option, wrong in option_keys(key).items():
+        if getattr(options, option) not in (None, False):
             raise InputError(f"{wrong} of the bundled {name}", "a file", f"leave {wrong} out")
+
+
+def option_keys(key: str) -> dict[str, str]:
+    """Names of the inputs with options for the file of a profile, by the fields of `ReadOptions`."""
+    return {option: f"{key}_{option}" for option in ("unit", "mirror", "tape_mm")} | {"position": position_key(key)}
 
 
 def position_key(key: str) -> str:
@@ -242,8 +246,6 @@ def side_warnings(track: Track) -> list[str]:
 
 # --- Inputs of a wheelset on two rails that the rigid and the elastic computation share.
 
-
-LengthUnit = Literal["mm", "cm", "m", "in", "ft"]
 
 N_AXLES = 4  # wheelsets of a usual wagon
 
@@ -526,42 +528,36 @@ class WheelsetInputs(Case):
         """Rails or wheels of the right and the left side, None for a left one that is the same."""
         names = {key: getattr(self, key) for key in (kind, f"left_{kind}")}
         read = {key: self._reading(key) for key in names}
-        found: list[Any] = []
+        profiles: list[Any] = []
         for key, other in zip(names, reversed(names.values()), strict=True):
             name = names[key]
-            if name is None or (found and (name, read[key]) == (names[kind], read[kind])):
-                found.append(None)
+            if name is None or (profiles and (name, read[key]) == (names[kind], read[kind])):
+                profiles.append(None)
                 continue
             # of two rails a radius of the crown is that of the one that takes it
             crown = None if name != "136RE" and other == "136RE" else self.crown_radius_in
             body = getattr(self, f"{kind}_body")
-            found.append(profile_named(name, kind, read[key], key, body=body, other=other, crown_radius_in=crown))
-        return found[0], found[1]
+            profiles.append(profile_named(name, kind, read[key], key, body=body, other=other, crown_radius_in=crown))
+        return profiles[0], profiles[1]
 
     def _reading(self, key: str) -> ReadOptions:
         """Return the options for the file of a profile.
 
         It is an `InputError` if there are options for a left profile without the profile.
         """
-        name = getattr(self, key)
-        names = [f"{key}_unit", f"{key}_mirror", f"{key}_tape_mm", position_key(key)]
-        options = {name.removeprefix(f"{key}_"): getattr(self, name, None) for name in names}
-        options_given = [f"{key}_{option}" for option, value in options.items() if value not in (None, False)]
+        name, right = getattr(self, key), key.removeprefix("left_")
+        keys = option_keys(key)
+        options: dict[str, Any] = {option: getattr(self, name, None) for option, name in keys.items()}
+        options_given = [keys[option] for option, value in options.items() if value not in (None, False)]
         if name is None and options_given:
             raise InputError(
                 f"{' and '.join(options_given)} without {key}", f"{key} with a file", f"give {key}, or leave it out"
             )
-        right = key.removeprefix("left_")
         if name == getattr(self, right):  # the same file has the same unit
-            options = {
-                option: getattr(self, f"{right}_{option}", None) if v is None else v for option, v in options.items()
-            }
-        return ReadOptions(
-            unit=options["unit"],
-            mirror=options["mirror"],
-            tape_mm=options["tape_mm"],
-            position=options[position_key(key).removeprefix(f"{key}_")],
-        )
+            for option, of_right in option_keys(right).items():
+                if options[option] is None:
+                    options[option] = getattr(self, of_right, None)
+        return ReadOptions(**options)
 
     def wheelset(self) -> Wheelset:
         """Return the wheels on their axle."""

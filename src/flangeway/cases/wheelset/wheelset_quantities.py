@@ -33,7 +33,7 @@ from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetLoad
 from flangeway.railway.wheelset.equilibrium import RelativeResiduals
 from flangeway.railway.wheelset.plane_wheelset import (
-    SEARCHED,
+    SEARCHED_FRACTION,
     SubsurfaceExtreme,
     WheelsetResult,
     maximum_on,
@@ -97,7 +97,7 @@ class PlanePatchResult:
         for role in ROLES:
             line = stresses_below(self.result, self.patch, role)
             both = line.stresses.in_plane_shear, line.stresses.von_mises
-            shear, mises = (maximum_on(line.distances, values, SEARCHED) for values in both)
+            shear, mises = (maximum_on(line.distances, values, SEARCHED_FRACTION) for values in both)
             maxima[role] = shear, mises
         return maxima
 
@@ -309,8 +309,8 @@ def _line(role: Role, name: str, label: str, number: int) -> Quantities[PlanePat
     """A stress on the normal below a plane contact, and its depth."""
     key = f"in_{role}_{name}"
     return (
-        Quantity(key, f"{label} in the {role}", lambda p: p.below[role][number].value_MPa, "MPa", ".0f"),
-        Quantity(f"{key}_depth", "  at the depth", lambda p: p.below[role][number].depth_mm, "mm", ".2f"),
+        Quantity(key, f"{label} in the {role}", f"below.{role}.{number}.value_MPa", "MPa", ".0f"),
+        Quantity(f"{key}_depth", "  at the depth", f"below.{role}.{number}.depth_mm", "mm", ".2f"),
     )
 
 

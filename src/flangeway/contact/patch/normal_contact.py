@@ -67,8 +67,10 @@ class Convolution:
             cosines[:, -1] += np.cos(np.pi * np.arange(n_strips + 1))
             self._spectrum = np.tensordot(cosines, kernel, axes=1)
             for along, across, sign in ((masks[0], ~masks[1], 1.0), (~masks[0], masks[1], -1.0)):
-                place = np.ix_(np.arange(n_strips + 1), along, across)
-                self._spectrum[place] = np.tensordot(2.0 * sign * np.sin(angles), kernel[:, along][..., across], axes=1)
+                indices = np.ix_(np.arange(n_strips + 1), along, across)
+                self._spectrum[indices] = np.tensordot(
+                    2.0 * sign * np.sin(angles), kernel[:, along][..., across], axes=1
+                )
             return
         kernel = np.zeros((2 * n_strips, *coefficients.shape[1:]))
         kernel[:n_strips] = coefficients
@@ -381,10 +383,15 @@ def elastic_surface(
         return {"remainder": _remainder(cells, strip, numbers, tolerance)}
 
     settings = numbers, tolerance, CORRECTED, MIN_WAVENUMBER
-    found = cached(cache, make, "remainder", *cells.content, *settings)
+    remainder = cached(cache, make, "remainder", *cells.content, *settings)
     stations = (cells.limits[1:] + cells.limits[:-1]) / 2.0
     return ElasticSurface(
-        cells.material, stations, cells.middles, cells.frames, strip * numbers.astype(np.float64), found["remainder"]
+        cells.material,
+        stations,
+        cells.middles,
+        cells.frames,
+        strip * numbers.astype(np.float64),
+        remainder["remainder"],
     )
 
 

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import sqlite3
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -31,7 +31,7 @@ from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWhe
 from flangeway.results import sentence, with_unit
 from flangeway.system.disk_cache import Cache
 from flangeway.system.output_folder import versions
-from flangeway.types import Floats
+from flangeway.types import Floats, Progress
 
 MM_PER_KM = 1e6
 MAX_COMPLIANCE_WEAR_MM = 1.0
@@ -212,9 +212,7 @@ class Evolution:
             return MM_PER_KM
         return 1.0 if self.unit == "axles" else float(self.settings.axles_per_km or 0.0)
 
-    def run(
-        self, file: Path | None = None, progress: Callable[[str], None] = lambda _: None
-    ) -> tuple[EvolutionStep, ...]:
+    def run(self, file: Path | None = None, progress: Progress = lambda _: None) -> tuple[EvolutionStep, ...]:
         """Evolve to the end or the first limit.
 
         - `file`: SQLite file in which each step is stored when it is done; a run that was interrupted goes on from
@@ -257,7 +255,7 @@ class Evolution:
     def _ends(self, step: EvolutionStep) -> bool:
         return step.position >= self.settings.end or bool(step.reached)
 
-    def _next(self, steps: list[EvolutionStep], progress: Callable[[str], None]) -> EvolutionStep:
+    def _next(self, steps: list[EvolutionStep], progress: Progress) -> EvolutionStep:
         """Take a step by Heun's method, whose error is estimated by the difference from Euler's.
 
         Depth ``h (f0 + f1) / 2`` with rates ``f0`` at its start and ``f1`` after Euler's step ``h f0``; the difference
@@ -314,7 +312,7 @@ class Evolution:
         position: float,
         surfaces: Mapping[SurfaceKey, WornSurface],
         damage: Mapping[SurfaceKey, Floats],
-        progress: Callable[[str], None],
+        progress: Progress,
         near: Sequence[StateDamage] = (),
     ) -> EvolutionStep:
         """Solve all states on worn profiles.

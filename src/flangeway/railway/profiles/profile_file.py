@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import check_kind
 from flangeway.errors import InputError, located
@@ -47,7 +47,7 @@ from flangeway.railway.profiles.smoothing import (
 )
 from flangeway.results import sentence, with_unit
 from flangeway.system.file_content import file_content, path_of
-from flangeway.types import floats
+from flangeway.types import Ints, floats
 
 # --- Checks of measured points: doubled ones are left out, other errors are refused with their line.
 
@@ -72,7 +72,7 @@ _HOOK = 3  # points at the end of a file that may be a stray stroke
 _OUTLIER_UM = 100.0
 MAX_OUTLIERS = 0.05  # part of the points that may be off the curve
 
-Lines = NDArray[np.int64]
+Lines = Ints
 
 
 def checked_points(points: FloatArray, lines: Lines, *, unit_is_sure: bool) -> tuple[FloatArray, Lines, list[str]]:
@@ -138,7 +138,7 @@ def _merged(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[s
     return means, lines[starts], [sentence("{}, the first in line {}.", notice, first)]
 
 
-def _starts(points: FloatArray, reach_mm: float) -> NDArray[np.int64]:
+def _starts(points: FloatArray, reach_mm: float) -> Ints:
     """Numbers of the points (n, 2) that are at least a distance from the start before them."""
     starts = [0]
     rows = points.tolist()
@@ -148,7 +148,7 @@ def _starts(points: FloatArray, reach_mm: float) -> NDArray[np.int64]:
     return np.array(starts, dtype=np.int64)
 
 
-def _outliers(points: FloatArray) -> NDArray[np.int64]:
+def _outliers(points: FloatArray) -> Ints:
     """Numbers of single points that stick out of a curve which is smooth without them."""
     before, here, after = points[:-2], points[1:-1], points[2:]
     out = np.zeros(len(points))
@@ -163,7 +163,7 @@ def _outliers(points: FloatArray) -> NDArray[np.int64]:
     apart = np.zeros(len(points), dtype=np.bool_)
     apart[2:-2] = norms(points[3:-1] - points[1:-3]) > 0.7 * np.minimum(steps[:-3], steps[3:])
     least = 1e-3 * max(_OUTLIER_UM, 10.0 * noise_um(points))
-    outliers: NDArray[np.int64] = np.flatnonzero((out > least) & (out > 6.0 * without) & apart)
+    outliers: Ints = np.flatnonzero((out > least) & (out > 6.0 * without) & apart)
     return outliers
 
 

@@ -6,14 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Segment, as_point
 from flangeway.geometry.arrays import chain_lengths, cross_product, norms
 from flangeway.results import sentence
-from flangeway.types import Floats, floats
+from flangeway.types import Bools, Floats, floats
 
 # --- Measured points to a smooth curve of arcs: a smoothing spline on arc length, whose deviation is reported and
 # limited.
@@ -200,7 +199,7 @@ def _limited_spline(
     spacing = np.gradient(all_s)
     bending = (wavelength / (2.0 * math.pi)) ** 4
     weight = np.ones(len(all_s))
-    held: NDArray[np.bool_] = np.zeros(len(s), dtype=np.bool_)
+    held: Bools = np.zeros(len(s), dtype=np.bool_)
     for _ in range(_N_ROUNDS):
         spline = _spline(all_s, all_points, weight * spacing, bending)
         deviations = _distances(spline, s, points)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline, make_interp_spline
 from scipy.optimize import brentq
 
@@ -25,7 +25,7 @@ from flangeway.railway.profiles.formats.two_column import read_two_column
 from flangeway.railway.rigid.rigid_geometry import ContactLocus
 from flangeway.results import sentence
 from flangeway.system.file_content import file_content, path_of
-from flangeway.types import Floats, floats
+from flangeway.types import Floats, Ints, floats
 
 REFERENCE_AMPLITUDE_MM = 3.0  # amplitude for which one number is usually given
 
@@ -122,7 +122,7 @@ class RollingRadiusDifference:
         middles = 0.5 * (low + high)
         return float(middles[np.argmin(np.abs(middles))])
 
-    def _at(self, piece: NDArray[np.int64], difference_mm: float) -> Floats:
+    def _at(self, piece: Ints, difference_mm: float) -> Floats:
         """Lateral displacements at which straight pieces have a difference."""
         lateral, given = self.lateral_mm, self.difference_mm
         part = (difference_mm - given[piece]) / (given[piece + 1] - given[piece])

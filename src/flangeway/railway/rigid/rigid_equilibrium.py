@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from flangeway.errors import InputError
@@ -24,7 +23,7 @@ from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetP
 from flangeway.railway.track.wheelset_problem import WheelsetLoad, WheelsetProblem
 from flangeway.results import sentence
 from flangeway.solve import Status
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
 
 # --- Equilibria of rigid wheels on rigid rails under a load without friction.
 #
@@ -279,7 +278,7 @@ def held_ratios(geometry: RigidGeometry, path: TouchingPositions) -> Floats:
 def _zeros(geometry: RigidGeometry, load: WheelsetLoad, pairs: Intervals) -> Intervals:
     """Narrow intervals in which the derivative passes through zero, by continuous change or by a jump."""
 
-    def first_change(positions: TouchingPositions, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    def first_change(positions: TouchingPositions, shape: tuple[int, ...]) -> Bools:
         rising = _derivative(geometry, positions, load).reshape(shape) >= 0.0
         changes = rising[:, 1:] != rising[:, :-1]
         columns = np.arange(shape[1] - 1)
@@ -463,11 +462,11 @@ class RigidStart:
         level = self.motion.lateral_mm + self.geometry.reference_height_mm * math.sin(self.motion.roll_rad) + offset_mm
         return self.geometry.touching(np.array([level]), gaps=True)
 
-    def _inside(self, side: Side, wheel_arc: Floats, rail_x: Floats) -> NDArray[np.bool_]:
+    def _inside(self, side: Side, wheel_arc: Floats, rail_x: Floats) -> Bools:
         curves = self.geometry.side(side)
         first, last = curves.rail.joints[[0, -1]]
         on_wheel = (wheel_arc > END_MM) & (wheel_arc < curves.wheel.length - END_MM)
-        inside: NDArray[np.bool_] = on_wheel & (rail_x > first + END_MM) & (rail_x < last - END_MM)
+        inside: Bools = on_wheel & (rail_x > first + END_MM) & (rail_x < last - END_MM)
         return inside
 
 

@@ -6,14 +6,14 @@ from dataclasses import dataclass, field, fields, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_side import RigidSide, Touches
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, Wheelset, WheelsetPosition, refuse_misfit
 from flangeway.results import sentence
-from flangeway.types import Floats, floats
+from flangeway.types import Bools, Floats, Ints, floats
 
 # --- Points of contact of a rigid wheelset over its positions, and where they jump.
 
@@ -45,7 +45,7 @@ class SideLocus:
     points_mm: Floats
     ahead_mm: Floats
 
-    def part(self, chosen: slice | NDArray[np.int64]) -> "SideLocus":
+    def part(self, chosen: slice | Ints) -> "SideLocus":
         """The points of some positions."""
         arrays = (getattr(self, entry.name)[chosen] for entry in fields(self) if entry.name != "side")
         return SideLocus(self.side, *arrays)
@@ -77,7 +77,7 @@ class ContactLocus:
         """Rolling radius of the right wheel less that of the left one, (n,)."""
         return self.right.rolling_radii_mm[:, 0] - self.left.rolling_radii_mm[:, 0]
 
-    def part(self, chosen: slice | NDArray[np.int64]) -> "ContactLocus":
+    def part(self, chosen: slice | Ints) -> "ContactLocus":
         """Some of the positions."""
         lateral, vertical, roll = self.lateral_mm[chosen], self.vertical_mm[chosen], self.roll_rad[chosen]
         sides = self.left.part(chosen), self.right.part(chosen)
@@ -178,12 +178,12 @@ class TouchingPositions(NamedTuple):
         """Touches of a side."""
         return self.left if side == "left" else self.right
 
-    def pairs(self, numbers: NDArray[np.int64]) -> Intervals:
+    def pairs(self, numbers: Ints) -> Intervals:
         """Intervals from positions to those that follow them."""
         both = numbers[:, None] + np.arange(2)
         return Intervals(self.rail_level[both], self.roll[both])
 
-    def part(self, chosen: slice | NDArray[np.bool_]) -> "TouchingPositions":
+    def part(self, chosen: slice | Bools) -> "TouchingPositions":
         """Some of the positions."""
         sides = (Touches(*(column[chosen] for column in side)) for side in (self.left, self.right))
         return TouchingPositions(self.rail_level[chosen], self.roll[chosen], *sides)
@@ -363,7 +363,7 @@ class RigidGeometry:
         jumps = []
         for side in SIDES:
 
-            def jumped(positions: TouchingPositions, shape: tuple[int, ...], side: Side = side) -> NDArray[np.bool_]:
+            def jumped(positions: TouchingPositions, shape: tuple[int, ...], side: Side = side) -> Bools:
                 arcs = positions.side(side).wheel_arc[:, 0].reshape(shape)
                 return np.abs(np.diff(arcs, axis=-1)) > JUMP_MM
 
@@ -379,7 +379,7 @@ class RigidGeometry:
     def narrowed(
         self,
         pairs: Intervals,
-        changes: Callable[[TouchingPositions, tuple[int, ...]], NDArray[np.bool_]],
+        changes: Callable[[TouchingPositions, tuple[int, ...]], Bools],
         tolerance_mm: float,
     ) -> Intervals:
         """Narrow intervals to those parts in which something changes, until they are short.
@@ -473,10 +473,10 @@ class RigidGeometry:
             self.right.touches(lateral, roll, first_only=not gaps),
         )
 
-    def _at_edge(self, positions: TouchingPositions) -> NDArray[np.bool_]:
+    def _at_edge(self, positions: TouchingPositions) -> Bools:
         return self.left.at_edge(positions.left) | self.right.at_edge(positions.right)
 
-    def _over_rails(self, lateral: Floats) -> NDArray[np.bool_]:
+    def _over_rails(self, lateral: Floats) -> Bools:
         return self.right.over_rail(lateral) & self.left.over_rail(-lateral)
 
     def _followed(self, reach_mm: float) -> TouchingPositions:
@@ -502,7 +502,7 @@ class RigidGeometry:
 
     def _rolled(
         self, target: Floats, rail_level: Floats, roll: Floats, *, at_axle: bool = False
-    ) -> tuple[TouchingPositions, NDArray[np.int64]]:
+    ) -> tuple[TouchingPositions, Ints]:
         """As `touching`, and the numbers of the positions for which no roll is found, as where a profile ends."""
         radius, eta, phi = self.reference_height_mm, rail_level.copy(), roll.copy()
         # at a given level the difference of the heights falls with the roll: a bracket is kept
@@ -571,7 +571,7 @@ def levers(radius: float, positions: TouchingPositions) -> tuple[Floats, Floats]
     return np.array(slopes), np.array(arms)
 
 
-def _run_about(flags: NDArray[np.bool_], middle: int) -> slice:
+def _run_about(flags: Bools, middle: int) -> slice:
     """The run of true flags about a number."""
     after, before = flags[middle:], flags[: middle + 1][::-1]
     last = middle + (int(np.argmin(after)) if not after.all() else len(after))

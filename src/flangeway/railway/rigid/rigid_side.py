@@ -6,7 +6,7 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement
@@ -14,7 +14,7 @@ from flangeway.geometry.arrays import angles_of, norms
 from flangeway.railway.profiles.smoothing import MAX_CLIPPED, STEEPEST_RAD, extent, graphs_of
 from flangeway.railway.track.placements import Side, Track, Wheelset, mirrored
 from flangeway.results import sentence
-from flangeway.types import Floats, Ints, floats
+from flangeway.types import Bools, Floats, Ints, floats
 
 # --- Profiles as rigid curves of lines and arcs, evaluated for thousands of points at once.
 #
@@ -157,7 +157,7 @@ class RigidCurve:
         piece = np.clip(np.searchsorted(self.offsets, s, side="right") - 1, 0, len(self.lengths) - 1)
         return self._along(piece, s - self.offsets[piece])
 
-    def _along(self, piece: NDArray[np.int64], local: Floats) -> CurvePoints:
+    def _along(self, piece: Ints, local: Floats) -> CurvePoints:
         """Points at lengths from the start of pieces."""
         curvature, start_angle = self.curvatures[piece], self.angles[piece]
         half_turn = 0.5 * curvature * local
@@ -266,7 +266,7 @@ def _with_edges(profile: RigidCurve) -> tuple[Floats, Floats, Floats]:
     return points.x[source], points.y[source], angle
 
 
-def _lowest(x: Floats, y: Floats) -> NDArray[np.bool_]:
+def _lowest(x: Floats, y: Floats) -> Bools:
     """Which points of a chain that may turn back belong to its lower envelope."""
     if (np.diff(x) > -_SAME_POINT_MM).all():
         return np.ones(len(x), dtype=np.bool_)
@@ -275,7 +275,7 @@ def _lowest(x: Floats, y: Floats) -> NDArray[np.bool_]:
     lowest = np.full(len(x), np.inf)
     for run in np.split(np.arange(len(x)), ends):
         lowest = np.minimum(lowest, np.interp(x, x[run], y[run], left=np.inf, right=np.inf))
-    kept: NDArray[np.bool_] = y <= lowest + _SAME_POINT_MM
+    kept: Bools = y <= lowest + _SAME_POINT_MM
     return kept
 
 
@@ -366,7 +366,7 @@ class RigidSide:
         x = np.arange(first - 1.0, last + 1.0, _TABLE_MM)
         return float(x[0]), self.rail.over(x).y
 
-    def over_rail(self, lateral: Floats) -> NDArray[np.bool_]:
+    def over_rail(self, lateral: Floats) -> Bools:
         """Whether some of the wheel is above the rail's head, (n,)."""
         return (lateral + self.wheel.joints[-1] > self.rail.joints[0]) & (
             lateral + self.wheel.joints[0] < self.rail.joints[-1]
@@ -424,9 +424,7 @@ class RigidSide:
         arcs = np.linspace(0.0, self.wheel.length, int(np.ceil(self.wheel.length / _SPACING_MM)) + 1)
         return arcs, self.wheel.at(arcs)
 
-    def _brackets(
-        self, lateral: Floats, roll: Floats, part: slice, margin: float
-    ) -> tuple[NDArray[np.int64], Floats, Floats]:
+    def _brackets(self, lateral: Floats, roll: Floats, part: slice, margin: float) -> tuple[Ints, Floats, Floats]:
         """Numbers of positions, and brackets of lengths along the wheel about its local maxima over the rail.
 
         Maxima lower than the highest one by more than a margin are left out.
@@ -510,7 +508,7 @@ class RigidSide:
         over = (placed.x >= self.rail.joints[0]) & (placed.x <= self.rail.joints[-1])
         return arcs[over & (lift - placed.lift < gap_mm)]
 
-    def at_edge(self, touches: Touches) -> NDArray[np.bool_]:
+    def at_edge(self, touches: Touches) -> Bools:
         """Whether the first touch is at an end of the wheel's or the rail's running surface, (n,)."""
         arc, x = touches.wheel_arc[:, 0], touches.x[:, 0]
         ends = self.rail.joints[[0, -1]]

@@ -9,7 +9,7 @@ import numpy as np
 
 from flangeway.contact.rolling.rolling_contact import Rolling
 from flangeway.errors import InputError
-from flangeway.exact.shakedown import ABOVE, shakedown_state
+from flangeway.exact.shakedown import ABOVE_SHAKEDOWN, shakedown_state
 from flangeway.post.patch_stresses import StressField
 from flangeway.railway.profiles.orientation import flange_angle_rad
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
@@ -300,7 +300,7 @@ def _of_yielding(result: SpatialResult) -> list[str]:
         f"{patch.side} side, {patch.region}: p0/k = {result.load_factor(patch):.2f} is above the shakedown limits: "
         "steel yields in each passage, which is not modelled"
         for patch in result.patches
-        if result.shakedown_state(patch) == ABOVE
+        if result.shakedown_state(patch) == ABOVE_SHAKEDOWN
     ]
 
 

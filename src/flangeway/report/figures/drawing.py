@@ -164,7 +164,7 @@ class UsLocator(AutoLocator):
     def tick_values(self, vmin: float, vmax: float) -> list[float]:
         """Return places on the axis."""
         values = np.asarray(super().tick_values(vmin / self.metric, vmax / self.metric)) * self.metric
-        return [float(each) for each in values]
+        return [float(value) for value in values]
 
 
 class UsFormatter(Formatter):
@@ -355,15 +355,15 @@ ERRORS = {"residual": "residual over the total force", "change": "change over th
 
 def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
     """Name and state of each load step, and where it ended without success."""
-    found: list[tuple[str, ContactState]] = []
+    steps: list[tuple[str, ContactState]] = []
     legs = any(step.share > 1.0 for step in contact.steps)
     for step in contact.steps:
         leg = max(math.ceil(step.share), 1)
         name = f"leg {leg}: " * legs + f"{100.0 * (step.share - leg + 1):.4g} %"
-        found.append((name, step.state))
+        steps.append((name, step.state))
     if not contact.status.converged:
-        found.append(("not converged", contact.state))
-    return found
+        steps.append(("not converged", contact.state))
+    return steps
 
 
 def newton_figure(steps: Sequence[tuple[str, ContactState]]) -> Figure:

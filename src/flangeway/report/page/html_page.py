@@ -4,7 +4,7 @@ import base64
 import re
 import shlex
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import date
 from functools import cache
 from importlib.resources import files
@@ -27,6 +27,7 @@ from flangeway.results import ResultTable, Units, in_us_units, joined_text, sent
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 from flangeway.system.templates import templates
 from flangeway.system.workbook import csv_tables, write_workbook
+from flangeway.types import Progress
 
 # --- What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables.
 
@@ -107,7 +108,7 @@ def inputs_tables(case: Case) -> list[SummaryTable]:
     if case.units == "us":
         meanings = [*map(in_us_units, meanings)]
     rows = tuple((*row, meaning) for row, meaning in zip(input_rows(plain, case.units), meanings, strict=True))
-    found = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), rows, of_words=True)]
+    tables = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), rows, of_words=True)]
     for key, value in case.model_dump(exclude_defaults=True).items():
         if key not in plain:
             items = (
@@ -117,8 +118,8 @@ def inputs_tables(case: Case) -> list[SummaryTable]:
             )
             for caption, item in items.items():
                 table = SummaryTable(caption, ("", "value"), tuple(input_rows(item, case.units)), of_words=True)
-                found.append(table)
-    return found
+                tables.append(table)
+    return tables
 
 
 def has_tables(case: Case) -> bool:
@@ -214,7 +215,7 @@ def record_html(record: Record) -> str:
 def write_record(
     record: Record,
     folder: Path,
-    progress: Callable[[str], None] = lambda _: None,
+    progress: Progress = lambda _: None,
     *,
     pictures: bool = True,
     xlsx: bool = False,
@@ -230,14 +231,14 @@ def write_record(
     drawn: list[tuple[Picture, bytes]] = []
     if record.pictures and pictures:
         progress("drawing the pictures")
-        drawn = [(each, png(each.draw())) for each in record.pictures]
+        drawn = [(picture, png(picture.draw())) for picture in record.pictures]
     timings_s = (
         {**record.timings_s, "pictures": time.perf_counter() - start}
         if drawn and record.timings_s
         else record.timings_s
     )
     progress("writing the files")
-    writers = {each.file: bytes_writer(data) for each, data in drawn} | dict(record.files())
+    writers = {picture.file: bytes_writer(data) for picture, data in drawn} | dict(record.files())
     if xlsx:
         summary = ResultTable.of_numbers(record.summary)
         rows = [[*summary.columns], *(_in_units(row, record.units) for row in summary.rows())]

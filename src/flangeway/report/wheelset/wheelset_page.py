@@ -40,7 +40,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
 from flangeway.mesh import PolyMesh
 from flangeway.quantities import Quantity, columns, measured, present
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
-from flangeway.railway.track.wheelset_problem import ROLES, Role
+from flangeway.railway.track.wheelset_problem import ROLES
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.supported_rail import REGIONS, RailAlongTrack
 from flangeway.railway.wheelset.whole_sections import whole_sections
@@ -458,11 +458,11 @@ def _what(run: WheelsetRun) -> str:
 def _method(run: WheelsetRun) -> str:
     problem = run.problem
     settings = problem.discretisation
-    words = []
-    for role in ("wheel", "rail"):
-        kind: Role = "wheel" if role == "wheel" else "rail"
-        order = "linear" if settings.order_of(kind) == 1 else "quadratic"
-        words.append(f"{order} {'finite' if settings.method_of(kind) == 'fem' else 'virtual'} elements")
+    words = [
+        f"{'linear' if settings.order_of(role) == 1 else 'quadratic'} "
+        f"{'finite' if settings.method_of(role) == 'fem' else 'virtual'} elements"
+        for role in ROLES
+    ]
     elements = words[0] if words[0] == words[1] else f"{words[0]} in the wheels, {words[1]} in the rails"
     return f"{elements}, the {problem.primary[0]}s are the primary surface"
 

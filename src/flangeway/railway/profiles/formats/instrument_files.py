@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.formats import drawn_section, outline_files
@@ -26,6 +25,7 @@ from flangeway.railway.profiles.formats.two_column import (
     read_two_column,
     text_of,
 )
+from flangeway.types import Ints
 
 # --- MiniProf files: ``.ban`` for rails and ``.whl`` for wheels.
 #
@@ -183,8 +183,8 @@ def _refuse_other_kind(keys: dict[str, tuple[int, str]], kind: Kind) -> bool:
 
 
 def _processed(
-    points: FloatArray, lines: NDArray[np.int64], keys: dict[str, tuple[int, str]]
-) -> tuple[FloatArray, NDArray[np.int64], float | None]:
+    points: FloatArray, lines: Ints, keys: dict[str, tuple[int, str]]
+) -> tuple[FloatArray, Ints, float | None]:
     """Apply the header; return points, their lines, and the number of the file's units in a metre."""
 
     def value(key: str) -> float:

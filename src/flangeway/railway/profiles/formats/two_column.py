@@ -9,12 +9,12 @@ from itertools import pairwise
 from typing import Literal, TypeAlias, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.formats import UNITS
 from flangeway.geometry import Contour, FloatArray
 from flangeway.system.file_content import csv_cells, csv_separator
+from flangeway.types import Ints
 
 # --- Result of a reader of profile files: numbers as they are written, and what the file declares.
 
@@ -51,7 +51,7 @@ class RawProfile:
     """
 
     points: FloatArray
-    lines: NDArray[np.int64]
+    lines: Ints
     unit: str | None = None
     unit_is_sure: bool = True
     kind: Kind | None = None
@@ -65,7 +65,7 @@ class RawProfile:
     notices: tuple[str, ...] = ()
 
 
-def numbered_points(rows: Sequence[tuple[int, float, float]]) -> tuple[FloatArray, NDArray[np.int64]]:
+def numbered_points(rows: Sequence[tuple[int, float, float]]) -> tuple[FloatArray, Ints]:
     """Return points (n, 2) and their lines (n,) from rows of line, x and y.
 
     An `InputError` if there is no row, or a number is not finite or absurdly large; the message names the line.
@@ -113,9 +113,7 @@ def keys_and_rows(lines: Iterable[tuple[int, str]]) -> tuple[Header, list[tuple[
     return header, rows
 
 
-def points_in(
-    rows: Sequence[tuple[int, list[float]]], first: int = 0, second: int = 1
-) -> tuple[FloatArray, NDArray[np.int64]]:
+def points_in(rows: Sequence[tuple[int, list[float]]], first: int = 0, second: int = 1) -> tuple[FloatArray, Ints]:
     """Return points (n, 2) from two columns of rows, and their lines (n,); errors as of `numbered_points`.
 
     An `InputError` if a row is shorter.

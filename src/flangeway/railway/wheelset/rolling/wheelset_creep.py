@@ -117,7 +117,7 @@ class WheelsetCreep:
         turning = rate * pose.axis
         yawing = np.array([0.0, -sign * self.motion.turning_rad_s, 0.0])
         flat = np.zeros((len(points), 1))
-        arms, from_axle = (np.hstack((points - each, flat)) for each in (pose.middle, (pose.x, pose.y)))
+        arms, from_axle = (np.hstack((points - centre, flat)) for centre in (pose.middle, (pose.x, pose.y)))
         slip = np.array([sign * self.motion.lateral_velocity_m_s, 0.0, speed])
         slip = slip + 1e-3 * (np.cross(turning, arms) + np.cross(yawing, from_axle))
         spin = 1e-3 * (normals @ (turning + yawing)[:2]) / speed
@@ -148,7 +148,7 @@ class WheelsetCreep:
         if self.theory == "exact":
             return [normal > 0.0] if normal.any() else []
         if state.grid not in self._parts and side in self.before:
-            self._parts[state.grid] = [_moved(each, state.grid.grid) for each in self.before[side].patches]
+            self._parts[state.grid] = [_moved(patch, state.grid.grid) for patch in self.before[side].patches]
         self._parts[state.grid] = patches_of(normal, self._parts.get(state.grid, ()))
         return self._parts[state.grid]
 
@@ -156,8 +156,8 @@ class WheelsetCreep:
         if self.theory != "exact":
             return FAST[self.theory](contact, motion.mean(contact.places[0], contact.row_shares))
         start = self._last.get(key) or self._start(side, contact)
-        found = self._last[key] = roll(contact, motion, start=start, tolerance=self.tolerance)
-        return found
+        rolling = self._last[key] = roll(contact, motion, start=start, tolerance=self.tolerance)
+        return rolling
 
     def _start(self, side: Side, contact: RollingContact) -> Start | None:
         """Tractions of the side before on the cells of a patch."""
@@ -185,29 +185,29 @@ class WheelsetCreep:
             self._last.pop(key, None)
             rows = rows_of(state, whole)
         pressures = np.where(inside, normal, 0.0)[rows, strips_of(state, whole)] / whole.areas
-        found = self._contacts[key] = whole.under(pressures, self._contacts.get(key), friction.of_rows(rows))
-        return found
+        contact = self._contacts[key] = whole.under(pressures, self._contacts.get(key), friction.of_rows(rows))
+        return contact
 
     def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
         """Resultants of the patches' forces at a pose."""
         total, rows = np.zeros(N_RESULTANTS), np.zeros((len(state.grid.grid.widths), 2))
         raised = np.zeros(state.forces.shape)
-        for _, contact, found, points in patches:
-            cells, own = forces_on_cells(found, contact), rows_of(state, contact)
+        for _, contact, forces, points in patches:
+            cells, own = forces_on_cells(forces, contact), rows_of(state, contact)
             s, z = contact.places
-            missing = found.moment - float(s @ cells[..., 1].sum(axis=1) - cells[..., 0].sum(axis=0) @ z)
+            missing = forces.moment - float(s @ cells[..., 1].sum(axis=1) - cells[..., 0].sum(axis=0) @ z)
             spinning = missing * np.append(contact.row_shares @ state.normals[own], 0.0)
             ahead = cells[..., 0] @ contact.grid.along
             total += _resultant((points[own], state.normals[own]), pose, cells.sum(axis=1), ahead, spinning)
             rows[own] += cells.sum(axis=1)
-            if isinstance(found, Rolling):
-                total[6] -= 1e3 * found.rolling_power / self.rate_rad_s
+            if isinstance(forces, Rolling):
+                total[6] -= 1e3 * forces.rolling_power / self.rate_rad_s
                 moved = state.grid.bending_across[own, :, own] @ cells[..., 0].sum(axis=1)
                 moved = (moved * state.normals[own]).sum(axis=1)[:, None]
-                raised[own, strips_of(state, contact)] += found.raised + moved
+                raised[own, strips_of(state, contact)] += forces.raised + moved
         return SideCreep(patches, total, rows, raised)
 
-    def derivatives(self, side: Side, newton: SideNewton, normal: Floats, found: SideCreep) -> CreepSlopes:
+    def derivatives(self, side: Side, newton: SideNewton, normal: Floats, side_creep: SideCreep) -> CreepSlopes:
         """How creep forces under normal forces (n, n_z) change.
 
         By differences of the theory itself, or of the exact one by its linearised law of friction.
@@ -215,7 +215,7 @@ class WheelsetCreep:
         n = N_RESULTANTS + len(normal)
         columns = np.zeros((n, len(STEPS)))
         changes, weights = [np.zeros((n, 0))], [np.zeros((0, *normal.shape))]
-        for patch in found.patches:
+        for patch in side_creep.patches:
             if isinstance(patch.forces, Rolling):
                 by_motion, by_normal, weight = self._linearised(side, newton, patch, patch.forces)
                 columns += by_motion
@@ -231,17 +231,17 @@ class WheelsetCreep:
         return CreepSlopes(columns, np.hstack(changes), np.concatenate(weights))
 
     def _linearised(
-        self, side: Side, newton: SideNewton, patch: PatchCreep, found: Rolling
+        self, side: Side, newton: SideNewton, patch: PatchCreep, rolling: Rolling
     ) -> tuple[Floats, Floats, Floats]:
         """Derivatives of the exact theory's creep forces of a patch: `CreepSlopes` of it.
 
         The adjoint problem of each number that is wanted of the forces of the rows has its derivatives by the rigid
         slip and the normal forces of all cells.
         """
-        contact, n = found.contact, len(newton.grid.grid.widths)
+        contact, n = rolling.contact, len(newton.grid.grid.widths)
         rows, strips = rows_of(newton, contact), strips_of(newton, contact)
         sizes, places, motions = self._moved(side, newton, patch)
-        cells = forces_on_cells(found, contact)
+        cells = forces_on_cells(rolling, contact)
         forces, ahead, none = cells.sum(axis=1), cells[..., 0] @ contact.grid.along, np.zeros(3)
         # numbers of the forces along t and z and of the sums of z times the former, for each row
         wanted = resultants_of(*places[0]).reshape(N_RESULTANTS, -1).T
@@ -254,9 +254,9 @@ class WheelsetCreep:
         t, z, turning = left.T[kept].reshape(-1, 3, len(forces), 1).swapaxes(0, 1)
         along = contact.grid.along
         values = np.stack((t + turning * along, z + 0.0 * along), axis=2)
-        by_slip, by_normal, by_slope = adjoint(found, values, SLOPE_ERROR)
-        slips = np.array([each.rigid(*contact.places) for each in motions])
-        slopes = np.log([EllipticContact.slope_of(contact, each) for each in motions])
+        by_slip, by_normal, by_slope = adjoint(rolling, values, SLOPE_ERROR)
+        slips = np.array([moved_motion.rigid(*contact.places) for moved_motion in motions])
+        slopes = np.log([EllipticContact.slope_of(contact, moved_motion) for moved_motion in motions])
         by_motion = np.tensordot(by_slip, slips[1:] - slips[0], axes=([1, 2, 3], [1, 2, 3]))
         changes = right.T @ (by_motion + np.outer(by_slope, slopes[1:] - slopes[0]))
         moved = np.array([_resultant(*place, forces, ahead, none) for place in places])
@@ -303,7 +303,7 @@ class WheelsetCreep:
         sizes, places, motions = self._moved(side, newton, patch)
         places, motions = places + len(shapes) * places[:1], motions + len(shapes) * motions[:1]
         forces = np.where(patch.inside, normal, 0.0)[rows, strips]
-        parts = [forces] * (1 + len(STEPS)) + [forces * (1.0 + SHAPE_STEP * each[rows, strips]) for each in shapes]
+        parts = [forces] * (1 + len(STEPS)) + [forces * (1.0 + SHAPE_STEP * shape[rows, strips]) for shape in shapes]
         lateral, resultants = np.zeros((len(parts), len(normal))), []
         for number, (of_rows, ahead, missing) in enumerate(_forces_of_rows(self.theory, contact, motions, parts)):
             spinning = missing * np.append(contact.row_shares @ newton.normals[rows], 0.0)
@@ -324,8 +324,11 @@ def _slope_by_normal(contact: RollingContact, motion: Creepages) -> Floats:
         return np.zeros(normal.shape)
     shapes = shapes_of(contact.places, normal, normal > 0.0)
     parts = (normal, *(normal * (1.0 + SHAPE_STEP * shape) for shape in shapes))
-    ellipses = [EllipticContact.under(contact, motion, each.sum(axis=1), each.sum(axis=0)) for each in parts]
-    now, *then = np.log([each.slope_factor for each in ellipses])
+    ellipses = [
+        EllipticContact.under(contact, motion, cell_forces.sum(axis=1), cell_forces.sum(axis=0))
+        for cell_forces in parts
+    ]
+    now, *then = np.log([ellipse.slope_factor for ellipse in ellipses])
     return np.tensordot((np.array(then) - now) / SHAPE_STEP, shapes, axes=1) / normal.sum()
 
 
@@ -349,10 +352,13 @@ def _forces_of_rows(
         return
     for motion, part in zip(motions, parts, strict=True):
         changed = replace(contact, pressures=part / contact.areas, origin=origin)
-        found = FAST[theory](changed, motion.mean(changed.places[0], changed.row_shares))
+        forces_of_rows = FAST[theory](changed, motion.mean(changed.places[0], changed.row_shares))
         share = part / part.sum()
-        rows, ahead = np.outer(share.sum(axis=1), (found.across, found.along)), share @ z * found.across
-        yield rows, ahead + middle * rows[:, 0], found.moment - float(s @ rows[:, 1] - ahead.sum())
+        rows, ahead = (
+            np.outer(share.sum(axis=1), (forces_of_rows.across, forces_of_rows.along)),
+            share @ z * forces_of_rows.across,
+        )
+        yield rows, ahead + middle * rows[:, 0], forces_of_rows.moment - float(s @ rows[:, 1] - ahead.sum())
 
 
 def _moved(patch: PatchCreep, grid: PatchGrid) -> Bools:
@@ -369,12 +375,12 @@ def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
     as long as these are below `TOUCHING` of the lesser maximum of both, or `MERGED` if they were apart before,
     (n, n_z) each.
     """
-    found = []
+    patches = []
     for region in separate_patches(normal > 0.0):
         most = np.where(region, normal, 0.0).max(axis=1)
         number = np.zeros(len(most), dtype=int)  # of the patch before
-        for each, inside in enumerate(before, 1):
-            number[(inside & region).any(axis=1)] = each
+        for patch_number, inside in enumerate(before, 1):
+            number[(inside & region).any(axis=1)] = patch_number
         rising = np.diff(np.concatenate(([0.0], most, [0.0])))
         peaks = np.flatnonzero((rising[:-1] > 0.0) & (rising[1:] <= 0.0)).tolist()
         cuts: list[int] = []
@@ -389,8 +395,8 @@ def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
             del peaks[worst + int(most[peaks[worst]] >= most[peaks[worst + 1]])]
         cuts = [0, *(cuts if len(peaks) > 1 else [])]
         rows = np.searchsorted(cuts, np.arange(len(normal)), side="right")[:, None]
-        found += [region & (rows == each) for each in range(1, len(cuts) + 1)]
-    return sorted(found, key=lambda inside: -float(normal[inside].sum()))
+        patches += [region & (rows == number) for number in range(1, len(cuts) + 1)]
+    return sorted(patches, key=lambda inside: -float(normal[inside].sum()))
 
 
 def shapes_of(places: tuple[Floats, Floats], normal: Floats, inside: Bools) -> Floats:
@@ -401,13 +407,16 @@ def shapes_of(places: tuple[Floats, Floats], normal: Floats, inside: Bools) -> F
     """
     rows, columns = np.nonzero(inside)
     share = normal[inside] / normal[inside].sum()
-    s, z = (np.divide(each - share @ each, np.ptp(each) or 1.0) for each in (places[0][rows], places[1][columns]))
+    s, z = (
+        np.divide(coordinates - share @ coordinates, np.ptp(coordinates) or 1.0)
+        for coordinates in (places[0][rows], places[1][columns])
+    )
     terms = np.stack((np.ones(len(s)), s, z, s**2, z**2), axis=1)
     _, sizes, turned = np.linalg.svd(np.sqrt(share)[:, None] * terms, full_matrices=False)
-    found = np.zeros((N_SHAPES, *inside.shape))
+    shapes = np.zeros((N_SHAPES, *inside.shape))
     kept = sizes > DISTINCT * sizes[0]
-    found[: kept.sum(), rows, columns] = (terms @ turned[kept].T / sizes[kept]).T
-    return found
+    shapes[: kept.sum(), rows, columns] = (terms @ turned[kept].T / sizes[kept]).T
+    return shapes
 
 
 def resultants_of(at: tuple[Floats, Floats], pose: WheelPose) -> Floats:
