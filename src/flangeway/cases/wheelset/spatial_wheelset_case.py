@@ -321,8 +321,8 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
             self.seat_roll_kNm_per_rad,
             self.sleeper_spacing_mm,
         )
-        place = f"{self.sleeper_position:g} of the spacing from" if self.sleeper_position else "over"
-        where = f"the wheelset is {place} a sleeper"
+        seats = f"{self.sleeper_position:g} of the spacing from" if self.sleeper_position else "over"
+        where = f"the wheelset is {seats} a sleeper"
         track = {
             "sleepers": sentence("Each rail on sleepers, {}; {}.", seat, where),
             "continuous": sentence("Each rail on a continuous foundation, {}.", seat),
