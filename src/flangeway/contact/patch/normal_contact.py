@@ -262,6 +262,8 @@ def _depth(gaps: Floats) -> float:
 
 MIN_WAVENUMBER = 2e-5
 """Per mm: a wave of 300 m, beyond which bodies that are held or on a foundation no longer change, along z either."""
+TABLE_TOLERANCE = 1e-3
+"""Error of the compliance between wavenumbers, see `flangeway.solve.compliance_table`."""
 CORRECTED = 1.0
 """Distance up to which the table's own nearest cells are corrected, over a cell."""
 N_DISTANCES = 40
@@ -343,7 +345,6 @@ class ElasticSurface:
 def elastic_surface(
     cells: SurfaceCells,
     *,
-    tolerance: float = 1e-3,
     cache: Cache | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> ElasticSurface:
@@ -353,8 +354,6 @@ def elastic_surface(
     ----------
     cells
         Even cells on the surface of a prism, isotropic below it.
-    tolerance
-        See `flangeway.solve.compliance_table`.
     cache
         Where the compliances are kept from one process to the next.
     progress
@@ -375,9 +374,9 @@ def elastic_surface(
 
     def make() -> Arrays:
         progress(f"compliance of the {body}")
-        return {"remainder": _remainder(cells, strip, numbers, tolerance)}
+        return {"remainder": _remainder(cells, strip, numbers)}
 
-    settings = numbers, tolerance, CORRECTED, MIN_WAVENUMBER
+    settings = numbers, TABLE_TOLERANCE, CORRECTED, MIN_WAVENUMBER
     remainder = cached(cache, make, "remainder", *cells.content, *settings)
     stations = (cells.limits[1:] + cells.limits[:-1]) / 2.0
     return ElasticSurface(
@@ -390,11 +389,11 @@ def elastic_surface(
     )
 
 
-def _remainder(cells: SurfaceCells, strip: float, numbers: Ints, tolerance: float) -> Floats:
+def _remainder(cells: SurfaceCells, strip: float, numbers: Ints) -> Floats:
     """Compliance less that of a half-space at multiples of a strip, in the axes x, y, z."""
     assert cells.material is not None
     n, n_strips = cells.n_cells, int(numbers[-1]) + 1
-    table = compliance_table(cells, MIN_WAVENUMBER, 2.0 * np.pi / strip, tolerance)
+    table = compliance_table(cells, MIN_WAVENUMBER, 2.0 * np.pi / strip, TABLE_TOLERANCE)
     own = table.influence(strip, n_strips, nearest=CORRECTED).reshape(n_strips, n, 3, n, 3)[numbers]
     own -= half_spaces_on((cells.material,), cells.limits, cells.frames, strip, n_strips)[numbers]
     return np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)
