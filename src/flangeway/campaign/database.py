@@ -13,8 +13,8 @@ from typing import IO, Any
 import numpy as np
 
 from flangeway.campaign.campaign import Campaign, Row
-from flangeway.cases.case import Run, RunnableCase
-from flangeway.cases.summary import plain_numbers
+from flangeway.cases.case import RunnableCase
+from flangeway.cases.summary import RunResult, plain_numbers
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
 from flangeway.results import Result, ResultTable, Units, in_us_units
@@ -49,7 +49,7 @@ class RowResult:
     seconds: float = 0.0
 
 
-def row_of(case: RunnableCase, run: Run, seconds: float) -> RowResult:
+def row_of(case: RunnableCase, run: RunResult, seconds: float) -> RowResult:
     """Return the numbers of a run, which its case names."""
     message, warnings = run.status.message, tuple(case.warnings_of(run))
     if not run.status.converged:

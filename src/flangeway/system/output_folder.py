@@ -4,6 +4,7 @@ import os
 import platform
 import tempfile
 from collections.abc import Callable, Iterable
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -32,7 +33,7 @@ def version_of(name: str) -> str:
 # --- A folder of results that is filled at once or not at all.
 
 
-Writer = Callable[[Path], None]
+Writer = Callable[[Path], object]
 ENDINGS = (
     *(".html", ".json", ".md", ".png", ".pvd", ".vtu"),
     *(".csv", ".fmu", ".npz", ".parquet", ".sqlite", ".xlsx"),
@@ -89,11 +90,7 @@ def write_together(folder: Path, writers: dict[str, Writer]) -> list[Path]:
 
 def bytes_writer(data: bytes) -> Writer:
     """Return a function that writes bytes to a file."""
-
-    def write(path: Path) -> None:
-        path.write_bytes(data)
-
-    return write
+    return partial(Path.write_bytes, data=data)
 
 
 def text_writer(text: str) -> Writer:
