@@ -4,7 +4,7 @@ import csv
 import importlib
 import json
 import sqlite3
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,7 +20,7 @@ from flangeway.railway.track.placements import SIDES
 from flangeway.results import Result, ResultTable, Units, in_us_units
 from flangeway.system.file_content import path_of
 from flangeway.system.operating_system import lock_file, optional_module
-from flangeway.system.output_folder import versions
+from flangeway.system.output_folder import Writer, versions
 from flangeway.types import Floats
 
 # --- A row of a campaign: how it ended, and its numbers by columns.
@@ -444,7 +444,7 @@ def _columns(connection: sqlite3.Connection, table: str, names: list[str], order
     return {name: [row[place] for row in rows] for place, name in enumerate(names)}
 
 
-def export_writers(table: CampaignTable, kind: str, units: Units = "metric") -> dict[str, Callable[[Path], None]]:
+def export_writers(table: CampaignTable, kind: str, units: Units = "metric") -> dict[str, Writer]:
     """Return functions that write both tables, by the files' names.
 
     An `InputError` if it is neither. A `MissingLibraryError` if Parquet's library is not installed.
@@ -482,7 +482,7 @@ def _in_units(columns: Columns, units: Units, us_sentences: Mapping[str, str]) -
     return converted
 
 
-def _csv_writer(columns: Mapping[str, Any]) -> Callable[[Path], None]:
+def _csv_writer(columns: Mapping[str, Any]) -> Writer:
     def write(path: Path) -> None:
         with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)
@@ -492,7 +492,7 @@ def _csv_writer(columns: Mapping[str, Any]) -> Callable[[Path], None]:
     return write
 
 
-def _parquet_writer(library: Any, columns: Columns) -> Callable[[Path], None]:
+def _parquet_writer(library: Any, columns: Columns) -> Writer:
     arrow = importlib.import_module("pyarrow")
 
     def array(values: list[Value]) -> Any:

@@ -391,10 +391,10 @@ def write_template(case: type[RunnableCase], units: Units = "metric") -> str:
 
 
 def write_case_file(case: RunnableCase) -> str:
-    """Return the text of a case file that computes a case again: all inputs that are set, with all digits, defaults too.
+    """Return the text of a case file that computes a case again: all inputs that are set, with all digits.
 
-    Tables have the inputs that are not the defaults. Names of files are as given, in tables relative to the current
-    folder; a case file reads them from its own folder.
+    Defaults are written too, but for those inside tables. Names of files are as given, in tables relative to the
+    current folder; a case file reads them from its own folder.
     """
     lines, tables = [f"flangeway = {FORMAT}", f"case = {toml_value(case.name)}"], list[str]()
     of_tables = case.model_dump(exclude_defaults=True)
