@@ -98,6 +98,11 @@ def text_writer(text: str) -> Writer:
     return bytes_writer(text.encode("utf-8"))
 
 
+def write_text(file: Path, text: str) -> list[Path]:
+    """Write a text to a file, or nothing; see `write_together`."""
+    return write_together(file.parent, {file.name: text_writer(text)})
+
+
 def _refuse_folders(folder: Path, names: Iterable[str]) -> None:
     for name in names:
         if (folder / name).is_dir():
