@@ -544,13 +544,9 @@ def _input_error(
 ) -> InputError:
     """Say in the words of this program what pydantic refuses: what was given, what is allowed and what to do."""
     faults: dict[Key, tuple[str, str, str]] = {}
-    n_others = 0
     for error in reason.errors(include_url=False, include_context=False):
         key, table, field, given = _located(case, values, error["loc"])
         if key in faults:  # refused by each of several types
-            continue
-        if len(faults) == MAX_REPORTED:
-            n_others += 1
             continue
         last = next((item for item in reversed(key) if isinstance(item, str)), "")
         unit = table.input_named(last)[1]
@@ -570,8 +566,8 @@ def _input_error(
             text = f"{where(key)}there is no input called {short(last)}{f' in {inside}' if inside else ''}"
             names, advice = _known_inputs(table, last, in_us=values.get("units") == "us")
             faults[key] = text, f"the inputs of {inside or case.called()}: {names}", advice
-    given_texts, allow, advices = zip(*faults.values(), strict=True)
-    more = [f"and {n_others} more"] if n_others else []
+    given_texts, allow, advices = zip(*[*faults.values()][:MAX_REPORTED], strict=True)
+    more = [f"and {len(faults) - MAX_REPORTED} more"] if len(faults) > MAX_REPORTED else []
     return InputError(
         "; ".join([*given_texts, *more]), "; ".join(dict.fromkeys(allow)), "; ".join(dict.fromkeys(advices))
     )
