@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.exact_rolling import FIRST, STEADY, derivatives, roll
+from flangeway.contact.rolling.exact_rolling import FIRST_STEP_WEIGHTS, STEADY_WEIGHTS, derivatives, roll
 from flangeway.contact.rolling.fast_theories import fastrip, fastsim
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import STICKS, Creepages, Rolling, RollingContact
@@ -263,9 +263,9 @@ LEVER = f"a lever of the creep force below {MIN_LEVER_MM:g} mm"
 SCHEME = "differences of second order; CONTACT's error of first order is in the published number"
 BENT = "the bodies move the patch from the centre of the undeformed overlap, of which the moment is"
 VARIANTS = (
-    ("", "real", STEADY, None),
-    (" of half-spaces", "half_spaces", STEADY, None),
-    (" of half-spaces, CONTACT's cells and scheme", "half_spaces", FIRST, CELL_MM),
+    ("", "real", STEADY_WEIGHTS, None),
+    (" of half-spaces", "half_spaces", STEADY_WEIGHTS, None),
+    (" of half-spaces, CONTACT's cells and scheme", "half_spaces", FIRST_STEP_WEIGHTS, CELL_MM),
 )
 
 

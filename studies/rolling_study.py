@@ -9,7 +9,7 @@ from scipy.special import k0e
 
 from flangeway.contact.patch.patch_contact import press_patch
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.exact_rolling import FIRST, creep_curve, derivatives, roll
+from flangeway.contact.rolling.exact_rolling import FIRST_STEP_WEIGHTS, creep_curve, derivatives, roll
 from flangeway.contact.rolling.fast_theories import fastrip, fastsim, linear_theory, polach
 from flangeway.contact.rolling.friction import Friction, Heat, Heating, SlopeReduction
 from flangeway.contact.rolling.rolling_contact import STICKS, Creepages, RollingContact
@@ -171,7 +171,7 @@ def free_numbers(energy: Energy) -> Iterator[Row]:
         contact = replace(rollers, friction=Friction(mu))
         rolling = energy.check(
             f"rollers, {code}",
-            roll(contact, Creepages(), force_along=part * mu * contact.force, differences=FIRST),
+            roll(contact, Creepages(), force_along=part * mu * contact.force, differences=FIRST_STEP_WEIGHTS),
         )
         words = f"force {part:g} of its limit" if part else "no force"
         note = f"CONTACT's cells and its differences of first order; {words}"
@@ -278,7 +278,7 @@ def onset_numbers(energy: Energy) -> Iterator[Row]:
     for step in range(1 + max(int(code) for code, _ in exact)):
         if step:
             motion = Creepages(creepage)
-            state = roll(contact, motion, force_along=wanted, before=state, start=state, differences=FIRST)
+            state = roll(contact, motion, force_along=wanted, before=state, start=state, differences=FIRST_STEP_WEIGHTS)
             creepage = float(state.motion.along)
             energy.run.check(f"onset, step {step}", state.status)
         for name in ("shift", "creepage"):

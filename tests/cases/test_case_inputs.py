@@ -11,7 +11,7 @@ from flangeway.cases.case import OF_REPORT, RENAMED
 from flangeway.cases.rigid_run import GeometryCase, find_geometry_case
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
-from flangeway.exact.shakedown import ABOVE, shakedown_limits, shakedown_state
+from flangeway.exact.shakedown import ABOVE_SHAKEDOWN, shakedown_limits, shakedown_state
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.wheelset_problem import superelevation_angle
 
@@ -197,6 +197,6 @@ def test_shakedown_states_change_at_the_limits(traction):
     first, plain, most = (float(each) for each in (limits.first_yield, limits.shakedown, limits.hardening))
     assert shakedown_state(0.999 * first, traction) == "elastic"
     assert shakedown_state(1.001 * first, traction) == shakedown_state(0.999 * plain, traction) == "shakedown"
-    assert shakedown_state(1.001 * max(plain, most), traction) == ABOVE
+    assert shakedown_state(1.001 * max(plain, most), traction) == ABOVE_SHAKEDOWN
     if plain < 0.99 * most:
         assert shakedown_state(1.001 * plain, traction) == shakedown_state(0.999 * most, traction) == "hardening"

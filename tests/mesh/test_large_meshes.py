@@ -201,7 +201,7 @@ def test_a_process_of_its_own_makes_the_same_mesh(monkeypatch):
 
     here = list(both())
     assert reports == []
-    monkeypatch.setattr(gmsh_mesher, "LONG", 0.0)
+    monkeypatch.setattr(gmsh_mesher, "REPORT_AFTER_S", 0.0)
     monkeypatch.setattr(gmsh_mesher, "load_gmsh", no_gmsh)  # of this process
     for mine, other in zip(here, both(), strict=True):
         assert same(mine, other)

@@ -30,7 +30,7 @@ from flangeway.mesh import dual, rectangle_grid
 from flangeway.problems import Body, Elasticity, Part, PrescribedDisplacement, fixed
 from flangeway.solve import CondensedBodies, NewtonSettings, SparseBodies, follow, solve_nonlinear
 from flangeway.solve.active_set import Answer, DenseEquations, Laws, Motions, solve
-from flangeway.solve.status import STALLED, Iteration, is_at_round_off
+from flangeway.solve.status import STALLED_ITERATIONS, Iteration, is_at_round_off
 from flangeway.space import Space
 from flangeway.types import Floats
 from tests.contact.steel_boxes import BoxDiscretisation, Method, pressed_boxes, surface_of
@@ -54,7 +54,7 @@ def test_the_last_iteration_takes_the_derivatives_of_the_one_before(press, monke
     monkeypatch.setattr(way, "tangent", lambda *given, **named: answers.append(1) or own(*given, **named))
     placements, states, counts = problem.placements(1.2 * DEPTH), [], []
     for close in (1e-6, 0.0):
-        monkeypatch.setattr("flangeway.contact.newton.CLOSE", close)
+        monkeypatch.setattr("flangeway.contact.newton.OLD_DERIVATIVES_RESIDUAL", close)
         answers.clear()
         states.append(solve_contact(response, problem.system, placements, start=start))
         counts.append(len(answers))
@@ -103,7 +103,7 @@ def test_corrections_below_the_tolerance_are_not_said_to_be_limited_by_round_off
     boxes = BoxDiscretisation(0.31, "fem", 1), BoxDiscretisation(0.4, "fem", 1)
     law = AugmentedLagrange(2e3, "length", 1e-9)
     found = pressed_boxes(*boxes, SegmentToSegment(), law, rotation_rad=0.3).solve()
-    assert len(found.state.history) > STALLED + 1
+    assert len(found.state.history) > STALLED_ITERATIONS + 1
     assert found.status.message.endswith("corrections of the forces")
 
 
@@ -145,7 +145,7 @@ def test_quadratic_after_the_active_set_has_settled(
 
     Of iterations with their own derivatives: the last one takes those of the one before where this is enough.
     """
-    monkeypatch.setattr("flangeway.contact.newton.CLOSE", 0.0)
+    monkeypatch.setattr("flangeway.contact.newton.OLD_DERIVATIVES_RESIDUAL", 0.0)
     short = BoxDiscretisation(0.25, method, order).part("short", rectangle(2.0, 1.0, centre=(0.0, 0.5)), "top")
     long = BoxDiscretisation(0.3, method, order).part("long", rectangle(6.0, 2.0, centre=(0.0, -1.0)), "bottom")
     contact = Contact(surface_of(short, "bottom"), surface_of(long, "top"), pairing, enforcement)

@@ -49,30 +49,30 @@ def flattened(values: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     return by_path
 
 
-def values_of(key: str, given: Any, place: str) -> list[Any]:
+def values_of(key: str, given: Any, location: str) -> list[Any]:
     """Values of one input.
 
     An `InputError` if it is neither, or without values.
 
     - `given`: a list, or a range: a table with ``from``, ``to`` and ``n`` or ``step``.
-    - `place`: file and line, before a message.
+    - `location`: file and line, before a message.
     """
     if isinstance(given, dict):
-        return range_values(f"{place}vary.{key}", given)
+        return range_values(f"{location}vary.{key}", given)
     if not isinstance(given, list):
         raise InputError(
-            f"{place}vary.{key} = {short(given)}", VALUES_ALLOWED, "put one value for all rows under [inputs]"
+            f"{location}vary.{key} = {short(given)}", VALUES_ALLOWED, "put one value for all rows under [inputs]"
         )
     if not given:
-        raise InputError(f"{place}vary.{key} = []", "one value or more", "give values, or leave the key out")
+        raise InputError(f"{location}vary.{key} = []", "one value or more", "give values, or leave the key out")
     if len(given) > MAX_ROWS:
-        refuse_too_many(len(given), place)
+        refuse_too_many(len(given), location)
     seen: set[bytes] = set()
     for value in given:
         # not as text, which Python refuses to write of whole numbers with thousands of digits
         written = pickle.dumps(value)
         if written in seen:
-            raise InputError(f"{place}vary.{key} with {short(value)} twice", "each value once", "leave one out")
+            raise InputError(f"{location}vary.{key} with {short(value)} twice", "each value once", "leave one out")
         seen.add(written)
     return given
 
@@ -80,7 +80,7 @@ def values_of(key: str, given: Any, place: str) -> list[Any]:
 def range_values(name: str, given: dict[str, Any]) -> list[float]:
     """Return the values of a range that a user gave under a name; an `InputError` if it is none."""
     limits = RangeTable.from_values(given, lambda _: f"{name}: ")
-    low, high, number, step = (getattr(limits, each) for each in RANGE_KEYS)
+    low, high, number, step = (getattr(limits, name) for name in RANGE_KEYS)
     if (number is None) == (step is None):
         raise InputError(
             f"{name} = {short(given)}",
@@ -103,17 +103,17 @@ def range_values(name: str, given: dict[str, Any]) -> list[float]:
     return [round(low + (high - low) * i / steps, digits) + 0.0 for i in range(steps + 1)]
 
 
-def grid(varied: Mapping[str, list[Any]], place: str) -> list[dict[str, Any]]:
+def grid(varied: Mapping[str, list[Any]], location: str) -> list[dict[str, Any]]:
     """All combinations, the last key fastest."""
     n_rows = math.prod(len(values) for values in varied.values())
-    refuse_too_many(n_rows, place)
+    refuse_too_many(n_rows, location)
     return [dict(zip(varied, values, strict=True)) for values in itertools.product(*varied.values())]
 
 
-def refuse_too_many(n_rows: int, place: str) -> None:
+def refuse_too_many(n_rows: int, location: str) -> None:
     """Refuse more rows than one campaign can have."""
     if n_rows > MAX_ROWS:
-        raise InputError(f"{place}{n_rows} rows", f"up to {MAX_ROWS}", "make several campaigns of it")
+        raise InputError(f"{location}{n_rows} rows", f"up to {MAX_ROWS}", "make several campaigns of it")
 
 
 def read_table(path: Path) -> list[dict[str, Any]]:
@@ -384,11 +384,11 @@ class _CampaignText(TomlFile):
             return read_case(name, inputs | resolved(self, varied, self.file.parent.resolve(), ("vary",)))
         except InputError as reason:
             key = next((key for key in (*varied, *inputs) if _is_reported(key, reason.given)), "")
-            place = self._line("vary" if key in varied else "inputs", key)
+            location = self._line("vary" if key in varied else "inputs", key)
             if key in varied and key not in flattened(self.data.get("vary", {})):
-                place = f"{self.file}, table: "
+                location = f"{self.file}, table: "
             row = f"row {number}: " if key in varied else ""
-            raise InputError(place + row + reason.given, reason.allowed, reason.advice) from reason
+            raise InputError(location + row + reason.given, reason.allowed, reason.advice) from reason
 
     def _check(self, rows: list[Row]) -> None:
         """Check more than single values: whole cases once for all rows of the same bodies, loads of each."""
@@ -403,17 +403,17 @@ class _CampaignText(TomlFile):
             seen.add(row.bodies)
 
     def _columns(self, kind: type[RunnableCase], rows: Sequence[Row], columns: Sequence[str]) -> tuple[str, ...]:
-        known, place = _columns(row.case.columns() for row in rows), self._line("results", "columns")
+        known, location = _columns(row.case.columns() for row in rows), self._line("results", "columns")
         if columns and not known:
             raise InputError(
-                f"{place}results.columns with case = {kind.name!r}",
+                f"{location}results.columns with case = {kind.name!r}",
                 "columns of wheelsets",
                 "leave it out: all are kept",
             )
         in_us = {unit.name: name for name in known if (unit := us_key(name))}
         columns = [in_us.get(name, name) for name in columns]
         for name in columns:
-            require_known(f"{place}results.columns", name, known)
+            require_known(f"{location}results.columns", name, known)
         return tuple(columns)
 
     def _line(self, table: str, key: str) -> str:

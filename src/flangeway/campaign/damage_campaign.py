@@ -50,11 +50,11 @@ def _name(row: dict[str, Any]) -> str:
 
 def _nested(row: dict[str, Any]) -> dict[str, Any]:
     """Tables by keys with points between their parts."""
-    found: dict[str, Any] = {}
+    nested: dict[str, Any] = {}
     for key, value in row.items():
         *tables, last = key.split(".")
-        inner = found
+        inner = nested
         for table in tables:
             inner = inner.setdefault(table, {})
         inner[last] = value
-    return found
+    return nested

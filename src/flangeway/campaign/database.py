@@ -441,7 +441,7 @@ def _refuse_broken(columns: Columns) -> None:
 def _columns(connection: sqlite3.Connection, table: str, names: list[str], order: str) -> Columns:
     chosen = ", ".join(quoted(name) for name in names)
     rows = connection.execute(f"SELECT {chosen} FROM {table} ORDER BY {order}").fetchall()
-    return {name: [row[place] for row in rows] for place, name in enumerate(names)}
+    return {name: [row[column] for row in rows] for column, name in enumerate(names)}
 
 
 def export_writers(table: CampaignTable, kind: str, units: Units = "metric") -> dict[str, Writer]:
@@ -476,7 +476,7 @@ def _in_units(columns: Columns, units: Units, us_sentences: Mapping[str, str]) -
     if units == "us" and "message" in columns:
         converted["message"] = [us_sentences.get(str(text), text) for text in columns["message"]]
         converted["warnings"] = [
-            text and json.dumps([us_sentences.get(each, each) for each in json.loads(str(text))], ensure_ascii=False)
+            text and json.dumps([us_sentences.get(part, part) for part in json.loads(str(text))], ensure_ascii=False)
             for text in columns["warnings"]
         ]
     return converted

@@ -417,7 +417,7 @@ def _metadata(annotation: Any) -> list[Any]:
     """What the members of a union are annotated with, such as their limits."""
     if get_origin(annotation) is Annotated:
         return list(annotation.__metadata__)
-    return [each for member in get_args(annotation) for each in _metadata(member)]
+    return [constraint for member in get_args(annotation) for constraint in _metadata(member)]
 
 
 def _words(annotation: Any, bounds: str = "") -> list[str]:

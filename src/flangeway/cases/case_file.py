@@ -224,14 +224,14 @@ class CaseText(TomlFile):
         return values.pop("case"), values
 
     def _refuse_other_format(self, number: Any) -> None:
-        place = self.place(("flangeway",))
+        location = self.place(("flangeway",))
         if isinstance(number, bool) or not isinstance(number, int) or number < 1:
             raise InputError(
-                f"{place}flangeway = {short(number)}", f"the number of the file's format, {FORMAT}", "leave it out"
+                f"{location}flangeway = {short(number)}", f"the number of the file's format, {FORMAT}", "leave it out"
             )
         if number > FORMAT:
             raise InputError(
-                f"{place}flangeway = {short(number)}, a newer format than this version reads",
+                f"{location}flangeway = {short(number)}, a newer format than this version reads",
                 f"up to {FORMAT} in flangeway {versions()['flangeway']}",
                 "install a newer flangeway, or write the file anew with `flangeway init`",
             )
@@ -296,18 +296,18 @@ def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
     return changed
 
 
-def _set_inside(place: Any, path: list[str], value: Any, name: str, above: str = "") -> None:
+def _set_inside(table: Any, path: list[str], value: Any, name: str, above: str = "") -> None:
     """Replace a value below a table or a list; `above` is the path to it, for the message."""
     item, *inner = path
-    if isinstance(place, dict) and not inner:
-        changed = merged(place, {item: value})
-        place.clear()
-        place.update(changed)
+    if isinstance(table, dict) and not inner:
+        changed = merged(table, {item: value})
+        table.clear()
+        table.update(changed)
         return
-    known: dict[str, Any] = place if isinstance(place, dict) else {}
-    if isinstance(place, list):
-        known = {str(number): entry for number, entry in enumerate(place, 1)}
-        known |= {str(entry["name"]): entry for entry in place if isinstance(entry, dict) and "name" in entry}
+    known: dict[str, Any] = table if isinstance(table, dict) else {}
+    if isinstance(table, list):
+        known = {str(number): entry for number, entry in enumerate(table, 1)}
+        known |= {str(entry["name"]): entry for entry in table if isinstance(entry, dict) and "name" in entry}
     if item not in known or not inner:
         raise InputError(
             f"--set {name}", f"at {above or 'the top'} one of: {', '.join(known) or 'nothing'}",
@@ -525,7 +525,7 @@ def schema() -> dict[str, Any]:
 def _tables_of(table: type[Table]) -> list[type[Table]]:
     """Return the tables inside a table, inner ones first, and itself."""
     inner = [table_in(field.annotation) for field in table.model_fields.values()]
-    return [*(each for kind in inner if kind is not None for each in _tables_of(kind)), table]
+    return [*(nested for kind in inner if kind is not None for nested in _tables_of(kind)), table]
 
 
 _BOUNDS = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")

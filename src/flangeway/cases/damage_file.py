@@ -122,7 +122,7 @@ class DamageFile(TomlFile):
     def strategies(self) -> dict[str, DamageInputs]:
         """Return the inputs of the file as it is, by its name, and those of its strategies."""
         name = self.file.stem
-        found = {name: self.damage()}
+        strategies = {name: self.damage()}
         for other, changes in self.data.get("strategies", {}).items():
             if not STRATEGY_NAME.fullmatch(other) or other == name:
                 raise InputError(
@@ -133,8 +133,8 @@ class DamageFile(TomlFile):
             data = _merged(self.data, {key: value for key, value in changes.items() if key != "inputs"})
             data.pop("strategies")
             file = replace(self, data=data, strategy=other, changed_inputs=changes.get("inputs", {}))
-            found[other] = replace(file.damage(), name=other, changes=[*_lines(changes)])
-        return found
+            strategies[other] = replace(file.damage(), name=other, changes=[*_lines(changes)])
+        return strategies
 
     def place(self, key: Key) -> str:
         """File and line of a key; in a strategy those of its change."""
@@ -166,24 +166,24 @@ class DamageFile(TomlFile):
             | {"name": state.name or f"state {number}", "share": state.share, "parts": state.parts}
             for number, state in enumerate(tables.states, 1)
         ]
-        found = []
+        states = []
         for number, state in enumerate(given):
             with located(self.place(("states", number) if tables.states else ("collective",))):
                 parts = parts_of(state)
-            found += [self._state(inputs | part, number if tables.states else None) for part in parts]
+            states += [self._state(inputs | part, number if tables.states else None) for part in parts]
         settings = self._values(("evolution",), tables.evolution, inputs_of(EvolutionSettings, "limits"))
         given_laws: dict[Role, dict[str, Any] | None] = {"wheel": tables.wear.wheel, "rail": tables.wear.rail}
         laws = {role: self._law(role, law) for role, law in given_laws.items() if law is not None}
         with located(f"{self.file}: "):
-            collective = Collective(found, tables.sides == "separate")
+            collective = Collective(states, tables.sides == "separate")
             evolution = Evolution(collective, laws, EvolutionSettings(**settings, limits=tables.limits))
         return DamageInputs(self.file.stem, evolution, name, inputs)
 
     def _state(self, values: dict[str, Any], number: int | None) -> RunningState:
         """A state by its name, its share and its inputs; that of a number in the file."""
         name, share = values.pop("name"), values.pop("share")
-        place = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
-        with located(f"{place}{name}: "):
+        location = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
+        with located(f"{location}{name}: "):
             case = SpatialWheelsetCase.from_values(values | self._resolved(self.changed_inputs, "inputs"))
             if case.model == "plane":
                 raise InputError("model = 'plane'", "spatial: wear needs cells along the rail", "leave model out")

@@ -246,10 +246,10 @@ def run_profiles(names: Sequence[str], options: ReadOptions, join: str | None = 
     """
     runs, files = [], []
     for name in names:
-        places = sections_of(Path(name)) if options.position is None else ()
-        each = [replace(options, position=place) for place in places] or [options]
-        runs += [run_profile(name, one, join) for one in each]
-        files += [Path(name).name] * len(each)
+        positions = sections_of(Path(name)) if options.position is None else ()
+        all_options = [replace(options, position=position) for position in positions] or [options]
+        runs += [run_profile(name, one, join) for one in all_options]
+        files += [Path(name).name] * len(all_options)
     titles = Counter(run.profile.title for run in runs)
     return [
         run if titles[run.profile.title] == 1 else _renamed(run, f"{run.profile.title}, {file}")
@@ -410,12 +410,12 @@ def run_folder(
         raise InputError(f"folder {folder}", "a folder with files of profiles", "give the folder, not a file of it")
     files = sorted(file for file in folder.iterdir() if file.suffix.lower() in FORMATS)
     profiles, refused = [], []
-    for number, found in enumerate(_each([(file, partner, nominal) for file in files]), 1):
+    for number, outcome in enumerate(_each([(file, partner, nominal) for file in files]), 1):
         progress(f"{number} of {len(files)} files")
-        if isinstance(found, FolderProfile):
-            profiles.append(found)
+        if isinstance(outcome, FolderProfile):
+            profiles.append(outcome)
         else:
-            refused.append(sentence("{}; allowed is {}", found.given, found.allowed))
+            refused.append(sentence("{}; allowed is {}", outcome.given, outcome.allowed))
     if not profiles:
         raise InputError(
             f"folder {folder} with {len(files)} files of profiles, none of which can be read",
@@ -433,11 +433,11 @@ Work = tuple[Path, str | None, str | None]
 def _each(works: list[Work]) -> Iterator[FolderProfile | InputError]:
     """Profiles or reasons why files are refused, in any order: by all cores where there are many files."""
     n_workers = min(number_of_cores(), math.ceil(len(works) / FILES_A_WORKER))
-    for (file, *_), found in computed_here(works, _profile, n_workers):
-        if isinstance(found, LostWorkerError):
-            yield InputError(f"{file.name}: {found}", "a file that fits into memory", "give it alone")
+    for (file, *_), outcome in computed_here(works, _profile, n_workers):
+        if isinstance(outcome, LostWorkerError):
+            yield InputError(f"{file.name}: {outcome}", "a file that fits into memory", "give it alone")
         else:
-            yield found
+            yield outcome
 
 
 def _profile(work: Work) -> FolderProfile | InputError:

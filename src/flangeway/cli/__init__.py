@@ -4,6 +4,7 @@ Exit status 0: done; 1: not converged, a check failed, or a library is missing; 
 """
 
 # ruff: noqa: I001 (the order of imports is that of the commands)
+import gc
 import os
 import sys
 
@@ -13,6 +14,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # pictures go to files: a backend for windows, which a user may have set, is not needed
 os.environ["MPLBACKEND"] = "agg"
+
+# what libraries and figures make lives on: to look for garbage each 700 objects, as Python does by default, takes a
+# twentieth of a short run
+gc.set_threshold(20_000)
 
 try:
     # each adds its commands, in the order in which help lists them

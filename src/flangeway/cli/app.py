@@ -46,12 +46,12 @@ class Program(TyperGroup):
         if _wants_debugging(args):
             args = [DEBUG, *(word for word in args if word != DEBUG)]
         ends = args.index("--") if "--" in args else len(args)
-        for place, word in enumerate(args[:ends]):
+        for index, word in enumerate(args[:ends]):
             if word == MEMORY or word.startswith(f"{MEMORY}="):
                 length = 2 if word == MEMORY else 1
-                if place + length > ends:
+                if index + length > ends:
                     break  # the number is missing
-                args = args[place : place + length] + args[:place] + args[place + length :]
+                args = args[index : index + length] + args[:index] + args[index + length :]
                 break
         return super().parse_args(ctx, args)
 

@@ -233,7 +233,7 @@ def values_of(text: str, option: str) -> list[float]:
 
     parts = text.split(":")
     try:
-        numbers = [float(each) for each in (parts if len(parts) == 3 else text.split(","))]
+        numbers = [float(part) for part in (parts if len(parts) == 3 else text.split(","))]
         if len(parts) != 3:
             return numbers
         return range_values(option, dict(zip(("from", "to", "step"), numbers, strict=True)))

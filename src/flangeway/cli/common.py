@@ -46,7 +46,7 @@ def completion(names: Callable[[], Iterable[str]], *endings: str) -> Callable[[s
         folder = Path(incomplete).parent if "/" in incomplete else Path()
         files = [str(path) for path in folder.glob("*") if path.suffix.lower() in endings]
         folders = [f"{path}/" for path in folder.glob("*") if endings and path.is_dir() and path.name[0] != "."]
-        return [each for each in [*names(), *sorted(files + folders)] if each.startswith(incomplete)]
+        return [name for name in [*names(), *sorted(files + folders)] if name.startswith(incomplete)]
 
     return complete
 
@@ -137,7 +137,7 @@ def complete_setting(ctx: typer.Context, incomplete: str) -> list[str]:
     if equals and (kind := chosen.removeprefix("left_")) in ("rail", "wheel"):
         values = profile_names(kind)
     elif equals:
-        values = [each for key, _, allowed, _ in rows if key == chosen for each in allowed.split(" or ")]
+        values = [value for key, _, allowed, _ in rows if key == chosen for value in allowed.split(" or ")]
     else:
         return [f"{key}=" for key, *_ in rows if key.startswith(incomplete)]
     return [word for value in values if " " not in value and (word := f"{chosen}={value}").startswith(incomplete)]
@@ -316,7 +316,7 @@ SHOWN = {
 def shows_results(command: Callable[..., bool]) -> Callable[..., None]:
     """Add the options of `SHOWN` to a command, which gets them as ``show``, and make its result the exit status."""
     signature = inspect.signature(command)
-    own = [each for each in signature.parameters.values() if each.name != "show"]
+    own = [parameter for parameter in signature.parameters.values() if parameter.name != "show"]
     more = [
         inspect.Parameter(
             name, inspect.Parameter.KEYWORD_ONLY, default=None if kind is Units else False, annotation=kind
@@ -334,7 +334,7 @@ def shows_results(command: Callable[..., bool]) -> Callable[..., None]:
             raise typer.Exit(DONE if command(**given, show=show) else FAILED)
 
     wrapped.__signature__ = signature.replace(parameters=[*own, *more], return_annotation=None)  # type: ignore[attr-defined]
-    wrapped.__annotations__ = {each.name: each.annotation for each in [*own, *more]}
+    wrapped.__annotations__ = {parameter.name: parameter.annotation for parameter in [*own, *more]}
     return wrapped
 
 

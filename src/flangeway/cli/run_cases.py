@@ -104,8 +104,8 @@ def converge(name: str, case: "RunnableCase", out: Path | None, show: Show) -> b
     stem = Path(name).stem
     folder = results_folder(out, f"{stem}-converge")
     with show.progress() as progress:
-        found = run_halved(case, progress)
-    return show.record(convergence_record(stem, found, command_typed()), folder)
+        convergence = run_halved(case, progress)
+    return show.record(convergence_record(stem, convergence, command_typed()), folder)
 
 
 @app.command()

@@ -100,19 +100,19 @@ def geometry(
     )
 
     name = file.stem if is_toml else case
-    found = []
+    records = []
     for pair in product(*([(key, e) for e in given] for key, given in (("wheel", wheel), ("rail", rail)) if given)):
         values = settings | dict(pair) | ({"units": show.units} if show.units else {})
         inputs, notices = read_geometry_case(file, values) if is_toml else (find_geometry_case(case, values), ())
         with inputs.errors_as_written():
             inputs.load()
         show.units = show.units or inputs.units
-        found.append((inputs, notices))
-    many = len(found) > 1
+        records.append((inputs, notices))
+    many = len(records) > 1
     folder = results_folder(out, f"geometry-{name}")
     runs = []
     with show.progress() as progress:
-        for inputs, notices in found:
+        for inputs, notices in records:
             with inputs.errors_as_written():
                 runs.append(run_geometry(name, inputs, progress, notices))
     command = command_typed()

@@ -13,9 +13,9 @@ import numpy as np
 
 from flangeway.contact.kinematics import closest_parameters, node_edge_gaps
 from flangeway.contact.node_to_segment import (
-    CONCAVE,
-    OVERHANG,
-    SLACK,
+    CONCAVE_SLACK,
+    FOOT_SLACK,
+    OPEN_SLACK,
     NodePairs,
     facing_pairs,
     guarded_margins,
@@ -28,13 +28,13 @@ from flangeway.types import Bools, Floats, Ints
 
 GUARDED_DEPTH = 0.9
 """Depth over that which chords of curves explain from which a node is guarded: between nodes it may be larger."""
-SIMILAR = 0.02
+DEPTH_TOLERANCE = 0.02
 """Difference of two depths, over the larger one, below which it is chance which of them is the smaller one."""
 
-AT_END = 1e-3
+END_DISTANCE = 1e-3
 """Distance of a node from one of the other side, over the length of an edge, below which each guards both."""
 
-JOINED = [field for field in fields(Constraints) if field.name != "rows"]
+JOINED_FIELDS = [field for field in fields(Constraints) if field.name != "rows"]
 
 Sides = tuple[Surface, Surface]
 Positions = tuple[Floats, Floats]
@@ -113,7 +113,7 @@ def guarded(
             )
         )  # fmt: skip
     parts = (base, *guards)
-    joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in JOINED}
+    joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in JOINED_FIELDS}
     starts, width = np.cumsum([len(part.keys) for part in parts]), base.rows.shape[1]
     rows = [np.repeat(first + part.rows, width, axis=1) for first, part in zip(starts, guards, strict=False)]
     return GuardedPairs(**joined, rows=np.concatenate((base.rows, *rows)), pairs=parts)
@@ -136,7 +136,9 @@ def _repeated(
 def _end_at(contact_nodes: Ints, edges: Ints, parameters: Floats) -> Ints:
     """Node at that end of edges where points on them are, -1 where they are at none."""
     first, last = contact_nodes[edges, 0], contact_nodes[edges, -1]
-    return np.where(np.abs(parameters) < AT_END, first, np.where(np.abs(parameters - 1.0) < AT_END, last, -1))
+    return np.where(
+        np.abs(parameters) < END_DISTANCE, first, np.where(np.abs(parameters - 1.0) < END_DISTANCE, last, -1)
+    )
 
 
 def corners_under_force(pairs: Constraints, surfaces: Sides, forces: Floats) -> Guards:
@@ -181,15 +183,15 @@ def _paired(
     directions = node_normals(positions, edge_places, bisecting=True)
     given = positions, edge_places, edges, np.flatnonzero(guarded_nodes), directions, kept
     margins = guarded_margins(edges)
-    stay = OVERHANG if settle else SLACK
-    nodes, partners, gaps = facing_pairs(*given, stay, margins, SLACK)
+    stay = OPEN_SLACK if settle else FOOT_SLACK
+    nodes, partners, gaps = facing_pairs(*given, stay, margins, FOOT_SLACK)
     pieces = [(nodes, partners)]
     for end, step in ((1, 1), (0, -1)):
-        concave = margins[partners, end] == CONCAVE
+        concave = margins[partners, end] == CONCAVE_SLACK
         both, beside = nodes[concave], (partners[concave] + step) % len(edges)
         # a node that is off this joint on one edge is in front of the other one
         near = step * (gaps.parameters[concave] - end) > 0.0
-        near |= np.abs(closest_parameters(positions[both], edges[beside]) - 0.5) < 0.5 + SLACK
+        near |= np.abs(closest_parameters(positions[both], edges[beside]) - 0.5) < 0.5 + FOOT_SLACK
         pieces.append((both[near], beside[near]))
     nodes, partners = (np.concatenate(arrays) for arrays in zip(*pieces, strict=True))
     return nodes, partners
@@ -239,7 +241,7 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
             return GUARDED_DEPTH * (own[nodes] + sagittas[other][partners]) + explained
 
         margins = guarded_margins(edges[other])
-        nodes, _, gaps = facing_pairs(*given, SLACK, margins, SLACK, allowed)
+        nodes, _, gaps = facing_pairs(*given, FOOT_SLACK, margins, FOOT_SLACK, allowed)
         through[side][nodes[gaps.gaps > -depth]] = True
     through = [of_side & ~before for of_side, before in zip(through, guarded_nodes, strict=True)]
     sharp = through[0] & _sharp(surfaces[0]), through[1] & _sharp(surfaces[1])
@@ -276,7 +278,7 @@ def corners_on_corners(surfaces: Sides, positions: Positions) -> Floats:
         into, out = edges[pair[1]], edges[(pair[1] + 1) % len(edges)]
         depths = -np.stack([node_edge_gaps(positions[side][pair[0]], edge).gaps for edge in (into, out)])
         lengths = np.minimum(*(np.linalg.norm(edge[:, 1] - edge[:, 0], axis=1) for edge in (into, out)))
-        similar = np.abs(depths[0] - depths[1]) <= SIMILAR * depths.max(axis=0)
+        similar = np.abs(depths[0] - depths[1]) <= DEPTH_TOLERANCE * depths.max(axis=0)
         similar &= (depths.min(axis=0) > 0.0) & (depths.max(axis=0) < lengths)
         gaps.append(positions[side][pair[0][similar]])
     return np.concatenate(gaps) if gaps else np.empty((0, 2))

@@ -199,7 +199,7 @@ def as_vectors(numbers: Complex) -> Floats:
 
 
 MAX_STEPS = 20
-ENOUGH = 1e-9
+PARAMETER_STEP = 1e-9
 """Change of a parameter after which another of Newton's, of the size of its square, is round-off."""
 
 
@@ -347,7 +347,7 @@ def _newton(change: Callable[[Floats], Floats], parameters: Floats) -> Floats:
     for _ in range(MAX_STEPS):
         step = np.clip(change(parameters), -0.5, 0.5)
         parameters = parameters - step
-        if np.abs(step).max(initial=0.0) < ENOUGH:
+        if np.abs(step).max(initial=0.0) < PARAMETER_STEP:
             break
     return parameters
 

@@ -71,23 +71,23 @@ SPRING, STIFF_SPRING = 1e-6, 1.0
 """Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint; and the same
 where the equations with the geometric stiffness had no solution."""
 
-NEAR = 0.5
+START_DISTANCE = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
 after the first iteration."""
 
-WITHIN = 0.01
+OPEN_GAP = 0.01
 """Gap over the maximum displacement, or way, from which constraints are left out of iterations that keep them open."""
 
-CLOSES = 2.0 * np.sqrt(2.0)
+GAP_CLOSURE = 2.0 * np.sqrt(2.0)
 """Closing of a gap over the maximum component of the nodes' displacements, at most."""
 
-CLOSE = 1e-6
+OLD_DERIVATIVES_RESIDUAL = 1e-6
 """Residual up to which the equations of an iteration may serve the next one."""
 
-UNHELD = 1e-9
+MAX_UNBALANCED_FORCE = 1e-9
 """Force left on a floating part over the maximum load, or the total force, above which a message names it."""
 
-NOT_BALANCED = 1e-6
+MAX_FORCE_ALONG_MOTION = 1e-6
 """Force along a motion over the maximum load, above which a message names it."""
 
 ROUND_OFF = 1e-13
@@ -96,13 +96,13 @@ ROUND_OFF = 1e-13
 MAX_ROUND_OFF = 1e-3
 """Residual that round-off of the positions excuses, at most: where nothing moves it would excuse any force."""
 
-UNHELD_AFTER = 12
+SLIDE_ITERATIONS = 12
 """Iterations after which a part slides away if friction did not hold its load in one: by about its size."""
 
 MAX_DENSE_EQUATIONS = 4000
 """Equations of a contact with friction up to which a dense matrix of them is made where there is another way."""
 
-NAMED = 3
+MAX_NAMED = 3
 """How many constraints a message names."""
 
 MAX_TRAVEL = 2.0
@@ -347,7 +347,7 @@ class _Run:
         for iteration in range(self.settings.max_iterations - before):
             if loose := self._approach():
                 return loose
-            if iteration >= UNHELD_AFTER and self.unheld.any():
+            if iteration >= SLIDE_ITERATIONS and self.unheld.any():
                 words = "; ".join(self.parts.describe(self.motions, self.unheld[:, None]))
                 what = "a load" if self.parts.load.any() else "what the motion presses"
                 return (
@@ -467,7 +467,7 @@ class _Run:
         products, reaches = current.barriers.T
         # barriers push before surfaces meet
         gaps = self._gaps(current) - np.where(products > 0.0, reaches, 0.0)
-        near = (self.forces > 0.0) | (gaps <= WITHIN * self._scale())
+        near = (self.forces > 0.0) | (gaps <= OPEN_GAP * self._scale())
         before, self.equations = self.equations if bend and self._serves(near) else None, None
         geometric, constrained = self._laws(before, bend=bend)
         while True:
@@ -480,7 +480,7 @@ class _Run:
             # nodes of both sides move: the mean over a sliver of an edge has derivatives that say more
             step = moved - constrained.displacements
             apart = gaps + (constrained.jacobian @ step)[: len(near)]
-            missed = ~near & (apart < 0.0) & (gaps < CLOSES * float(np.abs(step).max()))
+            missed = ~near & (apart < 0.0) & (gaps < GAP_CLOSURE * float(np.abs(step).max()))
             if not missed.any():
                 break
             near, before = near | missed, None
@@ -498,7 +498,7 @@ class _Run:
         if self.equations is None:
             return False
         last, same_keys = self.history[-1], np.array_equal(self.equations.keys, self.current.keys[near])
-        reached = last.residual <= CLOSE and last.residual * last.change <= self.settings.tolerance
+        reached = last.residual <= OLD_DERIVATIVES_RESIDUAL and last.residual * last.change <= self.settings.tolerance
         return reached and not last.changed and same_keys and np.array_equal(self.equations.nodes, self.current.nodes)
 
     def _step_of(
@@ -640,7 +640,7 @@ class _Run:
         left = self._left()
         size = float(np.abs(kept.T @ left).max(initial=0.0))
         why = "nothing prevents"
-        if size > UNHELD * self.forces.sum():
+        if size > MAX_UNBALANCED_FORCE * self.forces.sum():
             why = f"hardly anything prevents: it is kept in place, against a force of {size:.2g}"
         named = [f"{words}, which {why}" for words in self.parts.describe(self.motions, free)]
         named += [f"{words} out of an unstable equilibrium" for words in self.parts.describe(self.motions, unstable)]
@@ -656,8 +656,8 @@ class _Run:
             reason = f"the displacements still change by {last.change:.1e} of the maximum one"
         else:
             positions = self.reference + self.displacements
-            named = [self.constraints.describe(key, positions) for key in last.changed[:NAMED]]
-            more = f" and {len(last.changed) - NAMED} more" if len(last.changed) > NAMED else ""
+            named = [self.constraints.describe(key, positions) for key in last.changed[:MAX_NAMED]]
+            more = f" and {len(last.changed) - MAX_NAMED} more" if len(last.changed) > MAX_NAMED else ""
             reason = f"contact still comes and goes at {'; '.join(named)}{more}"
             advice += (
                 "; with node-to-segment contact, nodes opposite each other change between two edges: take elements of "
@@ -668,7 +668,7 @@ class _Run:
     def _unbalanced(self) -> str:
         """Words for the maximum force that is left on a handle."""
         left = self._left()
-        if not (np.abs(left) > NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)).any():
+        if not (np.abs(left) > MAX_FORCE_ALONG_MOTION * np.abs(self.parts.load).max(initial=0.0)).any():
             return ""
         most = np.zeros_like(left)
         most[np.abs(left).argmax()] = 1.0
@@ -682,7 +682,11 @@ class _Run:
         """
         if not self.parts.n:
             return ""
-        scale, reach, travel = NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0), self.constraints.reach, 0.0
+        scale, reach, travel = (
+            MAX_FORCE_ALONG_MOTION * np.abs(self.parts.load).max(initial=0.0),
+            self.constraints.reach,
+            0.0,
+        )
         while travel <= MAX_TRAVEL * self.parts.size:
             alone = self.parts.untouched(self.current.nodes)
             left = np.where(alone, self.parts.forces(self.motions), 0.0)
@@ -708,7 +712,7 @@ class _Run:
         left = self._left()
         velocities = self.parts.velocities(self.motions, self.reference + self.displacements)
         held = np.einsum("niq,ni->q", np.abs(velocities), np.abs(self._nodal()))
-        beyond = NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)
+        beyond = MAX_FORCE_ALONG_MOTION * np.abs(self.parts.load).max(initial=0.0)
         pushed = np.where((np.abs(left) > beyond) & (held < beyond), left, 0.0)
         words = self.parts.describe(self.motions, pushed[:, None] / np.abs(pushed).max()) if pushed.any() else []
         if not words:
@@ -759,4 +763,4 @@ def _counted(number: int, word: str) -> str:
 def _is_near(start: ContactState, reference: Floats) -> bool:
     """Whether a start's bodies have moved by less than a part of their displacements."""
     moved = np.abs(reference - (start.positions - start.displacements)).max()
-    return bool(moved <= NEAR * np.abs(start.displacements).max())
+    return bool(moved <= START_DISTANCE * np.abs(start.displacements).max())

@@ -32,10 +32,10 @@ from flangeway.types import Bools, Floats, Ints
 # --- Node-to-segment contact: each secondary node against one primary edge (Moherdaui 2021, 3.5).
 
 
-SLACK, OVERHANG = 1e-3, 0.1
+FOOT_SLACK, OPEN_SLACK = 1e-3, 0.1
 """Parts of an edge beyond its ends within which the foot of a node behind it may be, and that of an open node: the
 latter bridges the dead angle at convex corners, where an open node is beyond the ends of both edges."""
-CONCAVE = 0.5
+CONCAVE_SLACK = 0.5
 """The same at a concave joint, behind which points are beyond the ends of both edges."""
 
 
@@ -143,11 +143,11 @@ class NodeToSegment(Pairing):
     """
 
     averages: ClassVar[bool] = False
-    slack: float = SLACK
+    slack: float = FOOT_SLACK
 
     def __post_init__(self) -> None:
-        if not (is_finite(self.slack) and 0.0 < self.slack <= OVERHANG):
-            raise InputError(f"NodeToSegment(slack={short(self.slack)})", f"0 < slack <= {OVERHANG}", "leave it out")
+        if not (is_finite(self.slack) and 0.0 < self.slack <= OPEN_SLACK):
+            raise InputError(f"NodeToSegment(slack={short(self.slack)})", f"0 < slack <= {OPEN_SLACK}", "leave it out")
 
     def pair(
         self,
@@ -159,7 +159,7 @@ class NodeToSegment(Pairing):
         *,
         settle: bool = False,
     ) -> NodePairs:
-        """See `Pairing.pair`; ``settle``: pairs are kept within `OVERHANG` of their edge, not within ``slack``."""
+        """See `Pairing.pair`; ``settle``: pairs are kept within `OPEN_SLACK` of their edge, not within ``slack``."""
         contact_nodes = secondary.contact_places
         given = positions[: len(secondary.nodes)], secondary.edge_places, primary_edges, kept
         nodes, faced, gaps = self.find(*given, primary.corners, settle=settle)
@@ -194,13 +194,13 @@ class NodeToSegment(Pairing):
 
         ``edge_places`` is the secondary surface's, ``corners`` the primary's `Surface.corners` (left out: none).
         """
-        stay = OVERHANG if settle else self.slack
+        stay = OPEN_SLACK if settle else self.slack
         corners = np.zeros(len(primary_edges), dtype=np.bool_) if corners is None else corners
-        at_end = np.where(corners, SLACK, OVERHANG)
+        at_end = np.where(corners, FOOT_SLACK, OPEN_SLACK)
         margins = np.stack((np.roll(at_end, 1), at_end), axis=1)
         normals, every = node_normals(positions, edge_places), np.arange(len(positions))
         given = positions, edge_places, primary_edges, every, normals, kept
-        nodes, edges, gaps = facing_pairs(*given, stay, margins, OVERHANG)
+        nodes, edges, gaps = facing_pairs(*given, stay, margins, OPEN_SLACK)
         reach = 2.0 * float(np.linalg.norm(primary_edges[:, -1] - primary_edges[:, 0], axis=1).mean())
         near = gaps.gaps < reach
         return nodes[near], edges[near], gaps.take(near)
@@ -242,19 +242,20 @@ def facing_pairs(
 def guarded_margins(edges: Floats) -> Floats:
     """How far beyond the start and the end of each edge of a chain the foot of a guarded node behind it may lie.
 
-    In parts of the edge, shape (n, 2): `CONCAVE` at a concave joint, else `SLACK`, beyond which the node is outside.
+    In parts of the edge, shape (n, 2): `CONCAVE_SLACK` at a concave joint, else `FOOT_SLACK`; beyond, the node is
+    outside.
     """
     ends = edges[:, [0, -1]]
     turns = turns_of(ends, np.roll(np.arange(len(ends)), -1))
     concave = (turns < -COLLINEAR) & (ends[:, 1] == np.roll(ends[:, 0], -1, axis=0)).all(axis=1)
-    at_end = np.where(concave, CONCAVE, SLACK)
+    at_end = np.where(concave, CONCAVE_SLACK, FOOT_SLACK)
     return np.stack((np.roll(at_end, 1), at_end), axis=1)
 
 
 # --- Node-to-node contact: each node against the one opposite it, on boundaries whose nodes match.
 
 
-NEAR = 0.25
+MAX_MATCH_DISTANCE = 0.25
 """Distance along the primary of nodes that match, over the shorter edge there: on curves they are not quite opposite
 each other."""
 
@@ -414,7 +415,7 @@ def _found(secondary: Surface, primary: Surface) -> MatchingNodes:
     points = [side.part.placement.points(side.part.body.nodes[side.nodes]) for side in (secondary, primary)]
     ends = [side.edge_places[:, [0, -1]] for side in (secondary, primary)]
     _, onto = opposite_places((points[0], ends[0]), (points[1], ends[1]))
-    near = onto.away <= NEAR
+    near = onto.away <= MAX_MATCH_DISTANCE
     partner = np.full(len(points[0]), -1)
     partner[onto.points[near]] = onto.nearest[near]
     start, end = partner[ends[0]].T

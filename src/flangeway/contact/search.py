@@ -12,7 +12,7 @@ GROWTH = 4.0
 """Factor from one box of the search to the next: a few edges more in each against fewer of them."""
 ZERO_DEPTH = 1e-6
 """Depth over the longest edge up to which a point is on the surface; see `leads_out`."""
-DEEP = 0.1
+MAX_ENTRY_DEPTH = 0.1
 """Depth behind an edge, over the length of the surface there, from which the point may have entered elsewhere."""
 MAX_SAGITTA = 0.25
 """Height of a curved edge over its chord, over the chord, beyond all meshes: a quarter of a circle has 0.2."""
@@ -162,7 +162,7 @@ def leads_out(
     of, edges = candidate_pairs(ways, other[0][:, [0, -1]], 0.0)
     _, inwards, _ = _crossed(ways[of], other[0][edges])
     through[of[inwards & ~other[1][far[of], edges]]] = True
-    result[far] = through | (nearer & (depths[far] > DEEP * sizes[far]))
+    result[far] = through | (nearer & (depths[far] > MAX_ENTRY_DEPTH * sizes[far]))
     return result
 
 

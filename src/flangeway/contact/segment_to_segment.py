@@ -49,7 +49,7 @@ from flangeway.types import Bools, Floats, Ints
 
 
 SNAP = 1e-8  # parts of an edge within which the ends of two pieces are one
-FAR = 0.5  # parts of an edge beyond its ends where a foot on its chord is not one on the edge itself
+MAX_FOOT_DISTANCE = 0.5  # parts of an edge beyond its ends where a foot on its chord is not one on the edge itself
 MIN_FACING = 0.2  # cosine between the normals of two edges above which they do not face each other
 
 
@@ -115,7 +115,7 @@ def _over_chords(secondary: Floats, primary: Floats, candidates: tuple[Ints, Int
     chord, other = as_complex(secondary[:, -1]) - start, as_complex(primary[:, -1]) - other_start
     # the primary's start, and its chord: parts along the secondary's chord, and to its left
     high, along = (other_start[partners] - start[edges]) / chord[edges], other[partners] / chord[edges]
-    over = (high.real > -FAR) & (high.real + along.real < 1.0 + FAR)
+    over = (high.real > -MAX_FOOT_DISTANCE) & (high.real + along.real < 1.0 + MAX_FOOT_DISTANCE)
     over &= along.real < -MIN_FACING * np.abs(along)  # the two sides run against each other
     return edges[over], partners[over]
 
@@ -313,7 +313,7 @@ def _distances(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
 MIN_COVERED = 1e-6
 """Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""
 
-FLAT = np.deg2rad(20.0)
+MAX_FLAT_ANGLE = np.deg2rad(20.0)
 """Angle up to which a secondary edge lies flat on primary ones: far above that of the chords of coarse curves, which it
 meets in turn, and below that of the sides of a sharp corner."""
 
@@ -485,7 +485,7 @@ class SegmentToSegment(Pairing):
                 for edge_points in (edges[pieces.edges], primary_edges[pieces.partners])
             )
             cosines = -(along * opposite).sum(axis=1) / np.linalg.norm(along, axis=1) / np.linalg.norm(opposite, axis=1)
-            flat[pieces.edges[cosines < np.cos(FLAT)]] = False
+            flat[pieces.edges[cosines < np.cos(MAX_FLAT_ANGLE)]] = False
             functions[flat[pieces.edges]] = DUAL
         return functions
 

@@ -11,7 +11,7 @@ import shapely
 from flangeway.contact.kinematics import shape_functions
 from flangeway.contact.newton import ContactState
 from flangeway.contact.node_to_segment import MatchedPairs
-from flangeway.contact.surface import CORNER, sagittas_of
+from flangeway.contact.surface import CORNER_ANGLE, sagittas_of
 from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ROUND_OFF, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product, point_text, turned_right
@@ -26,10 +26,10 @@ from flangeway.types import Floats, Ints
 SAMPLES = np.linspace(0.0, 1.0, 6)[:, None]
 """Points of a side of an overlap at which its depth is measured, as parts of the side."""
 
-PASSAGE = 1e-6
+MAX_PASSAGE_DEPTH = 1e-6
 """Depth over the size of the smaller body up to which bodies that slide along each other are apart."""
 
-TURNED = 0.05
+MAX_ROTATION_STEP = 0.05
 """Rotation in rad between two positions of a path that is checked."""
 
 
@@ -70,7 +70,7 @@ class Boundary:
     sagittas: Floats
 
     @classmethod
-    def of_part(cls, part: Part, positions: Floats, chord_turn: float = CORNER) -> "Boundary":
+    def of_part(cls, part: Part, positions: Floats, chord_turn: float = CORNER_ANGLE) -> "Boundary":
         """Boundary of a part whose nodes are at positions in space (n_nodes, 2); curved edges become 8 segments."""
         edges = part.body.boundary_edges
         nodes = part.body.edge_nodes(edges)
@@ -293,7 +293,7 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
     for one, other in dict.fromkeys(contact.parts for contact in system.contacts):
         numbers = system.parts.index(one), system.parts.index(other)
         apart = [(one.placement, other.placement)]
-        ways, smallest = [], PASSAGE * min(one.body.size, other.body.size)
+        ways, smallest = [], MAX_PASSAGE_DEPTH * min(one.body.size, other.body.size)
         for state in states:
             (stop, bent), (other_stop, other_bent) = (_shifted(system, state, number) for number in numbers)
             solved = system.solved(state.linearisation, state.forces)
@@ -329,7 +329,7 @@ def passes_through(one: Part, other: Part, way: Sequence[tuple[Placement, Placem
             continue
         first, last = (placements[target].inverse().after(placements[mover]) for placements in way)
         motion = last.after(first.inverse())
-        shares = np.linspace(0.0, 1.0, 2 + int(abs(motion.rotation_rad) / TURNED)).tolist()
+        shares = np.linspace(0.0, 1.0, 2 + int(abs(motion.rotation_rad) / MAX_ROTATION_STEP)).tolist()
         (x, y), angle = motion.translation, motion.rotation_rad
         frames = [Placement(share * angle, (share * x, share * y)).after(first) for share in shares]
         moved, still = (Boundary.of_part(part, part.body.nodes) for part in (bodies[mover], bodies[target]))
@@ -354,7 +354,7 @@ MAX_SLIDE = 0.5
 MAX_KEPT = 1e-3
 """Force along a motion that is kept in place over all forces of the part, see `flangeway.solve.Handle`."""
 
-TINY = float(np.finfo(np.float64).tiny)
+MIN_POSITIVE = float(np.finfo(np.float64).tiny)
 
 LARGE_STRAIN = 0.05
 """Mean strain of a cell, or pressure over the modulus, above which small strains are off by as many parts."""
@@ -398,9 +398,9 @@ def check_solution(
     slide, by_slides = _slide(system, state, errors)
     # Forces of a pair act at points that a gap separates: the sum of f.x over all nodes is that of force times gap.
     work = abs(float((state.nodal_forces * (state.positions - state.positions.mean(axis=0))).sum()))
-    gap = work / max(float(state.forces.sum()), TINY)
+    gap = work / max(float(state.forces.sum()), MIN_POSITIVE)
     # forces that displace no digit of the positions are none
-    least = TINY + EPS * size / max(part.body.softness for part in system.parts)
+    least = MIN_POSITIVE + EPS * size / max(part.body.softness for part in system.parts)
     loads = (float(np.abs(handle.load[:2]).max()) for _, handle in given if handle is not None)
     reference = max(float(np.linalg.norm(state.nodal_forces, axis=1).max(initial=0.0)), least, *loads)
     # Friction acts across the gap of a law, and that between nodes; forces of paired nodes across their slides.

@@ -16,33 +16,33 @@ from flangeway.mesh.connectivity import chain_starts, edge_places, ordered_pairs
 from flangeway.problems import Body, Part
 from flangeway.types import Bools, Complex, Floats, Ints
 
-FAR = 0.25
+MAX_CURVE_DISTANCE = 0.25
 """Distance of a node from the surface's curve, over the mean edge, above which the curve is refused."""
 
 COLLINEAR = 1e-6
 """Turn between edges, in rad, below which they are one line."""
 
-CORNER = np.deg2rad(15.0)
+CORNER_ANGLE = np.deg2rad(15.0)
 """Turn between edges from which they meet in a corner."""
 
-CHORDS = np.deg2rad(5.0)
+CHORD_ANGLE = np.deg2rad(5.0)
 """Turn between edges up to which they are taken for chords of a curve where none is drawn, 72 or more to a circle: what
-these overlap is allowed, what the sides of a polygon overlap is not. Of a drawn curve it is `CORNER`."""
+these overlap is allowed, what the sides of a polygon overlap is not. Of a drawn curve it is `CORNER_ANGLE`."""
 
-ROUGH = np.deg2rad(30.0)
+ROUGH_ANGLE = np.deg2rad(30.0)
 """Turn between edges from which a surface is not smooth in the mean: the pressure may jump there, so that both sides
 have a constraint each. Edges that turn by less are taken for a coarse curve in the warning of straight edges."""
 
-LONGEST = 1.5
+CHORD_RATIO = 1.5
 """Length of an edge that is a chord of a curve over that of the longer neighbour."""
 
-STRAIGHT = 1e-9
+MAX_STRAIGHT_DISTANCE = 1e-9
 """Distance of the curve from the edges' middles, over the edges, below which it is straight."""
 
 
 @dataclass(frozen=True, eq=False)
 class Hats:
-    """Hat functions on a surface, which weight the gaps: one at each end of edges, two where the surface is `ROUGH`.
+    """Hat functions on a surface, which weight the gaps: one at each end of edges, two where it turns by `ROUGH_ANGLE`.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ class Surface:
         ends = self.edge_places[:, [0, -1]]
         points = self.part.placement.points(self.part.body.nodes[self.nodes])
         turns = turns_of(points[ends], np.roll(np.arange(len(ends)), -1))
-        return (turns > CORNER) & (ends[:, 1] == np.roll(ends[:, 0], -1))
+        return (turns > CORNER_ANGLE) & (ends[:, 1] == np.roll(ends[:, 0], -1))
 
     @cached_property
     def shifts(self) -> Floats:
@@ -190,7 +190,7 @@ class Surface:
         else:
             return None
         bends = as_complex(off) / as_complex(ends[:, 1] - ends[:, 0])
-        return bends if np.abs(bends).max() > STRAIGHT else None
+        return bends if np.abs(bends).max() > MAX_STRAIGHT_DISTANCE else None
 
     @cached_property
     def contact_places(self) -> Ints:
@@ -233,13 +233,13 @@ class Surface:
         line = (np.cumsum(~(np.abs(turns) < COLLINEAR)) - 1) % len(starts)
         lengths = np.bincount(line, np.abs(chords)).astype(np.float64)
         # a straight side is far longer than the chords of the arcs beside it
-        lengths = np.minimum(lengths, LONGEST * np.maximum(np.roll(lengths, 1), np.roll(lengths, -1)))
+        lengths = np.minimum(lengths, CHORD_RATIO * np.maximum(np.roll(lengths, 1), np.roll(lengths, -1)))
         before, after = turns[starts], np.roll(turns[starts], -1)
         # a chain's first and last line have one turn each
         before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)
-        depth[:] = chord_depths(lengths, before, after, ROUGH)[line]
+        depth[:] = chord_depths(lengths, before, after, ROUGH_ANGLE)[line]
         across = (as_complex(self.part.body.nodes[self.edge_nodes]) - ends[:, :1]) / chords[:, None]
-        depth[np.abs(across.imag).max(axis=1) > STRAIGHT] = 0.0
+        depth[np.abs(across.imag).max(axis=1) > MAX_STRAIGHT_DISTANCE] = 0.0
         return depth
 
     def _to_curve(self, points: Floats) -> Floats:
@@ -255,7 +255,7 @@ class Surface:
 
     def _refuse_far_curve(self) -> None:
         apart = np.linalg.norm(self.shifts, axis=1)
-        allowed = FAR * float(self.edge_lengths.mean())
+        allowed = MAX_CURVE_DISTANCE * float(self.edge_lengths.mean())
         if apart.max() > allowed:
             x, y = self.part.body.nodes[self.nodes[apart.argmax()]]
             raise InputError(
@@ -276,7 +276,7 @@ class Surface:
         points = self.part.body.nodes
         ends = points[self.edge_nodes[:, [0, -1]]]
         following = np.roll(np.arange(len(ends)), -1)
-        starts_anew = np.abs(np.roll(turns_of(ends, following), 1)) > ROUGH
+        starts_anew = np.abs(np.roll(turns_of(ends, following), 1)) > ROUGH_ANGLE
         starts_anew[0] |= self.edge_places[-1, -1] != 0
         # one new function at each edge's end, one more at its start where the surface starts anew
         last = np.arange(len(ends)) + np.cumsum(starts_anew)
@@ -307,7 +307,7 @@ class Surface:
         """Turn between edges up to which they are chords of a curve; edges of a curved mesh are drawn as curves too."""
         body = self.part.body
         is_drawn = self.curve is not None or (isinstance(body, Body) and body.mesh.curves is not None)
-        return CORNER if is_drawn else CHORDS
+        return CORNER_ANGLE if is_drawn else CHORD_ANGLE
 
     def sagittas(self, edges: Floats, bent: float) -> Floats:
         """How far a smooth curve may lie from deformed edges (n_edges, order + 1, 2), see `sagittas_of`: (n_edges,)."""

@@ -19,7 +19,7 @@ from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
 from flangeway.problems import Part
 from flangeway.solve import SurfaceNodes
-from flangeway.solve.active_set import AT_LIMIT
+from flangeway.solve.active_set import LIMIT_MARGIN
 from flangeway.types import Bools, Floats, Ints
 
 # --- Contact between two surfaces.
@@ -355,7 +355,7 @@ def changed_keys(
     pairs = []
     for lin, (values, tangential) in ((before, forces), (after, new_forces)):
         active = values > 0.0
-        signs = np.where(np.abs(tangential) >= (1.0 - AT_LIMIT) * lin.coefficients * values, np.sign(tangential), 0)
+        signs = np.where(np.abs(tangential) >= (1.0 - LIMIT_MARGIN) * lin.coefficients * values, np.sign(tangential), 0)
         keys = (lin.keys[active].tolist(), lin.partners[active].tolist(), signs[active].tolist())
         pairs.append(set(zip(*keys, strict=True)))
     return tuple(sorted({key for key, _, _ in pairs[0] ^ pairs[1]}))

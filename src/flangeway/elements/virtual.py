@@ -142,9 +142,9 @@ class Virtual(Element):
 # --- Serendipity virtual elements: fewer moments inside, as many as the lines of the boundary leave open.
 
 
-ONE_LINE = 1e-6
+LINE_TOLERANCE = 1e-6
 """Angle, and distance over the size of the cell, up to which two sides count as one line."""
-UNDETERMINED = 1e-6
+MIN_SINGULAR_VALUE = 1e-6
 """Singular value of the unknowns of polynomials over the highest one, below which they do not determine them."""
 
 
@@ -253,7 +253,7 @@ class Serendipity(Element):
             raise self._too_few(_place(full, int(lines.argmin())), int(lines.min()))
         dofs = full.monomial_dofs[: self.order * n_vertices + self.n_interior()]
         values = np.linalg.svd(dofs.transpose(2, 0, 1), compute_uv=False)
-        poor = values[:, -1] < UNDETERMINED * values[:, 0]
+        poor = values[:, -1] < MIN_SINGULAR_VALUE * values[:, 0]
         if poor.any():
             raise InputError(
                 f"{_place(full, int(poor.argmax()))}: the unknowns of Serendipity({self.order}, lines={self.lines}) do "
@@ -286,7 +286,7 @@ def distinct_lines(vertices: Floats) -> Ints:
         step = vertices[:i] - vertices[i]
         turned = np.abs(batched.cross(along[i], along[:i]))
         offset = np.abs(batched.cross(along[i], step))
-        counts += ~((turned <= ONE_LINE) & (offset <= ONE_LINE * size)).any(axis=0)
+        counts += ~((turned <= LINE_TOLERANCE) & (offset <= LINE_TOLERANCE * size)).any(axis=0)
     return counts
 
 
@@ -297,7 +297,7 @@ HIGHEST_FREE_ORDER = 3
 HIGHEST_DEGREE = 14
 MAX_GRADIENT_ERROR = 1e-10
 """Error of a constant gradient; displacements of cells with thin parts lose up to six digits more (measured)."""
-WITHOUT_ENERGY = 1e-11
+MIN_ENERGY = 1e-11
 """Eigenvalue of a cell's energy in its own frame relative to the maximum, below which it is round-off."""
 
 
@@ -457,7 +457,7 @@ def _free_motions(energetic: Reconstruction, m: int) -> Ints:
     matrices = blocks.transpose(4, 0, 2, 1, 3).reshape(-1, m * n, m * n)
     lost = ~np.isfinite(matrices).all(axis=(1, 2), keepdims=True)
     values = np.linalg.eigvalsh(np.where(lost, 0.0, matrices))  # no energy is known of these cells
-    return (values[:, m * (m + 1) // 2 :] <= WITHOUT_ENERGY * values[:, -1:]).sum(axis=1)
+    return (values[:, m * (m + 1) // 2 :] <= MIN_ENERGY * values[:, -1:]).sum(axis=1)
 
 
 def _in_frame(energetic: Reconstruction) -> Floats:

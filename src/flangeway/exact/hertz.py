@@ -158,7 +158,7 @@ def contact_modulus(plane_modulus_1: float, plane_modulus_2: float) -> float:
 # --- Contact of two curved bodies in an ellipse by Hertz (Johnson, 1985, "Contact Mechanics", 4.2).
 
 
-NEARLY_ONE = 1.0 - 1e-14
+BELOW_ONE = 1.0 - 1e-14
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,7 @@ class PointContact:
     def _square(self) -> float:
         """Square m of the ellipse's eccentricity, ``B / A = (E(m) / (1 - m) - K(m)) / (K(m) - E(m))``."""
         ratio = max(self.radius_x, self.radius_z) / min(self.radius_x, self.radius_z)
-        return float(brentq(lambda m: elliprd(0.0, 1.0, 1.0 - m) - ratio * elliprd(0.0, 1.0 - m, 1.0), 0.0, NEARLY_ONE))
+        return float(brentq(lambda m: elliprd(0.0, 1.0, 1.0 - m) - ratio * elliprd(0.0, 1.0 - m, 1.0), 0.0, BELOW_ONE))
 
     @cached_property
     def semi_axes(self) -> tuple[float, float]:

@@ -125,7 +125,7 @@ class PlateWithHole:
 # --- Singular stresses at the re-entrant corner of an L-shaped body in closed form.
 
 
-OPENING = 0.75 * np.pi
+HALF_OPENING = 0.75 * np.pi
 """Half of the angle that the body fills at the corner."""
 
 EXPONENT = 0.5444837367824622
@@ -158,7 +158,7 @@ class Notch:
     @property
     def _mixture(self) -> float:
         e = EXPONENT
-        return float((1.0 - e) / (1.0 + e) * np.sin((e - 1.0) * OPENING) / np.sin((e + 1.0) * OPENING))
+        return float((1.0 - e) / (1.0 + e) * np.sin((e - 1.0) * HALF_OPENING) / np.sin((e + 1.0) * HALF_OPENING))
 
     def displacements(self, points: Floats) -> Floats:
         """Displacements (n, 2) at points (n, 2), none at the corner."""

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from flangeway.errors import InputError
 from flangeway.types import Floats, floats
 
-ABOVE = "yields"
+ABOVE_SHAKEDOWN = "yields"
 """Shakedown state of a patch under which steel yields in each passage."""
 TABLE = Path(__file__).with_name("shakedown.csv")
 
@@ -75,7 +75,7 @@ def shakedown_state(load_factor: float, traction: float) -> str:
         return "elastic"
     if load_factor <= float(limits.shakedown):
         return "shakedown"
-    return "hardening" if load_factor <= float(limits.hardening) else ABOVE
+    return "hardening" if load_factor <= float(limits.hardening) else ABOVE_SHAKEDOWN
 
 
 @lru_cache(maxsize=1)

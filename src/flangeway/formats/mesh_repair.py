@@ -20,7 +20,7 @@ from flangeway.mesh.mesh_checks import check, conforming, hanging_points, touchi
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints, floats
 
-FLAT = 1e-9  # range of the third coordinate, over the size of the mesh, up to which a mesh is plane
+MAX_HEIGHT = 1e-9  # range of the third coordinate, over the size of the mesh, up to which a mesh is plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +132,7 @@ def _plane(points: Floats, notices: list[str]) -> Floats:
         raise InputError(f"point {row} at {points[row].tolist()}", "finite coordinates", "repair the file")
     if points.shape[1] == 3:
         height = points[:, 2]
-        if np.ptp(height) > FLAT * extent(points):
+        if np.ptp(height) > MAX_HEIGHT * extent(points):
             raise InputError(
                 f"a mesh with z from {height.min():.6g} to {height.max():.6g}",
                 "a plane mesh in x and y, with one z for all points",

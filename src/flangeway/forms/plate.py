@@ -27,7 +27,7 @@ from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import at_points, cell_quadrature, function_of
 from flangeway.types import Bools, Floats, Indices, Ints
 
-CORNER = np.sin(np.radians(20.0))
+CORNER_SINE = np.sin(np.radians(20.0))
 """Sine of the angle between the boundary's edges at a point above which it is a corner, with a slope along each."""
 
 
@@ -100,7 +100,7 @@ class Plate:
         along /= np.linalg.norm(along, axis=1, keepdims=True)
         before, after = np.tile([1.0, 0.0], (2, self.mesh.n_points, 1))
         before[edges[:, 1]], after[edges[:, 0]] = along, along
-        corner = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) > CORNER
+        corner = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) > CORNER_SINE
         back = (before * after).sum(axis=1) < 0.0  # around the end of a slit
         tangent = before + np.where(back[:, None], -after, after)
         tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)

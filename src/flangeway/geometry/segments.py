@@ -405,8 +405,8 @@ def chains_meet(first: Sequence[Segment], second: Sequence[Segment], tolerance: 
 
 
 SAMPLES = 16  # between two points, to start the search of the closest place
-CLOSED = 1e-12  # distance of the ends relative to the coordinates, below which it is round-off
-STEPS = 20  # of Newton's method, at most
+CLOSURE_TOLERANCE = 1e-12  # distance of the ends relative to the coordinates, below which it is round-off
+MAX_STEPS = 20  # of Newton's method, at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -414,7 +414,7 @@ class Spline:
     """Cubic spline through points, with continuous curvature; parameters in proportion to the lengths of the chords.
 
     Without a condition on the slope at open ends ("not a knot"). Closed if the first point is repeated at the end, up
-    to `CLOSED` of the coordinates.
+    to `CLOSURE_TOLERANCE` of the coordinates.
 
     Parameters
     ----------
@@ -436,7 +436,7 @@ class Spline:
             raise InputError(f"a spline through {len(points)} points", "4 points or more", "add points, or take an Arc")
         if (step_lengths(points) <= 1e-14 * np.abs(points).max()).any():
             raise InputError("a spline that has a point twice in a row", "neighbours that differ", "remove one")
-        if np.abs(points[-1] - points[0]).max() <= CLOSED * np.abs(points).max():
+        if np.abs(points[-1] - points[0]).max() <= CLOSURE_TOLERANCE * np.abs(points).max():
             points[-1] = points[0]
         points.setflags(write=False)
         object.__setattr__(self, "points", points)
@@ -470,7 +470,7 @@ class Spline:
         parameters, tree = self._samples
         s = parameters[tree.query(given)[1]]
         step = 1.0 / (SAMPLES * (len(self.points) - 1))
-        for _ in range(STEPS):
+        for _ in range(MAX_STEPS):
             off, slope, bend = self.point(s) - given, self._curve(s, 1), self._curve(s, 2)
             change = (off * slope).sum(axis=1) / np.maximum(
                 (slope**2 + off * bend).sum(axis=1), 0.1 * (slope**2).sum(axis=1)

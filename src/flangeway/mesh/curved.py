@@ -18,7 +18,7 @@ from flangeway.types import Floats, Indices, Ints
 Curves: TypeAlias = Contour | Spline | Region | Section | Iterable[Contour | Spline]
 """What has curves: an outline or open chain, a spline, a region, a section, or several of the first two."""
 
-NEAR = 1.0
+MAX_CURVE_DISTANCE = 1.0
 """Distance from an arc, over the shorter boundary edge at the point, up to which the point belongs on it.
 
 As large as that, since the middle of a coarse chord is far from its arc; the nearest curve decides.
@@ -157,7 +157,7 @@ def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:
     """
     rim = np.unique(mesh.boundary_edges)
     points, own = mesh.points.copy(), mesh.points[rim]
-    nearest = NEAR * shortest_edges(mesh.points, mesh.boundary_edges)[rim]
+    nearest = MAX_CURVE_DISTANCE * shortest_edges(mesh.points, mesh.boundary_edges)[rim]
     for segment in _segments(curves):
         parameter, distance = segment.closest(own)
         nearer = distance < nearest

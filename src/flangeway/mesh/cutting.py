@@ -22,7 +22,7 @@ from flangeway.types import Bools, Floats
 # --- Cutting of polygons of any shape along chords, until their diameters are halved and their notches are gone.
 
 
-HALVED = 0.55
+HALVED_DIAMETER = 0.55
 """Diameter of a part, relative to that of the whole polygon, that counts as half of it."""
 NOTCH_REACH = 0.25
 """Length of the boundary beside a corner, relative to the diameter, whose chords make the angle of a notch."""
@@ -66,7 +66,7 @@ def cut_polygon(corners: Floats, divisible: Bools) -> tuple[list[list[int]], Flo
     while open_parts:
         ring = open_parts.pop()
         size, notches = diameter(points[ring]), _notches(points[ring])
-        if size <= MIN_PART * whole or (size <= HALVED * whole and not notches.any()):
+        if size <= MIN_PART * whole or (size <= HALVED_DIAMETER * whole and not notches.any()):
             parts.append(ring)
             continue
         candidates: list[int] = []

@@ -40,7 +40,7 @@ BYTES_A_BOUNDARY_EDGE = 1200
 BYTES_A_SEED = 10_000
 """Up to this much, mostly while Gmsh integrates the size along a curve beside them; measured 2,300 to 10,500."""
 
-LONG = 3.0  # seconds of a triangulation without a report, and after Ctrl-C
+REPORT_AFTER_S = 3.0  # seconds of a triangulation without a report, and after Ctrl-C
 _AN_AREA = 4.0 / math.sqrt(3.0)  # equilateral triangles of side one in an area of one
 
 _REPORT: ContextVar[Callable[[str], None]] = ContextVar("_REPORT", default=lambda _: None)
@@ -161,7 +161,7 @@ def refuse_size(outline: Outline, size: float) -> None:
 def long_meshes_reported(progress: Callable[[str], None]) -> Iterator[None]:
     """Report triangulations that take long, wherever they are begun inside this context.
 
-    - `progress`: called with a sentence before each triangulation that can take more than `LONG` seconds.
+    - `progress`: called with a sentence before each triangulation that can take more than `REPORT_AFTER_S` seconds.
     """
     token = _REPORT.set(progress)
     try:
@@ -172,7 +172,7 @@ def long_meshes_reported(progress: Callable[[str], None]) -> Iterator[None]:
 
 def made(bound: MeshBound, work: Callable[..., PolyMesh], *arguments: Any) -> PolyMesh:
     """Return the mesh that a function of a module makes: here if it takes little time, else in another process."""
-    long = bound.seconds > LONG
+    long = bound.seconds > REPORT_AFTER_S
     counted = f"up to about {float(f'{bound.n_triangles:.2g}'):,.0f} triangles"
     refuse_large_mesh(f"the triangulation into {counted}", bound.n_bytes + long * BYTES)
     if not long:
@@ -204,7 +204,7 @@ OPTIONS = {
 }
 
 
-_FAR = 100.0  # of the section's size
+_HULL_DISTANCE = 100.0  # of the section's size
 
 DEBIAN_PACKAGES = (
     *("libfontconfig1", "libgl1", "libglu1-mesa", "libgomp1", "libx11-6", "libxcursor1", "libxext6"),
@@ -390,7 +390,7 @@ def triangulate_section(
     check_positive("triangulate_section", "size", size, "a positive length")
     low, high = section.bounds()
     middle = 0.5 * (low + high)
-    if np.abs(middle).max() > _FAR * section.size:
+    if np.abs(middle).max() > _HULL_DISTANCE * section.size:
         # Gmsh compares points with a tolerance of their distance from the origin
         away = Placement(translation=(float(middle[0]), float(middle[1])))
         nearer = [Refinement(r.points - middle, r.size, r.growth) for r in refinements]

@@ -19,17 +19,17 @@ from flangeway.types import Bools, Floats, Indices, Ints
 # --- Segments that touch or cross.
 
 
-TOUCHING = 1e-6
+TOUCH_TOLERANCE = 1e-6
 """Distance of a point from a segment, over the shorter of it and the point's own, up to which they touch."""
 
-ROUNDING = 1e-9
+ROUND_OFF = 1e-9
 """Distance over the size of the mesh up to which they touch where the segments are short, by files' few digits."""
 
 
 def touching_distance(lengths: Floats, points: Floats) -> Floats:
     """Distance up to which segments of some lengths (n,) touch in a mesh of points (n_points, 2)."""
-    rounding = ROUNDING * extent(points)
-    return np.clip(rounding, TOUCHING * lengths, 0.01 * lengths)
+    rounding = ROUND_OFF * extent(points)
+    return np.clip(rounding, TOUCH_TOLERANCE * lengths, 0.01 * lengths)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +71,10 @@ def meeting(points: Floats, segments: IntArray) -> Meeting:
 # --- Checks of a mesh's geometry, each with a message that names the place.
 
 
-FLAT = 1e-14  # area of a cell over the sum of its squared distances from its middle, up to which it counts as flat
+MIN_CELL_AREA = 1e-14
+"""Area of a cell over the sum of its squared distances from its middle, up to which it counts as flat."""
 
-SHORT = 1e-9
+MIN_SIDE = 1e-9
 """Area between a side and the middle of a cell, over the cell's, below which the side is looked at more closely; and
 length of a side over the cell's size below which its ends count as one point."""
 
@@ -173,7 +174,7 @@ def _check_cells(mesh: PolyMesh) -> None:
                 following = [*range(1, n_vertices), 0]
                 twice = x * y[following] - x[following] * y  # area of side and middle
                 areas = twice.sum(axis=0)
-            flat = areas <= 2.0 * FLAT * (x * x + y * y).sum(axis=0)
+            flat = areas <= 2.0 * MIN_CELL_AREA * (x * x + y * y).sum(axis=0)
             if flat.any():
                 cell = int(cells[flat.argmax()])
                 if n_vertices > 3:
@@ -185,7 +186,7 @@ def _check_cells(mesh: PolyMesh) -> None:
                 )
             if n_vertices > 3:  # a triangle is simple
                 once = ((y < 0.0) & (y[following] >= 0.0)).sum(axis=0) == 1
-                star = once & (twice.min(axis=0) > SHORT * areas)
+                star = once & (twice.min(axis=0) > MIN_SIDE * areas)
                 others.append(cells[~star])
     if others:
         _check_sides_of(mesh, np.sort(np.concatenate(others)))
@@ -195,7 +196,7 @@ def _check_sides_of(mesh: PolyMesh, cells: IntArray) -> None:
     """Refuse cells that pass a point twice or cross themselves."""
     polygons = mesh.polygons(cells)
     lengths = shapely.length(polygons)  # a side that touches another one is nearer to it than this
-    doubtful = ~shapely.is_valid(polygons) | (shapely.minimum_clearance(polygons) <= TOUCHING * lengths)
+    doubtful = ~shapely.is_valid(polygons) | (shapely.minimum_clearance(polygons) <= TOUCH_TOLERANCE * lengths)
     # the clearance leaves out a corner that is repeated
     doubtful |= shapely.get_num_coordinates(shapely.remove_repeated_points(polygons)) < shapely.get_num_coordinates(
         polygons
@@ -211,7 +212,7 @@ def _check_sides_of(mesh: PolyMesh, cells: IntArray) -> None:
             )
         sides = np.column_stack([corners, np.roll(corners, -1)])
         lengths = norms(mesh.points[sides[:, 1]] - mesh.points[sides[:, 0]])
-        if lengths.min() <= SHORT * lengths.max():
+        if lengths.min() <= MIN_SIDE * lengths.max():
             raise _same_place(mesh, *sides[lengths.argmin()])
         meets = meeting(mesh.points, sides)
         pairs = np.vstack([np.column_stack([meets.on, meets.of]), meets.crossing])

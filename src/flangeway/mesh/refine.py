@@ -12,17 +12,18 @@ from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray, cross_product, norms, point_text
 from flangeway.mesh.connectivity import EdgeCurves, entries_of, next_in_row, offsets_of, pairs_divided, row_numbers
 from flangeway.mesh.curved import Curves, snapped_points
-from flangeway.mesh.cutting import GOOD_DISTANCE, HALVED, cut_polygon, has_notch, visible_distances
+from flangeway.mesh.cutting import GOOD_DISTANCE, HALVED_DIAMETER, cut_polygon, has_notch, visible_distances
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
 from flangeway.types import Bools, Floats, Ints
 
 BYTES_A_TRIANGLE = 740
 BYTES_A_POLYGON = 2400  # of the construction, for each cell that is refined; measured
-STRAIGHT = np.deg2rad(15.0)  # turn at a point below which both edges belong to one side
-HANGING = 1e-6  # turn in radians below which a point of a cell counts as one that hangs on its side
+MAX_SIDE_TURN = np.deg2rad(15.0)  # turn at a point below which both edges belong to one side
+MAX_HANGING_TURN = 1e-6  # turn in radians below which a point of a cell counts as one that hangs on its side
 MAX_DIVIDED_SIDES = 8  # above, the corners at the centre become sharp
-MIDDLE = 0.25  # distance from the middle of a side, over its length, within which a point of it divides the side
+MAX_MIDDLE_DISTANCE = 0.25
+"""Distance from the middle of a side, over its length, within which a point of it divides the side."""
 
 
 def refined(
@@ -179,7 +180,7 @@ def _divisible(mesh: PolyMesh, marked: Bools) -> Bools:
     n_sides = np.bincount(sides.cell, minlength=mesh.n_cells)[cells]
     away = norms(mesh.points[mesh.cell_points] - mesh.cell_centroids[row_numbers(mesh.cell_offsets)])
     radius = np.maximum.reduceat(away, mesh.cell_offsets[:-1])[cells]
-    good &= (n_sides <= MAX_DIVIDED_SIDES) & ((n_sides == 3) | (radius <= HALVED * mesh.cell_diameters[cells]))
+    good &= (n_sides <= MAX_DIVIDED_SIDES) & ((n_sides == 3) | (radius <= HALVED_DIAMETER * mesh.cell_diameters[cells]))
     # sides are divided at points that they have, which may be far from the middle
     starts = mesh.points[mesh.cell_points[sides.entries[np.flatnonzero(np.diff(sides.side, prepend=-1))]]]
     middles = mesh.points[mesh.cell_points[sides.entries[sides.at_point]]]
@@ -188,7 +189,7 @@ def _divisible(mesh: PolyMesh, marked: Bools) -> Bools:
     after, longest = next_in_row(offsets_of(np.bincount(sides.cell))), np.zeros(mesh.n_cells)
     for one, other in ((starts, middles), (starts[after], middles), (middles[after], middles)):
         np.maximum.at(longest, sides.cell, norms(one - other))
-    good &= longest[cells] <= HALVED * mesh.cell_diameters[cells]
+    good &= longest[cells] <= HALVED_DIAMETER * mesh.cell_diameters[cells]
     for row in np.flatnonzero(good & (mesh.cell_sizes[cells] > 3)):
         good[row] = not has_notch(mesh.points[mesh.corners(cells[row])])
     result = np.zeros(mesh.n_cells, dtype=bool)
@@ -227,7 +228,7 @@ def cell_sides(mesh: PolyMesh) -> Sides:
     turn[following] = np.abs(
         np.arctan2(cross_product(steps, steps[following]), np.einsum("ni,ni->n", steps, steps[following]))
     )
-    corner = turn > STRAIGHT
+    corner = turn > MAX_SIDE_TURN
     few = np.add.reduceat(corner, offsets[:-1], dtype=np.int64) < 3
     corner |= few[rows]
     first = np.full(mesh.n_cells, len(rows))
@@ -240,7 +241,9 @@ def cell_sides(mesh: PolyMesh) -> Sides:
     outer = (mesh.edge_cells[mesh.cell_edges] < 0).any(axis=1)
     lengths = norms(steps)[entries]
     at_point, in_edge = _divisions(lengths, side, starts)
-    return Sides(entries, side, rows[starts], ((turn < HANGING) & ~outer)[entries] & ~starts, at_point, in_edge)
+    return Sides(
+        entries, side, rows[starts], ((turn < MAX_HANGING_TURN) & ~outer)[entries] & ~starts, at_point, in_edge
+    )
 
 
 def _divisions(lengths: Floats, side: Ints, starts: Bools) -> tuple[Ints, Ints]:
@@ -253,7 +256,7 @@ def _divisions(lengths: Floats, side: Ints, starts: Bools) -> tuple[Ints, Ints]:
     off = np.where(starts, np.inf, np.abs(share - 0.5))
     order = np.lexsort((off, side))
     at_point = order[first]  # sides are in order, so each one's nearest point is at its first place
-    at_point = np.where(off[at_point] <= MIDDLE, at_point, -1)
+    at_point = np.where(off[at_point] <= MAX_MIDDLE_DISTANCE, at_point, -1)
     below = np.where(share <= 0.5, np.arange(len(side)), -1)
     in_edge = np.maximum.reduceat(below, first)
     return at_point, np.where(at_point >= 0, -1, in_edge)

@@ -24,7 +24,7 @@ from flangeway.types import Floats, Ints
 # --- Superconvergent patch recovery of stresses, and the error that it estimates.
 
 
-SMALLEST_SINGULAR = 1e-11
+MIN_SINGULAR_VALUE = 1e-11
 """Eigenvalue of a patch's normal equations, over the maximum, below which a polynomial is not seen by its cells."""
 
 
@@ -205,7 +205,7 @@ def _patches(problem: Elasticity, n_wanted: int, n_each: int) -> sp.csr_array:
 def _solved(normal: Floats, rhs: Floats) -> Floats:
     """Least-squares solutions (n_cells, n, 4); what a patch does not see is left zero."""
     values, vectors = np.linalg.eigh(normal)
-    seen = values > SMALLEST_SINGULAR * values[:, -1:]
+    seen = values > MIN_SINGULAR_VALUE * values[:, -1:]
     inverse = np.where(seen, 1.0 / np.where(seen, values, 1.0), 0.0)
     return (vectors * inverse[:, None]) @ (vectors.swapaxes(1, 2) @ rhs)
 

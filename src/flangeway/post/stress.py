@@ -153,7 +153,8 @@ def _cell_means(space: Space, polynomials: Polynomials, n_components: int) -> Fl
 # --- Cells of points, fields at points, stresses along lines and forces through cuts, from the cells' reconstructions.
 
 
-NEAR = 1e-9  # distance from the boundary, over the size of the mesh, within which a point still belongs to the mesh
+BOUNDARY_TOLERANCE = 1e-9
+"""Distance from the boundary, over the size of the mesh, within which a point still belongs to the mesh."""
 OUTSIDE = -1
 PIECES = 32  # of a curved edge as a polyline
 
@@ -352,7 +353,7 @@ def locate(mesh: PolyMesh, points: ArrayLike) -> Ints:
     if given.ndim != 2 or given.shape[1:] != (2,) or not np.isfinite(given).all():
         raise InputError(f"points of shape {given.shape}", "finite numbers, shape (n, 2)", "give rows of x and y")
     cells = np.full(len(given), OUTSIDE, dtype=np.int64)
-    near = NEAR * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    near = BOUNDARY_TOLERANCE * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     if mesh.curves is not None:
         depths = mesh.points[mesh.curves.pairs].mean(axis=1) - mesh.curves.points([0.5])[:, 0]
         near = max(near, 2.0 * float(norms(depths).max()) / PIECES**2)

@@ -24,7 +24,7 @@ from flangeway.types import Bools, Floats, Indices
 
 Components = Literal["x", "y", "xy"]
 
-SPRING_HOLDS = 1e-12
+MIN_SPRING_STIFFNESS = 1e-12
 """Stiffness of the springs against a rigid motion, over the maximum, below which they leave it free."""
 
 
@@ -225,7 +225,7 @@ class Body(LinearBody):
         held = motions[self.supported] if not self.axisymmetric else np.eye(3)[[0, 2]]
         free = [axis for axis, motion in zip("xy", np.eye(3)[:2], strict=True) if not np.any(held @ motion)]
         energies, directions = np.linalg.eigh(resisted + unit * held.T @ held)
-        loose = directions[:, energies <= SPRING_HOLDS * unit]
+        loose = directions[:, energies <= MIN_SPRING_STIFFNESS * unit]
         axes = "".join(axis for axis in free if np.allclose(np.abs(loose[["x", "y"].index(axis)]).sum(), 1.0))
         if loose.shape[1] > 1 or len(axes) < loose.shape[1]:
             raise InputError(

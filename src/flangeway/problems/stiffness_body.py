@@ -282,10 +282,10 @@ def _far_from(nodes: Floats, missing: Bools) -> Bools:
 # --- A linear body of a stiffness matrix that another program has assembled.
 
 
-SYMMETRIC = 1e-9
+MAX_ASYMMETRY = 1e-9
 """Difference of two entries across the diagonal, over the maximum entry, that rounding explains."""
 
-NEAR = 3.0
+MAX_EDGE_DISTANCE = 3.0
 """Distance of a node from an edge, over its length, within which it shows the side of the body."""
 
 
@@ -592,7 +592,7 @@ class StiffnessBody(LinearBody):
             )
         apart = sp.coo_array(matrix - matrix.T)
         most = float(np.abs(matrix.data).max(initial=0.0))
-        if np.abs(apart.data).max(initial=0.0) > SYMMETRIC * most:
+        if np.abs(apart.data).max(initial=0.0) > MAX_ASYMMETRY * most:
             i, j = (int(indices[np.abs(apart.data).argmax()]) for indices in apart.coords)
             raise InputError(
                 f"{self._owner}: K[{i}, {j}] is {matrix[i, j]:.6g} and K[{j}, {i}] is {matrix[j, i]:.6g}",
@@ -661,7 +661,7 @@ class StiffnessBody(LinearBody):
         starts, chords = self.nodes[edges[:, 0]], self.nodes[edges[:, -1]] - self.nodes[edges[:, 0]]
         if len(inner):
             apart, near = cKDTree(self.nodes[inner]).query(starts + chords / 2.0)
-            close = apart <= NEAR * np.linalg.norm(chords, axis=1)
+            close = apart <= MAX_EDGE_DISTANCE * np.linalg.norm(chords, axis=1)
             votes = float(np.sign(cross_product(chords, self.nodes[inner[near]] - starts))[close].sum())
             if votes != 0.0:
                 return votes

@@ -246,12 +246,12 @@ def _files(run: BodiesRun, steps: BodySteps) -> dict[str, Writer]:
     writers: dict[str, Writer] = {}
     entries = []
     for number, fields in zip(steps.numbers, steps.fields, strict=True):
-        for place, body in enumerate(fields, 1):
+        for index, body in enumerate(fields, 1):
             # a name given by the user may not be allowed as that of a file
             plain = "".join(letter if letter.isalnum() or letter in "-_" else "_" for letter in body.name)
-            stem = f"{place}-{plain}" if len(fields) > 1 else plain
+            stem = f"{index}-{plain}" if len(fields) > 1 else plain
             file = f"{stem}.vtu" if number == steps.numbers[-1] else f"{STEPS}/{stem}-{number}.vtu"
-            writers[file] = partial(body.write, body_id=place - 1)
+            writers[file] = partial(body.write, body_id=index - 1)
             entries.append((float(number), body.name, file))
         if run.contact is not None:
             last = number == steps.numbers[-1]

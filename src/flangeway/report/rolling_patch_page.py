@@ -62,7 +62,7 @@ STYLES: dict[Theory, tuple[str, Any]] = {
     "polach": (SERIES[1], "dashdot"), "linear": (GREY, (0, (1, 1.5))),
 }  # fmt: skip
 CREEPAGE_OF = dict(zip(COMPONENTS, CREEPAGES, strict=True))
-FAR = 1.3
+MAX_DRAWN_FORCE = 1.3
 """Highest force that is drawn over the limit of friction: linear theory goes on."""
 WIDE_IN = 7.5
 """Width of a picture with room for all names beside each other."""
@@ -190,7 +190,7 @@ def creep_curve_figure(run: RollingPatchRun) -> Figure:
         low, high = axes.get_ylim()
         # linear theory goes on beyond the limit of friction, and its moment beyond the others'
         others = [np.abs(line[:, 1]).max() for theory, line in curves.items() if theory != "linear"]
-        top = FAR * (max(others, default=0.0) if force is SPIN_MOMENT else limit) or max(-low, high)
+        top = MAX_DRAWN_FORCE * (max(others, default=0.0) if force is SPIN_MOMENT else limit) or max(-low, high)
         axes.set_ylim(max(low, -top), min(high, top))
         for level in () if force is SPIN_MOMENT else (-limit, limit):
             if low < level < high:

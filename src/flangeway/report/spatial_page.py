@@ -55,7 +55,7 @@ PICTURES: dict[str, tuple[Callable[[SpatialRun], Figure], str]] = {
 }
 SURFACE = "surface.vtu"
 SECTIONS = ("section-lower.vtu", "section-upper.vtu")
-NEAR = 6.0
+PATCH_VIEW_WIDTH = 6.0
 """Width of the view of a patch over its longer semi-axis."""
 AXES = {
     "x, y, z": "to the right, up, and along the prisms towards the reader of a section",
@@ -141,7 +141,7 @@ def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
         parts.append(ShownPart(section.body.name, mesh.apart(), arrays, places=numbers, n_rim_places=len(used)))
     fields = [ShownField(name, named(name)[0], "MPa", "Stresses", name, "value") for name in corners[0].by_name]
     patch = run.contact.patches[0]
-    view = View("patch", (float(patch.centre[0]), float(patch.centre[1])), NEAR * patch.semi_axes[0])
+    view = View("patch", (float(patch.centre[0]), float(patch.centre[1])), PATCH_VIEW_WIDTH * patch.semi_axes[0])
     note = sentence(
         "Stresses in the plane z = {:z.3f mm}, of the centre of the first patch, in the axes of the "
         "picture, tension positive, as in the VTU files of the sections.",

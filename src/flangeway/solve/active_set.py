@@ -32,7 +32,7 @@ ROUND_OFF = 1e-12
 """Error of the laws' equations, over the maximum force, that is round-off."""
 BARRIER_CHANGE = 1e-8
 """Relative change of a force by a barrier from one linearisation to the next, whose square is round-off."""
-AT_LIMIT = 1e-9
+LIMIT_MARGIN = 1e-9
 """Fraction of the limit by which a tangential force is below it where surfaces stick."""
 MIN_STIFFNESS = 1e-10
 """Stiffness against a motion over the maximum one, below which nothing holds it."""
@@ -203,7 +203,7 @@ class Laws:
         signs = np.ones(self.m, dtype=np.int64)
         if self.friction:
             limits = self.coefficients * np.maximum(trial[: self.m], 0.0)
-            at_limit = np.abs(trial[self.m :]) > (1.0 - AT_LIMIT) * limits
+            at_limit = np.abs(trial[self.m :]) > (1.0 - LIMIT_MARGIN) * limits
             signs = np.where(at_limit, np.sign(trial[self.m :]), 0.0).astype(np.int64)
             signs[self.coefficients == 0.0] = 1
         return Guess(trial[: self.m] > 0.0, signs, normal)
@@ -429,7 +429,7 @@ def friction_state(
     so that the work is of second order in the step.
     """
     closed = normal > 0.0
-    sticks = closed & (np.abs(tangential) < (1.0 - AT_LIMIT) * coefficients * normal)
+    sticks = closed & (np.abs(tangential) < (1.0 - LIMIT_MARGIN) * coefficients * normal)
     slipped = np.where(closed & ~sticks & (coefficients > 0.0), slips + let_back, 0.0)
     # a slip that is round-off may have the sign of the force
     slipped = np.where(slipped * tangential > 0.0, 0.0, slipped)
@@ -443,6 +443,6 @@ def violation(normal: Floats, tangential: Floats, slips: Floats, coefficients: F
     limits = coefficients * np.maximum(normal, 0.0)
     beyond = float((np.abs(tangential) - limits).max(initial=0.0))
     loaded = limits > 0.0
-    inside = loaded & (np.abs(tangential) < (1.0 - AT_LIMIT) * limits)
+    inside = loaded & (np.abs(tangential) < (1.0 - LIMIT_MARGIN) * limits)
     wrong = np.where(inside, np.abs(slips), np.where(loaded, np.maximum(slips * np.sign(tangential), 0.0), 0.0))
     return beyond, float(wrong.max(initial=0.0))

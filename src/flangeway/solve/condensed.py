@@ -234,7 +234,7 @@ class CondensedBodies(BodyResponse):
 ENTRIES_AT_ONCE = 5_000_000
 """Numbers of right-hand sides that are solved together, so that loads on a long surface need no more memory."""
 
-YIELDING = 4000.0
+SURFACE_SOFTNESS = 4000.0
 """Displacement of a surface by forces on all its nodes over that of one node under its own force with all others held:
 some number of nodes. Friction is found in the fewest guesses if it is too large rather than too small."""
 
@@ -329,7 +329,7 @@ class SparseBodies(BodyResponse):
             forces = np.asarray(spreading @ solution[size:])
             return forces, np.asarray(jacobian @ solution[:size] + offset + laws.compliances * forces)
 
-        own = YIELDING * np.asarray(jacobian.power(2) @ (1.0 / self._stiffness.diagonal()))
+        own = SURFACE_SOFTNESS * np.asarray(jacobian.power(2) @ (1.0 / self._stiffness.diagonal()))
         return solved, own + laws.compliances
 
     def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:

@@ -33,7 +33,7 @@ SOLVED = 1e6
 """Factor on the size by which soft motions are measured, for handles whose soft motions are solved for: what is softer
 still is round-off of the stiffness."""
 
-HARDLY = 0.03
+MIN_NAMED_FRACTION = 0.03
 """Share of a motion over the whole one that is not named."""
 
 SoftMotions = Literal["solved", "kept"]
@@ -346,7 +346,7 @@ class Handles:
             rigid[:2] = handle.directions.T @ directions[own][: len(handle.directions)]
             if handle.turns:
                 rigid[2] = directions[own.stop - 1]
-            rigid[np.abs(rigid) < HARDLY] = 0.0
+            rigid[np.abs(rigid) < MIN_NAMED_FRACTION] = 0.0
             words = described_motions(rigid, handle.pivot_after(motion), size)
             if words:
                 names = [self._response.surfaces[i].body.name for i in members]

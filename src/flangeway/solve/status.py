@@ -17,7 +17,7 @@ ROUND_OFF = 1e-7
 """Residual below which an iteration has converged if it no longer falls: where slender bodies bend, round-off of their
 stiffness is above the tolerance."""
 
-STALLED = 3
+STALLED_ITERATIONS = 3
 """Iterations without a change of constraints, none of which halves the residual, after which it no longer falls."""
 
 
@@ -152,8 +152,8 @@ class Iteration:
 
 def is_at_round_off(history: Sequence[Iteration]) -> bool:
     """Whether the residual is small and has not fallen in the last iterations, while no constraint changed."""
-    last = [iteration for iteration in history[-STALLED - 1 :] if not iteration.changed]
-    small = len(last) > STALLED and max(iteration.residual for iteration in last) <= ROUND_OFF
+    last = [iteration for iteration in history[-STALLED_ITERATIONS - 1 :] if not iteration.changed]
+    small = len(last) > STALLED_ITERATIONS and max(iteration.residual for iteration in last) <= ROUND_OFF
     return small and min(iteration.residual for iteration in last[1:]) > last[0].residual / 2.0
 
 

@@ -247,9 +247,9 @@ class TomlFile:
             if header := _HEADER.match(row):
                 table = ()
                 names = _names(header[2])
-                for place, name in enumerate(names):
+                for index, name in enumerate(names):
                     table = (*table, name)
-                    if place == len(names) - 1 and header[1] == "[[":
+                    if index == len(names) - 1 and header[1] == "[[":
                         items[table] = items.get(table, -1) + 1
                     if table in items:
                         table = (*table, items[table])

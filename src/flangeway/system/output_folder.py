@@ -47,18 +47,18 @@ def refuse_unwritable(folder: Path, names: Iterable[str] = ()) -> None:
     Nothing stays behind. A folder inside of it that is called like a file of results, see `ENDINGS`, is refused.
     """
     try:
-        place = _existing(folder)
+        existing = _existing(folder)
         if folder.resolve() == Path(folder.absolute().anchor):
             raise InputError(
                 f"output folder {folder}, the root of the file system", "a folder for results", "name one with --out"
             )
-        if not place.is_dir():
+        if not existing.is_dir():
             raise InputError(
-                f"output folder {folder}: {place} is not a folder",
+                f"output folder {folder}: {existing} is not a folder",
                 "a folder, or a place where one can be made",
                 "remove what is in the way, or choose another folder with --out",
             )
-        with tempfile.TemporaryDirectory(dir=place, prefix=".flangeway-"):
+        with tempfile.TemporaryDirectory(dir=existing, prefix=".flangeway-"):
             pass
         _refuse_folders(folder, (*names, *(path.name for path in folder.glob("*") if path.suffix in ENDINGS)))
     except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
@@ -115,10 +115,10 @@ def _refuse_folders(folder: Path, names: Iterable[str]) -> None:
 
 def _existing(folder: Path) -> Path:
     """Return the folder, or the nearest one above it that is there."""
-    place = folder.absolute()
-    while place != place.parent and not os.path.lexists(place):
-        place = place.parent
-    return place
+    parent = folder.absolute()
+    while parent != parent.parent and not os.path.lexists(parent):
+        parent = parent.parent
+    return parent
 
 
 def _unwritable(folder: Path, reason: OSError | ValueError) -> InputError:

@@ -113,9 +113,9 @@ class SampledPatch:
         """Creepages of reduced ones, slip below 1."""
         return Creepages(*(SATURATED * slip / (1.0 - slip) * self.direction(spin, creep)).tolist())
 
-    def over_limit(self, found: CreepForces) -> Floats:
+    def over_limit(self, forces: CreepForces) -> Floats:
         """Forces over the limit of friction, the moment also over the radius."""
-        return np.array([found.along, found.across, found.moment / self.radius]) / self.limit
+        return np.array([forces.along, forces.across, forces.moment / self.radius]) / self.limit
 
     def linear(self, spin: float, creep: float) -> Floats:
         """Forces over slip where it vanishes."""
@@ -144,19 +144,19 @@ class SampledPatch:
 
     def exact(self, slip: float, spin: float, creep: float, start: Rolling | None = None) -> Rolling:
         """The exact theory, from a neighbouring result and, where it does not converge from there, without one."""
-        found = roll(self.contact, self.motion(slip, spin, creep), start=start, tolerance=SOLVED)
-        if start is not None and not found.status.converged:
-            return roll(self.contact, found.motion, tolerance=SOLVED)
-        return found
+        rolling = roll(self.contact, self.motion(slip, spin, creep), start=start, tolerance=SOLVED)
+        if start is not None and not rolling.status.converged:
+            return roll(self.contact, rolling.motion, tolerance=SOLVED)
+        return rolling
 
     def ray(self, slips: Floats, spin: float, creep: float) -> Floats:
         """Exact forces over slip along a direction, (n_slips, 3); each is computed once."""
         if (spin, creep) not in self.rays:
-            found: list[Rolling] = []
+            rollings: list[Rolling] = []
             for slip in slips.tolist():
-                found.append(self.exact(slip, spin, creep, found[-1] if found else None))
-            forces = np.array([self.over_limit(each) for each in found]) / slips[:, None]
-            self.rays[spin, creep] = forces, sum(not each.status.converged for each in found)
+                rollings.append(self.exact(slip, spin, creep, rollings[-1] if rollings else None))
+            forces = np.array([self.over_limit(rolling) for rolling in rollings]) / slips[:, None]
+            self.rays[spin, creep] = forces, sum(not rolling.status.converged for rolling in rollings)
         return self.rays[spin, creep][0]
 
     @property
@@ -214,8 +214,8 @@ def sample(
     missing[:, 0] = -missing[:, -1, :1]
     # forces are opposite at opposite creepages
     missing[:, :, -1] = -missing[:, ::-1, 0]
-    found = simple + _between(missing, (spins[::step], creeps[::step]), (spins, creeps))
-    return SampledForces(found, found - fast)
+    forces = simple + _between(missing, (spins[::step], creeps[::step]), (spins, creeps))
+    return SampledForces(forces, forces - fast)
 
 
 def _between(values: Floats, coarse: tuple[Floats, Floats], fine: tuple[Floats, Floats]) -> Floats:
@@ -261,10 +261,10 @@ def refined(
     levels = deque((*(() if near is None else (0,)), *DIRECTIONS))
     while True:
         directions = levels.popleft()
-        found = sample(patch, directions, 0.0 if near is None else near)
-        errors = check(found, points, exact)
+        sampled = sample(patch, directions, 0.0 if near is None else near)
+        errors = check(sampled, points, exact)
         if errors.size <= wanted or not levels:
-            return found, errors, directions
+            return sampled, errors, directions
         while len(levels) > 1 and errors.size * (directions / levels[0]) ** ORDER > wanted:
             levels.popleft()
 
@@ -282,7 +282,7 @@ def exact_forces(patch: SampledPatch, points: Floats) -> Floats:
     return np.array([patch.over_limit(patch.coupled(*point)) for point in points.tolist()]).reshape(-1, 3)
 
 
-def check(found: SampledForces, points: Floats, exact: Floats) -> CreepErrors:
+def check(sampled: SampledForces, points: Floats, exact: Floats) -> CreepErrors:
     """Compare with exact forces at reduced creepages, both (n, 3)."""
-    error = ForceAxes.of(found.forces, AXES).at((), tuple(points.T)) - exact
+    error = ForceAxes.of(sampled.forces, AXES).at((), tuple(points.T)) - exact
     return CreepErrors(points, norms(error), np.abs(error[:, 2]))

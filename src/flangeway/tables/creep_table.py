@@ -86,11 +86,11 @@ def stencil(axis: Floats, values: Floats, smooth: NDArray[np.bool_]) -> tuple[ND
         np.pad(middle_slope(step, after), ((0, 0), (1, 0))),
     )
     shape = (len(values), *[1] * (smooth.ndim - 1), 4)
-    line, low, high = (each.reshape(shape) for each in (line, low, high))
+    line, low, high = (array.reshape(shape) for array in (line, low, high))
     left, right = smooth[below][..., None], smooth[np.minimum(below + 1, last)][..., None]
     first = np.where(left, low, np.where(right, 2.0 * line - high, line))
     second = np.where(right, high, np.where(left, 2.0 * line - low, line))
-    t, h = (each.reshape((*shape[:-1], 1)) for each in ((values - x[:, 1]) / step, step))
+    t, h = (array.reshape((*shape[:-1], 1)) for array in ((values - x[:, 1]) / step, step))
     ends = t**2 * (3.0 - 2.0 * t) * h * line
     ends = ends + np.array([0.0, 1.0, 0.0, 0.0])
     return nodes, ends + h * t * (1.0 - t) * ((1.0 - t) * first - t * second)
@@ -110,8 +110,8 @@ def crossed(arrays: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], ...]:
 
 def interior(axis: Floats) -> NDArray[np.bool_]:
     """Points of an axis other than its ends, (n_points,)."""
-    place = np.arange(len(axis))
-    return np.asarray((place > 0) & (place < len(axis) - 1))
+    index = np.arange(len(axis))
+    return np.asarray((index > 0) & (index < len(axis) - 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +148,7 @@ class ForceAxes:
         over = np.concatenate((rest[..., 1:2, :, :], rest, rest[..., -2:-1, :, :]), axis=-3)
         turned = over[..., ::-1, :, :]
         whole = np.concatenate((-turned[..., -2:-1, :], over, -turned[..., 1:2, :]), axis=-2)
-        more = [np.concatenate((2 * each[:1] - each[1:2], each, 2 * each[-1:] - each[-2:-1])) for each in (spin, creep)]
+        more = [np.concatenate((2 * axis[:1] - axis[1:2], axis, 2 * axis[-1:] - axis[-2:-1])) for axis in (spin, creep)]
         return cls((slip, *more), linear, whole.astype(np.float32))
 
     def rows(self) -> "ForceAxes":
@@ -171,9 +171,9 @@ class ForceAxes:
             nodes, weights = (array[:, a] for array in stencils[0])
             total += weights[:, None] * np.einsum("nfd,nd->nf", self.linear[(*rows, nodes)], unit)
         for corner in np.ndindex(4, 4, 4):
-            places = tuple(nodes[:, k] for (nodes, _), k in zip(stencils, corner, strict=True))
+            of_corner = tuple(nodes[:, k] for (nodes, _), k in zip(stencils, corner, strict=True))
             weight = np.prod([weights[:, k] for (_, weights), k in zip(stencils, corner, strict=True)], axis=0)
-            total += weight[:, None] * self.rest[(*rows, *places)]
+            total += weight[:, None] * self.rest[(*rows, *of_corner)]
         return within_cone(total * np.where(other, -slip, slip)[:, None])
 
 
@@ -263,7 +263,7 @@ class CreepTable:
         - `clamp`: values out of range become those at its end; otherwise they are an `InputError`.
         """
         given = np.broadcast_arrays(
-            *(np.atleast_1d(np.asarray(each, float)) for each in (lateral_mm, yaw_mrad, load_kN))
+            *(np.atleast_1d(np.asarray(value, float)) for value in (lateral_mm, yaw_mrad, load_kN))
         )
         around, fractions = [], []
         for name, axis, values, smooth in zip(AXES, self.axes, given, self.smooth, strict=True):
@@ -299,7 +299,7 @@ class CreepTable:
 
         There all patches of the side go over into those of both neighbours, at all points of the other axes.
         """
-        found = []
+        masks = []
         for axis, points in enumerate(self.axes):
             edges: NDArray[Any] = np.moveaxis(
                 self.values["joined"], axis, 0
@@ -310,8 +310,8 @@ class CreepTable:
             whole = np.asarray(edges.all(axis=(1, 2)))
             smooth = np.zeros((len(points), 2), dtype=np.bool_)
             smooth[1:-1] = whole[:-1] & whole[1:]
-            found.append(smooth)
-        return tuple(found)
+            masks.append(smooth)
+        return tuple(masks)
 
     @cached_property
     def force_axes(self) -> ForceAxes:
@@ -337,15 +337,15 @@ class CreepTable:
     def _contacts(self, nodes: NDArray[np.intp], weights: Floats) -> dict[str, Floats]:
         parts = weights.sum(axis=-1)
         shares = weights / np.where(parts > 0.0, parts, 1.0)[..., None]
-        found = {}
+        contacts = {}
         for name, more in OF_PATCH.items():
             values = self.values[name]
             around = values.reshape(-1, *values.shape[3:])[nodes]
-            each = np.einsum("nskc,ncsp...->nskp..." if more else "nskc,ncsp->nskp", shares, around)
+            numbers = np.einsum("nskc,ncsp...->nskp..." if more else "nskc,ncsp->nskp", shares, around)
             if name in ("normal_force_N", "stiffness_N"):  # parts of patches: the same pressure, on less of the area
-                each *= parts.reshape(*parts.shape, *[1] * (each.ndim - 3))
-            found[name] = each.reshape(*each.shape[:2], -1, *each.shape[4:])
-        return found
+                numbers *= parts.reshape(*parts.shape, *[1] * (numbers.ndim - 3))
+            contacts[name] = numbers.reshape(*numbers.shape[:2], -1, *numbers.shape[4:])
+        return contacts
 
     def forces(
         self,
@@ -400,9 +400,9 @@ class CreepTable:
         n_patches = normal.shape[2] // weights.shape[2]
         present = normal.reshape(*normal.shape[:2], -1, n_patches) > 0.0
         at, side, group, corner, patch = np.nonzero((shares[..., None] != 0.0) & present[:, :, :, None])
-        place = at, side, group * n_patches + patch
-        found = self.force_axes.at((nodes[at, corner], side, patch), tuple(each[place] for each in point))
-        np.add.at(total, place, shares[at, side, group, corner, None] * found)
+        entry = at, side, group * n_patches + patch
+        forces = self.force_axes.at((nodes[at, corner], side, patch), tuple(coordinate[entry] for coordinate in point))
+        np.add.at(total, entry, shares[at, side, group, corner, None] * forces)
         total[..., 2] *= radius
         return within_cone(total) * limit[..., None]
 
@@ -441,18 +441,18 @@ class CreepTable:
         """
         given = (yaw_mrad, speed, rotation, lateral_velocity, yaw_rate)
         # in the right-hand form of each side, whose x, yaw and yaw rate have the sign of the side
-        yaw, v, omega, lateral, turning = (np.asarray(each, float).reshape(-1, 1, 1) for each in given)
+        yaw, v, omega, lateral, turning = (np.asarray(value, float).reshape(-1, 1, 1) for value in given)
         if not (v > 0.0).all():
             raise InputError(f"speed = {float(v.min()):g}", "speeds > 0: the table rolls ahead", "turn the axes over")
         sign = MIRROR[:, None]
-        place = contacts["position_mm"] * np.stack((sign, *[np.ones((2, 1))] * 2), -1)
+        point = contacts["position_mm"] * np.stack((sign, *[np.ones((2, 1))] * 2), -1)
         roll, level = np.sin(contacts["wheel_roll_rad"]), np.cos(contacts["wheel_roll_rad"])
         axis = np.stack((level * np.cos(1e-3 * sign * yaw), roll, level * np.sin(1e-3 * sign * yaw)), -1)
-        arm = place - axis * (place * axis).sum(axis=-1, keepdims=True)
+        arm = point - axis * (point * axis).sum(axis=-1, keepdims=True)
         arm *= (contacts["rolling_radius_mm"] / np.maximum(np.linalg.norm(arm, axis=-1), TINY))[..., None]
         zero = np.zeros_like(sign * turning)
         yawing = np.stack((zero, -sign * turning, zero), -1)
-        slip = np.stack((sign * lateral + zero, zero, v + zero), -1) + np.cross(yawing, place)
+        slip = np.stack((sign * lateral + zero, zero, v + zero), -1) + np.cross(yawing, point)
         slip = slip + np.cross(omega[..., None] * axis, arm)
         sine, cosine = np.sin(contacts["contact_angle_rad"]), np.cos(contacts["contact_angle_rad"])
         across = -cosine * slip[..., 0] - sine * slip[..., 1]

@@ -142,7 +142,7 @@ class _Build:
     symmetric: bool = field(init=False)
 
     def __post_init__(self) -> None:
-        self.lateral = [float(each) for each in self.request.lateral_mm]
+        self.lateral = [float(value) for value in self.request.lateral_mm]
         problem, forces = self.request.case.problem(), self.request.case.model_fields_set & set(CURVE_KEYS)
         self.symmetric = problem.track.is_symmetric and problem.wheelset.is_symmetric and not forces
 
@@ -152,9 +152,9 @@ class _Build:
         for number in range(MAX_PASSES):
             for wave in self._waves():
                 self._run("table", wave, self.sampled, N_POINTS)
-            found = self._assembled()
-            errors = self._errors_between(found, number)
-            checks = self._checks(found, errors)
+            table = self._assembled()
+            errors = self._errors_between(table, number)
+            checks = self._checks(table, errors)
             wrong = self._intervals_above(errors)
             n_added = len(wrong) * len(self._positions()) // len(self.lateral)
             if checks["within_tolerance"] or not wrong or len(self._positions()) + n_added > MAX_POSITIONS:
@@ -164,19 +164,19 @@ class _Build:
                 claimed = checks["claimed_error"]
                 self.progress(f"claimed error {claimed:.2%}: {len(wrong)} more lateral positions, then a new sample")
                 self._locate_jumps()
-        return replace(found, metadata={**found.metadata, "checks": checks})
+        return replace(table, metadata={**table.metadata, "checks": checks})
 
     def _intervals_above(self, errors: list[dict[str, Any]]) -> set[float]:
         """Middles of the lateral intervals with the largest error and with those above the tolerance."""
-        found: dict[float, float] = {}
+        middles: dict[float, float] = {}
         for error in errors:
-            place = min(int(np.searchsorted(self.lateral, error["lateral_mm"], side="right")), len(self.lateral) - 1)
-            low, high = self.lateral[max(place - 1, 0)], self.lateral[place]
+            index = min(int(np.searchsorted(self.lateral, error["lateral_mm"], side="right")), len(self.lateral) - 1)
+            low, high = self.lateral[max(index - 1, 0)], self.lateral[index]
             if high - low > JUMP_MM and not error["jump"]:
                 middle = round((low + high) / 2.0, 6)
-                found[middle] = max(error["force"], found.get(middle, 0.0))
-        least = min(self.request.tolerance, max(found.values(), default=0.0))
-        return {middle for middle, error in found.items() if error >= least}
+                middles[middle] = max(error["force"], middles.get(middle, 0.0))
+        least = min(self.request.tolerance, max(middles.values(), default=0.0))
+        return {middle for middle, error in middles.items() if error >= least}
 
     def _waves(self) -> list[list[Position]]:
         """Positions in groups, each with neighbours in those before whose forces serve as first guess.
@@ -189,7 +189,7 @@ class _Build:
             groups.append(self.lateral[step :: 2 * step])
             step //= 2
         waves = [[(lateral, yaw, load) for lateral in group] for group in groups]
-        waves.append([each for each in self._positions() if each[1] == yaw])
+        waves.append([position for position in self._positions() if position[1] == yaw])
         return [*waves, self._positions()]
 
     def _near(self, position: Position) -> Arrays | None:
@@ -198,17 +198,19 @@ class _Build:
         The next one over yaw, which hardly matters, or both beside it, or the next one over load, or on one side.
         """
         sides = self.contacts[position]["side"]
-        known = [each for each, found in self.sampled.items() if np.array_equal(found["side"], sides)]
+        known = [
+            near_position for near_position, numbers in self.sampled.items() if np.array_equal(numbers["side"], sides)
+        ]
 
         def nearest(axis: int, beyond: float = 0.0) -> list[Position]:
             """The nearest one that differs in one number only; above (1) or below (-1) if it says so."""
             there = [
-                each
-                for each in known
-                if all(each[k] == position[k] for k in range(3) if k != axis)
-                and (each[axis] - position[axis]) * beyond >= 0.0
+                other
+                for other in known
+                if all(other[k] == position[k] for k in range(3) if k != axis)
+                and (other[axis] - position[axis]) * beyond >= 0.0
             ]
-            return [min(there, key=lambda each: abs(each[axis] - position[axis]))] if there else []
+            return [min(there, key=lambda other: abs(other[axis] - position[axis]))] if there else []
 
         below, above = nearest(0, -1.0), nearest(0, 1.0)
         over_yaw, over_load = nearest(1), nearest(2)
@@ -231,19 +233,23 @@ class _Build:
     def _run(self, kind: str, positions: Iterable[Position], store: dict[Position, Arrays], n_points: int = 0) -> None:
         """Compute what is missing."""
         positions = list(positions)
-        images = {each: self._image(each) if kind != "check" else each for each in positions if each not in store}
+        images = {
+            position: self._image(position) if kind != "check" else position
+            for position in positions
+            if position not in store
+        }
         tasks = [
             PositionTask(
-                *(self.request.case, each, kind, self.request.tolerance, n_points),
-                self._near(each) if kind == "table" else None,
+                *(self.request.case, position, kind, self.request.tolerance, n_points),
+                self._near(position) if kind == "table" else None,
             )
-            for each in dict.fromkeys(images.values())
-            if each not in store
+            for position in dict.fromkeys(images.values())
+            if position not in store
         ]
         begun, last = time.monotonic(), 0.0
         label = STAGES[kind]
-        for done, (task, found) in enumerate(self._results(tasks), 1):
-            store[task.position] = found
+        for done, (task, numbers) in enumerate(self._results(tasks), 1):
+            store[task.position] = numbers
             now = time.monotonic()
             if now - last >= REPORT_S or done == len(tasks):
                 last = now
@@ -259,12 +265,12 @@ class _Build:
         return max(position, (0.0 - lateral, 0.0 - yaw, load)) if self.symmetric else position
 
     def _results(self, tasks: list[PositionTask]) -> Iterable[tuple[PositionTask, Arrays]]:
-        for task, found in computed_here(tasks, compute_position, self.n_workers):
-            if isinstance(found, LostWorkerError):
+        for task, numbers in computed_here(tasks, compute_position, self.n_workers):
+            if isinstance(numbers, LostWorkerError):
                 raise InputError(
-                    f"position {task.position}: {found}", "a machine with enough memory", "give fewer workers"
+                    f"position {task.position}: {numbers}", "a machine with enough memory", "give fewer workers"
                 )
-            yield task, found
+            yield task, numbers
 
     def _locate_jumps(self) -> None:
         """Add the lateral positions on both sides of each jump of the patches."""
@@ -284,35 +290,35 @@ class _Build:
                 middles = [round((low + high) / 2.0, 6) for low, high in wide]
                 self._run("contact", [(middle, yaw, load) for middle in middles], self.contacts)
                 spans = [
-                    each
+                    span
                     for (low, high), middle in zip(wide, middles, strict=True)
-                    for each in ((low, middle), (middle, high))
+                    for span in ((low, middle), (middle, high))
                 ]
         self.lateral = sorted({*self.lateral, *ends})
         self._run("contact", self._positions(), self.contacts)
 
     def _joined(self, one: Position, other: Position) -> tuple[bool, bool]:
         """Whether the patches of each side go over into those of another position: as many, and they overlap."""
-        first, second = (self.contacts[each] for each in (one, other))
+        first, second = (self.contacts[position] for position in (one, other))
         return tuple(_go_over(first, second, side) for side in range(2))  # type: ignore[return-value]
 
     def _assembled(self) -> CreepTable:
         """The table without its checks."""
-        axes = [np.array(each, dtype=np.float64) for each in self._axes]
+        axes = [np.array(axis, dtype=np.float64) for axis in self._axes]
         shape = tuple(map(len, axes))
-        places = dict(zip(self._positions(), np.ndindex(shape), strict=True))
-        most = max(int(np.bincount(found["side"], minlength=2).max()) for found in self.sampled.values())
+        entries = dict(zip(self._positions(), np.ndindex(shape), strict=True))
+        most = max(int(np.bincount(numbers["side"], minlength=2).max()) for numbers in self.sampled.values())
         sizes = {name: (3,) if name == "position_mm" else (2,) * more for name, more in OF_PATCH.items()}
         values: dict[str, Any] = {name: np.zeros((*shape, 2, most, *size)) for name, size in sizes.items()}
         values["forces"] = np.zeros((*shape, 2, most, *map(len, creep_sampling.AXES), 3), dtype=np.float32)
         values["axle_vertical_mm_roll_rad"] = np.zeros((*shape, 2))
-        for position, place in places.items():
-            found = self.sampled[position]
-            values["axle_vertical_mm_roll_rad"][place] = found["axle"]
+        for position, entry in entries.items():
+            numbers = self.sampled[position]
+            values["axle_vertical_mm_roll_rad"][entry] = numbers["axle"]
             for side in range(2):
-                mine = found["side"] == side
+                of_side = numbers["side"] == side
                 for name in (*OF_PATCH, "forces"):
-                    values[name][place][side, : mine.sum()] = found[name][mine]
+                    values[name][entry][side, : of_side.sum()] = numbers[name][of_side]
         values["joined"] = self._cells(shape)
         names = (*AXES, "slip", "spin_angle_rad", "creep_angle_rad")
         return CreepTable({**dict(zip(names, (*axes, *creep_sampling.AXES), strict=True)), **values}, self._metadata())
@@ -322,7 +328,7 @@ class _Build:
         nodes = dict(zip(np.ndindex(shape), self._positions(), strict=True))
         joined = np.ones((*(max(n - 1, 1) for n in shape), 2), dtype=np.bool_)
         for cell in np.ndindex(joined.shape[:3]):
-            corners = itertools.product(*((place, place + 1) for place in cell))
+            corners = itertools.product(*((index, index + 1) for index in cell))
             for one, other in itertools.combinations((corner for corner in corners if corner in nodes), 2):
                 if sum(a != b for a, b in zip(one, other, strict=True)) == 1:  # an edge of the cell
                     joined[cell] &= self._joined(nodes[one], nodes[other])
@@ -333,24 +339,24 @@ class _Build:
         random = np.random.default_rng(number)
         ends = [(axis[0], axis[-1]) for axis in self._axes]
         points: list[Position] = [
-            tuple(round(float(random.uniform(*each)), 6) for each in ends)  # type: ignore[misc]
+            tuple(round(float(random.uniform(*limits)), 6) for limits in ends)  # type: ignore[misc]
             for _ in range(N_RANDOM)
         ]
         self._run("check", points, self.checked, N_CREEPAGES)
         return [
-            error | {"lateral_mm": position[0], "place": place}
-            for place, position in enumerate(points)
+            error | {"lateral_mm": position[0], "place": number}
+            for number, position in enumerate(points)
             for error in _differences(table, position, self.checked[position])
         ]
 
     def _checks(self, table: CreepTable, between: list[dict[str, Any]]) -> dict[str, Any]:
         """What the checks found, for the metadata."""
-        used = [self.sampled[each] for each in self._positions()]
+        used = [self.sampled[position] for position in self._positions()]
         force, moment = (
-            np.concatenate([each[f"{name}_errors"].ravel() for each in used]) for name in ("force", "moment")
+            np.concatenate([numbers[f"{name}_errors"].ravel() for numbers in used]) for name in ("force", "moment")
         )
-        smooth, jumping = ([each for each in between if each["jump"] == jump] for jump in (False, True))
-        claimed = claimed_error(*(np.array([each[name] for each in smooth]) for name in ("force", "place")))
+        smooth, jumping = ([error for error in between if error["jump"] == jump] for jump in (False, True))
+        claimed = claimed_error(*(np.array([error[name] for error in smooth]) for name in ("force", "place")))
         jumps = [
             {"side": name, "lateral_mm": (low + high) / 2.0, "width_mm": high - low}
             for side, name in enumerate(SIDES)
@@ -365,13 +371,13 @@ class _Build:
             "within_tolerance": claimed <= self.request.tolerance,
             "between_creepages": {**_sizes(force), "moment": _sizes(moment)},
             "between_positions": {
-                **_sizes([each["force"] for each in smooth]),
-                "normal_force": _sizes([each["normal_force"] for each in smooth]),
+                **_sizes([error["force"] for error in smooth]),
+                "normal_force": _sizes([error["normal_force"] for error in smooth]),
             },
-            "where_patches_jump": _sizes([each["force"] for each in jumping]),
+            "where_patches_jump": _sizes([error["force"] for error in jumping]),
             "jumps": jumps,
-            "exact_solutions": int(sum(each["n_exact"].sum() for each in used)),
-            "not_converged": int(sum(each["n_failed"].sum() for each in used)),
+            "exact_solutions": int(sum(numbers["n_exact"].sum() for numbers in used)),
+            "not_converged": int(sum(numbers["n_failed"].sum() for numbers in used)),
         }
 
     def _metadata(self) -> dict[str, Any]:
@@ -381,7 +387,7 @@ class _Build:
 
 def _go_over(first: Arrays, second: Arrays, side: int) -> bool:
     """Whether the patches of a side at two positions are as many and overlap on the rail."""
-    one, other = (each["side"] == side for each in (first, second))
+    one, other = (numbers["side"] == side for numbers in (first, second))
     if one.sum() != other.sum():
         return False
     apart = np.linalg.norm(first["rail_point_mm"][one] - second["rail_point_mm"][other], axis=1)
@@ -389,11 +395,11 @@ def _go_over(first: Arrays, second: Arrays, side: int) -> bool:
     return bool((apart <= reach).all())
 
 
-def _mirrored(found: Arrays) -> Arrays:
+def _mirrored(numbers: Arrays) -> Arrays:
     """What a position has whose lateral position and yaw are opposite: numbers of patches are in right-hand forms."""
-    order = np.argsort(1 - found["side"], kind="stable")
-    other = {name: values if name == "axle" else values[order] for name, values in found.items()}
-    other |= {"side": 1 - other["side"], "axle": found["axle"] * [1.0, -1.0]}
+    order = np.argsort(1 - numbers["side"], kind="stable")
+    other = {name: values if name == "axle" else values[order] for name, values in numbers.items()}
+    other |= {"side": 1 - other["side"], "axle": numbers["axle"] * [1.0, -1.0]}
     if "position_mm" in other:
         other["position_mm"] = other["position_mm"] * [-1.0, 1.0, 1.0]
     return other
@@ -404,14 +410,14 @@ def _differences(table: CreepTable, position: Position, exact: Arrays) -> list[d
 
     Patches jump where the table has other ones than the position.
     """
-    contacts, found = table.contacts(*position), []
+    contacts, errors = table.contacts(*position), []
     for side, name in enumerate(SIDES):
         of_side, here = exact["side"] == side, contacts["normal_force_N"][0, side]
         normal = float(exact["normal_force_N"][of_side].sum())
         forces = exact["exact"][of_side].sum(axis=0)
         for creepages, force in zip(exact["creepages"][of_side][0], forces, strict=True):
             error = table.forces(*position, creepages, friction=FRICTION)[0, side].sum(axis=0) - force
-            found.append(
+            errors.append(
                 {
                     "side": name,
                     "jump": bool(of_side.sum() != (here > 0.0).sum()),
@@ -419,10 +425,10 @@ def _differences(table: CreepTable, position: Position, exact: Arrays) -> list[d
                     "normal_force": float(np.abs(here.sum() - normal)) / normal,
                 }
             )
-    return found
+    return errors
 
 
-def claimed_error(errors: Floats, places: Ints) -> float:
+def claimed_error(errors: Floats, positions: Ints) -> float:
     """Error that `RISK` of `FRESH` further random points are expected to exceed, so that mostly none does.
 
     Errors above the largest tenth's least one are taken to fall exponentially beyond it, of which the mean excess is
@@ -430,13 +436,13 @@ def claimed_error(errors: Floats, places: Ints) -> float:
     Annals of Statistics 3, for the tail; Geisser, 1993, Predictive Inference, for the exponential one).
 
     - `errors`: at independent random points, (n,).
-    - `places`: number of the position of each, (n,): those of one position are not independent of each other.
+    - `positions`: number of the position of each, (n,): those of one position are not independent of each other.
     """
     if not len(errors):
         return 0.0
     order = np.argsort(-errors)
     n_tail = max(round(TAIL * len(errors)), 1)
-    tail, n_places = errors[order[:n_tail]], len(np.unique(places[order[:n_tail]]))
+    tail, n_places = errors[order[:n_tail]], len(np.unique(positions[order[:n_tail]]))
     least = float(errors[order[min(n_tail, len(errors) - 1)]])
     rarer = n_tail / len(errors) * FRESH / RISK
     return least + n_places * float(tail.mean() - least) * (max(rarer, 1.0) ** (1.0 / n_places) - 1.0)

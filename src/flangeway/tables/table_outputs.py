@@ -92,8 +92,8 @@ def write_fmu(table: CreepTable, fmi: Fmi, path: Path) -> None:
     old = {"linux": "linux", "darwin": "darwin", "windows": "win"}.get(system, system)
     folder = f"{old}64" if fmi == "2.0" else f"{machine}-{system}"
     ending = {"linux": "so", "darwin": "dylib", "windows": "dll"}.get(system, "so")
-    with tempfile.TemporaryDirectory() as place:
-        library = Path(place, f"{NAME}.{ending}")
+    with tempfile.TemporaryDirectory() as folder_name:
+        library = Path(folder_name, f"{NAME}.{ending}")
         command = [compiler, "-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden"]
         subprocess.run([*command, "-o", str(library), str(SOURCE), "-lm"], check=True, capture_output=True)
         numbers, source = table_numbers(table).tobytes(), SOURCE.read_text(encoding="utf-8")
@@ -152,15 +152,15 @@ def _write_arrays(table: CreepTable, path: Path) -> None:
 
 def _patches(table: CreepTable) -> list[tuple[int, ...]]:
     """Places of the patches that there are: lateral, yaw, load, side, number."""
-    return [tuple(each) for each in np.argwhere(table.values["normal_force_N"] > 0.0).tolist()]
+    return [tuple(row) for row in np.argwhere(table.values["normal_force_N"] > 0.0).tolist()]
 
 
 def _patches_table(table: CreepTable) -> ResultTable:
     rows = []
-    for number, place in enumerate(_patches(table), 1):
-        at = {name: axis[index] for name, axis, index in zip(creep_table.AXES, table.axes, place, strict=False)}
-        numbers = {COLUMN.get(name, name): table.values[name][place].tolist() for name in OF_PATCH}
-        rows.append({"patch": number, **at, "side": SIDES[place[3]], **numbers})
+    for number, patch in enumerate(_patches(table), 1):
+        at = {name: axis[index] for name, axis, index in zip(creep_table.AXES, table.axes, patch, strict=False)}
+        numbers = {COLUMN.get(name, name): table.values[name][patch].tolist() for name in OF_PATCH}
+        rows.append({"patch": number, **at, "side": SIDES[patch[3]], **numbers})
     return ResultTable.of_rows(rows, ENDINGS)
 
 
@@ -169,8 +169,8 @@ def _write_forces(table: CreepTable, path: Path) -> None:
     points = [f"{a:g},{b:.6g},{c:.6g}" for a in slip for b in np.rad2deg(spin) for c in np.rad2deg(creep)]
     with path.open("w", encoding="utf-8") as file:
         file.write("patch,slip,spin_angle_deg,creep_angle_deg,longitudinal,lateral,moment\n")
-        for number, place in enumerate(_patches(table), 1):
-            values = table.values["forces"][place].reshape(-1, 3).tolist()
+        for number, patch in enumerate(_patches(table), 1):
+            values = table.values["forces"][patch].reshape(-1, 3).tolist()
             file.writelines(
                 f"{number},{point},{x:.5g},{y:.5g},{m:.5g}\n" for point, (x, y, m) in zip(points, values, strict=True)
             )

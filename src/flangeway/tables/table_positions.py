@@ -84,22 +84,22 @@ def _computed(task: PositionTask) -> Arrays:
     axle = np.append(result.equilibrium.position.axle(result.problem.wheelset), 0.0)
     patches = sorted(result.patches, key=lambda patch: (SIDES.index(patch.side), -patch.rail_point_mm[0]))
     sampled = [SampledPatch(rolling_contact_of(patch, Friction(FRICTION))) for patch in patches]
-    rows = [_numbers(patch, each, axle) for patch, each in zip(patches, sampled, strict=True)]
+    rows = [_numbers(patch, forces, axle) for patch, forces in zip(patches, sampled, strict=True)]
     sides, more = np.array([row["side"] for row in rows]), []
     near = task.near if task.near is not None and np.array_equal(task.near["side"], sides) else None
     for number, patch in enumerate(sampled if task.kind != "contact" else ()):
         # the same creepages for the same position and side
-        random = np.random.default_rng([abs(round(1e6 * each)) for each in (*task.position, sides[number])])
+        random = np.random.default_rng([abs(round(1e6 * number)) for number in (*task.position, sides[number])])
         points = random_points(task.n_points, random)
         if task.kind == "table":
             more.append(_sampled(patch, points, task.tolerance, None if near is None else near["beyond"][number]))
         else:
-            beside = [each for each, side in zip(sampled, sides, strict=True) if side == sides[number]]
-            more.append(_checked(patch, max(beside, key=lambda each: each.contact.force), points))
-    found = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    found |= {name: np.array([each[name] for each in more]) for name in (more[0] if more else ())}
+            beside = [sample for sample, side in zip(sampled, sides, strict=True) if side == sides[number]]
+            more.append(_checked(patch, max(beside, key=lambda sample: sample.contact.force), points))
+    arrays = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    arrays |= {name: np.array([numbers[name] for numbers in more]) for name in (more[0] if more else ())}
     vertical, roll = result.equilibrium.position.vertical_mm, result.equilibrium.position.roll_rad
-    return {**found, "axle": np.array([vertical, roll])}
+    return {**arrays, "axle": np.array([vertical, roll])}
 
 
 def _refused(task: PositionTask, status: Status) -> InputError:
@@ -123,9 +123,10 @@ def _numbers(patch: SpatialPatch, sampled: SampledPatch, axle: Floats) -> dict[s
 
 def _sampled(patch: SampledPatch, points: Floats, tolerance: float, near: Floats | None) -> dict[str, Any]:
     """Forces at all creepages, with as many exact solutions as the tolerance needs."""
-    found, errors, directions = refined(patch, points, tolerance, near)
+    forces, errors, directions = refined(patch, points, tolerance, near)
     return {
-        "forces": found.forces.astype(np.float32), "beyond": found.beyond.astype(np.float32), "directions": directions,
+        "forces": forces.forces.astype(np.float32), "beyond": forces.beyond.astype(np.float32),
+        "directions": directions,
         "n_exact": patch.n_exact, "n_failed": patch.n_failed,
         "force_errors": errors.force, "moment_errors": errors.moment,
     }  # fmt: skip
@@ -134,8 +135,8 @@ def _sampled(patch: SampledPatch, points: Floats, tolerance: float, near: Floats
 def _checked(patch: SampledPatch, most: SampledPatch, points: Floats) -> dict[str, Any]:
     """Exact forces at creepages, of all patches of a side those of the most loaded one: longitudinal, lateral, spin."""
     motions = [most.motion(*point).moved(*most.free.tolist()) for point in points.tolist()]
-    found = [roll(patch.bodies, motion) for motion in motions]
+    rollings = [roll(patch.bodies, motion) for motion in motions]
     return {
-        "creepages": np.array([(each.along, each.across, each.spin) for each in motions]),
-        "exact": np.array([(each.along, each.across, each.moment) for each in found]),
+        "creepages": np.array([(motion.along, motion.across, motion.spin) for motion in motions]),
+        "exact": np.array([(rolling.along, rolling.across, rolling.moment) for rolling in rollings]),
     }

@@ -8,7 +8,7 @@ import pytest
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fast_theories import polach
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import BEYOND, Creepages, Rolling, RollingContact
+from flangeway.contact.rolling.rolling_contact import STRIPS_BEYOND, Creepages, Rolling, RollingContact
 from flangeway.materials import Elastic
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, box_of, rolling_contact_of
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
@@ -33,7 +33,7 @@ def test_the_normal_part_is_that_of_normal_contact_and_forces_are_reciprocal(bod
     normal = patch.state.grid.coefficients[: contact.grid.n_strips, rows, rows]
     found = contact.coefficients[: contact.grid.n_strips, 1::3, 1::3]
     np.testing.assert_allclose(found, normal, rtol=0.0, atol=1e-10 * normal.max())
-    assert len(contact.coefficients) == contact.grid.n_strips + 2 * BEYOND
+    assert len(contact.coefficients) == contact.grid.n_strips + 2 * STRIPS_BEYOND
     np.testing.assert_allclose(contact.coefficients[0], contact.coefficients[0].T, atol=1e-6 * normal.max())
     assert np.linalg.eigvalsh(contact.coefficients[0]).min() > 0.0
     # the wheel's own elastic surface is not in the plane of the patch: only the pressures of this patch count

@@ -25,7 +25,7 @@ from flangeway.cases.case import (
     require_known,
 )
 from flangeway.contact import NodeToSegment
-from flangeway.contact.node_to_segment import OVERHANG
+from flangeway.contact.node_to_segment import OPEN_SLACK
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, read_section
 from flangeway.formats.drawn_section import UNITS_MM
@@ -79,7 +79,7 @@ Slack = Annotated[
     float,
     Field(
         gt=0.0,
-        le=OVERHANG,
+        le=OPEN_SLACK,
         description="how far beyond its edge, in parts of the edge, node-to-segment keeps a node paired with it",
     ),
 ]

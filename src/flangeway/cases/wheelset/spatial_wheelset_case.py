@@ -20,7 +20,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     SPATIAL_ROW,
     WheelResult,
 )
-from flangeway.contact.patch.patch_contact import PARABOLIC
+from flangeway.contact.patch.patch_contact import MAX_PARABOLOID_DISTANCE
 from flangeway.contact.rolling.fast_theories import Theory
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
@@ -43,7 +43,7 @@ from flangeway.types import Progress
 ALONG_TRACK = ("distance_m", "friction")
 HERTZ = (
     "Hertz's theory is left out where the curvatures vary within a patch: where the gap deviates from a paraboloid by "
-    f"more than {100.0 * PARABOLIC:g} % of its height."
+    f"more than {100.0 * MAX_PARABOLOID_DISTANCE:g} % of its height."
 )
 THEORIES: dict[Theory, str] = {
     "exact": "the exact theory on the bodies",
@@ -321,8 +321,8 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
             self.seat_roll_kNm_per_rad,
             self.sleeper_spacing_mm,
         )
-        place = f"{self.sleeper_position:g} of the spacing from" if self.sleeper_position else "over"
-        where = f"the wheelset is {place} a sleeper"
+        seats = f"{self.sleeper_position:g} of the spacing from" if self.sleeper_position else "over"
+        where = f"the wheelset is {seats} a sleeper"
         track = {
             "sleepers": sentence("Each rail on sleepers, {}; {}.", seat, where),
             "continuous": sentence("Each rail on a continuous foundation, {}.", seat),

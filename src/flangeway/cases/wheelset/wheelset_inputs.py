@@ -538,17 +538,17 @@ class WheelsetInputs(Case):
         """Rails or wheels of the right and the left side, None for a left one that is the same."""
         names = {key: getattr(self, key) for key in (kind, f"left_{kind}")}
         read = {key: self._reading(key) for key in names}
-        found: list[Any] = []
+        profiles: list[Any] = []
         for key, other in zip(names, reversed(names.values()), strict=True):
             name = names[key]
-            if name is None or (found and (name, read[key]) == (names[kind], read[kind])):
-                found.append(None)
+            if name is None or (profiles and (name, read[key]) == (names[kind], read[kind])):
+                profiles.append(None)
                 continue
             # of two rails a radius of the crown is that of the one that takes it
             crown = None if name != "136RE" and other == "136RE" else self.crown_radius_in
             body = getattr(self, f"{kind}_body")
-            found.append(profile_named(name, kind, read[key], key, body=body, other=other, crown_radius_in=crown))
-        return found[0], found[1]
+            profiles.append(profile_named(name, kind, read[key], key, body=body, other=other, crown_radius_in=crown))
+        return profiles[0], profiles[1]
 
     def _reading(self, key: str) -> ReadOptions:
         """Return the options for the file of a profile.

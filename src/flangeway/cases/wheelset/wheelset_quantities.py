@@ -33,7 +33,7 @@ from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetLoad
 from flangeway.railway.wheelset.equilibrium import RelativeResiduals
 from flangeway.railway.wheelset.plane_wheelset import (
-    SEARCHED,
+    SEARCHED_FRACTION,
     SubsurfaceExtreme,
     WheelsetResult,
     maximum_on,
@@ -97,7 +97,7 @@ class PlanePatchResult:
         for role in ROLES:
             line = stresses_below(self.result, self.patch, role)
             both = line.stresses.in_plane_shear, line.stresses.von_mises
-            shear, mises = (maximum_on(line.distances, values, SEARCHED) for values in both)
+            shear, mises = (maximum_on(line.distances, values, SEARCHED_FRACTION) for values in both)
             maxima[role] = shear, mises
         return maxima
 

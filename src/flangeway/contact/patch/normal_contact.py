@@ -67,8 +67,10 @@ class Convolution:
             cosines[:, -1] += np.cos(np.pi * np.arange(n_strips + 1))
             self._spectrum = np.tensordot(cosines, kernel, axes=1)
             for along, across, sign in ((masks[0], ~masks[1], 1.0), (~masks[0], masks[1], -1.0)):
-                place = np.ix_(np.arange(n_strips + 1), along, across)
-                self._spectrum[place] = np.tensordot(2.0 * sign * np.sin(angles), kernel[:, along][..., across], axes=1)
+                indices = np.ix_(np.arange(n_strips + 1), along, across)
+                self._spectrum[indices] = np.tensordot(
+                    2.0 * sign * np.sin(angles), kernel[:, along][..., across], axes=1
+                )
             return
         kernel = np.zeros((2 * n_strips, *coefficients.shape[1:]))
         kernel[:n_strips] = coefficients
@@ -301,21 +303,16 @@ class ElasticSurface:
         return replace(self, remainder=self.remainder + turned_back)
 
     @cached_property
-    def by_axes(self) -> Floats:
-        """`remainder` on the m B-splines of `interpolation`, shape (3, 3, n_z, m, m).
+    def on_splines(self) -> Floats:
+        """`remainder` on the m B-splines of `interpolation`, shape (3 m, n_z, 3 m).
 
-        By axes of displacement and force, distance, splines of displacement and force. At a place four splines are not
-        zero; values at the stations would all have a weight.
+        By spline and axis of displacement, distance, spline and axis of force. At a place four splines are not zero;
+        values at the stations would all have a weight.
         """
         to_splines = make_interp_spline(self.stations, np.eye(len(self.stations)), bc_type="natural").c
-        # T_xyzkl = sum over stations i, j of S_ki R_zixjy S_lj
-        return np.ascontiguousarray(to_splines @ self.remainder.transpose(2, 4, 0, 1, 3) @ to_splines.T)
-
-    @cached_property
-    def in_section(self) -> Floats:
-        """The same in the plane of the force, by spline and axis: (3 m, 3 m)."""
-        table = self.by_axes[:, :, 0]
-        return table.transpose(2, 0, 3, 1).reshape(3 * table.shape[2], -1)
+        # T_kxzly = sum over stations i, j of S_ki R_zixjy S_lj
+        table = to_splines @ self.remainder.transpose(2, 4, 0, 1, 3) @ to_splines.T
+        return table.transpose(3, 0, 2, 4, 1).reshape(3 * len(to_splines), len(self.distances), -1)
 
     def interpolation(self, at: Floats, derivative: int = 0) -> Floats:
         """Weights of the cubic B-splines at places along the surface, or of their derivatives, shape (m, n + 2).
@@ -381,10 +378,15 @@ def elastic_surface(
         return {"remainder": _remainder(cells, strip, numbers, tolerance)}
 
     settings = numbers, tolerance, CORRECTED, MIN_WAVENUMBER
-    found = cached(cache, make, "remainder", *cells.content, *settings)
+    remainder = cached(cache, make, "remainder", *cells.content, *settings)
     stations = (cells.limits[1:] + cells.limits[:-1]) / 2.0
     return ElasticSurface(
-        cells.material, stations, cells.middles, cells.frames, strip * numbers.astype(np.float64), found["remainder"]
+        cells.material,
+        stations,
+        cells.middles,
+        cells.frames,
+        strip * numbers.astype(np.float64),
+        remainder["remainder"],
     )
 
 

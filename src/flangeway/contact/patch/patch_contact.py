@@ -30,7 +30,7 @@ from flangeway.types import Bools, Floats
 
 ROUND_OFF = 1e-6
 """Cosine of an axis that is zero but for round-off."""
-PARABOLIC = 0.05
+MAX_PARABOLOID_DISTANCE = 0.05
 """Distance of gaps from a paraboloid over the approach, above which Hertz's contact has no meaning."""
 
 
@@ -108,11 +108,11 @@ class CellForces:
         """Mean pressures of the cells, shape (n_cells, n_strips)."""
         return self.forces / self.grid.areas
 
-    def patches(self, insides: Sequence[Bools] | None = None) -> list[ContactEllipse]:
+    def patches(self, interiors: Sequence[Bools] | None = None) -> list[ContactEllipse]:
         """Separate patches, or those of given cells, by falling force."""
-        insides = separate_patches(self.forces > 0.0) if insides is None else insides
-        found = [self._ellipse(inside) for inside in insides]
-        return sorted(found, key=lambda each: -float(np.linalg.norm(each.force)))
+        interiors = separate_patches(self.forces > 0.0) if interiors is None else interiors
+        ellipses = [self._ellipse(inside) for inside in interiors]
+        return sorted(ellipses, key=lambda ellipse: -float(np.linalg.norm(ellipse.force)))
 
     def _ellipse(self, inside: Bools) -> ContactEllipse:
         forces, grid = np.where(inside, self.forces, 0.0), self.grid
@@ -165,16 +165,16 @@ class CellForces:
         gaps
             Of the undeformed surfaces, shape as the forces.
         approach
-            The gaps may be a share of it, `PARABOLIC`, off the paraboloid.
+            The gaps may be a share of it, `MAX_PARABOLOID_DISTANCE`, off the paraboloid.
 
         """
         across, along = self.grid.middles
-        z, s = (each[patch.inside] for each in np.meshgrid(along - patch.centre[2], across - across.mean()))
+        z, s = (coordinate[patch.inside] for coordinate in np.meshgrid(along - patch.centre[2], across - across.mean()))
         values = gaps[patch.inside]
         terms = np.stack((np.ones(len(s)), s, z, s**2, s * z, z**2), axis=1)
         fit, *_ = np.linalg.lstsq(terms, values)
         least, most = np.linalg.eigvalsh([[2.0 * fit[3], fit[4]], [fit[4], 2.0 * fit[5]]])
-        if not least > 0.0 or np.abs(terms @ fit - values).max() > PARABOLIC * approach:
+        if not least > 0.0 or np.abs(terms @ fit - values).max() > MAX_PARABOLOID_DISTANCE * approach:
             return None
         return PointContact(float(np.linalg.norm(patch.force)), 1.0 / least, 1.0 / most, self.modulus)
 
@@ -206,7 +206,7 @@ def covered(inside: Bools, pressures: Floats, gaps: Floats, stiffness: Floats | 
 
 MIN_WAVENUMBER = 1e-4
 """Per mm: a wave of 60 m, beyond which bodies that are held or on a foundation no longer change."""
-LONGER_EDGE = 1.05
+MAX_EDGE_PER_CELL = 1.05
 """Maximum edge of a mesh over the cells on it: pressures on cells that are smaller than the edges oscillate."""
 MAX_PHASE = np.pi
 """Maximum wavenumber times the width of the strips."""
@@ -319,21 +319,21 @@ class PatchPair:
     @cached_property
     def gaps(self) -> GridGaps:
         """Gaps as the bodies are placed."""
-        found = gaps_of(self.first, self.second, self.grid)
-        if not (np.isfinite(found.values).all() and np.isfinite(found.others).all()):
+        gaps = gaps_of(self.first, self.second, self.grid)
+        if not (np.isfinite(gaps.values).all() and np.isfinite(gaps.others).all()):
             raise InputError(
                 f"a window of {np.ptp(self.grid.bounds):.4g} by {self.grid.strip * self.grid.n_strips:.4g} beyond the "
                 f"contact surface of {self.second.name!r}",
                 "a window within the contact surfaces of both bodies",
                 "give a smaller window, or longer contact surfaces",
             )
-        return found
+        return gaps
 
     @cached_property
     def cells(self) -> tuple[SurfaceCells, SurfaceCells]:
         """The cells on the surfaces of the first and the second body, in the direction of each."""
         bounds = ((self.first, self.grid.bounds), (self.second, self.gaps.others))
-        first, second = (self._cells(*each) for each in bounds)
+        first, second = (self._cells(*ends) for ends in bounds)
         return first, second
 
     def _cells(self, body: PatchBody, bounds: Floats) -> SurfaceCells:
@@ -341,7 +341,7 @@ class PatchPair:
             bounds = body.length - bounds  # the same places in the body's own direction
         cells = SurfaceCells(body.problem, body.edges, np.sort(bounds))
         longest, narrowest = cells.longest_edge, float(self.grid.widths.min())
-        if longest > LONGER_EDGE * narrowest:
+        if longest > MAX_EDGE_PER_CELL * narrowest:
             raise InputError(
                 f"cells of {narrowest:.3g} on edges of the mesh of {body.name!r} of up to {longest:.3g}",
                 "edges no longer than the cells",
@@ -379,8 +379,10 @@ class PatchPair:
         for which, table in enumerate(self.tables):
             back = self.backwards(which)
             signs = np.array([-1.0 if back else 1.0, -1.0 if which else 1.0, 1.0])[list(axes)]
-            found = table.influence(self.grid.strip, n_distances, axes).reshape(shape) * signs[:, None, None] * signs
-            total += found[:, ::-1, :, ::-1] if back else found
+            influence = (
+                table.influence(self.grid.strip, n_distances, axes).reshape(shape) * signs[:, None, None] * signs
+            )
+            total += influence[:, ::-1, :, ::-1] if back else influence
         return total.reshape(n_distances, shape[1] * shape[2], -1)
 
     def press(
@@ -422,8 +424,9 @@ def press_patch(
 ) -> PatchContact:
     """Press two bodies together along y and find the pressures between them.
 
-    ``press_patch(lower, upper, force=100e3)`` chooses the cells itself. ``found.patches[0]`` has semi-axes and maximum
-    pressure; ``found.pair.press(force=..., start=found.contact.forces)`` solves for another load on the same cells.
+    ``contact = press_patch(lower, upper, force=100e3)`` chooses the cells itself. ``contact.patches[0]`` has semi-axes
+    and maximum pressure; ``contact.pair.press(force=..., start=contact.contact.forces)`` solves for another load on the
+    same cells.
     A grid of one's own is `PatchGrid`.
 
     Parameters
@@ -461,11 +464,11 @@ def press_patch(
         )
     chosen = grid or grid_of(first, second, force=force, approach=approach)
     for attempt in range(MAX_GRIDS):
-        found = PatchPair(first, second, chosen, tolerance, progress, cache).press(force=force, approach=approach)
-        if not found.loaded.any():
+        contact = PatchPair(first, second, chosen, tolerance, progress, cache).press(force=force, approach=approach)
+        if not contact.loaded.any():
             raise InputError("bodies that do not touch", "an approach that closes the gap", "give a larger one")
-        edges = at_edge(found.loaded)
-        across = min(min(each.cells) for each in found.patches)
+        edges = at_edge(contact.loaded)
+        across = min(min(patch.cells) for patch in contact.patches)
         if not edges.any() and across >= MIN_ACROSS:
             break
         better = chosen.changed(np.where(edges, 1.5, 1.0), min(across / USUAL_ACROSS, 1.0), first.length)
@@ -473,7 +476,7 @@ def press_patch(
             _refuse(chosen, edges, across)
         progress("a larger window" if edges.any() else "smaller cells")
         chosen = better
-    return found
+    return contact
 
 
 def _refuse(grid: PatchGrid, edges: Bools, across: int) -> None:

@@ -17,11 +17,11 @@ from flangeway.types import Bools, Floats, Ints
 # --- Bodies of a contact patch: prisms along z, and bodies of revolution, by their plane sections.
 
 
-DRAWN = 1e-8
+CHORD_TOLERANCE = 1e-8
 """Distance of the chords of drawn arcs over the size of the curve."""
-YAWED = 1e-3
+YAWED_SPACING = 1e-3
 """Spacing of the drawn points of a body with yaw over the size of the curve."""
-LARGEST_YAW = np.pi / 4.0
+MAX_YAW = np.pi / 4.0
 """Yaw of an axis, beyond which the elasticity of the body is no longer that of a prism along z."""
 
 
@@ -46,7 +46,7 @@ class Axis:
     yaw_rad: float = 0.0
 
     def __post_init__(self) -> None:
-        if not abs(self.yaw_rad) <= LARGEST_YAW or not np.hypot(*self.direction) > 0.0:
+        if not abs(self.yaw_rad) <= MAX_YAW or not np.hypot(*self.direction) > 0.0:
             raise InputError(
                 f"an axis along {self.direction} with a yaw of {self.yaw_rad:g}",
                 "a direction, and a yaw between -pi/4 and pi/4",
@@ -89,7 +89,9 @@ class PatchBody:
 
     def __post_init__(self) -> None:
         supported = set("".join((self.problem.held or {}).values()))
-        supported |= {axis for each in self.problem.foundations for axis in "xyz" if getattr(each, axis) > 0.0}
+        supported |= {
+            axis for foundation in self.problem.foundations for axis in "xyz" if getattr(foundation, axis) > 0.0
+        }
         if loose := "".join(sorted(set("xyz") - supported)):
             raise InputError(
                 f"{self.name!r} without a support along {' and '.join(loose)}, free to move at the wavenumber 0",
@@ -134,8 +136,10 @@ class PatchBody:
         if self.curve is None:
             return self.chain
         # planes z = const cut straight lines of a yawed body in curves
-        spacing = YAWED * self.curve.size if self.axis is not None and self.axis.yaw_rad else None
-        return self.placement.points(self.curve.sampled(spacing=spacing, max_deviation=DRAWN * self.curve.size))
+        spacing = YAWED_SPACING * self.curve.size if self.axis is not None and self.axis.yaw_rad else None
+        return self.placement.points(
+            self.curve.sampled(spacing=spacing, max_deviation=CHORD_TOLERANCE * self.curve.size)
+        )
 
     def section(self, z: float, part: slice = slice(None)) -> Floats:
         """The drawn surface in the plane of a z as a polyline, shape (n, 2); not-a-number where it does not reach.
@@ -169,8 +173,8 @@ def points_along(chain: Floats, stations: Floats) -> tuple[Floats, Floats]:
     # normals of the edges belong to their middles, between which they turn
     middles = (ends[1:] + ends[:-1]) / 2.0
     normals = turned_right(chords) / np.diff(ends)[:, None]
-    found = np.stack([np.interp(stations, middles, normals[:, axis]) for axis in range(2)], axis=1)
-    return points, found / np.linalg.norm(found, axis=1)[:, None]
+    normals_at = np.stack([np.interp(stations, middles, normals[:, axis]) for axis in range(2)], axis=1)
+    return points, normals_at / np.linalg.norm(normals_at, axis=1)[:, None]
 
 
 def cast(points: Floats, normals: Floats, chain: Floats) -> tuple[Floats, Floats]:
@@ -194,16 +198,16 @@ USUAL_ACROSS = 26
 """Cells across the patch that are chosen."""
 MAX_CELLS = 300
 """Cells across that are chosen at most: the influence coefficients need their square."""
-LENGTHENED = 3.0
+MAX_CELL_RATIO = 3.0
 """Longer side over shorter side of a cell, at most."""
 MARGIN = 0.25
 """Width of the window beyond the patch, on each side, over the patch."""
-COARSE = 32
+N_COARSE = 32
 """Cells of each direction while the window is sought."""
-FILLED = 0.4
+MIN_FILLED = 0.4
 """Part of the window that the patch must fill in both directions while it is sought."""
 MAX_WINDOWS = 60
-STEEP = 0.05
+MIN_NORMAL_COMPONENT = 0.05
 """Component of the normal along the load, below which a cell is not where bodies touch first."""
 
 
@@ -349,7 +353,7 @@ class GridGaps:
     @cached_property
     def first_touch(self) -> float:
         """Approach along y at which the rigid surfaces touch."""
-        open_to_load = self.normals[:, 1] > STEEP
+        open_to_load = self.normals[:, 1] > MIN_NORMAL_COMPONENT
         return float((self.values[open_to_load] / self.normals[open_to_load, 1:]).min(initial=np.inf))
 
 
@@ -390,8 +394,8 @@ def gaps_of(first: PatchBody, second: PatchBody, grid: PatchGrid) -> GridGaps:
             for body, prism, part in zip(bodies, prisms, nearby, strict=True)
         )
         met = np.isfinite(low) & np.isfinite(high)
-        found = np.where(met, high, np.inf) - np.where(met, low, 0.0)
-        values[:, numbers == number] = ((found[1:] + found[:-1]) / 2.0)[:, None]
+        gaps = np.where(met, high, np.inf) - np.where(met, low, 0.0)
+        values[:, numbers == number] = ((gaps[1:] + gaps[:-1]) / 2.0)[:, None]
     return GridGaps(middles, normals, values, others)
 
 
@@ -448,12 +452,12 @@ def grid_of(
     stations, apart = _apart(first, second)
     station = float(stations[apart.argmin()])
     window: Floats = np.array([[station - reach, station + reach], [-reach, reach]])
-    count, widened = COARSE, False
+    count, widened = N_COARSE, False
     for _ in range(MAX_WINDOWS):
         window = np.clip(window, limits[:, :1], limits[:, 1:])
         sizes = np.ptp(window, axis=1)
         grid = PatchGrid(
-            np.linspace(window[0, 0], window[0, 1], count + 1), sizes[1] / COARSE, COARSE, float(window[1].mean())
+            np.linspace(window[0, 0], window[0, 1], count + 1), sizes[1] / N_COARSE, N_COARSE, float(window[1].mean())
         )
         gaps = gaps_of(first, second, grid)
         contact = half_space_contact(grid, gaps, modulus, force=force, approach=approach)
@@ -461,7 +465,7 @@ def grid_of(
         patch = np.array([_extent(used, side) for used, side in zip(_sides(loaded), window, strict=True)])
         cut = ((patch == window) & (window != limits)).any(axis=1)
         extents = np.ptp(patch, axis=1)
-        small = (extents < FILLED * sizes) & [not widened, True]
+        small = (extents < MIN_FILLED * sizes) & [not widened, True]
         if (cut | small).any():
             half = np.where(cut, 0.75 * sizes, np.where(small, extents, sizes / 2.0))[:, None]
             centre = np.where(cut | small, patch.mean(axis=1), window.mean(axis=1))[:, None]
@@ -472,7 +476,7 @@ def grid_of(
         if widened or np.ptp(overlaps) <= sizes[0]:
             break
         widened, window = True, np.array([[overlaps.min() - reach, overlaps.max() + reach], window[1]])
-        count = min(int(COARSE * np.ptp(window[0]) / sizes[0]) + 1, MAX_CELLS)
+        count = min(int(N_COARSE * np.ptp(window[0]) / sizes[0]) + 1, MAX_CELLS)
     return _fitted((first, second), window, grid.bounds, gaps, loaded)
 
 
@@ -485,7 +489,7 @@ def _fitted(
     extents = np.ptp(patch, axis=1)
     met = np.isfinite(gaps.values)
     free = met.min(axis=1), met.min(axis=0)
-    room = np.array([_extent(_run(*each), side) for *each, side in zip(free, sides, window, strict=True)])
+    room = np.array([_extent(_run(*part), side) for *part, side in zip(free, sides, window, strict=True)])
     if (patch <= room[:, :1]).any() or (patch >= room[:, 1:]).any():
         raise InputError(
             f"a contact patch of {extents[0]:.4g} by {extents[1]:.4g} that reaches the end of the contact surface of "
@@ -500,7 +504,7 @@ def _fitted(
     others = np.interp([low[0], high[0]], bounds, gaps.others)
     longest = max(first.longest_edge(low[0], high[0]), second.longest_edge(*np.sort(others)))
     cells = np.maximum(narrowest / USUAL_ACROSS, [min(longest, narrowest[0] / (MIN_ACROSS + 2)), 0.0])
-    cells = np.minimum(cells, LENGTHENED * cells.min())
+    cells = np.minimum(cells, MAX_CELL_RATIO * cells.min())
     counts = np.ceil((high - low) / cells - 1e-9).astype(int)
     if counts[0] > MAX_CELLS:
         raise InputError(
@@ -550,10 +554,10 @@ def plane_modulus(body: PatchBody) -> float:
 def _apart(first: PatchBody, second: PatchBody) -> tuple[Floats, Floats]:
     """Lengths along the first body's surface, and the distances of the sections there along y, each (n,)."""
     ends = chain_lengths(first.chain)
-    stations = np.unique(np.concatenate((ends, np.linspace(0.0, ends[-1], 8 * COARSE))))
+    stations = np.unique(np.concatenate((ends, np.linspace(0.0, ends[-1], 8 * N_COARSE))))
     points, normals = points_along(first.chain, stations)
     low, high = (cast(points, normals, body.drawn)[0] for body in (first, second))
-    usable = np.isfinite(low) & np.isfinite(high) & (normals[:, 1] > STEEP)
+    usable = np.isfinite(low) & np.isfinite(high) & (normals[:, 1] > MIN_NORMAL_COMPONENT)
     if not usable.any():
         raise InputError(
             f"{second.name!r} which is nowhere above {first.name!r}",

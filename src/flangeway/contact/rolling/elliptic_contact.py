@@ -140,11 +140,13 @@ class EllipticContact:
         s0, z0 = float(rows @ s) / total, float(strips @ z) / total
         a = float(np.sqrt(5.0 * (strips @ (z - z0) ** 2 / total + contact.grid.strip**2 / 12.0)))
         b = float(np.sqrt(5.0 * (rows @ ((s - s0) ** 2 + contact.grid.widths**2 / 12.0) / total)))
-        static, kinetic = (float(np.broadcast_to(each, rows.shape) @ rows) / total for each in contact.friction.limits)
+        static, kinetic = (
+            float(np.broadcast_to(limits, rows.shape) @ rows) / total for limits in contact.friction.limits
+        )
         mean = motion.mean(s, rows / total)
         along, across, spin = float(mean.along), float(mean.across), float(mean.spin)
-        flexible = [(1.0 + each.poisson) / each.young for each in contact.materials]  # 1 / (2 G)
-        poisson = sum(part * each.poisson for part, each in zip(flexible, contact.materials, strict=True))
+        flexible = [(1.0 + material.poisson) / material.young for material in contact.materials]  # 1 / (2 G)
+        poisson = sum(part * material.poisson for part, material in zip(flexible, contact.materials, strict=True))
         direction = float(np.sign(motion.speed))
         return cls(
             a, b, total, static, 1.0 / sum(flexible), poisson / sum(flexible),
@@ -157,7 +159,7 @@ class EllipticContact:
     def coefficients(self) -> CreepCoefficients:
         """Creep coefficients, times the factor of the slope."""
         unreduced, factor = self._unreduced, self.slope_factor
-        return CreepCoefficients(*(factor * each for each in astuple(unreduced)))
+        return CreepCoefficients(*(factor * coefficient for coefficient in astuple(unreduced)))
 
     @property
     def slope_factor(self) -> float:

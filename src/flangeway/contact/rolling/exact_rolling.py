@@ -11,10 +11,10 @@ from flangeway.checks import check_finite, check_positive
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.friction_solver import ROUND_OFF, FallingLimits, FrictionProblem, FrictionState
 from flangeway.contact.rolling.rolling_contact import (
-    BEYOND,
     NO_CONTACT,
     SLIPS,
     STICKS,
+    STRIPS_BEYOND,
     Creepages,
     Rolling,
     RollingContact,
@@ -23,16 +23,16 @@ from flangeway.errors import InputError
 from flangeway.solve import Status
 from flangeway.types import Floats
 
-STEADY = (1.5, -2.0, 0.5)
+STEADY_WEIGHTS = (1.5, -2.0, 0.5)
 """Weights of displacements here, one strip and two strips ahead: a difference of second order that looks upstream."""
-FIRST = (1.0, -1.0)
+FIRST_STEP_WEIGHTS = (1.0, -1.0)
 """The same for the first step of transient rolling, of first order."""
 MAX_TURNS, MAX_SLOW = 60, 5
 SLOPE_STEP = 1e-7
 """Difference of creepages for the derivative of `Rolling.slope`."""
 FORCE_ERROR, FINER = 1e-6, 1e-3
 """Error of a prescribed force over the limit of friction, and the finer tolerance of the law of friction for it."""
-FLAT = 1e-9
+MIN_SLOPE = 1e-9
 """Change of a force by its creepage, over that of cells by themselves, that is none: everything slips."""
 PRESSURE_CHANGE = 1e-5
 """Change of the normal forces by tangential ones, over their sum, at which the iteration of both ends."""
@@ -54,7 +54,7 @@ def roll(
     before: Rolling | None = None,
     start: Rolling | Start | None = None,
     tolerance: float = 1e-4,
-    differences: tuple[float, ...] = STEADY,
+    differences: tuple[float, ...] = STEADY_WEIGHTS,
 ) -> Rolling:
     """Find tangential tractions, stick and slip by the exact theory (Kalker, 1990).
 
@@ -79,8 +79,8 @@ def roll(
     tolerance
         Error of the law of friction over its limits, at small creepages over what single cells would carry.
     differences
-        Weights of the displacements on a strip and those ahead of it in steady rolling; `FIRST` has the errors of
-        first order of Kalker's and CONTACT's scheme.
+        Weights of the displacements on a strip and those ahead of it in steady rolling; `FIRST_STEP_WEIGHTS` has the
+        errors of first order of Kalker's and CONTACT's scheme.
 
     Raises
     ------
@@ -102,7 +102,9 @@ def roll(
     check_positive("roll", "tolerance", tolerance)
     if len(differences) not in (2, 3) or abs(sum(differences)) > ROUND_OFF:
         raise InputError(
-            f"differences={differences}", "STEADY or FIRST: two or three weights of sum 0", "take one of them"
+            f"differences={differences}",
+            "STEADY_WEIGHTS or FIRST_STEP_WEIGHTS: two or three weights of sum 0",
+            "take one of them",
         )
     if contact.friction.by_temperature and not (motion.rolls and before is None):
         raise InputError(
@@ -115,7 +117,7 @@ def roll(
             check_finite("roll", name, force)
     wanted = (force_along, force_across)
     step = _Step(contact, motion, before, contact, differences)
-    result = step.found(None if start is None else _forces(start), motion, wanted, tolerance)
+    result = step.rolling(None if start is None else _forces(start), motion, wanted, tolerance)
     if contact.pressed is None or not contact.coupled:
         return result
     # friction changes the gaps, pressures the limits and the slip
@@ -126,7 +128,7 @@ def roll(
         new = contact.pressed(result.raised, old).forces
         change = float(np.abs(new - old).sum()) / contact.force
         step = replace(step, contact=step.contact.under(new / contact.areas))
-        result = step.found(forces, result.motion, wanted, tolerance)
+        result = step.rolling(forces, result.motion, wanted, tolerance)
     message = f"{result.status.message}; pressures change by {change:.1e} after {turn} turns"
     met = result.status.converged and change <= PRESSURE_CHANGE
     return replace(result, status=Status(met, message, result.status.iterations))
@@ -134,13 +136,13 @@ def roll(
 
 def creep_curve(contact: RollingContact, motions: Sequence[Creepages], tolerance: float = 1e-4) -> list[Rolling]:
     """Steady rolling at many creepages, each started from the one before."""
-    found: list[Rolling] = []
+    curve: list[Rolling] = []
     for motion in motions:
-        found.append(roll(contact, motion, start=found[-1] if found else None, tolerance=tolerance))
-    return found
+        curve.append(roll(contact, motion, start=curve[-1] if curve else None, tolerance=tolerance))
+    return curve
 
 
-def derivatives(found: Rolling) -> Floats:
+def derivatives(rolling: Rolling) -> Floats:
     """Derivatives of (along, across, moment) by (along, across, spin) of the motion, shape (3, 3).
 
     Raises
@@ -149,15 +151,15 @@ def derivatives(found: Rolling) -> Floats:
         If the result is not one of `roll`.
 
     """
-    if not isinstance(found, Rolling) or found.problem is None or found.state is None:
-        raise InputError(f"a result of {found.theory}", "a result of roll", "compute it by the exact theory")
-    places = found.contact.places
+    if not isinstance(rolling, Rolling) or rolling.problem is None or rolling.state is None:
+        raise InputError(f"a result of {rolling.theory}", "a result of roll", "compute it by the exact theory")
+    places = rolling.contact.places
     slips = np.array([Creepages(*unit).rigid(*places) for unit in np.eye(3).tolist()])
     # (along, across, moment) by forces (t, z): (0, 1), (1, 0), (-z, s), which are the rigid slips of unit creepages
-    by_slip, _, by_slope = adjoint(found, slips)
-    motion, lever = found.motion, 1.0 / found.contact.grid.strip
+    by_slip, _, by_slope = adjoint(rolling, slips)
+    motion, lever = rolling.motion, 1.0 / rolling.contact.grid.strip
     slopes = [
-        [np.log(EllipticContact.slope_of(found.contact, replace(motion.moved(*plane), spin=motion.spin + turning)))
+        [np.log(EllipticContact.slope_of(rolling.contact, replace(motion.moved(*plane), spin=motion.spin + turning)))
          for *plane, turning in (unit * part * SLOPE_STEP * [1.0, 1.0, lever] for part in (-1.0, 1.0))]
         for unit in np.eye(3)
     ]  # fmt: skip
@@ -165,14 +167,14 @@ def derivatives(found: Rolling) -> Floats:
     return np.tensordot(by_slip, slips, axes=([1, 2, 3], [1, 2, 3])) + np.outer(by_slope, reduced)
 
 
-def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Floats, Floats, Floats]:
+def adjoint(rolling: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Floats, Floats, Floats]:
     """Derivatives of sums of tangential forces times values, by rigid slip and normal forces of the cells.
 
     The law of friction is linearised at the result: cells that stick go on to stick, others to slip.
 
     Parameters
     ----------
-    found
+    rolling
         Steady rolling by `roll`.
     values
         Of k sums on the cells, (k, n_cells, 2, n_strips).
@@ -186,22 +188,22 @@ def adjoint(found: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[Fl
         (k, n_cells, n_strips), both at the same `Rolling.slope`, and by its logarithm, (k,).
 
     """
-    assert found.problem is not None
-    assert found.state is not None
-    step = _Step(found.contact, found.motion, None, found.contact)
+    assert rolling.problem is not None
+    assert rolling.state is not None
+    step = _Step(rolling.contact, rolling.motion, None, rolling.contact)
     rows, strips = step.inside
     wanted = step.turned(values)[:, rows, :, strips]
-    by_slip, by_limits, by_velocity = found.problem.adjoint(found.state, wanted, tolerance)
-    by_slope = np.sum(by_slip * found.problem.rigid, axis=(1, 2, 3)) - by_velocity
-    by_slip *= found.slope
-    pressing = step.cells(found.contact.normal_forces)
-    by_normal = by_limits * found.state.limits / np.where(pressing > 0.0, pressing, 1.0)
+    by_slip, by_limits, by_velocity = rolling.problem.adjoint(rolling.state, wanted, tolerance)
+    by_slope = np.sum(by_slip * rolling.problem.rigid, axis=(1, 2, 3)) - by_velocity
+    by_slip *= rolling.slope
+    pressing = step.cells(rolling.contact.normal_forces)
+    by_normal = by_limits * rolling.state.limits / np.where(pressing > 0.0, pressing, 1.0)
     by_normal = step.outside(np.stack((by_normal, by_normal), axis=2))[:, :, 0]
-    if found.contact.coupled:  # normal forces move the surfaces along t and z: by reciprocity these the normals
-        forces = np.zeros((*values.shape[:3], values.shape[3] + 2 * BEYOND))
+    if rolling.contact.coupled:  # normal forces move the surfaces along t and z: by reciprocity these the normals
+        forces = np.zeros((*values.shape[:3], values.shape[3] + 2 * STRIPS_BEYOND))
         for k, weight in enumerate(step.weights):
-            forces[:, rows, :, strips.start + BEYOND + k : strips.stop + BEYOND + k] += weight * by_slip
-        by_normal = by_normal + found.contact.raised(step.turned(forces))[..., BEYOND:-BEYOND]
+            forces[:, rows, :, strips.start + STRIPS_BEYOND + k : strips.stop + STRIPS_BEYOND + k] += weight * by_slip
+        by_normal = by_normal + rolling.contact.raised(step.turned(forces))[..., STRIPS_BEYOND:-STRIPS_BEYOND]
     return step.distance * step.outside(by_slip), by_normal, by_slope
 
 
@@ -217,7 +219,7 @@ class _Step:
     motion: Creepages
     before: Rolling | None
     pressed: RollingContact
-    differences: tuple[float, ...] = STEADY
+    differences: tuple[float, ...] = STEADY_WEIGHTS
 
     @property
     def steady(self) -> bool:
@@ -232,11 +234,11 @@ class _Step:
     def weights(self) -> tuple[float, ...]:
         """Weights of the displacements of this state and of those before it."""
         if not self.motion.rolls:
-            return FIRST
+            return FIRST_STEP_WEIGHTS
         onwards = self.before is None or (
             self.before.motion.speed * self.motion.speed > 0.0 and len(self.before.displacements) > 1
         )
-        return self.differences if onwards else FIRST
+        return self.differences if onwards else FIRST_STEP_WEIGHTS
 
     def turned(self, values: Floats) -> Floats:
         """Components (t, ..., z) in the direction of rolling, (..., n_cells, m, n_strips); its own inverse."""
@@ -283,7 +285,7 @@ class _Step:
         n, weights = strips.stop - strips.start, self.weights
 
         def ahead(displacements: Floats, k: int) -> Floats:
-            start = strips.start + BEYOND + k
+            start = strips.start + STRIPS_BEYOND + k
             return self.turned(displacements)[rows, :, start : start + n]
 
         pressing = self.contact.pressing if self.contact.coupled else None
@@ -299,7 +301,7 @@ class _Step:
             total += weights[k] * ahead(past, k * moved)
         return total
 
-    def found(
+    def rolling(
         self,
         start: Floats | None,
         motion: Creepages,
@@ -342,9 +344,9 @@ class _Step:
             failed += not status.converged
             if error < best:
                 best, base, start = error, change, forces
-                found = self.result(motion.moved(*shift), problem, state, status)
+                rolling = self.result(motion.moved(*shift), problem, state, status)
                 if error <= FORCE_ERROR:
-                    return found
+                    return rolling
                 step = self._newton(problem, state, unknown, missing) / self.slope(motion.moved(*shift))
             else:
                 step = step / 2.0 if len(unknown) > 1 else np.array([np.inf])
@@ -355,14 +357,14 @@ class _Step:
                 far = 4.0**turn * float((problem.limits / problem.operator.scale[:, 0]).max()) / self.distance
                 middle = ends[np.isfinite(ends)].mean()
                 change = np.full(1, float(np.where(np.isfinite(ends), ends, (middle - far, middle + far)).mean()))
-        message = f"{found.status.message}; the prescribed forces are missed by {best:.1e} of the limit"
-        return replace(found, status=Status(False, message, found.status.iterations))
+        message = f"{rolling.status.message}; the prescribed forces are missed by {best:.1e} of the limit"
+        return replace(rolling, status=Status(False, message, rolling.status.iterations))
 
     def _newton(self, problem: FrictionProblem, state: FrictionState, unknown: list[int], missing: Floats) -> Floats:
         """Change of the creepages that gives the missing forces as far as they are linear."""
         columns = problem.derivative(state, np.array([self.rigid(*np.eye(3)[number]) for number in unknown]))
         matrix = np.stack([self.resultants(forces)[unknown] for forces in self.outside(columns)], axis=1)
-        if len(unknown) == 1 and abs(matrix[0, 0]) <= FLAT * float(problem.operator.scale.sum()) * self.distance:
+        if len(unknown) == 1 and abs(matrix[0, 0]) <= MIN_SLOPE * float(problem.operator.scale.sum()) * self.distance:
             return np.array([np.inf])
         return np.asarray(np.linalg.lstsq(matrix, missing)[0], dtype=np.float64)
 
@@ -400,14 +402,16 @@ class _Step:
         forces, slips = self.outside(state.forces), self.velocity(motion) * self.outside(state.slips)
         loaded = contact.pressures > 0.0
         slips *= loaded[:, None]
-        raised = contact.raised(np.pad(forces, ((0, 0), (0, 0), (BEYOND, BEYOND))))
+        raised = contact.raised(np.pad(forces, ((0, 0), (0, 0), (STRIPS_BEYOND, STRIPS_BEYOND))))
         sticks = self.outside(np.repeat(state.sticks * 1.0, 2, axis=1))[:, 0] != 0.0
         warmth, rolling = None, 0.0
         if self.steady:
             if heating is not None:
                 heat = -np.sum(forces * slips, axis=1) / contact.areas
                 warmth = heating.rises(heat, contact.grid.strip, motion.speed)
-            raising = (raised[:, BEYOND + 1 : 1 - BEYOND] - raised[:, BEYOND - 1 : -1 - BEYOND]) / 2.0
+            raising = (
+                raised[:, STRIPS_BEYOND + 1 : 1 - STRIPS_BEYOND] - raised[:, STRIPS_BEYOND - 1 : -1 - STRIPS_BEYOND]
+            ) / 2.0
             rolling = -motion.speed * float(np.sum(contact.normal_forces * raising)) / contact.grid.strip
         along, across, moment = self.resultants(forces).tolist()
         return Rolling(
@@ -424,7 +428,7 @@ class _Step:
             states=np.where(loaded, np.where(sticks, STICKS, SLIPS), NO_CONTACT),
             flash_temperatures=warmth,
             rolling_power=rolling,
-            raised=raised[:, BEYOND:-BEYOND],
+            raised=raised[:, STRIPS_BEYOND:-STRIPS_BEYOND],
             slope=self.slope(motion),
             past=() if self.before is None or not motion.rolls else self.before.displacements[:1],
             steady=self.steady,
@@ -433,6 +437,6 @@ class _Step:
         )
 
 
-def _forces(found: Rolling | Start) -> Floats:
+def _forces(rolling: Rolling | Start) -> Floats:
     """Tangential forces (n_cells, 2, n_strips) on the cells."""
-    return (found.tractions * found.contact.areas[:, :, None]).swapaxes(1, 2)
+    return (rolling.tractions * rolling.contact.areas[:, :, None]).swapaxes(1, 2)

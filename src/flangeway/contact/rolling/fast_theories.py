@@ -89,7 +89,7 @@ def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0,
     c, a, b = ellipse.coefficients, ellipse.along, ellipse.across
     creep, lateral = np.hypot(ellipse.xi, ellipse.eta), ellipse.lateral
     whole = np.hypot(ellipse.xi, lateral)
-    static, kinetic = (np.broadcast_to(each, contact.grid.widths.shape) for each in contact.friction.limits)
+    static, kinetic = (np.broadcast_to(limits, contact.grid.widths.shape) for limits in contact.friction.limits)
     rows = contact.normal_forces.sum(axis=1)
     share = contact.friction.share(abs(motion.speed) * whole)
     limit = float((kinetic + (static - kinetic) * share) @ rows)
@@ -107,8 +107,8 @@ def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0,
         x = force * ellipse.xi / whole
         y = (force * ellipse.eta - by_spin * ellipse.phi) / whole
         work = -float(force * creep**2 / whole)
-    found = _closed_form("Polach", contact, motion, ellipse, (float(x), float(y), 0.0))
-    return PolachForces(**vars(found), t_gamma=work)
+    forces = _closed_form("Polach", contact, motion, ellipse, (float(x), float(y), 0.0))
+    return PolachForces(**vars(forces), t_gamma=work)
 
 
 def _closed_form(
@@ -116,10 +116,10 @@ def _closed_form(
     contact: RollingContact,
     motion: Creepages,
     ellipse: EllipticContact,
-    found: tuple[float, float, float],
+    resultant: tuple[float, float, float],
     notices: tuple[str, ...] = (),
 ) -> CreepForces:
-    along, across, moment = ellipse.forces(*found).tolist()
+    along, across, moment = ellipse.forces(*resultant).tolist()
     return CreepForces(
         motion=motion,
         along=along,
@@ -136,7 +136,7 @@ def _closed_form(
 
 STEPS = 30
 """Least number of steps along each strip."""
-LEAST = 1e-12
+MIN_FRICTION = 1e-12
 """Coefficient of friction that is none."""
 
 
@@ -223,8 +223,8 @@ class SimplifiedRolling(CreepForces):
     @cached_property
     def states(self) -> Ints:
         """`NO_CONTACT`, `STICKS` or `SLIPS`, shape (n_cells, n_strips)."""
-        place, met = self._places
-        near = np.clip(np.rint(place).astype(int), 1, len(self.strips.x) - 2)
+        position, met = self._places
+        near = np.clip(np.rint(position).astype(int), 1, len(self.strips.x) - 2)
         slips = self.nodes[2][near, np.arange(len(near))[:, None]]
         return np.where(met, np.where(slips, SLIPS, STICKS), NO_CONTACT)
 
@@ -253,9 +253,9 @@ class SimplifiedRolling(CreepForces):
         """Frictional power over area: tractions times slip, means over the cells, whose sum is the power."""
         z, strip = self.contact.places[1], self.contact.grid.strip
         # the ellipse of the moments reaches beyond the grid where the pressures end at its edge: to the cells there
-        place, _ = self._places_of(np.concatenate(([-np.inf], z[1:] - strip / 2.0, [np.inf])))
+        position, _ = self._places_of(np.concatenate(([-np.inf], z[1:] - strip / 2.0, [np.inf])))
         nodes = np.arange(len(self.strips.x))
-        work = np.stack([np.interp(at, nodes, of) for at, of in zip(place, self._work.T, strict=True)])
+        work = np.stack([np.interp(at, nodes, of) for at, of in zip(position, self._work.T, strict=True)])
         return abs(self.motion.speed) * -self.ellipse.direction * np.diff(work, axis=1) / strip
 
     @cached_property
@@ -275,11 +275,11 @@ class SimplifiedRolling(CreepForces):
         return np.arccos(cosine) * (len(self.strips.x) - 1) / np.pi, np.abs(x) < half
 
     def _on_cells(self, values: Floats) -> Floats:
-        place, met = self._places
-        before = np.clip(place.astype(int), 0, len(self.strips.x) - 2)
-        part, rows = (place - before)[..., None], np.arange(len(before))[:, None]
-        found = values[before, :, rows] * (1.0 - part) + values[before + 1, :, rows] * part
-        return np.asarray(self.ellipse.direction * (found * met[..., None])[..., ::-1])
+        position, met = self._places
+        before = np.clip(position.astype(int), 0, len(self.strips.x) - 2)
+        part, rows = (position - before)[..., None], np.arange(len(before))[:, None]
+        on_cells = values[before, :, rows] * (1.0 - part) + values[before + 1, :, rows] * part
+        return np.asarray(self.ellipse.direction * (on_cells * met[..., None])[..., ::-1])
 
 
 def fastsim(
@@ -334,10 +334,12 @@ def fastsim_rows(
     origin. Rows beyond an ellipse have none.
     """
     names = ("along", "across", "force", "xi", "eta", "phi", "direction")
-    a, b, force, *creepages, direction = (np.array([[getattr(each, name)] for each in ellipses]) for name in names)
-    s0, z0 = np.array([each.centre for each in ellipses]).T[..., None]
+    a, b, force, *creepages, direction = (
+        np.array([[getattr(ellipse, name)] for ellipse in ellipses]) for name in names
+    )
+    s0, z0 = np.array([ellipse.centre for ellipse in ellipses]).T[..., None]
     strips = _Strips.of(contact, (a, b), direction * (contact.places[0] - s0))
-    flexibilities = np.array([_flexibilities(each) for each in ellipses]).T[..., None]
+    flexibilities = np.array([_flexibilities(ellipse) for ellipse in ellipses]).T[..., None]
     pressures = strips.pressures(force, parabolic=parabolic)
     tractions, _, _ = _traced(strips, creepages, flexibilities, pressures, contact.friction, speed)
     # F_cm = sum over steps of tractions (n_steps + 1, 2, m, n) and areas
@@ -381,7 +383,7 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
     directions, slips, coefficients = _traced(*given)
     pressure = 1.5 * ellipse.force / (np.pi * a * b)
     mu = contact.friction.limits[0]
-    unit = ellipse.shear / (2.0 * np.maximum(mu, LEAST) * pressure)
+    unit = ellipse.shear / (2.0 * np.maximum(mu, MIN_FRICTION) * pressure)
     plane = 4.0 * (1.0 - nu) / np.pi**2
     xi, eta = -unit * plane * c.c11 * ellipse.xi, -unit * plane * c.c22 * ellipse.eta
     psi = -unit * 3.0 / np.pi * np.sqrt(a * b) * c.c23 * ellipse.phi
@@ -404,12 +406,12 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
     length = np.linalg.norm(directions, axis=1)
     sliding = directions * np.where(length > 0.0, limit / np.where(length > 0.0, length, 1.0), 0.0)[:, None]
     tractions, slips = np.where(sticks, sticking, sliding), np.where(sticks, 0.0, slips)
-    found = _record("FaStrip", contact, motion, (ellipse, strips), (tractions, slips, ~sticks[:, 0]))
+    rolling = _record("FaStrip", contact, motion, (ellipse, strips), (tractions, slips, ~sticks[:, 0]))
     # FASTSIM's slip has the energy of its own tractions, which end as a parabola; half-spaces dissipate forces times
     # creepages
-    dissipated = max(sum(found.products(motion.mean(contact.places[0], contact.row_shares))), 0.0)
-    scale = dissipated / found.t_gamma if found.t_gamma > 0.0 else 1.0
-    return replace(found, nodes=(tractions, scale * slips, ~sticks[:, 0]))
+    dissipated = max(sum(rolling.products(motion.mean(contact.places[0], contact.row_shares))), 0.0)
+    scale = dissipated / rolling.t_gamma if rolling.t_gamma > 0.0 else 1.0
+    return replace(rolling, nodes=(tractions, scale * slips, ~sticks[:, 0]))
 
 
 def _strips_of(contact: RollingContact, ellipse: EllipticContact, n_steps: int | None) -> _Strips:

@@ -126,7 +126,7 @@ class Heating:
 # --- Coulomb's friction, constant or falling with the slip velocity or the temperature.
 
 
-UNUSUAL = 1.0
+NOTICE_ABOVE = 1.0
 """Coefficient above which a notice is given."""
 
 
@@ -229,7 +229,7 @@ class Friction:
     def limits(self) -> tuple[Floats, Floats]:
         """Static and kinetic coefficients, each one number or one for each row."""
         given = self.static, self.static if self.kinetic is None else self.kinetic
-        static, kinetic = (np.atleast_1d(as_numbers("coefficients of friction", each)) for each in given)
+        static, kinetic = (np.atleast_1d(as_numbers("coefficients of friction", limit)) for limit in given)
         return static, kinetic
 
     def of_rows(self, rows: slice | Bools) -> "Friction":
@@ -237,7 +237,7 @@ class Friction:
         static, kinetic = self.limits
         if max(len(static), len(kinetic)) == 1:
             return self
-        static, kinetic = (each if len(each) == 1 else each[rows] for each in (static, kinetic))
+        static, kinetic = (limit if len(limit) == 1 else limit[rows] for limit in (static, kinetic))
         return replace(self, static=static, kinetic=kinetic)
 
     @property
@@ -260,7 +260,7 @@ class Friction:
     def notices(self) -> tuple[str, ...]:
         """What is unusual about the numbers."""
         most = float(self.limits[0].max())
-        return (f"a coefficient of friction of {most:g} is above {UNUSUAL:g}",) if most > UNUSUAL else ()
+        return (f"a coefficient of friction of {most:g} is above {NOTICE_ABOVE:g}",) if most > NOTICE_ABOVE else ()
 
     def share(self, velocities: Floats | float, rise: Floats | float = 0.0) -> Floats:
         """Share of ``static - kinetic`` that is left at slip velocities >= 0 and temperatures above `Heating`'s."""

@@ -94,7 +94,7 @@ class FallingLimits:
     @cached_property
     def _limits(self) -> tuple[Floats, Floats]:
         """At rest and at high slip velocities, (n_cells, n_strips) each."""
-        static, kinetic = (np.asarray(each[:, None] * self.normal) for each in self.friction.limits)
+        static, kinetic = (np.asarray(limit[:, None] * self.normal) for limit in self.friction.limits)
         return static, kinetic
 
     def _rise(self, heat: Floats) -> Floats | float:
@@ -139,7 +139,7 @@ ROUND_OFF = 1e-12
 """Residual over the limits that is none."""
 MIN_PART = 0.02
 """Smallest part of the rigid slip by which it grows where Newton's method does not converge at once."""
-HELD = 1e-4
+HELD_LIMITS_ERROR = 1e-4
 """Error of the law of friction under limits that are held, from which Newton's method starts."""
 
 
@@ -290,13 +290,13 @@ class FrictionProblem:
         # otherwise the slip grows from none, in parts as small as needed
         done, part, forces = 0.0, 0.5, none
         while not status.converged and part >= MIN_PART:
-            trial, found = replace(self, rigid=min(done + part, 1.0) * self.rigid)._newton(forces, tolerance)
-            if not found.converged:
+            trial, trial_status = replace(self, rigid=min(done + part, 1.0) * self.rigid)._newton(forces, tolerance)
+            if not trial_status.converged:
                 part /= 4.0
                 continue
             done, part, forces = done + part, 2.0 * part, trial.forces
             if done >= 1.0:
-                return trial, found
+                return trial, trial_status
         return state, status
 
     def _fallen(self, falling: FallingLimits, start: Floats | None, tolerance: float) -> tuple[FrictionState, Status]:
@@ -306,17 +306,17 @@ class FrictionProblem:
         never raised: this ends.
         """
         limits, forces, jumps = self.limits, start, falling.friction.jumps
-        enough = max(tolerance, HELD)
+        enough = max(tolerance, HELD_LIMITS_ERROR)
         if start is not None and not jumps:
             state, status = self._newton(start, tolerance)
             if status.converged:
                 return state, status
         while True:
             held = replace(self, falling=None, limits=limits).solve(forces, tolerance if jumps else enough)
-            found = held if jumps else self._newton(held[0].forces, tolerance)
+            solution = held if jumps else self._newton(held[0].forces, tolerance)
             lower = np.minimum(limits, falling.under(held[0].forces, held[0].slips * ~held[0].sticks))
-            if (found[1].converged and not jumps) or (lower >= (1.0 - ROUND_OFF) * limits).all():
-                return found
+            if (solution[1].converged and not jumps) or (lower >= (1.0 - ROUND_OFF) * limits).all():
+                return solution
             limits, forces = lower, held[0].forces
 
     def _newton(self, start: Floats, tolerance: float) -> tuple[FrictionState, Status]:
@@ -331,7 +331,7 @@ class FrictionProblem:
             part, best, before = 1.0, state, state.norm
             while part >= MIN_STEP:
                 trial = self.state(state.forces - part * change)
-                best = min(best, trial, key=lambda each: each.norm)
+                best = min(best, trial, key=lambda iterate: iterate.norm)
                 if trial.norm <= (1.0 - DECREASE * part) * state.norm:
                     break
                 part /= 2.0

@@ -93,40 +93,41 @@ class Creepages:
 
     def mean(self, s: Floats, weights: Floats) -> Self:
         """Numbers for all rows at places s with weights whose sum is 1."""
-        along, across, spin = (np.broadcast_to(each[:, 0], s.shape) for each in self._rows(len(s)))
+        along, across, spin = (np.broadcast_to(creepage[:, 0], s.shape) for creepage in self._rows(len(s)))
         turning = float(spin @ weights)
         ahead = float((along + spin * s) @ weights) - turning * float(s @ weights)
         return replace(self, along=ahead, across=float(across @ weights), spin=turning)
 
     def rigid(self, s: Floats, z: Floats) -> Floats:
         """Rigid slip (t, z) at places s (n_cells,) and z (n_strips,) from the origin, (n_cells, 2, n_strips)."""
-        found = np.empty((len(s), 2, len(z)))
+        motion = np.empty((len(s), 2, len(z)))
         along, across, spin = self._rows(len(s))
-        found[:, 0] = across - spin * z
-        found[:, 1] = along + spin * s[:, None]
-        return found
+        motion[:, 0] = across - spin * z
+        motion[:, 1] = along + spin * s[:, None]
+        return motion
 
     def _rows(self, n_rows: int) -> list[Floats]:
         """Columns of along, across and spin, one number or one for each row of cells; an `InputError` if it is not."""
-        found = [
-            np.reshape(np.asarray(each, dtype=np.float64), (-1, 1)) for each in (self.along, self.across, self.spin)
+        creepages = [
+            np.reshape(np.asarray(creepage, dtype=np.float64), (-1, 1))
+            for creepage in (self.along, self.across, self.spin)
         ]
-        for values in found:
+        for values in creepages:
             if len(values) not in (1, n_rows):
                 raise InputError(
                     f"{len(values)} creepages for {n_rows} rows of cells",
                     "one number, or one for each row",
                     "give as many as the grid has cells across",
                 )
-        return found
+        return creepages
 
 
 # --- A contact patch on which bodies roll: cells under pressure, friction, and influence coefficients in three axes.
 
 
-BEYOND = 2
+STRIPS_BEYOND = 2
 """Strips beyond the grid at each end, whose displacements are needed."""
-SAME = 1e-9
+MAX_COUPLING = 1e-9
 """Coupling of normal and tangential coefficients, over the others, that is none."""
 
 
@@ -182,7 +183,7 @@ class RollingContact:
                 "finite pressures >= 0 on all cells, some of them > 0",
                 "press the bodies together first",
             )
-        for n_rows in {each.size for each in self.friction.limits} - {1, shape[0]}:
+        for n_rows in {limit.size for limit in self.friction.limits} - {1, shape[0]}:
             raise InputError(
                 f"{n_rows} coefficients of friction for {shape[0]} rows of cells",
                 "one number, or one for each row",
@@ -246,7 +247,7 @@ class RollingContact:
         return cls(grid, pressed().forces / grid.areas, friction, materials, coefficients, pressed)
 
     @classmethod
-    def of_bodies(cls, found: PatchContact, friction: Friction) -> "RollingContact":
+    def of_bodies(cls, contact: PatchContact, friction: Friction) -> "RollingContact":
         """Bodies that were pressed together.
 
         Raises
@@ -255,17 +256,17 @@ class RollingContact:
             If a material is not isotropic.
 
         """
-        pair, grid = found.pair, found.pair.grid
-        materials = [_isotropic(each.problem.elasticity.materials[0]) for each in (pair.first, pair.second)]
-        pressed = pair.pressing(float(found.force[1]))
-        coefficients = pair.coefficients(grid.n_strips + 2 * BEYOND)
-        return cls(grid, found.pressures, friction, (materials[0], materials[1]), coefficients, pressed)
+        pair, grid = contact.pair, contact.pair.grid
+        materials = [_isotropic(body.problem.elasticity.materials[0]) for body in (pair.first, pair.second)]
+        pressed = pair.pressing(float(contact.force[1]))
+        coefficients = pair.coefficients(grid.n_strips + 2 * STRIPS_BEYOND)
+        return cls(grid, contact.pressures, friction, (materials[0], materials[1]), coefficients, pressed)
 
     @property
     def notices(self) -> tuple[str, ...]:
         """What is unusual about friction, and pressures that the edge of the grid may cut off."""
         ends = [self.pressures[:, [0, -1]], *([self.pressures[[0, -1]]] if len(self.pressures) > 1 else [])]
-        if self.pressed is None or not any(each.any() for each in ends):
+        if self.pressed is None or not any(end.any() for end in ends):
             return self.friction.notices
         return (
             *self.friction.notices,
@@ -308,13 +309,13 @@ class RollingContact:
         self, pressures: Floats, near: "RollingContact | None" = None, friction: Friction | None = None
     ) -> "RollingContact":
         """The same cells under other pressures; operators are shared, and the box holds that of a near contact too."""
-        found = replace(self, pressures=pressures, friction=friction or self.friction)
-        object.__setattr__(found, "_operators", self._operators)
+        contact = replace(self, pressures=pressures, friction=friction or self.friction)
+        object.__setattr__(contact, "_operators", self._operators)
         if near is not None:
-            pairs = zip(near.box, found.box, strict=True)
-            vars(found)["box"] = tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in pairs)
-        vars(found)["coupled"] = self.coupled
-        return found
+            pairs = zip(near.box, contact.box, strict=True)
+            vars(contact)["box"] = tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in pairs)
+        vars(contact)["coupled"] = self.coupled
+        return contact
 
     def operator(self, weights: tuple[float, ...]) -> SlipOperator:
         """Slip of the cells in the box by their forces, for rolling to +z or, mirrored, to -z."""
@@ -343,12 +344,12 @@ class RollingContact:
         """Whether tangential forces move the surfaces along the normals too: the materials or sections differ."""
         blocks = self._blocks
         mixed = max(float(np.abs(blocks[:, :, 1, :, axis]).max()) for axis in (0, 2))
-        return mixed > SAME * float(np.abs(blocks[:, :, 1, :, 1]).max())
+        return mixed > MAX_COUPLING * float(np.abs(blocks[:, :, 1, :, 1]).max())
 
     @property
     def _normal_by_tangential(self) -> Convolution:
         def make() -> Convolution:
-            blocks, n_cells = self._blocks[: self.grid.n_strips + 2 * BEYOND], len(self.pressures)
+            blocks, n_cells = self._blocks[: self.grid.n_strips + 2 * STRIPS_BEYOND], len(self.pressures)
             ahead = blocks[:, :, 1, :, ::2].reshape(-1, n_cells, 2 * n_cells)
             behind = blocks[:, :, ::2, :, 1].reshape(-1, 2 * n_cells, n_cells).swapaxes(1, 2)
             return Convolution(ahead, behind, (np.zeros(n_cells, dtype=bool), np.arange(2 * n_cells) % 2 == 1))
@@ -359,12 +360,12 @@ class RollingContact:
     def pressing(self) -> Floats:
         """Displacements (t, z) by the normal forces, as `displacements`."""
         if not self.coupled:
-            return np.zeros((len(self.pressures), 2, self.grid.n_strips + 2 * BEYOND))
+            return np.zeros((len(self.pressures), 2, self.grid.n_strips + 2 * STRIPS_BEYOND))
         moved = self._normal_by_tangential(_with_ends(self.normal_forces), transposed=True)
         return moved.reshape(len(self.pressures), 2, -1)
 
     def displacements(self, tangential: Floats) -> Floats:
-        """Displacements (t, z) of the second body less the first one's, on `BEYOND` more strips at each end.
+        """Displacements (t, z) of the second body less the first one's, on `STRIPS_BEYOND` more strips at each end.
 
         Parameters
         ----------
@@ -374,12 +375,12 @@ class RollingContact:
         Returns
         -------
         Floats
-            Shape (n_cells, 2, n_strips + 2 BEYOND).
+            Shape (n_cells, 2, n_strips + 2 STRIPS_BEYOND).
 
         """
 
         def make() -> Convolution:
-            part = self._blocks[: self.grid.n_strips + 2 * BEYOND, :, ::2, :, ::2]
+            part = self._blocks[: self.grid.n_strips + 2 * STRIPS_BEYOND, :, ::2, :, ::2]
             return tangential_convolution(part.reshape(len(part), 2 * len(self.pressures), -1))
 
         padded = _with_ends(tangential)
@@ -389,7 +390,7 @@ class RollingContact:
     def raised(self, tangential: Floats) -> Floats:
         """Displacements (..., n_cells, n_strips) along n by forces (t, z), (..., n_cells, 2, n_strips).
 
-        Both on the cells and on `BEYOND` more strips at each end.
+        Both on the cells and on `STRIPS_BEYOND` more strips at each end.
         """
         shape = tangential.shape
         if not self.coupled:
@@ -398,8 +399,8 @@ class RollingContact:
 
 
 def _with_ends(forces: Floats) -> Floats:
-    """Forces (..., n_strips) on `BEYOND` more strips at each end, where there are none."""
-    return np.pad(forces, [(0, 0)] * (forces.ndim - 1) + [(BEYOND, BEYOND)])
+    """Forces (..., n_strips) on `STRIPS_BEYOND` more strips at each end, where there are none."""
+    return np.pad(forces, [(0, 0)] * (forces.ndim - 1) + [(STRIPS_BEYOND, STRIPS_BEYOND)])
 
 
 def box_of(cells: Bools) -> tuple[slice, slice]:
@@ -409,9 +410,9 @@ def box_of(cells: Bools) -> tuple[slice, slice]:
 
 
 def _half_spaces(grid: PatchGrid, materials: tuple[Elastic, Elastic]) -> Floats:
-    n_distances = grid.n_strips + 2 * BEYOND
-    found = half_spaces_on(materials, grid.bounds, None, grid.strip, n_distances)
-    return found.reshape(n_distances, 3 * len(grid.widths), -1)
+    n_distances = grid.n_strips + 2 * STRIPS_BEYOND
+    influence = half_spaces_on(materials, grid.bounds, None, grid.strip, n_distances)
+    return influence.reshape(n_distances, 3 * len(grid.widths), -1)
 
 
 def _isotropic(material: object) -> Elastic:
@@ -544,7 +545,9 @@ class Rolling(CreepForces):
         slips = self.slip_velocities
         if self.steady:
             velocity, moved = self.motion.speed, self.displacements[0]
-            gradients = (moved[..., BEYOND + 1 : 1 - BEYOND] - moved[..., BEYOND - 1 : -1 - BEYOND]) / 2.0
+            gradients = (
+                moved[..., STRIPS_BEYOND + 1 : 1 - STRIPS_BEYOND] - moved[..., STRIPS_BEYOND - 1 : -1 - STRIPS_BEYOND]
+            ) / 2.0
             rigid = abs(velocity) * self.motion.rigid(*self.contact.places)
             slips = (rigid - velocity * gradients / self.contact.grid.strip).swapaxes(1, 2)
         return -np.sum(self.tractions * slips, axis=2)

@@ -38,18 +38,18 @@ BASE = np.array(
     ]
 )
 """From stresses xx, zz, yy, xz to the deviator's components, whose squares sum to s : s."""
-FAR = 8.0
+WINDOW_HALF_LENGTH = 8.0
 """Half length of the periodic window, and depth of its elements, over the half width of the contact."""
-SKIN = 0.2
+SKIN_THICKNESS = 0.2
 """Thickness of the uppermost layer over that of the others: where it flows, tractions are beyond yield in shear.
 
 With 8 to 20 cells it flows within 3 % of ``p0 / k = 1 / mu``; thinner layers of perfectly plastic steel have increments
 that Newton's method does not find."""
 NEWTON_TOLERANCE, MAX_NEWTON = 1e-10, 60
 """Residual over the radius of yield at which a passage is solved."""
-VANISHED = 1e-5
+MIN_PLASTIC_STRAIN = 1e-5
 """Plastic strain of a passage over k / G below which it is none."""
-STEADY = 1e-3
+MAX_STEADY_CHANGE = 1e-3
 """Change of the plastic strain from a passage to the next, over it, below which it is steady."""
 
 State = Literal["elastic", "shakedown", "plastic shakedown", "ratchetting", "not settled"]
@@ -123,7 +123,7 @@ class RollingLine:
     steel
         Material.
     cells
-        Cells over the half width along x; layers have the same thickness, but for `SKIN`.
+        Cells over the half width along x; layers have the same thickness, but for `SKIN_THICKNESS`.
     depth
         Depth of the layers over the half width.
 
@@ -142,8 +142,10 @@ class RollingLine:
 
     def __post_init__(self) -> None:
         check_positive("RollingLine", "load_factor", self.load_factor)
-        if check_positive("RollingLine", "depth", self.depth) > FAR / 2.0:
-            raise InputError(f"RollingLine(depth={self.depth:g})", f"up to {FAR / 2.0:g} half widths", "1.25 is usual")
+        if check_positive("RollingLine", "depth", self.depth) > WINDOW_HALF_LENGTH / 2.0:
+            raise InputError(
+                f"RollingLine(depth={self.depth:g})", f"up to {WINDOW_HALF_LENGTH / 2.0:g} half widths", "1.25 is usual"
+            )
         check_integer("RollingLine", "cells", self.cells, 4, 20)
         check_between("RollingLine", "friction", self.friction, -1.0, 1.0, advice="give tangential over normal force")
 
@@ -162,7 +164,7 @@ class RollingLine:
     def _edges(self) -> Floats:
         """Bounds of the layers: the uppermost one is a skin, whose stress is that of the surface."""
         even = np.arange(int(np.ceil(self.depth * self.cells)) + 1) / self.cells
-        return np.insert(even, 1, SKIN / self.cells)
+        return np.insert(even, 1, SKIN_THICKNESS / self.cells)
 
     @cached_property
     def elastic(self) -> Floats:
@@ -181,12 +183,12 @@ class RollingLine:
 
         Lags are numbers of columns of the strained cell behind the other one, from -n_x to n_x of the window.
         """
-        n_z, width, window = len(self.depths), 1.0 / self.cells, 2.0 * FAR
+        n_z, width, window = len(self.depths), 1.0 / self.cells, 2.0 * WINDOW_HALF_LENGTH
         columns = round(window / width)
         waves = np.arange(4 * columns // 2)
         q = 2.0 * np.pi * waves / window
         lags = width * np.arange(-columns, columns + 1)
-        below = np.geomspace(self._edges[-1] + width, FAR, 2 + int(8 * np.log2(FAR)))
+        below = np.geomspace(self._edges[-1] + width, WINDOW_HALF_LENGTH, 2 + int(8 * np.log2(WINDOW_HALF_LENGTH)))
         edges = np.concatenate((self._edges, below))
         spectrum = np.stack([_layer_response(wavenumber, edges, n_z, self.steel.poisson) for wavenumber in q])
         # means over cells of what is constant in cells
@@ -200,7 +202,7 @@ class RollingLine:
 
         Shape (n_x, n_z, 3, n_x, n_z, 3): of a cell, by a cell, columns in the order of the path.
         """
-        columns, n_x = round(2.0 * FAR * self.cells), len(self._x)
+        columns, n_x = round(2.0 * WINDOW_HALF_LENGTH * self.cells), len(self._x)
         sums = np.cumsum(self._influence, axis=0)
         first = (columns - n_x) // 2  # column of the window at which the layer's cells begin
         i, j = np.arange(n_x)[:, None], np.arange(n_x)[None, :]
@@ -287,11 +289,11 @@ class RollingLine:
             strain = strain + added
             sizes.append(float(np.linalg.norm(increments, axis=2).sum(axis=0).max()))
             grown = float(np.abs(added).max())
-            if sizes[-1] <= VANISHED:
+            if sizes[-1] <= MIN_PLASTIC_STRAIN:
                 state = "elastic" if len(sizes) == 1 else "shakedown"
                 break
-            if np.abs(added - last).max() <= STEADY * max(grown, VANISHED):
-                state = "ratchetting" if grown > VANISHED else "plastic shakedown"
+            if np.abs(added - last).max() <= MAX_STEADY_CHANGE * max(grown, MIN_PLASTIC_STRAIN):
+                state = "ratchetting" if grown > MIN_PLASTIC_STRAIN else "plastic shakedown"
                 break
         residual = self.steel.shear_yield_MPa * self.residual_of(strain)
         unit = self.steel.shear_yield_MPa / self.steel.shear_modulus

@@ -32,8 +32,8 @@ from flangeway.results import sentence
 
 
 _HEAD_SHARE = 0.6  # of the height: above it the widest point belongs to the head
-_SAME = 1e-6
-_FLAT = 1e-6
+_POSITION_TOLERANCE = 1e-6
+_SLOPE_TOLERANCE = 1e-6
 _SPACING_MM = 0.05
 
 
@@ -61,7 +61,7 @@ def whole_profile(measured: MeasuredProfile) -> RailProfile | WheelProfile:
 def _rail(outline: Outline, title: str, certainty: str, source: str) -> RailProfile:
     low = outline.bounds()[0]
     size = outline.size
-    base = [i for i, segment in enumerate(outline.segments) if segment.bounds[1, 1] - low[1] <= _FLAT * size]
+    base = [i for i, segment in enumerate(outline.segments) if segment.bounds[1, 1] - low[1] <= _SLOPE_TOLERANCE * size]
     if not base:
         raise InputError("a rail without a flat base", "a straight side at the lowest height", "check the outline")
     ends = np.array([p for i in base for p in (outline.segments[i].start, outline.segments[i].end)])
@@ -92,7 +92,7 @@ def _wheel(outline: Outline, title: str, flange_back_mm: float, certainty: str, 
     high = outline.top
     names: dict[int, str] = {}
     for i, segment in enumerate(outline.segments):
-        if isinstance(segment, Line) and segment.bounds[0, 1] >= high - _FLAT * outline.size:
+        if isinstance(segment, Line) and segment.bounds[0, 1] >= high - _SLOPE_TOLERANCE * outline.size:
             names[i] = "cut"
     if not names:
         raise InputError("a wheel without a level cut on top", "a straight, level side on top", "check the outline")
@@ -130,11 +130,15 @@ def pieces_between(outline: Contour, first: float, last: float) -> list[tuple[st
         for i, segment in enumerate(outline.segments):
             low, high = outline.offsets[i : i + 2] + lap
             start, end = max(first, low), min(last, high)
-            if end - start <= _SAME:
+            if end - start <= _POSITION_TOLERANCE:
                 continue
-            cuts = [(at - low) / segment.length for at in (start, end) if low + _SAME < at < high - _SAME]
+            cuts = [
+                (at - low) / segment.length
+                for at in (start, end)
+                if low + _POSITION_TOLERANCE < at < high - _POSITION_TOLERANCE
+            ]
             parts = segment.split(cuts) if cuts else (segment,)
-            inside = 1 if start > low + _SAME else 0
+            inside = 1 if start > low + _POSITION_TOLERANCE else 0
             pieces.append((outline.names[i], parts[inside]))
     return pieces
 

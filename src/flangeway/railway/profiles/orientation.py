@@ -24,9 +24,8 @@ TIP_MM = 2.0  # distance below the flange's tip of the upper point of the measur
 GAUGE_DEPTH_MM = 14.0  # depth below the rails' tops at which the gauge is measured (EN 13848-1), and a head's width
 SIDE_MM = 25.0  # distance from a head's middle, to each side, at which its drop below the top is measured
 WORN_MM = 0.5  # difference of both sides of a head from which one of them is the worn one
-WORN_FACE_MM = (
-    0.9  # difference of the half widths that a face worn by flanges makes, and an inclination of 1:15 does not
-)
+WORN_FACE_MM = 0.9
+"""Difference of the half widths that a face worn by flanges makes, and an inclination of 1:15 does not."""
 LEFT_MM = 1.5  # difference of the drops that an inclination does not make; 1:40 makes 1.25 mm
 MAX_WIDTH = 0.5  # half width of a contact over a radius of its bodies up to which these are half planes
 
@@ -36,8 +35,8 @@ MAX_CHANGE = 1.5
 _N_ALONG = 50
 _SPACING_MM = 0.02
 _CHORD_MM = 0.2  # over which the angle of a flange is taken
-_DEEPEST_MM = 20.0  # flanges hardly reach further down; below it an inclined head would seem worn
-_UPRIGHT = 0.18  # tangent of 10 degrees: a rounding of 20 mm goes on for 0.3 mm
+_MAX_DEPTH_MM = 20.0  # flanges hardly reach further down; below it an inclined head would seem worn
+_UPRIGHT_TANGENT = 0.18  # tangent of 10 degrees: a rounding of 20 mm goes on for 0.3 mm
 
 
 @dataclass(frozen=True)
@@ -114,7 +113,7 @@ def _rail(points: FloatArray) -> dict[str, float]:
     measures = {"head_width_mm": abs(second - first)}
     # faces may lean inwards below their widest place: each side counts as far as it goes down
     sides = points[points[:, 0] <= points[top, 0]], points[points[:, 0] > points[top, 0]]
-    low = max(float(points[top, 1]) - _DEEPEST_MM, *(float(side[:, 1].min()) + _SPACING_MM for side in sides))
+    low = max(float(points[top, 1]) - _MAX_DEPTH_MM, *(float(side[:, 1].min()) + _SPACING_MM for side in sides))
     left, right = (_first_x(side, low) for side in (points[top::-1], points[top:]))
     if left is None or right is None:
         return measures
@@ -184,7 +183,11 @@ def seen_back_mm(surface: Contour) -> float | None:
     far, tip = int(np.argmin(points[:, 0])), int(np.argmin(points[:, 1]))
     near = points[norms(points - points[far]) <= 1.0]
     width, height = np.ptp(near, axis=0)
-    if points[far, 1] <= points[tip, 1] + TIP_MM or points[far, 0] >= points[tip, 0] or width > _UPRIGHT * height:
+    if (
+        points[far, 1] <= points[tip, 1] + TIP_MM
+        or points[far, 0] >= points[tip, 0]
+        or width > _UPRIGHT_TANGENT * height
+    ):
         return None
     # the tip lies between the back and the face
     beyond = points[:tip] if far < tip else points[tip + 1 :]
@@ -264,7 +267,8 @@ _TREAD_MM = 30.0
 _TREAD_DROP_MM = 12.0
 _FLANGE_WIDTHS_MM = (12.0, 45.0)
 _HEAD_WIDTHS_MM = (45.0, 120.0)
-_FAR_MM = 150.0  # the rim of a wheel is at most this far from its flange's back; half of a gauge is further
+_MAX_RIM_DISTANCE_MM = 150.0
+"""The rim of a wheel is at most this far from its flange's back; half of a gauge is further."""
 
 
 @dataclass(frozen=True)
@@ -512,7 +516,7 @@ def _origin(raw: RawProfile, kind: Kind, placed: FloatArray, origin: str | None,
             raise InputError(f"origin {stated} of a {kind}", ", ".join(allowed), "correct the file, or give --origin")
         return stated
     top, x = float(placed[:, 1].max()), placed[:, 0]
-    if min(abs(x.min()), abs(x.max())) > _FAR_MM and x.min() * x.max() > 0.0:
+    if min(abs(x.min()), abs(x.max())) > _MAX_RIM_DISTANCE_MM and x.min() * x.max() > 0.0:
         raise InputError(
             sentence(
                 "lateral coordinates from {:g (mm)} to {:g mm}, far from where a {} has its origin",

@@ -21,10 +21,10 @@ TOLERANCE = 1e-9
 MAX_STEP = np.array([0.3, 0.3, 3e-4])
 """Step limits in mm, mm and rad: the lateral stiffness jumps when a flange touches."""
 
-BACK, LESS = 0.3, 0.7
+REVERSED_LIMIT, REVERSED_MAXIMUM = 0.3, 0.7
 """The next step limit over the last step where the sense of the steps has changed, and the largest one over that
 before."""
-ALL_OF_IT = 0.999
+REACHED_FRACTION = 0.999
 """Part of the limit from which on a step has reached it."""
 
 
@@ -45,11 +45,13 @@ class Reach:
     def limit_of(self, step: float, *, halved: bool) -> float:
         """Limit of a step that is wanted; `halved`: whether the last step has lowered the residual much."""
         if step * self.last < 0.0 and not halved:
-            self.longest = LESS * min(self.longest, self.most)
-            self.limit = BACK * abs(self.last) if abs(step) > 0.5 * abs(self.last) else min(self.limit, self.longest)
-        elif abs(self.last) >= ALL_OF_IT * self.limit:
+            self.longest = REVERSED_MAXIMUM * min(self.longest, self.most)
+            self.limit = (
+                REVERSED_LIMIT * abs(self.last) if abs(step) > 0.5 * abs(self.last) else min(self.limit, self.longest)
+            )
+        elif abs(self.last) >= REACHED_FRACTION * self.limit:
             if self.limit == self.longest:  # several steps of one sense
-                self.longest /= LESS
+                self.longest /= REVERSED_MAXIMUM
             self.limit = min(2.0 * self.limit, self.longest, self.most)
         return self.limit
 
@@ -58,10 +60,10 @@ class Reach:
 
         Where it was under way it knows from where it came, and how far was too far: else it may go to and fro for ever.
         """
-        if abs(self.last) < ALL_OF_IT * self.limit:
+        if abs(self.last) < REACHED_FRACTION * self.limit:
             return Reach(first, self.most)
         limit = min(self.limit, first)
-        return Reach(limit, self.most, self.longest, math.copysign(BACK * limit, self.last))
+        return Reach(limit, self.most, self.longest, math.copysign(REVERSED_LIMIT * limit, self.last))
 
 
 @dataclass(frozen=True)
@@ -117,8 +119,8 @@ class RelativeResiduals:
     def equilibrium_residual(self) -> float:
         """Root of the sum of squares of the residuals of what is free."""
         relative = self.lateral_residual, self.vertical_residual, self.moment_residual
-        found = (each for each, free in zip(relative, self.free, strict=True) if free)
-        return math.hypot(*found, self.torque_residual, self.yaw_residual)
+        of_free = (residual for residual, free in zip(relative, self.free, strict=True) if free)
+        return math.hypot(*of_free, self.torque_residual, self.yaw_residual)
 
 
 def with_loads(
@@ -182,10 +184,10 @@ class Equilibrium(Generic[State]):
 
         - `touching`: sides that touch.
         """
-        found = []
+        warnings = []
         if self.stable is False:
-            found.append("the equilibrium is unstable: a small push moves the wheelset away from it")
+            warnings.append("the equilibrium is unstable: a small push moves the wheelset away from it")
         lost = [side for side in SIDES if side not in touching]
         if lost and status.converged:
-            found.append(f"the {' and '.join(lost)} wheel does not touch its rail")
-        return found
+            warnings.append(f"the {' and '.join(lost)} wheel does not touch its rail")
+        return warnings

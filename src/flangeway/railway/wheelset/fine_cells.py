@@ -11,29 +11,29 @@ from flangeway.railway.wheelset.running_surfaces import PATCH_CELLS
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState
 from flangeway.types import Bools, Floats, Ints
 
-COARSER = 1.3
+MAX_SIZE_RATIO = 1.3
 """Size of cells over the one that is wanted, at most."""
-SIZES = 8
+SIZES_PER_DOUBLING = 8
 """Sizes of cells from one to its double."""
-FLAT = 1e-3
+MIN_PEAK_FALL = 1e-3
 """Fall of the pressure beside a local maximum, over it, below which that is no narrow peak."""
-PEAK, MAX_DIVISION = 0.3, 4.0
+PEAK_CELLS, MAX_DIVISION = 0.3, 4.0
 """Cells across half a narrow peak of the pressure over those across a patch, and parts of a cell there, at most."""
 MARGIN = 0.2
 """Width of the window beyond a patch on each side over the patch."""
 BROAD_MARGIN = 0.6
 """The same for a patch that has come to the end of its window."""
-LENGTHENED = 6.0
+MAX_CELL_RATIO = 6.0
 """Longer side over shorter side of a cell, at most."""
-LONGEST = 1.8
+MAX_STRIPS_RATIO = 1.8
 """Strips along the longest patch over those wanted along the shortest, at most."""
-UNLOADED, SHORTER = 2.0, 0.25
+MIN_UNLOADED_SIZE, GAP_FRACTION = 2.0, 0.25
 """Least size of cells without force over that of strips; part of a small gap up to which they reach along z."""
-MAX_ON_A_SIDE, MORE_ON_A_SIDE = 5000, 2.0
+MAX_ON_A_SIDE, MORE_CELLS_FACTOR = 5000, 2.0
 """Cells in the windows of a side, at most, and the factor on them where more cells across a patch are wanted."""
-SAME = 1e-6
+CELL_TOLERANCE = 1e-6
 """Distance of cells over the width of strips that is round-off."""
-MAIN = 0.05
+MIN_MAIN_FRACTION = 0.05
 """Share of a side's force above which a patch has its cells counted."""
 
 
@@ -62,7 +62,7 @@ class _Window:
         wanted = np.full(len(cells), size)
         for middle, half in self.peaks:
             near = (cells[:, 1] > middle - half) & (cells[:, 0] < middle + half)
-            wanted[near] = np.minimum(wanted[near], max(half / (PEAK * n_across), size / MAX_DIVISION))
+            wanted[near] = np.minimum(wanted[near], max(half / (PEAK_CELLS * n_across), size / MAX_DIVISION))
         return wanted
 
 
@@ -72,11 +72,11 @@ def _span(bounds: Floats, inside: Bools, axis: int) -> tuple[float, float]:
     return float(bounds[first]), float(bounds[last + 1])
 
 
-def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]:
+def _windows(state: SideState, interiors: Sequence[Bools] | None) -> list[_Window]:
     """One for each patch."""
     grid, pressures = state.grid.grid, state.cells.pressures
     windows: list[_Window] = []
-    for patch in state.cells.patches(insides):
+    for patch in state.cells.patches(interiors):
         rows = np.flatnonzero(patch.inside.any(axis=1))
         highest = np.where(patch.inside, pressures, 0.0).max(axis=1)
         windows.append(
@@ -97,18 +97,18 @@ def _further(state: SideState, near: tuple[float, float], windows: Sequence[_Win
 
     Along z they are half as long as where gaps are small: about as long as a patch would be there.
     """
-    grid, found, (within, way) = state.grid.grid, list[_Window](), near
+    grid, further, (within, way) = state.grid.grid, list[_Window](), near
     gaps = state.gaps - way * np.abs(state.normals[:, :1])
     apart = np.ones(len(grid.widths), dtype=np.bool_)
     for window in windows:
         apart &= (grid.cells[:, 1] <= window.ends[0]) | (grid.cells[:, 0] >= window.ends[1])
     for inside in separate_patches(((state.forces > 0.0) | (gaps < within)) & apart[:, None]):
         least = float(gaps[inside].min())
-        close = (state.forces > 0.0) | (gaps <= least + SHORTER * max(within - least, 0.0))
+        close = (state.forces > 0.0) | (gaps <= least + GAP_FRACTION * max(within - least, 0.0))
         ends, planes = _span(grid.bounds, inside, 0), _span(grid.strip_bounds, inside & close, 1)
         none = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
-        found.append(_Window(ends, planes, ends[1] - ends[0], planes[1] - planes[0], 0.0, *none))
-    return found
+        further.append(_Window(ends, planes, ends[1] - ends[0], planes[1] - planes[0], 0.0, *none))
+    return further
 
 
 def _peaks(stations: Floats, values: Floats, size: float) -> Floats:
@@ -121,13 +121,13 @@ def _peaks(stations: Floats, values: Floats, size: float) -> Floats:
     middle = stations[at]
     # v (1 - x^2 / a^2) falls by v (h / a)^2 at the distance h
     falls = values[at] - (np.interp(middle - size, stations, values) + np.interp(middle + size, stations, values)) / 2.0
-    return np.column_stack((middle, size * np.sqrt(values[at] / np.maximum(falls, FLAT * values[at]))))
+    return np.column_stack((middle, size * np.sqrt(values[at] / np.maximum(falls, MIN_PEAK_FALL * values[at]))))
 
 
 def finer(
     state: SideState,
     n_across: int = PATCH_CELLS,
-    insides: Sequence[Bools] | None = None,
+    interiors: Sequence[Bools] | None = None,
     coarse: SideState | None = None,
     near: tuple[float, float] = (0.0, 0.0),
 ) -> GriddedSide:
@@ -138,7 +138,7 @@ def finer(
     profile's curvature, cells are divided.
 
     - `n_across`: cells across a patch, and along it.
-    - `insides`: cells of the patches, (n, n_z) each; left out: those that are apart.
+    - `interiors`: cells of the patches, (n, n_z) each; left out: those that are apart.
     - `coarse`: contact on coarse cells; what touches there has cells too, whether it is loaded here or not.
     - `near`: gap in mm on coarse cells up to which it has some too, after a way across the track in mm.
     """
@@ -146,24 +146,26 @@ def finer(
     loaded = state.forces > 0.0
     if not loaded.any():
         return old
-    windows = _windows(state, insides)
+    windows = _windows(state, interiors)
     windows += [] if coarse is None else _further(coarse, near, windows)
     windows.sort(key=lambda window: window.ends)
     middles = np.array([np.mean(window.ends) for window in windows])
-    fine = grid.widths[:, None] <= COARSER * LENGTHENED * grid.strip  # not what only fills the way between patches
+    # not what only fills the way between patches
+    fine = grid.widths[:, None] <= MAX_SIZE_RATIO * MAX_CELL_RATIO * grid.strip
     all_within = ((grid.cells[:, :1] <= middles) & (grid.cells[:, 1:] >= middles) & fine).any(axis=0).all()
-    main = [window for window in windows if window.share > MAIN]
+    main = [window for window in windows if window.share > MIN_MAIN_FRACTION]
     longest = max(window.along for window in main)
-    strip = max(min(window.along for window in main) / n_across, longest / (n_across * LONGEST))
-    least = [strip / LENGTHENED if window.share else UNLOADED * strip for window in windows]
+    strip = max(min(window.along for window in main) / n_across, longest / (n_across * MAX_STRIPS_RATIO))
+    least = [strip / MAX_CELL_RATIO if window.share else MIN_UNLOADED_SIZE * strip for window in windows]
     sizes = [
-        min(max(each.across / n_across, low), LENGTHENED * strip) for each, low in zip(windows, least, strict=True)
+        min(max(window.across / n_across, low), MAX_CELL_RATIO * strip)
+        for window, low in zip(windows, least, strict=True)
     ]
     at_edge = old.cuts(state.forces)
-    enough = grid.strip <= COARSER * strip and all(
-        (grid.widths[window.rows] <= COARSER * window.sizes(grid.cells[window.rows], size, n_across)).all()
+    enough = grid.strip <= MAX_SIZE_RATIO * strip and all(
+        (grid.widths[window.rows] <= MAX_SIZE_RATIO * window.sizes(grid.cells[window.rows], size, n_across)).all()
         for window, size in zip(windows, sizes, strict=True)
-        if window.share > MAIN
+        if window.share > MIN_MAIN_FRACTION
     )
     if enough and all_within and not at_edge:
         return old
@@ -185,7 +187,7 @@ def finer(
     more = max(margin * (last - first), 0.6 * grid.strip)
     # as many cells as a factorisation takes
     strips = sum(window.planes[1] - window.planes[0] for window in windows) / len(windows) / strip
-    most = min(max(n_across / PATCH_CELLS, 1.0) ** 2, MORE_ON_A_SIDE) * MAX_ON_A_SIDE
+    most = min(max(n_across / PATCH_CELLS, 1.0) ** 2, MORE_CELLS_FACTOR) * MAX_ON_A_SIDE
     many = np.sqrt(max(sum((high - low) / size for low, high, size in spans) * strips / most, 1.0))
     strip = _rounded(many * strip)
     limits = np.sort(old.surfaces.rail_stations[[0, -1], 1])
@@ -201,7 +203,9 @@ def finer(
         wanted = np.min([window.sizes(pairs_of(ends), many * size, n_across) for window in windows], axis=0)
         parts.append(_divided(ends, wanted))
     planes = int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip))
-    return GriddedSide(old.surfaces, PatchGrid.on_planes(_joined(parts, SAME * strip), strip, *planes), state.pose)
+    return GriddedSide(
+        old.surfaces, PatchGrid.on_planes(_joined(parts, CELL_TOLERANCE * strip), strip, *planes), state.pose
+    )
 
 
 def _joined(parts: Sequence[Floats], same: float) -> Floats:
@@ -219,7 +223,7 @@ def divided(state: SideState, n_across: int) -> GriddedSide:
     sizes = grid.widths
     for window in _windows(state, None):
         rows, whole = window.rows, float(grid.widths[window.rows].max())
-        if window.share > MAIN:
+        if window.share > MIN_MAIN_FRACTION:
             sizes[rows] = window.sizes(grid.cells[rows], whole, n_across)
     bounds = _divided(grid.bounds, sizes)
     return old if len(bounds) == len(grid.bounds) else GriddedSide(old.surfaces, replace(grid, bounds=bounds), old.pose)
@@ -227,7 +231,7 @@ def divided(state: SideState, n_across: int) -> GriddedSide:
 
 def _rounded(size: float) -> float:
     """The closest one of the sizes that cells may have."""
-    return float(2.0 ** (np.round(np.log2(size) * SIZES) / SIZES))
+    return float(2.0 ** (np.round(np.log2(size) * SIZES_PER_DOUBLING) / SIZES_PER_DOUBLING))
 
 
 def _multiples(size: float, low: float, high: float) -> Floats:
@@ -237,7 +241,7 @@ def _multiples(size: float, low: float, high: float) -> Floats:
 
 def _divided(bounds: Floats, sizes: Floats) -> Floats:
     """Bounds of cells (n + 1,) with more between them, halved until cells are not wider than sizes (n,)."""
-    halvings = np.ceil(np.log2(np.diff(bounds) / (COARSER * sizes)))
+    halvings = np.ceil(np.log2(np.diff(bounds) / (MAX_SIZE_RATIO * sizes)))
     counts = 2 ** np.maximum(halvings, 0).astype(int)
     ends = [
         np.linspace(low, high, count, endpoint=False)

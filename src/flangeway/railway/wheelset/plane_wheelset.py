@@ -194,8 +194,8 @@ def solve_wheelset(
         with _timed(timings, "condensation"):
             wheelset = PlaneWheelset.of(model, progress, cache)
         result = solve_condensed(wheelset, progress, timings)
-        complete = all(each.is_explained for each in result.overlaps)
-        complete = complete and not any(each.pressure.at_edge for each in result.patches)
+        complete = all(overlap.is_explained for overlap in result.overlaps)
+        complete = complete and not any(patch.pressure.at_edge for patch in result.patches)
         if whole or (result.equilibrium.status.converged and complete):
             break
         progress("once more with contact anywhere on the running surfaces")
@@ -244,12 +244,12 @@ def _timed(timings: dict[str, float], stage: str) -> Iterator[None]:
 
 DEPTH = 4.0  # default depth of a line over the half width of the contact
 
-SEARCHED = 0.5
+SEARCHED_FRACTION = 0.5
 """Part of such a line on which the maximum stress is sought: two half widths. A wide contact's line ends in the web."""
 
-FEWEST = 8  # points within that distance below which nothing is smoothed
+MIN_SMOOTHED_POINTS = 8  # points within that distance below which nothing is smoothed
 
-SMOOTHED = 0.5
+SMOOTHED_DISTANCE = 0.5
 """Distance on both sides of the largest value, over its depth, within which a cubic smooths the cells' jumps."""
 
 
@@ -299,7 +299,7 @@ def maximum_shear(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> 
     they bear the force on a small width. An `InputError` as `stresses_below`.
     """
     line = stresses_below(result, patch, body)
-    return maximum_on(line.distances, line.stresses.in_plane_shear, SEARCHED)
+    return maximum_on(line.distances, line.stresses.in_plane_shear, SEARCHED_FRACTION)
 
 
 def maximum_on(depths: Floats, values: Floats, share: float = 1.0) -> SubsurfaceExtreme:
@@ -310,13 +310,14 @@ def maximum_on(depths: Floats, values: Floats, share: float = 1.0) -> Subsurface
     - `share`: part of the line's length, from its first point, on which the largest value is sought.
     """
     values = np.where(depths <= share * (1.0 + 1e-12) * depths[-1], values, np.nan)
-    place = int(np.nanargmax(values))
-    depth, value = float(depths[place]), float(values[place])
-    reach = SMOOTHED * depth * (1.0 + 1e-9)  # points at its very end count, whatever the last digit of their depths
+    row = int(np.nanargmax(values))
+    depth, value = float(depths[row]), float(values[row])
+    # points at its very end count, whatever the last digit of their depths
+    reach = SMOOTHED_DISTANCE * depth * (1.0 + 1e-9)
     near = np.isfinite(values) & (np.abs(depths - depth) <= reach)
-    if np.count_nonzero(near) >= FEWEST:
+    if np.count_nonzero(near) >= MIN_SMOOTHED_POINTS:
         cubic = Polynomial.fit(depths[near], values[near], 3)
-        for top in (float(each.real) for each in cubic.deriv().roots() if np.isreal(each)):
+        for top in (float(root.real) for root in cubic.deriv().roots() if np.isreal(root)):
             if cubic.deriv(2)(top) < 0.0 and abs(top - depth) <= reach:
                 return SubsurfaceExtreme(float(cubic(top)), top)
     return SubsurfaceExtreme(value, depth)

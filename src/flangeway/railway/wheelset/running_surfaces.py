@@ -19,7 +19,7 @@ from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.side_contact import SideSurfaces
 from flangeway.railway.wheelset.supported_rail import RailSupport, rail_problem, sleeper_compliance, supported_rail
-from flangeway.railway.wheelset.wheelset_model import HELD, mesh_profile
+from flangeway.railway.wheelset.wheelset_model import SUPPORT, mesh_profile
 from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells
 from flangeway.space import Space
@@ -80,7 +80,7 @@ def running_surfaces(
     - `done`: bodies that are ready, to which new ones are added.
     """
     done, given = {} if done is None else done, (problem.discretisation, model.support, model.disc)
-    found: dict[Side, SideSurfaces] = {}
+    surfaces: dict[Side, SideSurfaces] = {}
     alike = problem.track.is_symmetric and problem.wheelset.is_symmetric
     for side in SIDES[:1] if alike else SIDES:
         curves = RigidSide.of(problem.track, problem.wheelset, side)
@@ -95,7 +95,7 @@ def running_surfaces(
             bodies.append(done[key])
         (wheel_elastic, on_wheel_mesh), (rail_elastic, on_rail_mesh) = bodies
         on_rail = RigidCurve.from_contour(rail.running_surface, curves.rail_frame, WALL_RAD)
-        found[side] = SideSurfaces(
+        surfaces[side] = SideSurfaces(
             curves.wheel,
             on_rail,
             wheel_elastic,
@@ -106,7 +106,7 @@ def running_surfaces(
             curves.rail_frame,
         )
     # sides are seen from their own gauge: those of a symmetric pair are one
-    return dict.fromkeys(SIDES, found[SIDES[0]]) if alike else found
+    return dict.fromkeys(SIDES, surfaces[SIDES[0]]) if alike else surfaces
 
 
 def _elastic(
@@ -150,9 +150,9 @@ def running_cells(
     mesh = mesh_profile(problem, role, profile, BODY_MM * order * settings.size_scale, fine, cache)
     space = Space(mesh, settings.element_of(role))
     if role == "wheel" or model.support is None:
-        body = Harmonic(Elasticity(space, material, name=role), held={HELD: "xyz"})
+        body = Harmonic(Elasticity(space, material, name=role), held={SUPPORT: "xyz"})
     else:
-        body = rail_problem(space, material, HELD, model.support)
+        body = rail_problem(space, material, SUPPORT, model.support)
     chain = mesh.chain(*profile.running_names).astype(np.int64)
     cells = SurfaceCells(body, np.stack((chain[:-1], chain[1:]), axis=1))
     length = float(cells.limits[-1])

@@ -41,7 +41,7 @@ from flangeway.types import Floats, Ints
 # sleepers and continuous support.
 
 
-SAME = 1e-6
+HEIGHT_TOLERANCE = 1e-6
 """Height of a base, over the size of a section, that is round-off."""
 
 
@@ -128,8 +128,10 @@ class RailSupport:
         half = self.n_sleepers // 2
         # the last sleeper is behind the wheel, at z < 0; about as many are before as behind it
         first = -half if self.position <= 0.5 else -half + 1
-        places: Floats = self.spacing_mm * (np.arange(first, first + self.n_sleepers, dtype=np.float64) - self.position)
-        return places
+        positions: Floats = self.spacing_mm * (
+            np.arange(first, first + self.n_sleepers, dtype=np.float64) - self.position
+        )
+        return positions
 
 
 def rail_problem(
@@ -161,7 +163,7 @@ def rail_problem(
     mesh = space.mesh
     rule = edge_quadrature(space, mesh.edge_set(base_edges))
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
-    near = SAME * float(np.linalg.norm(high - low))
+    near = HEIGHT_TOLERANCE * float(np.linalg.norm(high - low))
     bottom = mesh.points[mesh.boundary_edges]
     bottom = bottom[(bottom[..., 1] <= low[1] + near).all(axis=1)]
     whole, length = float(np.ptp(bottom[..., 0])) if len(bottom) else 0.0, float(rule.weights.sum())
@@ -185,7 +187,7 @@ WAVENUMBERS = (5e-6, 0.3)
 """Range per mm: from the reach of torsion on the share that is spread to waves of 20 mm."""
 PER_DECADE = 8
 """Wavenumbers for each decade; three times as many change no displacement by more than 1e-4."""
-FAR = 0.02
+MAX_LAST_LOAD = 0.02
 """Load of the last sleepers over that of the most loaded one, above which there are too few."""
 MAX_OFF_MM = 3.0
 """Distance from the section's surface above which points are in another frame; chords and corners make up to 1 mm."""
@@ -197,10 +199,10 @@ def weights_at(
     wavenumbers: Floats, distances: Floats, strip: float, averaged: int, cache: Cache | None = None
 ) -> tuple[Floats, Floats]:
     """`inverse_weights` at signed distances (...), each (..., n_k): of cosine and sine of ``k z``."""
-    apart, places = np.unique(np.round(np.abs(distances), 6).astype(np.float64), return_inverse=True)
+    apart, of_distance = np.unique(np.round(np.abs(distances), 6).astype(np.float64), return_inverse=True)
     even, odd = _weights(tuple(wavenumbers.tolist()), tuple(apart.tolist()), strip, averaged, cache)
-    places = places.reshape(distances.shape)
-    return even[places], np.sign(distances)[..., None] * odd[places]
+    of_distance = of_distance.reshape(distances.shape)
+    return even[of_distance], np.sign(distances)[..., None] * odd[of_distance]
 
 
 @lru_cache(maxsize=8)  # both rails and all positions ask for the same ones
@@ -212,11 +214,11 @@ def _weights(
     def make() -> dict[str, Floats]:
         chunks = np.split(distances, range(CHUNK, len(distances), CHUNK))
         parts = [inverse_weights(at, part, strip, averaged) for part in chunks]
-        even, odd = (np.concatenate(each) for each in zip(*parts, strict=True))
+        even, odd = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
         return {"even": even, "odd": odd}
 
-    found = cached(cache, make, "wave weights", at, distances, strip, averaged)
-    return found["even"], found["odd"]
+    weights = cached(cache, make, "wave weights", at, distances, strip, averaged)
+    return weights["even"], weights["odd"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,8 +266,8 @@ class SupportedRail:
         rhs = np.zeros((space.n_dofs, 3, loads.shape[-1]))
         np.add.at(rhs, nodes, loads)
         rhs = rhs.reshape(3 * space.n_dofs, 1, -1)
-        found = np.stack(list(amplitudes(self.problem, self.wavenumbers, rhs)))
-        return found.reshape(len(found), space.n_dofs, 3, -1)
+        displacements = np.stack(list(amplitudes(self.problem, self.wavenumbers, rhs)))
+        return displacements.reshape(len(displacements), space.n_dofs, 3, -1)
 
     @cached_property
     def by_modes(self) -> Floats:
@@ -276,8 +278,8 @@ class SupportedRail:
             (mesh.points, mesh.cell_offsets, mesh.cell_points, mesh.edge_set(foundation.edges)),
             (elasticity.space.element, elasticity.material, foundation, WAVENUMBERS, PER_DECADE),
         )
-        found = cached(self.cache, lambda: {"amplitudes": self.answers(*self.base)}, "supported rail", *content)
-        return found["amplitudes"]
+        stored = cached(self.cache, lambda: {"amplitudes": self.answers(*self.base)}, "supported rail", *content)
+        return stored["amplitudes"]
 
     @cached_property
     def freedom(self) -> Floats:
@@ -309,22 +311,22 @@ class SupportedRail:
         ``R = (K^-1 + G)^-1`` with the stiffnesses K of the seats and the compliance G between them. An `InputError` if
         the load reaches beyond the last ones.
         """
-        places = self.support.sleepers_mm
-        n = len(places)
-        even, _ = self.weights_at(places - places[:1], self.support.pad_length_mm, 2)
+        sleepers = self.support.sleepers_mm
+        n = len(sleepers)
+        even, _ = self.weights_at(sleepers - sleepers[:1], self.support.pad_length_mm, 2)
         by_distance = np.einsum("zk,kam->zam", even, self.on_base(self.by_seats))
         apart = np.abs(np.arange(n)[:, None] - np.arange(n))
         between = by_distance[apart].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
-        found = np.linalg.inv(between + np.diag(np.tile(1.0 / ((1.0 - SPREAD) * self.support.of_seat), n)))
+        compliance = np.linalg.inv(between + np.diag(np.tile(1.0 / ((1.0 - SPREAD) * self.support.of_seat), n)))
         # a load over the middle sleeper, each along its own mode
-        carried = np.abs(np.einsum("sma,am->sm", found.reshape(n, 3, -1), between[:, 3 * (n // 2) :][:, :3]))
-        if (carried[[0, -1]] > FAR * carried.max(axis=0)).any():
+        carried = np.abs(np.einsum("sma,am->sm", compliance.reshape(n, 3, -1), between[:, 3 * (n // 2) :][:, :3]))
+        if (carried[[0, -1]] > MAX_LAST_LOAD * carried.max(axis=0)).any():
             raise InputError(
                 f"{n} sleepers, the last with {(carried[[0, -1]] / carried.max(axis=0)).max():.2g} of the largest load",
-                f"as many as the load reaches, with less than {FAR:g} there",
+                f"as many as the load reaches, with less than {MAX_LAST_LOAD:g} there",
                 "raise the stiffness of the seats or n_sleepers, or take a continuous support",
             )
-        return found.reshape(n, 3, n, 3)
+        return compliance.reshape(n, 3, n, 3)
 
     def on_surface(self, points: Floats) -> tuple[Ints, Floats]:
         """Nodes of the boundary's edges nearest to points (n, 2), and their shares at the feet, each (n, order + 1).
@@ -350,9 +352,9 @@ class SupportedRail:
         """
         at_points = np.einsum("np,knpim->knim", shares, self.by_seats[:, nodes])
         even, odd = self.weights_at(-self.support.sleepers_mm, self.support.pad_length_mm, 1)
-        found = np.einsum("sk,knim->nism", even, at_points)
-        found[:, 2] = np.einsum("sk,knm->nsm", odd, at_points[:, :, 2])
-        return found
+        displacements = np.einsum("sk,knim->nism", even, at_points)
+        displacements[:, 2] = np.einsum("sk,knm->nsm", odd, at_points[:, :, 2])
+        return displacements
 
     def seat_forces(self, nodes: Ints, shares: Floats, forces: Floats) -> Floats:
         """Loads of the seats on the rail by forces (n, 3) at points at z = 0: (n_sleepers, 3)."""
@@ -437,8 +439,8 @@ def narrowest_web(outline: Outline) -> tuple[float, float, float]:
         x = first[:, 0] + (heights[:, None] - first[:, 1]) / rise * (second[:, 0] - first[:, 0])
     left = np.where(crossed, x, np.inf).min(axis=1)
     right = np.where(crossed, x, -np.inf).max(axis=1)
-    place = int(np.argmin(right - left))
-    return float(heights[place]), float(left[place]), float(right[place])
+    row = int(np.argmin(right - left))
+    return float(heights[row]), float(left[row]), float(right[row])
 
 
 def head_motion(mesh: PolyMesh, displacement: Floats, profile: RailProfile) -> tuple[Floats, Floats, float]:
@@ -564,19 +566,19 @@ def rails_along_track(
 
     """
     z = _usual_places() if z_mm is None else np.asarray(z_mm, dtype=np.float64)
-    nodes, loads, reactions = zip(*(_on_head(rail, each) for each in loaded), strict=True)
+    nodes, loads, reactions = zip(*(_on_head(rail, forces) for forces in loaded), strict=True)
     # each rail has two columns: by its forces in the section, and by those along z
-    columns = block_diag(*(each.reshape(-1, 2) for each in loads)).reshape(-1, 3, 2 * len(loaded))
+    columns = block_diag(*(forces.reshape(-1, 2) for forces in loads)).reshape(-1, 3, 2 * len(loaded))
     fields = rail.released(rail.answers(np.concatenate(nodes), columns))
     return [
-        _along(rail, profile, z, gauge_depth_mm, each.placement, of_seats, fields[..., 2 * i : 2 * i + 2])
-        for i, (each, of_seats) in enumerate(zip(loaded, reactions, strict=True))
+        _along(rail, profile, z, gauge_depth_mm, head.placement, of_seats, fields[..., 2 * i : 2 * i + 2])
+        for i, (head, of_seats) in enumerate(zip(loaded, reactions, strict=True))
     ]
 
 
 def _on_head(rail: SupportedRail, loaded: LoadedRail) -> tuple[Ints, Floats, Floats]:
     """Nodes (m,) of the edges of a rail's points, their loads (m, 3, 2), and `SupportedRail.seat_forces`."""
-    points, forces = (np.asarray(each, dtype=np.float64) for each in loaded[:2])
+    points, forces = (np.asarray(array, dtype=np.float64) for array in loaded[:2])
     if points.shape[1:] != (2,) or forces.shape != (len(points), 3) or not np.isfinite(forces).all():
         raise InputError(
             f"points of shape {points.shape} and forces of shape {forces.shape}",
@@ -630,21 +632,21 @@ def _summed(rail: SupportedRail, by_forces: Floats, reactions: Floats, z: Floats
 
     The first of the two is the sum, the second that of amplitudes times wavenumbers.
     """
-    wavenumbers, places = rail.wavenumbers, rail.support.sleepers_mm
+    wavenumbers, sleepers = rail.wavenumbers, rail.support.sleepers_mm
     even, odd = rail.weights_at(z, LOADED_MM, 1)
     # sources: forces in the section, and along z, whose waves are a quarter of a length ahead; modes of the seats
     cosine, sine = np.zeros((2, len(z), len(wavenumbers), 5))
     cosine[..., 0], sine[..., 0], cosine[..., 1], sine[..., 1] = even, odd, -odd, even
     fields = np.concatenate((by_forces, rail.by_seats), axis=-1)
-    if len(places):
-        even, odd = rail.weights_at(z[:, None] - places, rail.support.pad_length_mm, 1)
-        cosine[..., 2:], sine[..., 2:] = (np.einsum("zsk,sm->zkm", each, reactions) for each in (even, odd))
-    found = [
+    if len(sleepers):
+        even, odd = rail.weights_at(z[:, None] - sleepers, rail.support.pad_length_mm, 1)
+        cosine[..., 2:], sine[..., 2:] = (np.einsum("zsk,sm->zkm", parts, reactions) for parts in (even, odd))
+    sums = [
         np.einsum("zkm,kdim->zdi", weights * factor[:, None], fields, optimize=True)
         for weights in (cosine, sine)
         for factor in (np.ones(len(wavenumbers)), wavenumbers)
     ]
-    return np.stack(found[:2]), np.stack(found[2:])
+    return np.stack(sums[:2]), np.stack(sums[2:])
 
 
 def _stresses(rail: SupportedRail, profile: RailProfile, z: Floats, even: Floats, odd: Floats) -> RailStresses:
@@ -659,8 +661,8 @@ def _stresses(rail: SupportedRail, profile: RailProfile, z: Floats, even: Floats
         return reconstruction, stress.reshape(-1, *stress.shape[2:])
 
     components = polynomials_at(space, points, cells, polynomials, 6 * len(z)).reshape(len(points), len(z), 6)
-    found = SpatialStresses(components.swapaxes(0, 1).reshape(-1, 6))
-    return RailStresses(points, regions, z, components[..., 2].T, found.von_mises.reshape(len(z), -1))
+    stresses = SpatialStresses(components.swapaxes(0, 1).reshape(-1, 6))
+    return RailStresses(points, regions, z, components[..., 2].T, stresses.von_mises.reshape(len(z), -1))
 
 
 def _surface(mesh: PolyMesh, profile: RailProfile) -> tuple[NDArray[np.int32], NDArray[np.str_]]:
@@ -670,7 +672,7 @@ def _surface(mesh: PolyMesh, profile: RailProfile) -> tuple[NDArray[np.int32], N
     taken = mesh.edge_numbers(np.vstack((base, head)))
     free = mesh.boundary_edges[~np.isin(mesh.edge_numbers(mesh.boundary_edges), taken)]
     height, left, right = narrowest_web(profile.outline)
-    found, regions = [base], [np.full(len(base), "foot", dtype="U12")]
+    chains, regions = [base], [np.full(len(base), "foot", dtype="U12")]
     outer = mesh.points[free].mean(axis=1)[:, 0] > (left + right) / 2.0
     for side in (free[outer], free[~outer]):
         chain = ordered_pairs(side, "side of the rail")
@@ -686,7 +688,7 @@ def _surface(mesh: PolyMesh, profile: RailProfile) -> tuple[NDArray[np.int32], N
             (slice(start, None, -1), ("web", "lower fillet", "foot")),
         ):
             steps = np.digitize(np.maximum.accumulate(level[part]), (UPRIGHT, LEVEL))
-            mine = np.array(names, dtype="U12")[steps]
-            found.append(chain[part][mine != ""])
-            regions.append(mine[mine != ""])
-    return np.vstack(found), np.concatenate(regions)
+            region_names = np.array(names, dtype="U12")[steps]
+            chains.append(chain[part][region_names != ""])
+            regions.append(region_names[region_names != ""])
+    return np.vstack(chains), np.concatenate(regions)

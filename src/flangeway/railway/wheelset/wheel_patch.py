@@ -22,7 +22,7 @@ from flangeway.types import Floats
 DEPTHS = (0.05, 3.0)
 """Least depth over the shorter semi-axis, and greatest one over the longer one, of the lines below patches."""
 N_DEPTHS = 40
-NARROW = 10
+MIN_CELLS_OF_PATCH = 10
 """Cells across or along a patch below which its maximum pressure is uncertain by more than 2 %."""
 
 
@@ -108,7 +108,7 @@ class SpatialPatch:
     def remark(self) -> str:
         """What limits the maximum pressure, empty if nothing does."""
         across, along = self.ellipse.cells
-        return f"{across} by {along} cells" if min(across, along) < NARROW else ""
+        return f"{across} by {along} cells" if min(across, along) < MIN_CELLS_OF_PATCH else ""
 
     def below(self, role: Role, tractions: Floats | None = None) -> DepthProfile:
         """Stresses on the normal below the centre of pressure, of a half-space under the tractions of the side.
@@ -138,8 +138,8 @@ class SpatialPatch:
         """Points of a body at depths below lengths along the rail's surface, in the track's axes; (n,) each, (n, 3)."""
         state, stations = self.state, self.state.grid.grid.stations
         points, normals = (
-            np.stack([np.interp(along, stations, values) for values in each.T], axis=1)
-            for each in (state.points, state.normals)
+            np.stack([np.interp(along, stations, values) for values in array.T], axis=1)
+            for array in (state.points, state.normals)
         )
         inward = normals * (1.0 if role == "wheel" else -1.0) / np.linalg.norm(normals, axis=1)[:, None]
         points = points + depths[:, None] * inward

@@ -28,7 +28,7 @@ no longer small against the elastic ones: 0.00125, 260 MPa in steel."""
 STEEL_MPa = (190e3, 220e3)
 """Young's moduli that are taken for those of steel, whose yield strength is assumed where none is given."""
 
-BELOW = 2.0
+DEPTH_BELOW = 2.0
 """Distance from a centre of pressure, over the contact's half width, that is below the contact: the maximum stresses of
 Hertz's contact are at 0.7 to 0.8 half widths."""
 
@@ -71,7 +71,7 @@ def checked(
         stiffer = "lower penetration_mm"
     checks = check_contact(model.system, equilibrium.state, regions, names, "lower size_scale", stiffer)
     errors = [*_unbalanced(model, patches), *checks.errors, *_outside(patches, overlaps)]
-    if not all(np.isfinite(each).all() for each in displacements.values()):
+    if not all(np.isfinite(values).all() for values in displacements.values()):
         errors.append("displacements are not finite numbers")
     status = equilibrium.status
     if status.converged and errors:
@@ -110,7 +110,7 @@ def _outside(patches: Iterable[WheelRailPatch], overlaps: Sequence[BodyOverlap])
         "profiles and the load"
         for side in sides
     ]
-    return errors + [overlap_error(each) for each in overlaps if not each.is_explained]
+    return errors + [overlap_error(overlap) for overlap in overlaps if not overlap.is_explained]
 
 
 def overlap_error(overlap: BodyOverlap) -> str:
@@ -179,12 +179,12 @@ def _beyond_yield(
 
 
 def below_contacts(model: WheelsetModel, patches: Iterable[WheelRailPatch], name: str) -> Bools:
-    """Return which cells of a part lie below one of its contacts, within `BELOW` half widths, shape (n_cells,)."""
+    """Return which cells of a part lie within `DEPTH_BELOW` half widths below one of its contacts, shape (n_cells,)."""
     mesh = model.parts[name].body.space.mesh
     near = np.zeros(mesh.n_cells, dtype=np.bool_)
     for patch in patches:
         if name.endswith(patch.side):
             centre = patch.wheel_point_mm if name.startswith("wheel") else patch.rail_point_mm
             distance = np.linalg.norm(mesh.cell_centroids - centre, axis=1)
-            near |= distance <= max(BELOW * patch.pressure.half_width, float(distance.min()))
+            near |= distance <= max(DEPTH_BELOW * patch.pressure.half_width, float(distance.min()))
     return near

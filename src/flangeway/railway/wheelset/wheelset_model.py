@@ -30,7 +30,7 @@ from flangeway.types import Bools, Floats
 # --- Meshes of wheels and rails, fine in the candidate zones of contact, kept from one process to the next.
 
 
-HELD = "support"
+SUPPORT = "support"
 """Edge set of what is held of a wheel or rail, or stands on a foundation."""
 
 
@@ -97,7 +97,7 @@ def meshed_body(
         ) from error
     edges = zone.edges(mesh, profile.running_names, role)
     material, thickness = problem.material_of(role), problem.thickness_mm
-    return Body(role, mesh, settings.element_of(role), material, HELD, thickness=thickness), edges, surface
+    return Body(role, mesh, settings.element_of(role), material, SUPPORT, thickness=thickness), edges, surface
 
 
 def mesh_profile(
@@ -110,7 +110,7 @@ def mesh_profile(
 ) -> PolyMesh:
     """Mesh a profile by triangles or the polygons dual to them, or take the mesh stored for the same input.
 
-    What is held of it is the edge set `HELD`.
+    What is held of it is the edge set `SUPPORT`.
     """
     outline, polygons = profile.outline, problem.discretisation.method_of(role) == "vem"
 
@@ -121,7 +121,7 @@ def mesh_profile(
     fine = refinement.points, refinement.size, refinement.growth
     content = outline.segments, outline.names, size, *fine, polygons, version("gmsh")
     mesh = _unpacked(cached(cache, make, "mesh", *content))
-    return mesh.with_edge_set(HELD, np.vstack([mesh.edge_set(name) for name in profile.held_names]))
+    return mesh.with_edge_set(SUPPORT, np.vstack([mesh.edge_set(name) for name in profile.held_names]))
 
 
 def _packed(mesh: PolyMesh) -> Arrays:
@@ -212,8 +212,8 @@ class WheelsetModel:
         curvature = relative_curvature(wheel, wheel_point, rail, rail_point)
         if not curvature > 0.0:
             return None
-        found = LineContact(force / self.problem.thickness_mm, curvature, self.hertz.modulus)
-        return None if conforming(wheel, wheel_point, rail, rail_point, found.half_width) else found
+        contact = LineContact(force / self.problem.thickness_mm, curvature, self.hertz.modulus)
+        return None if conforming(wheel, wheel_point, rail, rail_point, contact.half_width) else contact
 
     def placements(self, position: WheelsetPosition) -> tuple[Placement, ...]:
         """Placements of the system's parts at a position of the wheelset."""
@@ -277,23 +277,27 @@ def build_model(
     return WheelsetModel(problem, start, hertz, ContactSystem(contacts), parts)
 
 
-def _with_wide(places: Mapping[str, Floats], close: Mapping[str, Floats], width: float) -> dict[str, Floats]:
+def _with_wide(points: Mapping[str, Floats], close: Mapping[str, Floats], width: float) -> dict[str, Floats]:
     """Places of contact, and besides those close to it that are farther than a width from all of them."""
-    found = {}
-    for name, at in places.items():
+    boxes = {}
+    for name, at in points.items():
         apart = np.linalg.norm(close[name][:, None] - at, axis=2).min(axis=1, initial=np.inf)
-        found[name] = np.vstack((at, close[name][apart > width]))
-    return found
+        boxes[name] = np.vstack((at, close[name][apart > width]))
+    return boxes
 
 
 def _zones(problem: WheelsetProblem, near: Mapping[str, Floats], reach: float) -> dict[str, Zone]:
     """Zone of each part; equal profiles of both sides share one zone."""
-    places = {name: [(float(x), float(y)) for x, y in points] for name, points in near.items()}
+    points_by_name = {name: [(float(x), float(y)) for x, y in points] for name, points in near.items()}
     if problem.track.is_symmetric:
-        places["rail-left"] = places["rail-right"] = places["rail-left"] + places["rail-right"]
+        points_by_name["rail-left"] = points_by_name["rail-right"] = (
+            points_by_name["rail-left"] + points_by_name["rail-right"]
+        )
     if problem.wheelset.left_wheel is None:
-        places["wheel-left"] = places["wheel-right"] = places["wheel-left"] + places["wheel-right"]
-    return {name: Zone(tuple(at), reach) for name, at in places.items()}
+        points_by_name["wheel-left"] = points_by_name["wheel-right"] = (
+            points_by_name["wheel-left"] + points_by_name["wheel-right"]
+        )
+    return {name: Zone(tuple(at), reach) for name, at in points_by_name.items()}
 
 
 GAUGE_SIDE = np.tan(np.deg2rad(15.0))  # slope of the contact from which it is named after the gauge corner

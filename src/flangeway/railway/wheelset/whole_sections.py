@@ -17,14 +17,20 @@ from flangeway.railway.wheelset.rolling.patch_rolling import forces_on_cells
 from flangeway.railway.wheelset.running_surfaces import running_cells
 from flangeway.railway.wheelset.side_contact import tangents_of, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
-from flangeway.railway.wheelset.supported_rail import SPREAD, WAVENUMBERS, RailSupport, SupportedRail, weights_at
+from flangeway.railway.wheelset.supported_rail import (
+    SPREAD,
+    WAVENUMBERS,
+    RailSupport,
+    SupportedRail,
+    weights_at,
+)
 from flangeway.solve import SurfaceCells
 from flangeway.solve.surface_compliance import FurtherLoads, StripForces, wave_sums, waves
 from flangeway.types import Floats
 
 MIN_HELD = 1e-3
 """Least wavenumber per mm of a body that is held: longer waves change no stress by 1e-3 of the maximum pressure."""
-JOINED = 1e-6
+END_TOLERANCE = 1e-6
 """Distance of two ends of cells over the width of the strips that are one."""
 
 
@@ -51,20 +57,20 @@ def whole_sections(result: SpatialResult, role: Role) -> dict[Side, WholeSection
     of its rim, held at its cut, in the plane through its axis and the patch. A side without contact has none. Sides of
     one profile share the factorisations of its section.
     """
-    problem, model, found = result.problem, result.wheelset.model, dict[Side, WholeSection]()
+    problem, model, sections = result.problem, result.wheelset.model, dict[Side, WholeSection]()
     touching = [side for side in SIDES if any(patch.side == side for patch in result.patches)]
     profiles = {side: _profile(problem, side, role) for side in touching}
     for first in touching:
-        if first in found:
+        if first in sections:
             continue
         whole = running_cells(problem, model, profiles[first], result.cache)
         cuts = [_cut(result, side, role, whole) for side in touching if profiles[side] is profiles[first]]
         support = model.support if role == "rail" else None
-        wavenumbers = waves(MIN_HELD if support is None else WAVENUMBERS[0], min(each.forces.strip for each in cuts))
+        wavenumbers = waves(MIN_HELD if support is None else WAVENUMBERS[0], min(cut.forces.strip for cut in cuts))
         further = None if support is None else _sleepers(whole.problem, support, result, wavenumbers, cuts)
-        sums = wave_sums([each.forces for each in cuts], wavenumbers, further)
-        found |= {cut.side: _section(cut, *each) for cut, each in zip(cuts, sums, strict=True)}
-    return found
+        sums = wave_sums([cut.forces for cut in cuts], wavenumbers, further)
+        sections |= {cut.side: _section(cut, *waves_of_cut) for cut, waves_of_cut in zip(cuts, sums, strict=True)}
+    return sections
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +116,7 @@ def _cut(result: SpatialResult, side: Side, role: Role, whole: SurfaceCells) -> 
         axes = np.stack((pose.axis, inward, np.cross(pose.axis, inward)), axis=1)
     else:
         frame, origin, axes, forces = surfaces.rail_frame, np.array([0.0, 0.0, z]), np.eye(3), -forces
-    own = np.diff(ends, prepend=-np.inf) > JOINED * grid.strip
+    own = np.diff(ends, prepend=-np.inf) > END_TOLERANCE * grid.strip
     cells = SurfaceCells(whole.problem, whole.edges, ends[own])
     rows = np.minimum(np.cumsum(own)[::2], cells.n_cells) - 1
     turn = axes.copy()
@@ -161,7 +167,9 @@ def _sleepers(
     def of(cut: _Cut) -> Callable[[int, Floats], Floats]:
         of_seats = (1.0 - SPREAD) * result.rails[cut.side].reactions
         apart = cut.z - support.sleepers_mm
-        seats = np.stack([each.T @ of_seats for each in weights_at(low, apart, support.pad_length_mm, 1)], axis=-1)
+        seats = np.stack(
+            [weights.T @ of_seats for weights in weights_at(low, apart, support.pad_length_mm, 1)], axis=-1
+        )
 
         def amounts(number: int, fields: Floats) -> Floats:
             if number >= len(low):

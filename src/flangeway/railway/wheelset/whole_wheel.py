@@ -74,13 +74,13 @@ class Axle:
         if not (np.isfinite(drawn).all() and (drawn[:, 1] > 0.0).all()):
             raise InputError("Axle: diameters_mm that are not all positive", "positive diameters", "correct them")
 
-    def tilts(self, places: Floats, forces: Floats) -> Floats:
+    def tilts(self, positions: Floats, forces: Floats) -> Floats:
         """Rotations of both wheel seats against the line through them, in rad, counter-clockwise.
 
         Parameters
         ----------
-        places
-            Places of the left and the right wheel along the axle from its middle, in mm, (2,); rising.
+        positions
+            Positions of the left and the right wheel along the axle from its middle, in mm, (2,); rising.
         forces
             What acts on each at the axle's centre line: the force upwards in N, and the counter-clockwise moment in
             N mm; (2, 2). Forces along the axle do not bend it. The journals keep the equilibrium.
@@ -92,16 +92,16 @@ class Axle:
 
         """
         drawn = np.array(self.diameters_mm)
-        left, right = (float(place) for place in places)
+        left, right = (float(position) for position in positions)
         if not -drawn[-1, 0] <= left < right <= drawn[-1, 0]:
             raise InputError(
                 sentence("wheels at {:g (mm)} and {:g mm} on an axle that ends at {:g mm}", left, right, drawn[-1, 0]),
                 "the left wheel before the right one, both on the axle",
-                "correct the places, or give a longer axle",
+                "correct the positions, or give a longer axle",
             )
         half = self.journals_mm / 2.0
         up, moments = forces.T
-        turning = float(up @ places + moments.sum()) / half
+        turning = float(up @ positions + moments.sum()) / half
         journals = np.array([turning - up.sum(), -turning - up.sum()]) / 2.0
         ends = np.unique(np.clip([left, right, half, -half, *drawn[:, 0], *-drawn[:, 0]], left, right))
         points, weights = gauss(8)
@@ -122,9 +122,9 @@ class Axle:
 # for n <= 8 and by a spline over log n beyond, each less that of the prism of the same length along the surface.
 
 
-ONE_BY_ONE = 8
+N_SINGLE_HARMONICS = 8
 """Harmonics that are computed each."""
-PER_DECADE = 4
+HARMONICS_PER_DECADE = 4
 """Those beyond for each decade."""
 SHORTEST_MM = 20.0
 """Wave along the surface beyond which prism and wheel are the same."""
@@ -179,13 +179,13 @@ class WheelDisc:
     bore_radius_mm: float = 100.0
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            value = getattr(self, each.name)
+        for dimension in fields(self):
+            value = getattr(self, dimension.name)
             for number in value if isinstance(value, tuple) else (value,):
-                if each.name in ("web_middle_mm", "hub_mm"):
-                    check_finite("WheelDisc", each.name, number)
+                if dimension.name in ("web_middle_mm", "hub_mm"):
+                    check_finite("WheelDisc", dimension.name, number)
                 else:
-                    check_positive("WheelDisc", each.name, number, "positive lengths", "give it in mm")
+                    check_positive("WheelDisc", dimension.name, number, "positive lengths", "give it in mm")
         if not (self.hub_mm[0] < self.hub_mm[1] and self.bore_radius_mm < self.hub_radius_mm):
             raise InputError(
                 sentence(
@@ -244,8 +244,8 @@ def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WheelDisc | None 
         ((back[0], disc.rim_mm), "back_face", 0.0),
         (back, RUNNING, 0.0),
     ]
-    places, names, radii = zip(*corners, strict=True)
-    heights = [places[i][1] for i in (0, 1, 3, 5)]
+    positions, names, radii = zip(*corners, strict=True)
+    heights = [positions[i][1] for i in (0, 1, 3, 5)]
     if (np.diff(heights) <= 0.0).any() or back[1] >= disc.rim_mm:
         raise InputError(
             sentence(
@@ -261,14 +261,14 @@ def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WheelDisc | None 
             "correct the radii or the rim's thickness",
         )
     try:
-        sides = rounded_sides(places, radii, names)
+        sides = rounded_sides(positions, radii, names)
     except InputError as error:
         raise InputError(
             "fillets of the web: " + error.given,
             "fillets that fit between the rim and the hub",
             "give a smaller fillet_mm, a thinner web, or another web_middle_mm",
         ) from error
-    kept += [(each[4] if each[2] is None else "web", segment_of(*each[:4])) for each in sides if each[4] != RUNNING]
+    kept += [(side[4] if side[2] is None else "web", segment_of(*side[:4])) for side in sides if side[4] != RUNNING]
     outline = Outline.named(kept)
     return replace(
         profile,
@@ -303,17 +303,17 @@ def wheel_correction(whole: WheelProfile, radius_mm: float, cells: SurfaceCells,
         If the cells are not on the wheel's surface.
 
     """
-    found = cached(
+    correction = cached(
         cache,
         lambda: {"values": _correction(revolved(whole, radius_mm, cells), cells)},
         "wheel",
         *cells.content,
         (whole.outline.segments, whole.outline.names, radius_mm, _SETTINGS),
     )
-    return found["values"]
+    return correction["values"]
 
 
-_SETTINGS = (ONE_BY_ONE, PER_DECADE, SHORTEST_MM, BODY_MM, EDGES_A_CELL, EDGES_A_WAVE, GROWTH)
+_SETTINGS = (N_SINGLE_HARMONICS, HARMONICS_PER_DECADE, SHORTEST_MM, BODY_MM, EDGES_A_CELL, EDGES_A_WAVE, GROWTH)
 
 
 def revolved(whole: WheelProfile, radius_mm: float, cells: SurfaceCells) -> SurfaceCells:
@@ -349,19 +349,19 @@ def _correction(wheel: SurfaceCells, prism: SurfaceCells) -> Floats:
     radii = wheel.middles[:, 0]
     mean = float(radii.mean())
     top = 2.0 * np.pi * mean / SHORTEST_MM
-    steps = int(np.ceil(PER_DECADE * np.log10(top / ONE_BY_ONE))) + 1
-    numbers: Floats = np.append(np.arange(ONE_BY_ONE), np.geomspace(ONE_BY_ONE, round(top), steps))
-    found = compliances(wheel, numbers)
-    more = found - compliances(prism, numbers / mean) / mean
+    steps = int(np.ceil(HARMONICS_PER_DECADE * np.log10(top / N_SINGLE_HARMONICS))) + 1
+    numbers: Floats = np.append(np.arange(N_SINGLE_HARMONICS), np.geomspace(N_SINGLE_HARMONICS, round(top), steps))
+    computed = compliances(wheel, numbers)
+    more = computed - compliances(prism, numbers / mean) / mean
     # n times the difference is a spline over log n; the first and the last term count half
-    weights = (numbers <= ONE_BY_ONE).astype(np.float64)
+    weights = (numbers <= N_SINGLE_HARMONICS).astype(np.float64)
     weights[0] = 0.5
-    between = np.arange(ONE_BY_ONE + 1, round(top) + 1)
+    between = np.arange(N_SINGLE_HARMONICS + 1, round(top) + 1)
     shares = np.where(between == between[-1], 0.5, 1.0) / between
     weights[1:] += shares @ CubicSpline(np.log(numbers[1:]), np.eye(len(numbers) - 1))(np.log(between)) * numbers[1:]
     result = np.tensordot(weights, more, axes=1).reshape(len(radii), 3, len(radii), 3)
     # cells at other radii reach the length of the last wave at another number
-    last = (numbers[-1] * found[-1]).reshape(result.shape)
+    last = (numbers[-1] * computed[-1]).reshape(result.shape)
     result += last * np.log((radii[:, None, None] + radii[:, None]) / (2.0 * mean))[:, None]
     result[:, 2, :, :2] = result[:, :2, :, 2] = 0.0  # odd around the place of the force
     return result / np.pi

@@ -94,7 +94,7 @@ def inputs_tables(case: Case) -> list[SummaryTable]:
     if case.units == "us":
         meanings = [*map(in_us_units, meanings)]
     rows = tuple((*row, meaning) for row, meaning in zip(input_rows(plain, case.units), meanings, strict=True))
-    found = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), rows, of_words=True)]
+    tables = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), rows, of_words=True)]
     for key, value in case.model_dump(exclude_defaults=True).items():
         if key not in plain:
             items = (
@@ -104,8 +104,8 @@ def inputs_tables(case: Case) -> list[SummaryTable]:
             )
             for caption, item in items.items():
                 table = SummaryTable(caption, ("", "value"), tuple(input_rows(item, case.units)), of_words=True)
-                found.append(table)
-    return found
+                tables.append(table)
+    return tables
 
 
 def has_tables(case: Case) -> bool:
@@ -217,14 +217,14 @@ def write_record(
     drawn: list[tuple[Picture, bytes]] = []
     if record.pictures and pictures:
         progress("drawing the pictures")
-        drawn = [(each, png(each.draw())) for each in record.pictures]
+        drawn = [(picture, png(picture.draw())) for picture in record.pictures]
     timings_s = (
         {**record.timings_s, "pictures": time.perf_counter() - start}
         if drawn and record.timings_s
         else record.timings_s
     )
     progress("writing the files")
-    writers = {each.file: bytes_writer(data) for each, data in drawn} | dict(record.files())
+    writers = {picture.file: bytes_writer(data) for picture, data in drawn} | dict(record.files())
     if xlsx:
         summary = ResultTable.of_numbers(record.summary)
         rows = [[*summary.columns], *(_in_units(row, record.units) for row in summary.rows())]

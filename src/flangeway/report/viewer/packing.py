@@ -15,7 +15,7 @@ from flangeway.types import Floats, floats
 LEVEL = 6
 """Of compression; 9 takes five times as long for a page that is two thousandths smaller."""
 
-SAME = 1e-9
+VALUE_TOLERANCE = 1e-9
 """Difference over the largest value of an array below which values count as the same."""
 
 
@@ -108,7 +108,7 @@ def _without_copies(part: ShownPart, values: Floats, first: NDArray[np.intp] | N
     own = np.repeat(starts, part.mesh.cell_sizes)
     at_places, at_cells = True, True
     for step in values:
-        tolerance = SAME * float(np.abs(step).max(initial=0.0))
+        tolerance = VALUE_TOLERANCE * float(np.abs(step).max(initial=0.0))
         at_places = at_places and np.abs(step - step[first][part.places]).max(initial=0.0) <= tolerance
         at_cells = at_cells and np.abs(step[part.mesh.cell_points] - step[own]).max(initial=0.0) <= tolerance
     if at_places:

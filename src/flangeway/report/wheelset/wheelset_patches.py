@@ -22,7 +22,7 @@ from flangeway.railway.wheelset.plane_wheelset import WheelsetResult
 from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
-from flangeway.railway.wheelset.wheelset_model import HELD
+from flangeway.railway.wheelset.wheelset_model import SUPPORT
 from flangeway.railway.wheelset.whole_sections import WholeSection
 from flangeway.report.figures.drawing import (
     COLOURS,
@@ -122,7 +122,7 @@ def _deformed(result: WheelsetResult, side: Side) -> list[Floats]:
     rims = []
     for name in (f"rail-{side}", f"wheel-{side}"):
         mesh = result.model.parts[name].body.space.mesh
-        rim = mesh.chain(*(name for name in mesh.edge_sets if name != HELD))  # its edges have other names too
+        rim = mesh.chain(*(name for name in mesh.edge_sets if name != SUPPORT))  # its edges have other names too
         rims.append(result.placements[name].points(mesh.points[rim] + result.displacements[name][rim]))
     return rims
 

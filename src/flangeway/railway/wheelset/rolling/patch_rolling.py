@@ -10,7 +10,14 @@ from flangeway.contact.patch.normal_contact import Convolution, Pressing
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.fast_theories import SimplifiedRolling, Theory
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import BEYOND, Creepages, CreepForces, Rolling, RollingContact, box_of
+from flangeway.contact.rolling.rolling_contact import (
+    STRIPS_BEYOND,
+    Creepages,
+    CreepForces,
+    Rolling,
+    RollingContact,
+    box_of,
+)
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, tangents_of
@@ -111,7 +118,7 @@ class RollingMotion:
         if self.flange_friction is None:
             return self.friction
         own = Friction(self.flange_friction)
-        static, kinetic = (each[0] for each in self.friction.limits)
+        static, kinetic = (limit[0] for limit in self.friction.limits)
         steep = on_gauge_face(normals)
         share = kinetic / static if static > 0.0 else 1.0
         on_face = float(own.limits[0][0])
@@ -198,7 +205,7 @@ def contact_in(
     own = friction.of_rows(rows)
     coefficients = np.zeros((0, 0, 0))
     if bodies:
-        coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
+        coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * STRIPS_BEYOND)
     return RollingContact(cells, forces / cells.areas, own, side.surfaces.materials, coefficients, None, origin)
 
 
@@ -214,18 +221,18 @@ def strips_of(state: SideNewton | SideState, contact: RollingContact) -> slice:
     return slice(first, first + contact.grid.n_strips)
 
 
-def forces_on_cells(found: CreepForces, contact: RollingContact) -> Floats:
+def forces_on_cells(forces: CreepForces, contact: RollingContact) -> Floats:
     """Creep forces on the cells (n_cells, n_strips, 2), along t and z.
 
     Where a theory has none, or those of an ellipse, what is missing is spread as the normal forces are.
     """
     share = (contact.normal_forces / contact.force)[..., None]
-    if isinstance(found, Rolling):
-        return np.asarray(found.tractions * contact.areas[..., None])
+    if isinstance(forces, Rolling):
+        return np.asarray(forces.tractions * contact.areas[..., None])
     cells = np.zeros((*share.shape[:2], 2))
-    if isinstance(found, SimplifiedRolling):
-        cells = found.tractions * contact.areas[..., None]
-    return np.asarray(cells + share * (np.array([found.across, found.along]) - cells.sum(axis=(0, 1))))
+    if isinstance(forces, SimplifiedRolling):
+        cells = forces.tractions * contact.areas[..., None]
+    return np.asarray(cells + share * (np.array([forces.across, forces.along]) - cells.sum(axis=(0, 1))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,8 +266,8 @@ class RollingPatch:
     @cached_property
     def tractions(self) -> Floats | None:
         """Tractions (t, z) of friction on the wheel's cells of the side, (n, n_z, 2); None: the theory has none."""
-        found = self.forces
-        return self.on_side(found.tractions) if isinstance(found, Rolling | SimplifiedRolling) else None
+        forces = self.forces
+        return self.on_side(forces.tractions) if isinstance(forces, Rolling | SimplifiedRolling) else None
 
     @cached_property
     def _side_force(self) -> Floats:

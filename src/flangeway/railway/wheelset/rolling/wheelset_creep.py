@@ -24,7 +24,7 @@ from flangeway.railway.wheelset.rolling.patch_rolling import (
     rows_of,
     strips_of,
 )
-from flangeway.railway.wheelset.side_contact import SideState, WheelPose, tangents_of
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose, tangents_of
 from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton, interpolated
 from flangeway.types import Bools, Floats
 
@@ -92,21 +92,16 @@ class WheelsetCreep:
 
     - `motion`: how the wheelset rolls.
     - `rate_rad_s`: rate of rotation about the axle.
-    - `theory`: of the forces.
-    - `max_bent_mm`: displacement of a cell by a change of creep forces in one step, at most.
     - `tolerance`: error of the law of friction by the exact theory.
     - `before`: creep forces to start from, on other cells.
     """
 
     motion: RollingMotion
     rate_rad_s: float
-    theory: Theory
-    max_bent_mm: float = np.inf
     tolerance: float = TOLERANCE
     before: Mapping[Side, SideCreep] = field(default_factory=dict)
-    _contacts: dict[tuple[object, ...], RollingContact] = field(default_factory=dict)
-    _last: dict[tuple[object, ...], Rolling] = field(default_factory=dict)
-    _parts: dict[object, list[Bools]] = field(default_factory=dict)
+    _last: dict[GriddedSide, Rolling] = field(default_factory=dict)
+    _parts: dict[GriddedSide, list[Bools]] = field(default_factory=dict)
 
     def creepages(
         self, side: Side, pose: WheelPose, rate: float, rows: tuple[Floats, Floats], contact: RollingContact
@@ -117,7 +112,7 @@ class WheelsetCreep:
         turning = rate * pose.axis
         yawing = np.array([0.0, -sign * self.motion.turning_rad_s, 0.0])
         flat = np.zeros((len(points), 1))
-        arms, from_axle = (np.hstack((points - each, flat)) for each in (pose.middle, (pose.x, pose.y)))
+        arms, from_axle = (np.hstack((points - centre, flat)) for centre in (pose.middle, (pose.x, pose.y)))
         slip = np.array([sign * self.motion.lateral_velocity_m_s, 0.0, speed])
         slip = slip + 1e-3 * (np.cross(turning, arms) + np.cross(yawing, from_axle))
         spin = 1e-3 * (normals @ (turning + yawing)[:2]) / speed
@@ -129,15 +124,14 @@ class WheelsetCreep:
     def of_side(self, side: Side, state: SideNewton | SideState, normal: Floats) -> SideCreep:
         """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
         patches: list[PatchCreep] = []
-        for number, inside in enumerate(self._divided(side, state, normal)):
-            key = (state.grid, number)
-            contact = self._contact(state, normal, inside, key)
+        for inside in self._divided(side, state, normal):
+            contact = self._contact(state, normal, inside)
             rows = rows_of(state, contact)
             # bodies of one material stretch alike under pressure: the wheel rolls on its undeformed radius
             nearest = int(np.abs(state.grid.grid.along - contact.grid.along[0] + contact.places[1][0]).argmin())
             points = state.gap.arms[:, nearest, :2] + np.array([state.pose.x, state.pose.y])
             motion = self.creepages(side, state.pose, self.rate_rad_s, (points[rows], state.normals[rows]), contact)
-            patches.append(PatchCreep(inside, contact, self._forces(key, side, contact, motion), points))
+            patches.append(PatchCreep(inside, contact, self._forces(state.grid, side, contact, motion), points))
         return self._side(state, state.pose, tuple(patches))
 
     def _divided(self, side: Side, state: SideNewton | SideState, normal: Floats) -> list[Bools]:
@@ -145,19 +139,20 @@ class WheelsetCreep:
 
         Each patch moves the surfaces of the others along the track, and nothing jumps as they meet.
         """
-        if self.theory == "exact":
+        if self.motion.theory == "exact":
             return [normal > 0.0] if normal.any() else []
         if state.grid not in self._parts and side in self.before:
-            self._parts[state.grid] = [_moved(each, state.grid.grid) for each in self.before[side].patches]
+            self._parts[state.grid] = [_moved(patch, state.grid.grid) for patch in self.before[side].patches]
         self._parts[state.grid] = patches_of(normal, self._parts.get(state.grid, ()))
         return self._parts[state.grid]
 
-    def _forces(self, key: tuple[object, ...], side: Side, contact: RollingContact, motion: Creepages) -> CreepForces:
-        if self.theory != "exact":
-            return FAST[self.theory](contact, motion.mean(contact.places[0], contact.row_shares))
-        start = self._last.get(key) or self._start(side, contact)
-        found = self._last[key] = roll(contact, motion, start=start, tolerance=self.tolerance)
-        return found
+    def _forces(self, grid: GriddedSide, side: Side, contact: RollingContact, motion: Creepages) -> CreepForces:
+        theory, last = self.motion.theory, self._last.get(grid)
+        if theory != "exact":
+            return FAST[theory](contact, motion.mean(contact.places[0], contact.row_shares))
+        start = self._start(side, contact) if last is None or last.contact.grid is not contact.grid else last
+        rolling = self._last[grid] = roll(contact, motion, start=start, tolerance=self.tolerance)
+        return rolling
 
     def _start(self, side: Side, contact: RollingContact) -> Start | None:
         """Tractions of the side before on the cells of a patch."""
@@ -170,44 +165,38 @@ class WheelsetCreep:
             tractions += np.moveaxis(interpolated(by_axis, patch.contact.grid.middles, contact.grid.middles), 0, 2)
         return Start(tractions, contact) if patches else None
 
-    def _contact(
-        self, state: SideNewton | SideState, normal: Floats, inside: Bools, key: tuple[object, ...]
-    ) -> RollingContact:
+    def _contact(self, state: SideNewton | SideState, normal: Floats, inside: Bools) -> RollingContact:
         friction = self.motion.friction_on(state.normals)
-        if self.theory != "exact":
+        if self.motion.theory != "exact":
             return contact_in(state, normal, inside, friction, bodies=False)
-        whole = self._contacts.get(key[:1])
-        box = box_of(inside)[0]
-        rows = box if whole is None else rows_of(state, whole)
-        if whole is None or box.start < rows.start or box.stop > rows.stop:
-            whole = self._contacts[key[:1]] = contact_in(state, normal, inside, friction, whole=True)
-            self._contacts.pop(key, None)
-            self._last.pop(key, None)
-            rows = rows_of(state, whole)
-        pressures = np.where(inside, normal, 0.0)[rows, strips_of(state, whole)] / whole.areas
-        found = self._contacts[key] = whole.under(pressures, self._contacts.get(key), friction.of_rows(rows))
-        return found
+        last, box = self._last.get(state.grid), box_of(inside)[0]
+        if last is not None:
+            rows, strips = rows_of(state, last.contact), strips_of(state, last.contact)
+            if rows.start <= box.start and box.stop <= rows.stop:
+                pressures = np.where(inside, normal, 0.0)[rows, strips] / last.contact.areas
+                return last.contact.under(pressures, last.contact, friction.of_rows(rows))
+        return contact_in(state, normal, inside, friction, whole=True)
 
     def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
         """Resultants of the patches' forces at a pose."""
         total, rows = np.zeros(N_RESULTANTS), np.zeros((len(state.grid.grid.widths), 2))
         raised = np.zeros(state.forces.shape)
-        for _, contact, found, points in patches:
-            cells, own = forces_on_cells(found, contact), rows_of(state, contact)
+        for _, contact, forces, points in patches:
+            cells, own = forces_on_cells(forces, contact), rows_of(state, contact)
             s, z = contact.places
-            missing = found.moment - float(s @ cells[..., 1].sum(axis=1) - cells[..., 0].sum(axis=0) @ z)
+            missing = forces.moment - float(s @ cells[..., 1].sum(axis=1) - cells[..., 0].sum(axis=0) @ z)
             spinning = missing * np.append(contact.row_shares @ state.normals[own], 0.0)
             ahead = cells[..., 0] @ contact.grid.along
             total += _resultant((points[own], state.normals[own]), pose, cells.sum(axis=1), ahead, spinning)
             rows[own] += cells.sum(axis=1)
-            if isinstance(found, Rolling):
-                total[6] -= 1e3 * found.rolling_power / self.rate_rad_s
+            if isinstance(forces, Rolling):
+                total[6] -= 1e3 * forces.rolling_power / self.rate_rad_s
                 moved = state.grid.bending_across[own, :, own] @ cells[..., 0].sum(axis=1)
                 moved = (moved * state.normals[own]).sum(axis=1)[:, None]
-                raised[own, strips_of(state, contact)] += found.raised + moved
+                raised[own, strips_of(state, contact)] += forces.raised + moved
         return SideCreep(patches, total, rows, raised)
 
-    def derivatives(self, side: Side, newton: SideNewton, normal: Floats, found: SideCreep) -> CreepSlopes:
+    def derivatives(self, side: Side, newton: SideNewton, normal: Floats, side_creep: SideCreep) -> CreepSlopes:
         """How creep forces under normal forces (n, n_z) change.
 
         By differences of the theory itself, or of the exact one by its linearised law of friction.
@@ -215,7 +204,7 @@ class WheelsetCreep:
         n = N_RESULTANTS + len(normal)
         columns = np.zeros((n, len(STEPS)))
         changes, weights = [np.zeros((n, 0))], [np.zeros((0, *normal.shape))]
-        for patch in found.patches:
+        for patch in side_creep.patches:
             if isinstance(patch.forces, Rolling):
                 by_motion, by_normal, weight = self._linearised(side, newton, patch, patch.forces)
                 columns += by_motion
@@ -231,17 +220,17 @@ class WheelsetCreep:
         return CreepSlopes(columns, np.hstack(changes), np.concatenate(weights))
 
     def _linearised(
-        self, side: Side, newton: SideNewton, patch: PatchCreep, found: Rolling
+        self, side: Side, newton: SideNewton, patch: PatchCreep, rolling: Rolling
     ) -> tuple[Floats, Floats, Floats]:
         """Derivatives of the exact theory's creep forces of a patch: `CreepSlopes` of it.
 
         The adjoint problem of each number that is wanted of the forces of the rows has its derivatives by the rigid
         slip and the normal forces of all cells.
         """
-        contact, n = found.contact, len(newton.grid.grid.widths)
+        contact, n = rolling.contact, len(newton.grid.grid.widths)
         rows, strips = rows_of(newton, contact), strips_of(newton, contact)
         sizes, places, motions = self._moved(side, newton, patch)
-        cells = forces_on_cells(found, contact)
+        cells = forces_on_cells(rolling, contact)
         forces, ahead, none = cells.sum(axis=1), cells[..., 0] @ contact.grid.along, np.zeros(3)
         # numbers of the forces along t and z and of the sums of z times the former, for each row
         wanted = resultants_of(*places[0]).reshape(N_RESULTANTS, -1).T
@@ -254,9 +243,9 @@ class WheelsetCreep:
         t, z, turning = left.T[kept].reshape(-1, 3, len(forces), 1).swapaxes(0, 1)
         along = contact.grid.along
         values = np.stack((t + turning * along, z + 0.0 * along), axis=2)
-        by_slip, by_normal, by_slope = adjoint(found, values, SLOPE_ERROR)
-        slips = np.array([each.rigid(*contact.places) for each in motions])
-        slopes = np.log([EllipticContact.slope_of(contact, each) for each in motions])
+        by_slip, by_normal, by_slope = adjoint(rolling, values, SLOPE_ERROR)
+        slips = np.array([moved_motion.rigid(*contact.places) for moved_motion in motions])
+        slopes = np.log([EllipticContact.slope_of(contact, moved_motion) for moved_motion in motions])
         by_motion = np.tensordot(by_slip, slips[1:] - slips[0], axes=([1, 2, 3], [1, 2, 3]))
         changes = right.T @ (by_motion + np.outer(by_slope, slopes[1:] - slopes[0]))
         moved = np.array([_resultant(*place, forces, ahead, none) for place in places])
@@ -303,9 +292,10 @@ class WheelsetCreep:
         sizes, places, motions = self._moved(side, newton, patch)
         places, motions = places + len(shapes) * places[:1], motions + len(shapes) * motions[:1]
         forces = np.where(patch.inside, normal, 0.0)[rows, strips]
-        parts = [forces] * (1 + len(STEPS)) + [forces * (1.0 + SHAPE_STEP * each[rows, strips]) for each in shapes]
+        parts = [forces] * (1 + len(STEPS)) + [forces * (1.0 + SHAPE_STEP * shape[rows, strips]) for shape in shapes]
         lateral, resultants = np.zeros((len(parts), len(normal))), []
-        for number, (of_rows, ahead, missing) in enumerate(_forces_of_rows(self.theory, contact, motions, parts)):
+        of_parts = _forces_of_rows(self.motion.theory, contact, motions, parts)
+        for number, (of_rows, ahead, missing) in enumerate(of_parts):
             spinning = missing * np.append(contact.row_shares @ newton.normals[rows], 0.0)
             resultants.append(_resultant(*places[number], of_rows, ahead, spinning))
             lateral[number, rows] = of_rows[:, 0]
@@ -324,8 +314,11 @@ def _slope_by_normal(contact: RollingContact, motion: Creepages) -> Floats:
         return np.zeros(normal.shape)
     shapes = shapes_of(contact.places, normal, normal > 0.0)
     parts = (normal, *(normal * (1.0 + SHAPE_STEP * shape) for shape in shapes))
-    ellipses = [EllipticContact.under(contact, motion, each.sum(axis=1), each.sum(axis=0)) for each in parts]
-    now, *then = np.log([each.slope_factor for each in ellipses])
+    ellipses = [
+        EllipticContact.under(contact, motion, cell_forces.sum(axis=1), cell_forces.sum(axis=0))
+        for cell_forces in parts
+    ]
+    now, *then = np.log([ellipse.slope_factor for ellipse in ellipses])
     return np.tensordot((np.array(then) - now) / SHAPE_STEP, shapes, axes=1) / normal.sum()
 
 
@@ -349,10 +342,13 @@ def _forces_of_rows(
         return
     for motion, part in zip(motions, parts, strict=True):
         changed = replace(contact, pressures=part / contact.areas, origin=origin)
-        found = FAST[theory](changed, motion.mean(changed.places[0], changed.row_shares))
+        forces_of_rows = FAST[theory](changed, motion.mean(changed.places[0], changed.row_shares))
         share = part / part.sum()
-        rows, ahead = np.outer(share.sum(axis=1), (found.across, found.along)), share @ z * found.across
-        yield rows, ahead + middle * rows[:, 0], found.moment - float(s @ rows[:, 1] - ahead.sum())
+        rows, ahead = (
+            np.outer(share.sum(axis=1), (forces_of_rows.across, forces_of_rows.along)),
+            share @ z * forces_of_rows.across,
+        )
+        yield rows, ahead + middle * rows[:, 0], forces_of_rows.moment - float(s @ rows[:, 1] - ahead.sum())
 
 
 def _moved(patch: PatchCreep, grid: PatchGrid) -> Bools:
@@ -369,12 +365,12 @@ def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
     as long as these are below `TOUCHING` of the lesser maximum of both, or `MERGED` if they were apart before,
     (n, n_z) each.
     """
-    found = []
+    patches = []
     for region in separate_patches(normal > 0.0):
         most = np.where(region, normal, 0.0).max(axis=1)
         number = np.zeros(len(most), dtype=int)  # of the patch before
-        for each, inside in enumerate(before, 1):
-            number[(inside & region).any(axis=1)] = each
+        for patch_number, inside in enumerate(before, 1):
+            number[(inside & region).any(axis=1)] = patch_number
         rising = np.diff(np.concatenate(([0.0], most, [0.0])))
         peaks = np.flatnonzero((rising[:-1] > 0.0) & (rising[1:] <= 0.0)).tolist()
         cuts: list[int] = []
@@ -389,8 +385,8 @@ def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
             del peaks[worst + int(most[peaks[worst]] >= most[peaks[worst + 1]])]
         cuts = [0, *(cuts if len(peaks) > 1 else [])]
         rows = np.searchsorted(cuts, np.arange(len(normal)), side="right")[:, None]
-        found += [region & (rows == each) for each in range(1, len(cuts) + 1)]
-    return sorted(found, key=lambda inside: -float(normal[inside].sum()))
+        patches += [region & (rows == number) for number in range(1, len(cuts) + 1)]
+    return sorted(patches, key=lambda inside: -float(normal[inside].sum()))
 
 
 def shapes_of(places: tuple[Floats, Floats], normal: Floats, inside: Bools) -> Floats:
@@ -401,13 +397,16 @@ def shapes_of(places: tuple[Floats, Floats], normal: Floats, inside: Bools) -> F
     """
     rows, columns = np.nonzero(inside)
     share = normal[inside] / normal[inside].sum()
-    s, z = (np.divide(each - share @ each, np.ptp(each) or 1.0) for each in (places[0][rows], places[1][columns]))
+    s, z = (
+        np.divide(coordinates - share @ coordinates, np.ptp(coordinates) or 1.0)
+        for coordinates in (places[0][rows], places[1][columns])
+    )
     terms = np.stack((np.ones(len(s)), s, z, s**2, z**2), axis=1)
     _, sizes, turned = np.linalg.svd(np.sqrt(share)[:, None] * terms, full_matrices=False)
-    found = np.zeros((N_SHAPES, *inside.shape))
+    shapes = np.zeros((N_SHAPES, *inside.shape))
     kept = sizes > DISTINCT * sizes[0]
-    found[: kept.sum(), rows, columns] = (terms @ turned[kept].T / sizes[kept]).T
-    return found
+    shapes[: kept.sum(), rows, columns] = (terms @ turned[kept].T / sizes[kept]).T
+    return shapes
 
 
 def resultants_of(at: tuple[Floats, Floats], pose: WheelPose) -> Floats:
