@@ -52,7 +52,7 @@ from flangeway.types import Floats, Ints, Progress
 COLUMNS = ("right_mm", "ahead_mm", "pressure_MPa")
 WANTED = f"a CSV file with the columns {', '.join(COLUMNS)}: middles of even cells, and mean pressures"
 OFF_GRID = 0.02
-"""Distance of a place from the regular grid, over the size of the cells, that digits explain."""
+"""Distance of a place from the regular grid, relative to the size of the cells, that digits explain."""
 MAX_CELLS = 120
 
 

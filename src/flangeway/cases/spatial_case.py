@@ -144,11 +144,11 @@ BODY: Quantities[SpatialBodyResult] = (
 
 
 FINER = 0.85
-"""Size of triangles over that of the cells: Gmsh makes some edges longer."""
+"""Size of triangles relative to that of the cells: Gmsh makes some edges longer."""
 BEYOND = 0.15
-"""Length of the finer mesh beyond the window on each side, over the window."""
+"""Length of the finer mesh beyond the window on each side, relative to the window."""
 DEPTHS = 3.0
-"""Depth of the profiles over the longer semi-axis."""
+"""Depth of the profiles relative to the longer semi-axis."""
 
 
 class SpatialBodyTable(BodyTable):

@@ -63,11 +63,12 @@ STYLES: dict[Theory, tuple[str, Any]] = {
 }  # fmt: skip
 CREEPAGE_OF = dict(zip(COMPONENTS, CREEPAGES, strict=True))
 MAX_DRAWN_FORCE = 1.3
-"""Highest force that is drawn over the limit of friction: linear theory goes on."""
+"""Highest force that is drawn relative to the limit of friction: linear theory goes on."""
 WIDE_IN = 7.5
 """Width of a picture with room for all names beside each other."""
 ROUND_OFF = 1e-6
-"""Force over the limit of friction, and moment over this times the semi-axis along, that is none and not drawn."""
+"""Force relative to the limit of friction, and moment over this times the semi-axis along, that is none and not
+drawn."""
 DIGITS = 6
 
 

@@ -117,7 +117,7 @@ def wheel_gap(
 SECTION_AXES = ((0, 1), (0, 1), (2,))
 """Axes of a section in which those of the frames of cells lie: tangent, normal and z."""
 RANK = 1e-4
-"""Singular value over the first one below which modes of bending are left out."""
+"""Singular value relative to the first one below which modes of bending are left out."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,7 +62,7 @@ from flangeway.types import Bools, Floats
 N_LEVELS = 13
 """Limits of colours of a stress, from 0 to its maximum."""
 DEPTH_OF_WIDTH = 0.7
-"""Depth of the pictures of stresses over their width."""
+"""Depth of the pictures of stresses relative to their width."""
 STEEL = "#c9ced6"
 HALF_VIEW_MM = 50.0
 """Half the width and height of what is shown of each side in section."""
@@ -294,7 +294,7 @@ def rolling_pictures(run: WheelsetRun) -> list[Picture]:
 PARTS: tuple[tuple[Side, Role], ...] = tuple((side, role) for role in ROLES for side in ("left", "right"))
 DIGITS = 6
 DEPTH = 2.0
-"""Depth of the stresses that are written over the shorter semi-axis: deeper, normals of a gauge corner cross."""
+"""Depth of the stresses that are written relative to the shorter semi-axis: deeper, normals of a gauge corner cross."""
 
 
 def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> None:
