@@ -101,8 +101,8 @@ CONTACT: Quantities[PatchContact] = (
         parts=ON_SURFACE,
     ),
     Quantity("cells", "cells of the grid", "loaded.shape", "", "d", ON_SURFACE),
-    Quantity("gap_error", "", "closed_error", meaning="gap under pressure over the approach"),
-    Quantity("overlap_error", "", "overlap", meaning="overlap outside of the patch over the approach"),
+    Quantity("gap_error", "", "closed_error", meaning="gap under pressure relative to the approach"),
+    Quantity("overlap_error", "", "overlap", meaning="overlap outside of the patch relative to the approach"),
 )
 PATCH: Quantities[SpatialPatchResult] = (
     Quantity("force", "force", "ellipse.force", "N", "z.1f", ("x", "y")),

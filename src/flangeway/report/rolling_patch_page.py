@@ -43,7 +43,7 @@ MAPS, SECTION, CURVE = "rolling.png", "tractions.png", "creep-curve.png"
 CELLS, CURVE_TABLE, PATCH_FILE = "cells.csv", "creep-curve.csv", "patch.vtu"
 CAPTIONS = {
     MAPS: "The patch from above, ahead is up: where it sticks and slips, with arrows of the tractions on the upper "
-    "body; slip; frictional power over the area.",
+    "body; slip; frictional power per area.",
     SECTION: "Tractions on the upper body in the middle of the patch, along and across, below their limit, friction "
     "times pressure. Where the magnitude reaches it the surfaces slip. Steps across are those of the leading edge on "
     "the cells: more cells make them smaller.",
