@@ -149,8 +149,7 @@ def _overlap(state: SideState) -> float:
     first, last = (int(np.floor(z / STRIP_MM)) for z in (inner.along[0] - REACH_MM, inner.along[-1] + REACH_MM))
     whole = GriddedSide(surfaces, PatchGrid.on_planes(ends, STRIP_MM, first, last - 1), state.pose)
     forces = transferred(state, whole)
-    creep = transferred_creep(state, whole)
-    values = whole.deformed(state.pose, forces, None, None if creep is None else creep[:, 0])[3]
+    values = whole.deformed(state.pose, forces, transferred_creep(state, whole)[:, 0])[3]
     gaps = values + whole.influence(forces)
     cells = whole.grid.cells[:, None]
     across = ((cells[..., 1] > inner.cells[:, 0]) & (cells[..., 0] < inner.cells[:, 1])).any(axis=1)

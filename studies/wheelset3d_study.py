@@ -154,14 +154,14 @@ def _pressed(
     wheelset: SpatialWheelset, side: Side, grid: GriddedSide, position: WheelsetPosition, force: float
 ) -> tuple[WheelsetPosition, SideState]:
     """Position and contact on a grid, by Newton's method."""
-    forces = None
+    forces: Floats | float = 0.0
     for _ in range(MAX_STEPS):
         state = solve_side(grid, pose_of(wheelset.problem, position, side, wheelset.model.yaw_rad), forces)
         missing = force - state.resultant[1]
         if abs(missing) <= FORCE_TOLERANCE * force:
             return position, state
         touches = bool(state.forces.any())
-        forces = state.forces if touches else None
+        forces = state.forces
         step = missing / state.stiffness[1, 1] if touches else -FIRST_MM
         position = position.moved(WheelsetPosition(0.0, step))
     raise InputError(

@@ -157,7 +157,7 @@ def test_creepages_are_those_of_the_wheelset_that_rolls(table):
             contacts["rolling_radius_mm"][0, number, 0] = np.linalg.norm(arm - pose.axis * (arm @ pose.axis))
             rows = point[None, :2], np.array([[-np.sin(angle), np.cos(angle)]])
             patch = SimpleNamespace(places=(np.zeros(1), np.zeros(1)), grid=SimpleNamespace(along=np.array([ahead])))
-            expected = WheelsetCreep(motion, omega, "exact").creepages(side, pose, omega, rows, patch)
+            expected = WheelsetCreep(motion, omega).creepages(side, pose, omega, rows, patch)
             found = table.creepages(
                 contacts, 1e3 * yaw, speed=1e3 * v, rotation=omega, lateral_velocity=lateral,
                 yaw_rate=motion.turning_rad_s,

@@ -290,7 +290,7 @@ def test_derivatives_have_the_change_of_a_slope_that_falls(wheelset, theory):
     rate = 1e3 * motion.speed_m_s / 460.0
 
     def forces(normal, share=0.0):
-        creep = WheelsetCreep(motion, rate * (1.0 + share), theory)
+        creep = WheelsetCreep(motion, rate * (1.0 + share))
         return creep, creep.of_side("right", side, normal)
 
     normal, step = side.forces, 1e-4
@@ -346,7 +346,7 @@ def creepages(lateral, yaw=0.0, **motion):
     grid = PatchGrid(np.linspace(-1.0, 1.0, 3), 1.0, 2)
     patch = RollingContact.between_half_spaces(grid, np.ones((2, 2)), Friction(0.3), (steel, steel))
     rate = 1e3 * SPEED / RADIUS
-    creep = WheelsetCreep(RollingMotion(SPEED, Friction(0.3), **motion), rate, "exact")
+    creep = WheelsetCreep(RollingMotion(SPEED, Friction(0.3), **motion), rate)
     found = []
     for side in SIDES:
         sign = SIDE_SIGN[side]

@@ -22,7 +22,6 @@ from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheel_patch import spatial_patch
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel, build_model
-from flangeway.solve import Status
 from tests.railway.wheelset.conftest import coarse_case
 
 
@@ -195,7 +194,8 @@ def state_of(bounds, loaded, gaps=1.0):
     surfaces = SimpleNamespace(rail_stations=np.array([[-50.0, -50.0], [50.0, 50.0]]), modulus=1e5)
     side = GriddedSide(surfaces, grid, WheelPose(0.0, 460.0, 0.0))
     gaps = np.where(forces > 0.0, 0.0, gaps)
-    return SideState(side, side.pose, Status(True, "", 0), forces, points, normals, None, gaps, np.zeros((3, 4)))
+    stiffness, creep = np.zeros((3, 6)), np.zeros((len(forces), 2))
+    return SideState(side, side.pose, forces, points, normals, None, gaps, stiffness, creep)
 
 
 def covered(cells, low, high):

@@ -303,21 +303,16 @@ class ElasticSurface:
         return replace(self, remainder=self.remainder + turned_back)
 
     @cached_property
-    def by_axes(self) -> Floats:
-        """`remainder` on the m B-splines of `interpolation`, shape (3, 3, n_z, m, m).
+    def on_splines(self) -> Floats:
+        """`remainder` on the m B-splines of `interpolation`, shape (3 m, n_z, 3 m).
 
-        By axes of displacement and force, distance, splines of displacement and force. At a place four splines are not
-        zero; values at the stations would all have a weight.
+        By spline and axis of displacement, distance, spline and axis of force. At a place four splines are not zero;
+        values at the stations would all have a weight.
         """
         to_splines = make_interp_spline(self.stations, np.eye(len(self.stations)), bc_type="natural").c
-        # T_xyzkl = sum over stations i, j of S_ki R_zixjy S_lj
-        return np.ascontiguousarray(to_splines @ self.remainder.transpose(2, 4, 0, 1, 3) @ to_splines.T)
-
-    @cached_property
-    def in_section(self) -> Floats:
-        """The same in the plane of the force, by spline and axis: (3 m, 3 m)."""
-        table = self.by_axes[:, :, 0]
-        return table.transpose(2, 0, 3, 1).reshape(3 * table.shape[2], -1)
+        # T_kxzly = sum over stations i, j of S_ki R_zixjy S_lj
+        table = to_splines @ self.remainder.transpose(2, 4, 0, 1, 3) @ to_splines.T
+        return table.transpose(3, 0, 2, 4, 1).reshape(3 * len(to_splines), len(self.distances), -1)
 
     def interpolation(self, at: Floats, derivative: int = 0) -> Floats:
         """Weights of the cubic B-splines at places along the surface, or of their derivatives, shape (m, n + 2).

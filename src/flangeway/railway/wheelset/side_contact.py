@@ -6,11 +6,9 @@ All is in the right-hand form of a side: x to the field side, y up, z ahead, ori
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from flangeway.contact.patch.normal_contact import Convolution, ElasticSurface
 from flangeway.contact.patch.patch_contact import CellForces
@@ -21,7 +19,6 @@ from flangeway.geometry.arrays import turned_right
 from flangeway.materials import Elastic
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM
 from flangeway.railway.rigid.rigid_side import RigidCurve
-from flangeway.solve import Status
 from flangeway.solve.surface_compliance import half_spaces_on
 from flangeway.types import Bools, Floats
 
@@ -114,8 +111,6 @@ def wheel_gap(
     return WheelGap(*(values.T.reshape(len(points), len(z), *values.shape[:-1]) for values in each))
 
 
-SECTION_AXES = ((0, 1), (0, 1), (2,))
-"""Axes of a section in which those of the frames of cells lie: tangent, normal and z."""
 RANK = 1e-4
 """Singular value relative to the first one below which modes of bending are left out."""
 
@@ -216,20 +211,19 @@ class SideState:
     - `points`, `normals`: of the deformed rail's cells, each (n, 2).
     - `gap`: to the wheel as it stands, without the deformation of the surfaces at the contact.
     - `gaps`: of the deformed surfaces, shape (n, n_z).
-    - `stiffness`: derivatives of `resultant` by the axle's x, y, roll and the wheel's tilt, shape (3, 4).
-    - `creep`: creep forces on the wheel's rows of cells, along t and z, shape (n, 2); None without friction.
+    - `stiffness`: derivatives of `resultant` by `MOTIONS` of `flangeway.railway.wheelset.side_newton`, shape (3, 6).
+    - `creep`: creep forces on the wheel's rows of cells, along t and z, shape (n, 2).
     """
 
     grid: "GriddedSide"
     pose: WheelPose
-    status: Status
     forces: Floats
     points: Floats
     normals: Floats
     gap: WheelGap
     gaps: Floats
     stiffness: Floats
-    creep: Floats | None = None
+    creep: Floats
 
     @property
     def cells(self) -> CellForces:
@@ -311,16 +305,12 @@ class GriddedSide:
 
     def _unit_forces(self, axes: Sequence[int], rows: slice) -> tuple[Floats, Floats]:
         """Unit forces along axes of the frames of some cells, as `_loads`: (3 N, n m) for m axes."""
-        loads = []
-        for weights, directions in zip(self._weights, self._directions(axes, rows), strict=True):
-            full = np.einsum("ia,imx->axim", weights[rows], directions)
+        directions, loads = self.frames[rows][:, axes], []
+        for weights, turn in zip(self._weights, self._turns, strict=True):
+            in_section = np.concatenate((directions[..., :2] @ turn, directions[..., 2:]), axis=2)
+            full = np.einsum("ia,imx->axim", weights[rows], in_section)
             loads.append(full.reshape(3 * weights.shape[1], -1))
         return loads[0], loads[1]
-
-    def _directions(self, axes: Sequence[int], rows: slice) -> list[Floats]:
-        """Axes of the frames of some cells in the axes of the sections of rail and wheel, (n, m, 3) each."""
-        directions = self.frames[rows][:, axes]
-        return [np.concatenate((directions[..., :2] @ turn, directions[..., 2:]), axis=2) for turn in self._turns]
 
     @cached_property
     def influence(self) -> Convolution:
@@ -345,24 +335,17 @@ class GriddedSide:
         frames = self.frames[rows]
         bounds = grid.bounds[rows.start : None if rows.stop is None else rows.stop + 1]
         total = half_spaces_on(self.surfaces.materials, bounds, frames, grid.strip, n_distances, axes)
-        pairs = list(product(enumerate(axes), repeat=2))
-        for elastic, weights, directions in zip(
-            self._elastic, self._weights, self._directions(axes, rows), strict=True
-        ):
+        total = total.reshape(n_distances, len(frames) * len(axes), -1)
+        for elastic, loads in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
             used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, grid.n_strips))) + 3
-            across = csr_array(weights[rows])
             along = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, :used]
-            on_cells = {
-                place: _on_cells(across, elastic.by_axes[place][:used])
-                for place in product(*[sorted({x for axis in axes for x in SECTION_AXES[axis]})] * 2)
-            }
-            for (i, of), (j, by) in pairs:
-                turned = sum(
-                    directions[:, i, x, None] * directions[:, j, y] * on_cells[x, y]
-                    for x, y in product(SECTION_AXES[of], SECTION_AXES[by])
-                )
-                total[:, :, i, :, j] += np.tensordot(along, turned, axes=1)
-        return total.reshape(n_distances, len(frames) * len(axes), -1)
+            near = np.flatnonzero(loads.any(axis=1))
+            table = elastic.on_splines[np.ix_(near, np.arange(used), near)]
+            # T_zij = sum over splines k, l and tabulated distances w of A_zw L_ki R_kwl L_lj
+            by_force = np.tensordot(table, loads[near], axes=1)
+            on_cells = np.tensordot(loads[near], by_force, axes=([0], [0]))
+            total += np.tensordot(along, on_cells, axes=([1], [1]))
+        return total
 
     @cached_property
     def _bending(self) -> tuple[Floats, Floats]:
@@ -386,7 +369,7 @@ class GriddedSide:
         grid, (rail_weights, wheel_weights) = self.grid, self._weights
         moved = []
         for elastic, loads, turn in zip(self._elastic, forces, self._turns, strict=True):
-            found = (elastic.in_section @ loads).reshape(-1, 3, loads.shape[1])[:, :2]
+            found = (elastic.on_splines[:, 0] @ loads).reshape(-1, 3, loads.shape[1])[:, :2]
             moved.append(np.einsum("xy,ayj->axj", turn, found))
         rail = -np.einsum("ia,axj->ixj", rail_weights, moved[0])
         wheel = np.einsum("ia,axj->ixj", wheel_weights, moved[1])
@@ -395,7 +378,7 @@ class GriddedSide:
         turn = np.einsum("ia,axj,ix->ij", slope, moved[0], self._at[1], optimize=True)
         return rail - wheel, turn
 
-    def rail_motion(self, forces: Floats, across: Floats | None = None) -> tuple[Floats, float]:
+    def rail_motion(self, forces: Floats, across: Floats) -> tuple[Floats, float]:
         """What normal forces (n, n_z), and lateral ones of rows (n,), move the rail's surface more than a half-space.
 
         Returned: rigid motion that fits it best, along x and y at the rail's top in mm and rotation in rad, (3,); and
@@ -404,8 +387,8 @@ class GriddedSide:
         elastic, loads, turn = self._elastic[0], self._loads[0], self._turns[0]
         row = forces.sum(axis=1)
         shares = self.turned(row, across)[1]
-        load = loads @ row + self._unit_forces((0,), slice(None))[0] @ (shares if across is None else shares + across)
-        moved = -elastic.interpolation(elastic.stations) @ (elastic.in_section @ load).reshape(-1, 3)[:, :2]
+        load = loads @ row + self._unit_forces((0,), slice(None))[0] @ (shares + across)
+        moved = -elastic.interpolation(elastic.stations) @ (elastic.on_splines[:, 0] @ load).reshape(-1, 3)[:, :2]
         moved, points = moved @ turn.T, self.surfaces.rail_frame.points(elastic.points)
         top = points[np.argmax(points[:, 1])]
         x, y = (points - top).T
@@ -443,27 +426,24 @@ class GriddedSide:
     def deformed(
         self,
         pose: WheelPose,
-        forces: Floats | None,
+        forces: Floats,
+        across: Floats,
         guess: Floats | None = None,
-        across: Floats | None = None,
     ) -> tuple[Floats, Floats, WheelGap, Floats]:
         """Geometry as the bodies bend under forces: points and normals of the rail's cells, gaps, and right-hand side.
 
         The right-hand side has no deformation: what the forces move is added by `influence`, the bending included.
 
-        - `guess`: gaps from close by.
         - `across`: lateral creep forces on the wheel's rows of cells, (n,); what they move stays in the geometry.
+        - `guess`: gaps from close by.
         """
         points, normals = self._at
-        moved = np.zeros_like(points)
-        if forces is not None:
-            row = forces.sum(axis=1)
-            turned, shares = self.turned(row, across)
-            moved = self._bending[0] @ row
-            points = points + self.bending_across @ (shares if across is None else shares + across)
-            normals = normals + turned[:, None] * tangents_of(normals)
-            normals = normals / np.linalg.norm(normals, axis=1)[:, None]
-        points = points + moved
+        row = forces.sum(axis=1)
+        turned, shares = self.turned(row, across)
+        moved = self._bending[0] @ row
+        points = points + self.bending_across @ (shares + across) + moved
+        normals = normals + turned[:, None] * tangents_of(normals)
+        normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.along, guess)
         gap.arms[..., :2] += pose.shift  # from the middle of the axle, not from the profile's origin
         values = self._means(gap.gaps)
@@ -471,7 +451,7 @@ class GriddedSide:
         values = np.where(gap.gaps < FAR_MM, values + (moved * self._at[1]).sum(axis=1)[:, None], FAR_MM)
         return points, normals, gap, values
 
-    def turned(self, row: Floats, across: Floats | None = None) -> tuple[Floats, Floats]:
+    def turned(self, row: Floats, across: Floats) -> tuple[Floats, Floats]:
         """Turn of the normals by normal forces of rows, and the share of these along the tangents, (n,) each.
 
         Forces act along the turned normals, on the bodies as on the wheelset: else the work that they do when the rail
@@ -479,7 +459,7 @@ class GriddedSide:
         by them and T' by forces along the tangents, ``s_i = p_i (T p + T' s)_i``. ``across``: see `deformed`.
         """
         turn, turn_across = self._bending[1], self._bending_across[1]
-        by_row = turn @ row if across is None else turn @ row + turn_across @ across
+        by_row = turn @ row + turn_across @ across
         shares = np.asarray(np.linalg.solve(np.eye(len(row)) - row[:, None] * turn_across, row * by_row), np.float64)
         return by_row + turn_across @ shares, shares
 
@@ -500,19 +480,11 @@ class GriddedSide:
         ``-(p N + s T / 2) . B' s`` with the displacements B' of the rail less those of the wheel.
         """
         row = forces.sum(axis=1)
-        _, shares = self.turned(row)
+        _, shares = self.turned(row, np.zeros_like(row))
         normals = self._at[1]
         along = row[:, None] * normals + 0.5 * shares[:, None] * tangents_of(normals)
         by_shares = float((along * (self.bending_across @ shares)).sum())
         return 0.5 * float((forces * self.influence(forces)).sum()) - by_shares
-
-
-def _on_cells(across: csr_array, table: Floats) -> Floats:
-    """A table by distance and splines on cells, T_zij = sum over splines of A_ik T_zkl A_jl: (n_z, n, n)."""
-    n_z, m, _ = table.shape
-    by_force = across @ table.transpose(1, 0, 2).reshape(m, -1)
-    both = across @ by_force.reshape(-1, n_z, m).transpose(2, 1, 0).reshape(m, -1)
-    return np.asarray(both.reshape(len(both), n_z, -1).transpose(1, 2, 0))
 
 
 def _modes(bending: Floats) -> tuple[Floats, Floats]:

@@ -14,7 +14,6 @@ from flangeway.contact.patch.normal_contact import solve_normal
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
 from flangeway.railway.wheelset.side_contact import FAR_MM, GriddedSide, SideState, WheelPose
-from flangeway.solve import Status
 from flangeway.types import Bools, Floats, Ints
 
 MAX_CELLS = 6000
@@ -24,16 +23,18 @@ SAME = 1e-6
 FIRST = 1e-4
 """Tolerance of the forces on bodies that bend no further, from which the steps start."""
 MAX_STEPS = 30
-MAX_MOVED_MM = 0.5
-"""Displacement of a cell across the normal by which the geometry changes in one step, at most."""
-N_RESULTANTS, N_MOTIONS = 7, 6
+MAX_MOVED_MM, MAX_BENT_MM = 0.5, 0.4
+"""Displacement of a cell across the normal by normal forces, and by creep forces, by which the geometry changes in one
+step, at most."""
+N_RESULTANTS = 7
+MOTIONS = ("x", "y", "roll", "tilt", "rate", "yaw")
+"""By what derivatives are: the axle's position and roll, the wheel's tilt, its rate of rotation and the yaw."""
 
 
 class CreepSlopes(NamedTuple):
     """How creep forces of a side change: `motion` and `shape` with the resultant (7) and lateral forces of rows (n).
 
-    - `motion`: by the axle's x, y, roll, the wheel's tilt, its rate of rotation and the yaw, where normal forces stay,
-      (7 + n, 6).
+    - `motion`: by `MOTIONS` where normal forces stay, (7 + n, 6).
     - `shape`: by products of the normal forces with functions on the patches, (7 + n, k).
     - `weights`: these functions, (k, n, n_z).
     """
@@ -55,22 +56,23 @@ class SideNewton:
         self,
         grid: GriddedSide,
         pose: WheelPose,
-        forces: Floats | None,
-        creep: Floats | None = None,
+        forces: Floats | float = 0.0,
+        creep: Floats | float = 0.0,
         raised: Floats | float = 0.0,
     ) -> None:
         self.grid, self.pose = grid, pose
-        self.creep = creep
+        n, n_z = len(grid.grid.widths), grid.grid.n_strips
+        self.creep: Floats = np.zeros((n, 2)) + creep
         """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
-        self.raised: Floats = np.zeros((len(grid.grid.widths), grid.grid.n_strips)) + raised
+        self.raised: Floats = np.zeros((n, n_z)) + raised
         """What they open the gaps besides, (n, n_z)."""
-        start = forces if forces is not None and forces.any() else None
-        self.points, self.normals, self.gap, self.values = grid.deformed(
-            pose, start, None, None if creep is None else creep[:, 0]
-        )
+        start: Floats = np.zeros((n, n_z)) + forces
+        self.points, self.normals, self.gap, self.values = grid.deformed(pose, start, self.creep[:, 0])
         self.values = self.values + self.raised
         # cells that touch on these bodies: the steps would find them one after the other
-        found = solve_normal(grid.influence, self.values, approach=0.0, start=start, tolerance=FIRST)
+        found = solve_normal(
+            grid.influence, self.values, approach=0.0, start=start if start.any() else None, tolerance=FIRST
+        )
         self.forces = self.raw = found.forces
         self.total = found.gaps
         self.touching: Bools = self.forces > 0.0
@@ -78,9 +80,13 @@ class SideNewton:
         """With friction, gaps after the step before as far as they are linear, (n, n_z): they decide what touches."""
         self._factor: tuple[Floats, bool] | None = None
         self.changed = True
-        self.slopes: CreepSlopes | None = None
+        rows = N_RESULTANTS + n
+        self.slopes = CreepSlopes(np.zeros((rows, len(MOTIONS))), np.zeros((rows, 0)), np.zeros((0, n, n_z)))
+        """How creep forces change; without friction they do not."""
         self.shape: Floats = np.zeros(0)
         """Values of the normal forces for `CreepSlopes.shape` at which the creep forces were found, (k,)."""
+        self.stiffness: Floats = np.zeros((3, len(MOTIONS)))
+        """Derivatives of the resultant of normal forces by `MOTIONS`, at the last `linearised_resultant`."""
         self.bent = False
 
     def linearise(self, pose: WheelPose) -> None:
@@ -88,9 +94,7 @@ class SideNewton:
         grid = self.grid
         guess = self.gap.moved(self.pose, pose)
         self.pose = pose
-        self.points, self.normals, self.gap, self.values = grid.deformed(
-            pose, self.forces, guess, None if self.creep is None else self.creep[:, 0]
-        )
+        self.points, self.normals, self.gap, self.values = grid.deformed(pose, self.forces, self.creep[:, 0], guess)
         self.values = self.values + self.raised
         self.total = self.values + grid.influence(self.forces)
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
@@ -130,42 +134,36 @@ class SideNewton:
             ) from error
         return factor, bool(lower)
 
-    def bend(self, creep: Floats, raised: Floats, forces: Floats, slopes: CreepSlopes, max_moved_mm: float) -> None:
+    def bend(self, creep: Floats, raised: Floats, forces: Floats, slopes: CreepSlopes) -> None:
         """Take creep forces on rows of cells (n, 2), or a part of the way to them: they move rail and wheel too.
 
         - `raised`: see `SideCreep`.
         - `forces`: normal forces on the cells in contact under which they were found, (m,).
         - `slopes`: how they change.
-        - `max_moved_mm`: displacement of a cell up to which they are taken.
         """
-        before = np.zeros_like(creep) if self.creep is None else self.creep
-        moved = np.einsum("ixj,j->ix", self.grid.bending_across, creep[:, 0] - before[:, 0])
-        share = min(1.0, max_moved_mm / max(float(np.abs(moved).max()), 1e-300))
-        self.creep = before + share * (creep - before)
+        change = creep - self.creep
+        moved = np.einsum("ixj,j->ix", self.grid.bending_across, change[:, 0])
+        share = min(1.0, MAX_BENT_MM / max(float(np.abs(moved).max()), 1e-300))
+        self.creep = self.creep + share * change
         self.bent = share < 1.0
         part = np.ones((len(slopes.motion), 1))
         part[N_RESULTANTS:] = share
         self.slopes = slopes._replace(motion=part * slopes.motion, shape=part * slopes.shape)
         self.shape = slopes.weights[:, self.touching] @ forces
         # rail points that move by v are as a wheel that moves by -v
-        change = share * (raised - self.raised)
-        self.raised = self.raised + change
-        self.values = self.values + change - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved)
+        opened = share * (raised - self.raised)
+        self.raised = self.raised + opened
+        self.values = self.values + opened - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved)
 
-    def solve(self, *, rolls: bool = False) -> tuple[Floats, Floats]:
-        """Forces on the cells in contact, (m,), and derivatives by the axle's x, y, roll and the tilt, (m, 4).
-
-        - `rolls`: whether those by all that `CreepSlopes.motion` is by are wanted, (m, 6); creep forces change too.
-        """
+    def solve(self) -> tuple[Floats, Floats]:
+        """Forces on the cells in contact, (m,), and derivatives by `MOTIONS`, (m, 6)."""
         if self._factor is None:
-            return np.zeros(0), np.zeros((0, N_MOTIONS if rolls else 4))
+            return np.zeros(0), np.zeros((0, len(MOTIONS)))
         rows, strips = np.nonzero(self.touching)
-        (slopes, left, of_shape), right = self._changes(rows, strips, rolls=rolls), self._right
+        (slopes, left, of_shape), right = self._changes(rows, strips), self._right
         # h is that of the forces so far: their part in D is taken off
         values = self.values[rows, strips] - left @ (right @ self.forces.sum(axis=1)) - of_shape @ self.shape
-        left, right = np.hstack((left, of_shape)), right[:, rows]
-        if self.slopes is not None:
-            right = np.vstack((right, self.slopes.weights[:, rows, strips]))
+        left, right = np.hstack((left, of_shape)), np.vstack((right[:, rows], self.slopes.weights[:, rows, strips]))
         found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
         n = 1 + slopes.shape[1]
         solved, inner = found[:, :n], found[:, n:]
@@ -173,9 +171,10 @@ class SideNewton:
         solved = solved - inner @ np.linalg.solve(small, right @ solved)
         return -solved[:, 0], -solved[:, 1:]
 
-    def _changes(self, rows: Ints, strips: Ints, *, rolls: bool) -> tuple[Floats, Floats, Floats]:
-        """How gaps of cells (m,) change: by what `solve` differentiates by, by `_right`, and by `CreepSlopes.shape`."""
-        by, arms = self.gap.by_motion[rows, strips, :2], self.gap.arms[rows, strips]
+    def _changes(self, rows: Ints, strips: Ints) -> tuple[Floats, Floats, Floats]:
+        """How gaps of cells (m,) change: by `MOTIONS`, by `_right`, and by `CreepSlopes.shape`."""
+        all_by, arms = self.gap.by_motion[rows, strips], self.gap.arms[rows, strips]
+        by = all_by[:, :2]
         # a wheel that moves by v changes the gaps by by . v; a rotation moves the hits by (-arm_y, arm_x)
         from_seat = arms[:, :2] - self.pose.seat
         slopes = np.stack(
@@ -184,6 +183,8 @@ class SideNewton:
                 by[:, 1],
                 by[:, 1] * arms[:, 0] - by[:, 0] * arms[:, 1],
                 by[:, 1] * from_seat[:, 0] - by[:, 0] * from_seat[:, 1],
+                np.zeros(len(rows)),
+                all_by[:, 2] * arms[:, 0] - by[:, 0] * arms[:, 2],
             ),
             axis=1,
         )
@@ -192,17 +193,8 @@ class SideNewton:
         (modes, _), (across, loads_across) = grid.bending_modes, grid.bending_modes_across
         by_across = -np.einsum("mx,mxk->mk", by, across[rows])
         left = np.hstack((np.einsum("mx,mxk->mk", grid.undeformed_normals[rows] - by, modes[rows]), by_across))
-        of_shape = np.zeros((len(rows), 0))
-        if rolls:
-            all_by = self.gap.by_motion[rows, strips]
-            yawing = all_by[:, 2] * arms[:, 0] - all_by[:, 0] * arms[:, 2]
-            slopes = np.column_stack((slopes, np.zeros(len(rows)), yawing))
-        if self.slopes is not None:
-            by_rows = by_across @ loads_across
-            of_shape = by_rows @ self.slopes.shape[N_RESULTANTS:]
-            if rolls:
-                slopes = slopes + by_rows @ self.slopes.motion[N_RESULTANTS:]
-        return slopes, left, of_shape
+        by_motion, by_shape = (loads_across @ each[N_RESULTANTS:] for each in self.slopes[:2])
+        return slopes + by_across @ by_motion, left, by_across @ by_shape
 
     @property
     def _right(self) -> Floats:
@@ -210,7 +202,7 @@ class SideNewton:
         grid, row = self.grid, self.forces.sum(axis=1)
         loads, loads_across = grid.bending_modes[1], grid.bending_modes_across[1]
         # shares s = p T p of the forces along the tangents: ds_i = (T p)_i dp_i + p_i (T dp)_i
-        turned, _ = grid.turned(row, None if self.creep is None else self.creep[:, 0])
+        turned, _ = grid.turned(row, self.creep[:, 0])
         return np.vstack((loads, loads_across * turned + (loads_across * row) @ grid.turn_by_rows))
 
     def resultants(self, forces: Floats) -> Floats:
@@ -227,38 +219,39 @@ class SideNewton:
         arms = self.grid.grid.along[strips] * self.normals[rows, 0]
         return float(arms @ forces), arms @ by_motion
 
-    def stiffness(self, forces: Floats, by_motion: Floats) -> tuple[Floats, Floats]:
-        """Resultant of forces of `solve`, (3,), and its derivatives by what theirs are by, (3, 4) or (3, 6)."""
+    def linearised_resultant(self, forces: Floats, by_motion: Floats) -> Floats:
+        """Resultant of forces of `solve`, (3,); its derivatives are then `stiffness`."""
         found = self.resultants(np.column_stack((forces, by_motion)))
         # the moment changes too as the axle's middle moves away from where the forces act
         found[2, 1:3] += (-found[1, 0], found[0, 0])
-        return found[:, 0], found[:, 1:]
+        self.stiffness = found[:, 1:]
+        return found[:, 0]
 
     def creep_now(self, forces: Floats, by_motion: Floats, found: Floats) -> tuple[Floats, Floats]:
         """Resultant of creep forces (7,), and its derivatives (7, 6), at forces of `solve` from that at `bend`."""
-        assert self.slopes is not None
         weights, own = self.slopes.weights[:, self.touching], self.slopes.shape[:N_RESULTANTS]
         now = found + own @ (weights @ forces - self.shape)
         return now, self.slopes.motion[:N_RESULTANTS] + own @ (weights @ by_motion)
 
-    def take(self, forces: Floats, step: Floats | None = None) -> float:
+    def take(self, forces: Floats, step: Floats) -> float:
         """Take forces on the cells in contact, or a part of the way to them; how much they change, over their sum.
 
-        - `step`: by what the axle moves, as the derivatives of `solve`; creep forces change with it.
+        - `step`: by what the axle moves, as `MOTIONS`; creep forces change with it.
         """
         new = np.zeros(self.forces.shape)
         self.raw = new.copy()
         self.raw[self.touching] = forces
         new[self.touching] = np.maximum(forces, 0.0)
         change = new - self.forces
-        if self.slopes is not None and step is not None:
-            self._expect(self.slopes, step)
+        rolls = len(self.shape) > 0
+        if rolls:
+            self._expect(step)
         moved = np.abs(
             np.einsum("ixk,k->ix", self.grid.bending_modes[0], self.grid.bending_modes[1] @ change.sum(axis=1))
         )
         share = min(1.0, MAX_MOVED_MM / max(float(moved[self.touching.any(axis=1)].max(initial=0.0)), 1e-300))
         self.forces = self.forces + share * change if share < 1.0 else new
-        if self.slopes is not None and self.creep is not None and step is not None:
+        if rolls:
             shape = self.slopes.weights[:, self.touching] @ self.forces[self.touching]
             change_of_rows = self.slopes.shape @ (shape - self.shape) + self.slopes.motion @ step
             self.creep = self.creep + np.outer(change_of_rows[N_RESULTANTS:], (1.0, 0.0))
@@ -266,20 +259,19 @@ class SideNewton:
         total = float(np.abs(new).sum())
         return float(np.abs(change).sum()) / total if total > 0.0 else float(change.any())
 
-    def _expect(self, creep: CreepSlopes, step: Floats) -> None:
+    def _expect(self, step: Floats) -> None:
         """Take gaps under the forces of `solve` after a step: none where the cells touch."""
         rows, strips = np.indices(self.forces.shape).reshape(2, -1)
-        slopes, left, of_shape = self._changes(rows, strips, rolls=True)
+        slopes, left, of_shape = self._changes(rows, strips)
         change = slopes @ step + left @ (self._right @ (self.raw - self.forces).sum(axis=1))
-        change = change + of_shape @ (np.tensordot(creep.weights, self.raw, axes=2) - self.shape)
+        change = change + of_shape @ (np.tensordot(self.slopes.weights, self.raw, axes=2) - self.shape)
         self.expected = self.values + self.grid.influence(self.raw) + change.reshape(self.forces.shape)
 
-    def state(self, status: Status, stiffness: Floats) -> SideState:
+    @property
+    def state(self) -> SideState:
         """Contact as it is now."""
-        forces = np.maximum(self.forces, 0.0)
-        return SideState(
-            self.grid, self.pose, status, forces, self.points, self.normals, self.gap, self.total, stiffness, self.creep
-        )
+        geometry = self.points, self.normals, self.gap, self.total
+        return SideState(self.grid, self.pose, self.forces, *geometry, self.stiffness, self.creep)
 
 
 def interpolated(values: Floats, old: tuple[Floats, Floats], new: tuple[Floats, Floats]) -> Floats:
@@ -306,10 +298,8 @@ def _fractions(old: Floats, new: Floats) -> Floats:
     return np.maximum(common, 0.0) / np.diff(old)
 
 
-def transferred_creep(state: SideState, grid: GriddedSide) -> Floats | None:
-    """Creep forces of rows on the nearest rows of another grid, None without friction."""
-    if state.creep is None or grid is state.grid:
-        return state.creep
+def transferred_creep(state: SideState, grid: GriddedSide) -> Floats:
+    """Creep forces of rows on the nearest rows of another grid."""
     found, stations = np.zeros((len(grid.grid.widths), 2)), grid.grid.stations
     nearest = np.abs(state.grid.grid.stations[:, None] - stations).argmin(axis=1)
     np.add.at(found, nearest, state.creep)
@@ -319,10 +309,10 @@ def transferred_creep(state: SideState, grid: GriddedSide) -> Floats | None:
 def solve_side(
     grid: GriddedSide,
     pose: WheelPose,
-    start: Floats | None = None,
+    start: Floats | float = 0.0,
     tolerance: float = 1e-9,
     *,
-    creep: Floats | None = None,
+    creep: Floats | float = 0.0,
 ) -> SideState:
     """Contact at a pose of the wheel.
 
@@ -331,14 +321,11 @@ def solve_side(
     - `creep`: creep forces on rows of cells, (n, 2), that stay.
     """
     newton = SideNewton(grid, pose, start, creep)
-    change, steps = np.inf, 0
-    while steps < MAX_STEPS:
-        steps += 1
+    for _ in range(MAX_STEPS):
         newton.linearise(pose)
         forces, by_motion = newton.solve()
-        _, stiffness = newton.stiffness(forces, by_motion)
-        change = newton.take(forces)
+        newton.linearised_resultant(forces, by_motion)
+        change = newton.take(forces, np.zeros(len(MOTIONS)))
         if change < tolerance and not newton.changed:
             break
-    status = Status(change < tolerance, f"forces change by {change:.1e} after {steps} steps", steps)
-    return newton.state(status, stiffness)
+    return newton.state

@@ -177,8 +177,7 @@ class SpatialResult:
         See `flangeway.railway.wheelset.side_contact.GriddedSide.rail_motion`.
         """
         state, sign = self.equilibrium.state.sides[side], SIDE_SIGN[side]
-        across = None if state.creep is None else state.creep[:, 0]
-        (lateral, vertical, roll), outward = state.grid.rail_motion(state.forces, across)
+        (lateral, vertical, roll), outward = state.grid.rail_motion(state.forces, state.creep[:, 0])
         return sign * float(lateral), float(vertical), sign * float(roll), float(outward)
 
     def lateral_over_vertical(self, side: Side) -> float:
@@ -190,12 +189,11 @@ def _on_rail(state: SideState) -> LoadedRail:
     """Contact forces on a rail, in the frame of its profile."""
     grid, frame = state.grid.grid, state.grid.surfaces.rail_frame
     loaded = np.asarray(state.forces.any(axis=1))
-    creep = np.zeros((len(loaded), 2)) if state.creep is None else state.creep
     points = frame.inverse().points(state.grid.surfaces.rail_points(grid.stations[loaded])[0])
     normals = state.normals[loaded]
     forces = -state.forces.sum(axis=1)[loaded, None] * frame.inverse().vectors(normals)
-    forces = forces - creep[loaded, :1] * frame.inverse().vectors(tangents_of(normals))
-    return LoadedRail(points, np.column_stack((forces, -creep[loaded, 1])), frame)
+    forces = forces - state.creep[loaded, :1] * frame.inverse().vectors(tangents_of(normals))
+    return LoadedRail(points, np.column_stack((forces, -state.creep[loaded, 1])), frame)
 
 
 def solve_spatial(

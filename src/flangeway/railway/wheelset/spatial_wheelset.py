@@ -42,8 +42,6 @@ FAST_RESIDUAL = 1e-7
 LIFTED, MIN_CARRIED, TORQUE, YAW_MOMENT = 0.1, 1e-3, 3, 4
 """Vertical or moment residual of wheels that do not carry the load, or torque of those that spin; share of the load
 that a wheel carries at least; numbers of torque and yaw moment in residuals."""
-MAX_BENT_MM = 0.4
-"""Displacement of a cell by creep forces in one step, at most."""
 NEARBY = 5.0
 """Way relative to the step limits within which cells still fit."""
 NEAR_MM = 0.3, NEARBY * float(MAX_STEP[0])
@@ -173,7 +171,7 @@ class SpatialWheelset:
         stages = (round(FEWER_ACROSS * across), NESTED_RESIDUAL), (across, last)
         cells = _Cells(self, position, stages, state.sides)
         grids, _ = cells.fine(state)
-        creep = WheelsetCreep(motion, rate, motion.theory, MAX_BENT_MM)
+        creep = WheelsetCreep(motion, rate)
         yaw, tilts = self.model.yaw_rad, self._tilts_by_forces
         return self._search(WheelsetNewton(self.problem, grids, position, yaw, tilts, state, creep), cells, progress)
 
@@ -212,7 +210,7 @@ class SpatialWheelset:
                 return replace(found, status=cells.status)
             if grids != found.state.grids:
                 newton.place(grids, state)
-                at_peaks = cells.at_peaks(newton.placed)
+                at_peaks = cells.at_peaks(newton.contact)
                 if at_peaks != grids:
                     newton.place(at_peaks, state)
             if self._is_off(newton, begun):
@@ -302,7 +300,7 @@ class SpatialWheelset:
         for side, fine in found.state.sides.items():
             whole, inner = grids[side], fine.grid.grid
             forces, creep = transferred(fine, whole), transferred_creep(fine, whole)
-            deformed = whole.deformed(fine.pose, forces, None, None if creep is None else creep[:, 0])
+            deformed = whole.deformed(fine.pose, forces, creep[:, 0])
             cells, z, strip = whole.grid.cells, whole.grid.along, whole.grid.strip
             across = (cells[:, :1] < inner.cells[:, 1]) & (cells[:, 1:] > inner.cells[:, 0])
             along = (z > inner.along[0] - strip) & (z < inner.along[-1] + strip)
@@ -310,9 +308,7 @@ class SpatialWheelset:
             overlap = np.where(np.outer(across.any(axis=1), along), 0.0, np.maximum(-gaps, 0.0))
             if overlap.any():
                 forces = forces + overlap / whole.coefficients[0].diagonal()[:, None]
-                sides[side] = SideState(
-                    whole, fine.pose, fine.status, forces, *deformed[:3], gaps, fine.stiffness, creep
-                )
+                sides[side] = SideState(whole, fine.pose, forces, *deformed[:3], gaps, fine.stiffness, creep)
         return sides
 
     @cached_property
@@ -350,7 +346,7 @@ class SpatialWheelset:
         motion = np.array([0.0, -self._sinking])
         if near is not None:
             state = near.sides[side]
-            motion = state.grid.rail_motion(state.forces, None if state.creep is None else state.creep[:, 0])[0]
+            motion = state.grid.rail_motion(state.forces, state.creep[:, 0])[0]
         pose = replace(pose, x=pose.x - motion[0], y=pose.y - motion[1])
         low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
         ends: Floats = cell * np.arange(int(np.ceil(low / cell)), int(np.floor(high / cell)) + 1.0)

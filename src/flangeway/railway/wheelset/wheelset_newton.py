@@ -22,7 +22,6 @@ from flangeway.railway.wheelset.equilibrium import (
 from flangeway.railway.wheelset.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep, patches_of
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose
 from flangeway.railway.wheelset.side_newton import CreepSlopes, SideNewton, interpolated, transferred, transferred_creep
-from flangeway.results import joined_text
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -53,16 +52,6 @@ class SpatialState:
     rolled: RolledWheelset | None = None
 
     @property
-    def status(self) -> Status:
-        """Whether the contact forces were found."""
-        each = [state.status for state in self.sides.values()]
-        return Status(
-            all(one.converged for one in each),
-            joined_text("; ", (one.message for one in each)),
-            sum(one.iterations for one in each),
-        )
-
-    @property
     def grids(self) -> dict[Side, GriddedSide]:
         """Cells of both sides."""
         return {side: each.grid for side, each in self.sides.items()}
@@ -71,11 +60,6 @@ class SpatialState:
         """Cells of patches that roll by themselves, (n, n_z) each; None without friction, or by the exact theory."""
         insides = None if self.rolled is None else self.rolled.creep[side].insides
         return None if insides is None else patches_of(self.sides[side].forces, insides)
-
-    @property
-    def forces(self) -> Floats:
-        """All contact forces in N."""
-        return np.concatenate([state.forces.ravel() for state in self.sides.values()])
 
 
 def signs_of(side: Side) -> Floats:
@@ -94,6 +78,7 @@ def pose_of(
 
 
 COARSE_FORCES = 1e-2
+"""Change of the forces from which on cells that come into contact or leave it do not count."""
 FINE_RESIDUAL = 1e-8
 FINE_TILT_RAD = 1e-9
 FINE_FORCES = 1e-7
@@ -150,12 +135,11 @@ class WheelsetNewton:
         self.hanging = 0
         """Steps in a row in which a wheel does not touch its rail."""
         self.place(grids, near)
-        held = [*(value is None for value in self.problem.prescribed.components), True, True]
-        if creep is not None:
-            held += [True, creep.motion.yaw_is_free]
-        self.free = np.array(held)
+        rolls, prescribed = creep is not None, problem.prescribed.components
+        yaws = creep is not None and creep.motion.yaw_is_free
+        self.free = np.array([*(value is None for value in prescribed), True, True, rolls, yaws])
         arm, radius = problem.wheelset.back_to_back_mm / 2.0, problem.wheelset.tape_radius_mm
-        turning = [] if creep is None else [radius / creep.rate_rad_s, arm]
+        turning = [0.0 if creep is None else radius / creep.rate_rad_s, arm]
         least = np.array([1.0, 1.0, arm**2, 0.0, 0.0, *turning])
         self._least = np.diag(MIN_STIFFNESS * float(loads_of(problem).weight) * least)
 
@@ -169,9 +153,11 @@ class WheelsetNewton:
         }
         self.across = self.across.again(float(MAX_STEP[0]))
         for number, (side, grid) in enumerate(grids.items()):
+            if near is not None and side in self.sides and grid is self.sides[side].grid:
+                continue  # its contact is known
             pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
             if near is None:
-                self.sides[side] = SideNewton(grid, pose, None)
+                self.sides[side] = SideNewton(grid, pose)
                 continue
             before, raised = near.sides[side], None if near.rolled is None else near.rolled.creep[side].raised
             self.sides[side] = SideNewton(
@@ -190,10 +176,9 @@ class WheelsetNewton:
             self.reaches = {RATE: Reach(rate, rate), YAW: Reach(MAX_YAW_RAD, MAX_YAW_RAD)}
 
     @property
-    def placed(self) -> SpatialState:
-        """Contact without friction, of bodies that bend no further, on cells from which no step was taken yet."""
-        status, none = Status(False, "no step yet", 0), np.zeros((3, 4))
-        return SpatialState({side: each.state(status, none) for side, each in self.sides.items()})
+    def contact(self) -> SpatialState:
+        """Contact of both sides; on cells from which no step was taken yet, of bodies that bend no further."""
+        return SpatialState({side: each.state for side, each in self.sides.items()})
 
     @property
     def yaw_stiffness(self) -> float:
@@ -240,7 +225,6 @@ class WheelsetNewton:
             self.creep.tolerance = float(np.clip(ERROR_OF_LAW * self.errors[-1], TOLERANCE, MAX_ERROR_OF_LAW))
         total, self.jacobian = np.zeros(3), np.zeros((n, n))
         self.resultants: dict[Side, Floats] = {}
-        self.own: dict[Side, Floats] = {}
         self.changes: dict[Side, tuple[Floats, Floats, Floats, list[int]]] = {}
         self.rolled: dict[Side, SideCreep] = {}
         self.turning = 0.0  # yaw moment of normal forces
@@ -248,21 +232,19 @@ class WheelsetNewton:
         jacobian = self.jacobian
         for number, (side, newton) in enumerate(self.sides.items()):
             newton.linearise(pose_of(self.problem, self.position, side, self.yaw, self.tilts[number]))
-            rolls = self.creep is not None
-            forces, by = newton.solve(rolls=rolls)
-            if rolls:
+            forces, by = newton.solve()
+            if self.creep is not None:
                 self._bent_by_creep(side, newton, forces)
-                forces, by = newton.solve(rolls=True)
-            resultant, own = newton.stiffness(forces, by)
+                forces, by = newton.solve()
             signs = signs_of(side)
-            by_signs = np.array([*signs, signs[0], 1.0, signs[0]])[: by.shape[1]]
-            columns = [0, 1, 2, 3 + number, RATE, YAW][: by.shape[1]]  # of the axle's x, y and roll, this side's tilt
-            self.own[side], self.resultants[side] = own[:, :4], signs * resultant
+            by_signs = np.array([*signs, signs[0], 1.0, signs[0]])
+            columns = [0, 1, 2, 3 + number, RATE, YAW]  # of `MOTIONS`
+            self.resultants[side] = signs * newton.linearised_resultant(forces, by)
             self.changes[side] = forces, by, by_signs, columns
-            slopes = signs[:, None] * own * by_signs
+            slopes = signs[:, None] * newton.stiffness * by_signs
             jacobian[:3, columns] += slopes
             jacobian[3:5, columns] -= self.by_forces[number] @ slopes
-            if rolls:
+            if self.creep is not None:
                 self._add_creep(number, side)
             total += self.resultants[side]
         jacobian[2, 2] += loads_of(self.problem).moment_by_roll(self.position.roll_rad)
@@ -270,7 +252,7 @@ class WheelsetNewton:
         self.residual, self.relative = with_loads(self.problem, self.position, total)
         bent = sum(self.by_forces[number] @ self.resultants[side] for number, side in enumerate(SIDES))
         self.bent = np.asarray(bent)
-        self.missed = np.append(self.residual, self.tilts - self.bent)
+        self.missed = np.concatenate((self.residual, self.tilts - self.bent, np.zeros(2)))
         if self.creep is not None:
             self._add_equations(self.creep)
         self.errors.append(self.relative.equilibrium_residual)
@@ -285,7 +267,7 @@ class WheelsetNewton:
         if side not in self._slopes:
             self._slopes[side] = self.creep.derivatives(side, newton, normal, found)
         slopes = self._slopes[side]
-        newton.bend(found.rows, found.raised, forces, slopes, self.creep.max_bent_mm)
+        newton.bend(found.rows, found.raised, forces, slopes)
 
     def _add_creep(self, number: int, side: Side) -> None:
         """Add creep forces of a side and what they change."""
@@ -312,7 +294,7 @@ class WheelsetNewton:
         if motion.yaw_is_free:
             guided = self.yaw_moment - self.yaw_stiffness * (self.yaw - self.guided_yaw)
             self.jacobian[YAW, YAW] -= self.yaw_stiffness
-        self.missed = np.append(self.missed, [driven, guided])
+        self.missed[[RATE, YAW]] = driven, guided
         self.relative = replace(
             self.relative,
             torque_residual=driven / (weight * problem.wheelset.tape_radius_mm),
@@ -322,8 +304,7 @@ class WheelsetNewton:
     @property
     def _limits(self) -> Floats:
         """Step limits."""
-        limits = [*MAX_STEP, MAX_STEP[2], MAX_STEP[2]]
-        return np.array(limits if self.creep is None else [*limits, np.inf, MAX_YAW_RAD])
+        return np.array([*MAX_STEP, MAX_STEP[2], MAX_STEP[2], np.inf, MAX_YAW_RAD])
 
     def _step(self) -> Floats:
         """Newton's step, limited so that the wheelset goes where it is pushed.
@@ -337,7 +318,7 @@ class WheelsetNewton:
         columns, rows = self.free.copy(), self.free.copy()
         jacobian = self.jacobian - self._least
         lead, row = 0, 0
-        if across and n > YAW and self.free[YAW]:
+        if across and self.free[YAW]:
             lead, row = _leads(jacobian, self.free, self.yaw_stiffness)
         sense = 1.0 if lead == row else -1.0
         columns[lead] = False
@@ -401,8 +382,6 @@ class WheelsetNewton:
             own = by_signs * step[columns]
             change = max(change, self.sides[side].take(forces + by @ own, own))
         most = share * FINE_FORCES
-        if self.creep is None:
-            most = min(most, COARSE_FORCES)
         moving = (
             self.bends
             or self.way_left != 0.0
@@ -420,16 +399,15 @@ class WheelsetNewton:
 
     def found(self, status: Status) -> Equilibrium[SpatialState]:
         """What there is now."""
-        states: dict[Side, SideState] = {side: each.state(status, self.own[side]) for side, each in self.sides.items()}
         rolled = stable = None
         if self.creep is not None:
             rolled = RolledWheelset(self.rolled, self.creep.rate_rad_s, self.yaw, self.yaw_moment, self.torque)
-        elif self.free.all():
+        elif self.free[:3].all():
             # the tilts follow the position
             jacobian = self.jacobian
-            whole = jacobian[:3, :3] - jacobian[:3, 3:] @ np.linalg.solve(jacobian[3:, 3:], jacobian[3:, :3])
+            whole = jacobian[:3, :3] - jacobian[:3, 3:5] @ np.linalg.solve(jacobian[3:5, 3:5], jacobian[3:5, :3])
             stable = is_stable(self.problem, whole)
-        state = SpatialState(states, rolled)
+        state = replace(self.contact, rolled=rolled)
         return Equilibrium(status, self.position, self.relative, state, self.residual, stable)
 
 

@@ -24,7 +24,7 @@ from flangeway.railway.wheelset.rolling.patch_rolling import (
     rows_of,
     strips_of,
 )
-from flangeway.railway.wheelset.side_contact import SideState, WheelPose, tangents_of
+from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose, tangents_of
 from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton, interpolated
 from flangeway.types import Bools, Floats
 
@@ -92,21 +92,16 @@ class WheelsetCreep:
 
     - `motion`: how the wheelset rolls.
     - `rate_rad_s`: rate of rotation about the axle.
-    - `theory`: of the forces.
-    - `max_bent_mm`: displacement of a cell by a change of creep forces in one step, at most.
     - `tolerance`: error of the law of friction by the exact theory.
     - `before`: creep forces to start from, on other cells.
     """
 
     motion: RollingMotion
     rate_rad_s: float
-    theory: Theory
-    max_bent_mm: float = np.inf
     tolerance: float = TOLERANCE
     before: Mapping[Side, SideCreep] = field(default_factory=dict)
-    _contacts: dict[tuple[object, ...], RollingContact] = field(default_factory=dict)
-    _last: dict[tuple[object, ...], Rolling] = field(default_factory=dict)
-    _parts: dict[object, list[Bools]] = field(default_factory=dict)
+    _last: dict[GriddedSide, Rolling] = field(default_factory=dict)
+    _parts: dict[GriddedSide, list[Bools]] = field(default_factory=dict)
 
     def creepages(
         self, side: Side, pose: WheelPose, rate: float, rows: tuple[Floats, Floats], contact: RollingContact
@@ -129,15 +124,14 @@ class WheelsetCreep:
     def of_side(self, side: Side, state: SideNewton | SideState, normal: Floats) -> SideCreep:
         """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
         patches: list[PatchCreep] = []
-        for number, inside in enumerate(self._divided(side, state, normal)):
-            key = (state.grid, number)
-            contact = self._contact(state, normal, inside, key)
+        for inside in self._divided(side, state, normal):
+            contact = self._contact(state, normal, inside)
             rows = rows_of(state, contact)
             # bodies of one material stretch alike under pressure: the wheel rolls on its undeformed radius
             nearest = int(np.abs(state.grid.grid.along - contact.grid.along[0] + contact.places[1][0]).argmin())
             points = state.gap.arms[:, nearest, :2] + np.array([state.pose.x, state.pose.y])
             motion = self.creepages(side, state.pose, self.rate_rad_s, (points[rows], state.normals[rows]), contact)
-            patches.append(PatchCreep(inside, contact, self._forces(key, side, contact, motion), points))
+            patches.append(PatchCreep(inside, contact, self._forces(state.grid, side, contact, motion), points))
         return self._side(state, state.pose, tuple(patches))
 
     def _divided(self, side: Side, state: SideNewton | SideState, normal: Floats) -> list[Bools]:
@@ -145,18 +139,19 @@ class WheelsetCreep:
 
         Each patch moves the surfaces of the others along the track, and nothing jumps as they meet.
         """
-        if self.theory == "exact":
+        if self.motion.theory == "exact":
             return [normal > 0.0] if normal.any() else []
         if state.grid not in self._parts and side in self.before:
             self._parts[state.grid] = [_moved(patch, state.grid.grid) for patch in self.before[side].patches]
         self._parts[state.grid] = patches_of(normal, self._parts.get(state.grid, ()))
         return self._parts[state.grid]
 
-    def _forces(self, key: tuple[object, ...], side: Side, contact: RollingContact, motion: Creepages) -> CreepForces:
-        if self.theory != "exact":
-            return FAST[self.theory](contact, motion.mean(contact.places[0], contact.row_shares))
-        start = self._last.get(key) or self._start(side, contact)
-        rolling = self._last[key] = roll(contact, motion, start=start, tolerance=self.tolerance)
+    def _forces(self, grid: GriddedSide, side: Side, contact: RollingContact, motion: Creepages) -> CreepForces:
+        theory, last = self.motion.theory, self._last.get(grid)
+        if theory != "exact":
+            return FAST[theory](contact, motion.mean(contact.places[0], contact.row_shares))
+        start = self._start(side, contact) if last is None or last.contact.grid is not contact.grid else last
+        rolling = self._last[grid] = roll(contact, motion, start=start, tolerance=self.tolerance)
         return rolling
 
     def _start(self, side: Side, contact: RollingContact) -> Start | None:
@@ -170,23 +165,17 @@ class WheelsetCreep:
             tractions += np.moveaxis(interpolated(by_axis, patch.contact.grid.middles, contact.grid.middles), 0, 2)
         return Start(tractions, contact) if patches else None
 
-    def _contact(
-        self, state: SideNewton | SideState, normal: Floats, inside: Bools, key: tuple[object, ...]
-    ) -> RollingContact:
+    def _contact(self, state: SideNewton | SideState, normal: Floats, inside: Bools) -> RollingContact:
         friction = self.motion.friction_on(state.normals)
-        if self.theory != "exact":
+        if self.motion.theory != "exact":
             return contact_in(state, normal, inside, friction, bodies=False)
-        whole = self._contacts.get(key[:1])
-        box = box_of(inside)[0]
-        rows = box if whole is None else rows_of(state, whole)
-        if whole is None or box.start < rows.start or box.stop > rows.stop:
-            whole = self._contacts[key[:1]] = contact_in(state, normal, inside, friction, whole=True)
-            self._contacts.pop(key, None)
-            self._last.pop(key, None)
-            rows = rows_of(state, whole)
-        pressures = np.where(inside, normal, 0.0)[rows, strips_of(state, whole)] / whole.areas
-        contact = self._contacts[key] = whole.under(pressures, self._contacts.get(key), friction.of_rows(rows))
-        return contact
+        last, box = self._last.get(state.grid), box_of(inside)[0]
+        if last is not None:
+            rows, strips = rows_of(state, last.contact), strips_of(state, last.contact)
+            if rows.start <= box.start and box.stop <= rows.stop:
+                pressures = np.where(inside, normal, 0.0)[rows, strips] / last.contact.areas
+                return last.contact.under(pressures, last.contact, friction.of_rows(rows))
+        return contact_in(state, normal, inside, friction, whole=True)
 
     def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
         """Resultants of the patches' forces at a pose."""
@@ -305,7 +294,8 @@ class WheelsetCreep:
         forces = np.where(patch.inside, normal, 0.0)[rows, strips]
         parts = [forces] * (1 + len(STEPS)) + [forces * (1.0 + SHAPE_STEP * shape[rows, strips]) for shape in shapes]
         lateral, resultants = np.zeros((len(parts), len(normal))), []
-        for number, (of_rows, ahead, missing) in enumerate(_forces_of_rows(self.theory, contact, motions, parts)):
+        of_parts = _forces_of_rows(self.motion.theory, contact, motions, parts)
+        for number, (of_rows, ahead, missing) in enumerate(of_parts):
             spinning = missing * np.append(contact.row_shares @ newton.normals[rows], 0.0)
             resultants.append(_resultant(*places[number], of_rows, ahead, spinning))
             lateral[number, rows] = of_rows[:, 0]
