@@ -156,7 +156,7 @@ def weights_sentences(summary: Mapping[str, Any]) -> list[str]:
 
 PICTURES: dict[str, tuple[Callable[[SectionRun, Units], Figure], str]] = {
     "mesh.png": (mesh_figure, "The mesh, with the centroid, the shear centre and the principal axes"),
-    "warping.png": (warping_figure, "Warping about the shear centre over the rate of twist, with contour lines"),
+    "warping.png": (warping_figure, "Warping about the shear centre per rate of twist, with contour lines"),
     "shear_stress.png": (shear_figure, "Shear stress for a unit torque, with arrows in its direction"),
     "prandtl.png": (prandtl_figure, "Prandtl's function, whose contour lines are lines of shear flow"),
 }

@@ -25,8 +25,8 @@ DIRECTIONS = (4, 6, 8, 12, 24)
 """Intervals between exact solutions, from coarse to fine: 104, 248, 456, 1,064 and 4,424 of these for each patch, less
 those that a coarser one has."""
 AIM = 1.0 / 6.0
-"""Root mean square of the errors of a patch over the tolerance, up to which it gets more exact solutions: few points
-find their mean size, but not the largest."""
+"""Root mean square of the errors of a patch relative to the tolerance, up to which it gets more exact solutions: few
+points find their mean size, but not the largest."""
 SOLVED = 0.01
 """Tolerance of the law of friction for the exact solutions of a table: forces change by less than 0.001 mu N."""
 ORDER = 2.0

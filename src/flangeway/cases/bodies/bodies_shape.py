@@ -510,7 +510,7 @@ Ints = NDArray[np.int32]
 
 Where = str | tuple[float, float]
 
-ON_LINE = 1e-6  # distance over the size of the mesh up to which a point lies on a line or in a box
+ON_LINE = 1e-6  # distance relative to the size of the mesh up to which a point lies on a line or in a box
 
 
 def keys_of_place(table: PlaceTable) -> list[str]:

@@ -23,7 +23,7 @@ MAX_ITERATIONS = 500
 NOTHING = 1e-20
 """Square of the residual over another one that is round-off."""
 CHANGE = 1e-9
-"""Change of the forces, over their sum, at which `Pressing` ends: single pressures are then within 1e-7."""
+"""Change of the forces, relative to their sum, at which `Pressing` ends: single pressures are then within 1e-7."""
 EVEN = 1e-9
 """Asymmetry of coefficients over the largest one that is round-off: integrals of half-spaces cancel."""
 
@@ -263,11 +263,11 @@ def _depth(gaps: Floats) -> float:
 MIN_WAVENUMBER = 2e-5
 """Per mm: a wave of 300 m, beyond which bodies that are held or on a foundation no longer change, along z either."""
 CORRECTED = 1.0
-"""Distance up to which the table's own nearest cells are corrected, over a cell."""
+"""Distance up to which the table's own nearest cells are corrected, relative to a cell."""
 N_DISTANCES = 40
 """Distances along z at which the remainder is tabulated, the last of them `REACH` away."""
 REACH = 160.0
-"""Longest distance along z over a cell; beyond, the remainder hardly changes within a patch."""
+"""Longest distance along z relative to a cell; beyond, the remainder hardly changes within a patch."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from flangeway.types import Bools, Floats, Ints
 MAX_CELLS = 6000
 """Cells in contact up to which their matrix is factorised."""
 SAME = 1e-6
-"""Force over the mean force of the cells in contact that is round-off."""
+"""Force relative to the mean force of the cells in contact that is round-off."""
 FIRST = 1e-4
 """Tolerance of the forces on bodies that bend no further, from which the steps start."""
 MAX_STEPS = 30
