@@ -261,9 +261,11 @@ TRACTION: Creep = Quantity(
     "traction coefficient",
     lambda f: float(np.hypot(f.forces.along, f.forces.across)) / f.normal_force,
     form=".4f",
-    meaning="creep force over normal force",
+    meaning="ratio of creep force to normal force",
 )
-T_GAMMA: Creep = Quantity("t_gamma", "T-gamma", "t_gamma.0", "N", "z.3f", meaning="frictional power over the speed")
+T_GAMMA: Creep = Quantity(
+    "t_gamma", "T-gamma", "t_gamma.0", "N", "z.3f", meaning="frictional power divided by the speed"
+)
 T_GAMMAS: tuple[Creep, ...] = (
     T_GAMMA,
     Quantity("t_gamma_without_spin", "  forces times creepages", "t_gamma.1", "N", "z.3f"),

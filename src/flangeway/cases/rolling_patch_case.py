@@ -52,7 +52,7 @@ from flangeway.types import Floats, Ints, Progress
 COLUMNS = ("right_mm", "ahead_mm", "pressure_MPa")
 WANTED = f"a CSV file with the columns {', '.join(COLUMNS)}: middles of even cells, and mean pressures"
 OFF_GRID = 0.02
-"""Distance of a place from the regular grid, over the size of the cells, that digits explain."""
+"""Distance of a place from the regular grid, relative to the size of the cells, that digits explain."""
 MAX_CELLS = 120
 
 
@@ -229,11 +229,11 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
     upper_poisson: float | None = Field(None, ge=0.0, lt=0.5)
     """Poisson's ratio of the upper body (default: poisson)"""
     longitudinal_creepage: float = 0.001
-    """slip of the upper body on the lower one ahead, over the speed"""
+    """slip of the upper body on the lower one ahead, divided by the speed"""
     lateral_creepage: float = 0.0
-    """slip to the right over the speed"""
+    """slip to the right, divided by the speed"""
     spin_creepage_per_m: float = 0.0
-    """rotation of the upper body, counter-clockwise from above, over the speed"""
+    """rotation of the upper body, counter-clockwise from above, divided by the speed"""
     speed_km_h: float = 72.0
     """speed of rolling ahead, negative: backwards, 0: the upper body is shifted and does not roll"""
     longitudinal_force_kN: float | None = None
@@ -253,7 +253,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
     curve: Literal["longitudinal", "lateral", "spin", "none"] = "longitudinal"
     """creepage of the creep curve by all theories; the others are those of the case"""
     curve_end: float = Field(3.0, gt=0.0, le=1e3)
-    """its end over the creepage at which linear theory reaches the limit of friction"""
+    """its end relative to the creepage at which linear theory reaches the limit of friction"""
     curve_points: int = Field(25, ge=3, le=1000)
     """number of its points"""
     cells_along: int = Field(30, ge=4, le=120)

@@ -101,8 +101,8 @@ CONTACT: Quantities[PatchContact] = (
         parts=ON_SURFACE,
     ),
     Quantity("cells", "cells of the grid", "loaded.shape", "", "d", ON_SURFACE),
-    Quantity("gap_error", "", "closed_error", meaning="gap under pressure over the approach"),
-    Quantity("overlap_error", "", "overlap", meaning="overlap outside of the patch over the approach"),
+    Quantity("gap_error", "", "closed_error", meaning="gap under pressure relative to the approach"),
+    Quantity("overlap_error", "", "overlap", meaning="overlap outside of the patch relative to the approach"),
 )
 PATCH: Quantities[SpatialPatchResult] = (
     Quantity("force", "force", "ellipse.force", "N", "z.1f", ("x", "y")),
@@ -144,11 +144,11 @@ BODY: Quantities[SpatialBodyResult] = (
 
 
 FINER = 0.85
-"""Size of triangles over that of the cells: Gmsh makes some edges longer."""
+"""Size of triangles relative to that of the cells: Gmsh makes some edges longer."""
 BEYOND = 0.15
-"""Length of the finer mesh beyond the window on each side, over the window."""
+"""Length of the finer mesh beyond the window on each side, relative to the window."""
 DEPTHS = 3.0
-"""Depth of the profiles over the longer semi-axis."""
+"""Depth of the profiles relative to the longer semi-axis."""
 
 
 class SpatialBodyTable(BodyTable):

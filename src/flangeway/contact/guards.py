@@ -27,12 +27,13 @@ from flangeway.contact.surface import Surface, node_normals
 from flangeway.types import Bools, Floats, Ints
 
 GUARDED_DEPTH = 0.9
-"""Depth over that which chords of curves explain from which a node is guarded: between nodes it may be larger."""
+"""Depth relative to that which chords of curves explain from which a node is guarded: between nodes it may be
+larger."""
 DEPTH_TOLERANCE = 0.02
-"""Difference of two depths, over the larger one, below which it is chance which of them is the smaller one."""
+"""Difference of two depths, relative to the larger one, below which it is chance which of them is the smaller one."""
 
 END_DISTANCE = 1e-3
-"""Distance of a node from one of the other side, over the length of an edge, below which each guards both."""
+"""Distance of a node from one of the other side, relative to the length of an edge, below which each guards both."""
 
 JOINED_FIELDS = [field for field in fields(Constraints) if field.name != "rows"]
 

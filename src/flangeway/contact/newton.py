@@ -68,30 +68,31 @@ any limit nodes on edges far shorter than their share of the surface, which are 
 After as many, pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
 
 SPRING, STIFF_SPRING = 1e-6, 1.0
-"""Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint; and the same
-where the equations with the geometric stiffness had no solution."""
+"""Stiffness of the springs that hold motions within a step, relative to the maximum stiffness of one constraint; and
+the same where the equations with the geometric stiffness had no solution."""
 
 START_DISTANCE = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
 after the first iteration."""
 
 OPEN_GAP = 0.01
-"""Gap over the maximum displacement, or way, from which constraints are left out of iterations that keep them open."""
+"""Gap relative to the maximum displacement, or way, from which constraints are left out of iterations that keep them
+open."""
 
 GAP_CLOSURE = 2.0 * np.sqrt(2.0)
-"""Closing of a gap over the maximum component of the nodes' displacements, at most."""
+"""Closing of a gap relative to the maximum component of the nodes' displacements, at most."""
 
 OLD_DERIVATIVES_RESIDUAL = 1e-6
 """Residual up to which the equations of an iteration may serve the next one."""
 
 MAX_UNBALANCED_FORCE = 1e-9
-"""Force left on a floating part over the maximum load, or the total force, above which a message names it."""
+"""Force left on a floating part relative to the maximum load, or the total force, above which a message names it."""
 
 MAX_FORCE_ALONG_MOTION = 1e-6
-"""Force along a motion over the maximum load, above which a message names it."""
+"""Force along a motion relative to the maximum load, above which a message names it."""
 
 ROUND_OFF = 1e-13
-"""Force over the maximum one below which it is round-off of the solved equations: its constraint is open."""
+"""Force relative to the maximum one below which it is round-off of the solved equations: its constraint is open."""
 
 MAX_ROUND_OFF = 1e-3
 """Residual that round-off of the positions excuses, at most: where nothing moves it would excuse any force."""
@@ -106,7 +107,8 @@ MAX_NAMED = 3
 """How many constraints a message names."""
 
 MAX_TRAVEL = 2.0
-"""Way over the size of the largest part after which no surface comes within reach of a part that nothing touches."""
+"""Way relative to the size of the largest part after which no surface comes within reach of a part that nothing
+touches."""
 
 MAX_ROUNDS = 20
 """Rounds of further constraints for nodes that penetrate."""

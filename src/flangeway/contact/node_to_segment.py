@@ -256,8 +256,8 @@ def guarded_margins(edges: Floats) -> Floats:
 
 
 MAX_MATCH_DISTANCE = 0.25
-"""Distance along the primary of nodes that match, over the shorter edge there: on curves they are not quite opposite
-each other."""
+"""Distance along the primary of nodes that match, relative to the shorter edge there: on curves they are not quite
+opposite each other."""
 
 
 @dataclass(frozen=True, eq=False)

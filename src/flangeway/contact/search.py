@@ -11,13 +11,15 @@ from flangeway.types import Floats, Ints
 GROWTH = 4.0
 """Factor from one box of the search to the next: a few edges more in each against fewer of them."""
 ZERO_DEPTH = 1e-6
-"""Depth over the longest edge up to which a point is on the surface; see `leads_out`."""
+"""Depth relative to the longest edge up to which a point is on the surface; see `leads_out`."""
 MAX_ENTRY_DEPTH = 0.1
-"""Depth behind an edge, over the length of the surface there, from which the point may have entered elsewhere."""
+"""Depth behind an edge, relative to the length of the surface there, from which the point may have entered
+elsewhere."""
 MAX_SAGITTA = 0.25
 """Height of a curved edge over its chord, over the chord, beyond all meshes: a quarter of a circle has 0.2."""
 OTHER_EDGE = 4.0
-"""Depth behind an edge, over the distance from an edge without the point, from which it entered through that one."""
+"""Depth behind an edge, relative to the distance from an edge without the point, from which it entered through that
+one."""
 
 
 def candidate_pairs(secondary_edges: Floats, primary_edges: Floats, reach: float | Floats) -> tuple[Ints, Ints]:

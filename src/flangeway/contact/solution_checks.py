@@ -27,7 +27,7 @@ SAMPLES = np.linspace(0.0, 1.0, 6)[:, None]
 """Points of a side of an overlap at which its depth is measured, as parts of the side."""
 
 MAX_PASSAGE_DEPTH = 1e-6
-"""Depth over the size of the smaller body up to which bodies that slide along each other are apart."""
+"""Depth relative to the size of the smaller body up to which bodies that slide along each other are apart."""
 
 MAX_ROTATION_STEP = 0.05
 """Rotation in rad between two positions of a path that is checked."""
@@ -346,18 +346,18 @@ def passes_through(one: Part, other: Part, way: Sequence[tuple[Placement, Placem
 
 
 MAX_RESIDUAL = 1e-6
-"""Sum of forces over the maximum nodal force, and of moments over that and the size: above round-off."""
+"""Sum of forces relative to the maximum nodal force, and of moments relative to that and the size: above round-off."""
 
 MAX_SLIDE = 0.5
-"""Tangential distance of paired nodes over an edge, above which each faces the partner of another one."""
+"""Tangential distance of paired nodes relative to an edge, above which each faces the partner of another one."""
 
 MAX_KEPT = 1e-3
-"""Force along a motion that is kept in place over all forces of the part, see `flangeway.solve.Handle`."""
+"""Force along a motion that is kept in place, relative to all forces of the part, see `flangeway.solve.Handle`."""
 
 MIN_POSITIVE = float(np.finfo(np.float64).tiny)
 
 LARGE_STRAIN = 0.05
-"""Mean strain of a cell, or pressure over the modulus, above which small strains are off by as many parts."""
+"""Mean strain of a cell, or pressure relative to the modulus, above which small strains are off by as many parts."""
 
 LARGE_TURN = 0.1
 """Rotation of a cell in rad whose square half, 0.005, is a false strain."""

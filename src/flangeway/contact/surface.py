@@ -17,7 +17,7 @@ from flangeway.problems import Body, Part
 from flangeway.types import Bools, Complex, Floats, Ints
 
 MAX_CURVE_DISTANCE = 0.25
-"""Distance of a node from the surface's curve, over the mean edge, above which the curve is refused."""
+"""Distance of a node from the surface's curve, relative to the mean edge, above which the curve is refused."""
 
 COLLINEAR = 1e-6
 """Turn between edges, in rad, below which they are one line."""
@@ -34,10 +34,10 @@ ROUGH_ANGLE = np.deg2rad(30.0)
 have a constraint each. Edges that turn by less are taken for a coarse curve in the warning of straight edges."""
 
 CHORD_RATIO = 1.5
-"""Length of an edge that is a chord of a curve over that of the longer neighbour."""
+"""Length of an edge that is a chord of a curve relative to that of the longer neighbour."""
 
 MAX_STRAIGHT_DISTANCE = 1e-9
-"""Distance of the curve from the edges' middles, over the edges, below which it is straight."""
+"""Distance of the curve from the edges' middles, relative to the edges, below which it is straight."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -365,18 +365,18 @@ def changed_keys(
 
 
 BETWEEN_NODES = 1e-3
-"""Depth over the maximum displacement of the surfaces that elements leave between nodes."""
+"""Depth relative to the maximum displacement of the surfaces that elements leave between nodes."""
 
 MAX_OVERLAP = 0.2
-"""Overlap over the maximum displacement of the surfaces, between nodes where bodies bend and meshes do not: elements at
-the end of a contact on a sharp corner leave up to 0.18 on the coarsest meshes that are held to be of use. Nodes that
-bending on both sides puts deeper get a constraint of their own."""
+"""Overlap relative to the maximum displacement of the surfaces, between nodes where bodies bend and meshes do not:
+elements at the end of a contact on a sharp corner leave up to 0.18 on the coarsest meshes that are held to be of use.
+Nodes that bending on both sides puts deeper get a constraint of their own."""
 
 LARGE_OVERLAP = 0.05
 """The same, above which it is said."""
 
 ROUND_OFF = 1e-9
-"""Of a depth, over the size of the smaller body."""
+"""Of a depth, relative to the size of the smaller body."""
 
 
 class SolvedContact(NamedTuple):

@@ -143,9 +143,9 @@ class Virtual(Element):
 
 
 LINE_TOLERANCE = 1e-6
-"""Angle, and distance over the size of the cell, up to which two sides count as one line."""
+"""Angle, and distance relative to the size of the cell, up to which two sides count as one line."""
 MIN_SINGULAR_VALUE = 1e-6
-"""Singular value of the unknowns of polynomials over the highest one, below which they do not determine them."""
+"""Singular value of the unknowns of polynomials relative to the highest one, below which they do not determine them."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,8 @@ from flangeway.types import Floats, floats
 
 
 DEPTH_OF_MAX_SHEAR = 0.7861513777574233
-"""Depth over the half width where the shear stress on the axis is greatest, the root of ``(sqrt(5) - 1) / 2``."""
+"""Depth relative to the half width where the shear stress on the axis is greatest, the root of ``(sqrt(5) - 1) /
+2``."""
 
 
 @dataclass(frozen=True)

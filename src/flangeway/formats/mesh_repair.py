@@ -20,7 +20,7 @@ from flangeway.mesh.mesh_checks import check, conforming, hanging_points, touchi
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints, floats
 
-MAX_HEIGHT = 1e-9  # range of the third coordinate, over the size of the mesh, up to which a mesh is plane
+MAX_HEIGHT = 1e-9  # range of the third coordinate, relative to the size of the mesh, up to which a mesh is plane
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,7 +35,8 @@ from flangeway.types import Bools, Floats, Indices, Ints
 HIGHEST_ORDER = 6
 """Monomials are not orthogonalised here: above, too many digits go."""
 MAX_FLOW = 1e-2
-"""Net flow through the boundary, over the sum of all, that interpolation explains; it is spread over the cells."""
+"""Net flow through the boundary, relative to the sum of all, that interpolation explains; it is spread over the
+cells."""
 
 
 @dataclass(frozen=True, eq=False)

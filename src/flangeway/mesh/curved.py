@@ -19,12 +19,12 @@ Curves: TypeAlias = Contour | Spline | Region | Section | Iterable[Contour | Spl
 """What has curves: an outline or open chain, a spline, a region, a section, or several of the first two."""
 
 MAX_CURVE_DISTANCE = 1.0
-"""Distance from an arc, over the shorter boundary edge at the point, up to which the point belongs on it.
+"""Distance from an arc, relative to the shorter boundary edge at the point, up to which the point belongs on it.
 
 As large as that, since the middle of a coarse chord is far from its arc; the nearest curve decides.
 """
 
-ON_CURVE = 1e-6  # distance of both ends of an edge from a curve, over its length, up to which it can lie on it
+ON_CURVE = 1e-6  # distance of both ends of an edge from a curve, relative to its length, up to which it can lie on it
 PIECES = 16  # of a curved edge as a polyline in pictures and files
 
 

@@ -27,7 +27,7 @@ from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints
 
 MERGE = 1e-7
-"""Distance of a point from a node over the shorter edge there, up to which it is the node."""
+"""Distance of a point from a node relative to the shorter edge there, up to which it is the node."""
 COLLINEAR = 1e-6  # turn between edges, in rad, below which they are one straight line
 MAX_PAIRS = 1_000_000  # of nodes and edges that are examined at a time
 

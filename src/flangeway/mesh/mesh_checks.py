@@ -20,10 +20,11 @@ from flangeway.types import Bools, Floats, Indices, Ints
 
 
 TOUCH_TOLERANCE = 1e-6
-"""Distance of a point from a segment, over the shorter of it and the point's own, up to which they touch."""
+"""Distance of a point from a segment, relative to the shorter of it and the point's own, up to which they touch."""
 
 ROUND_OFF = 1e-9
-"""Distance over the size of the mesh up to which they touch where the segments are short, by files' few digits."""
+"""Distance relative to the size of the mesh up to which they touch where the segments are short, by files' few
+digits."""
 
 
 def touching_distance(lengths: Floats, points: Floats) -> Floats:
@@ -72,13 +73,13 @@ def meeting(points: Floats, segments: IntArray) -> Meeting:
 
 
 MIN_CELL_AREA = 1e-14
-"""Area of a cell over the sum of its squared distances from its middle, up to which it counts as flat."""
+"""Area of a cell relative to the sum of its squared distances from its middle, up to which it counts as flat."""
 
 MIN_SIDE = 1e-9
-"""Area between a side and the middle of a cell, over the cell's, below which the side is looked at more closely; and
-length of a side over the cell's size below which its ends count as one point."""
+"""Area between a side and the middle of a cell, relative to the cell's, below which the side is looked at more
+closely; and length of a side relative to the cell's size below which its ends count as one point."""
 
-OFF_CURVE = 1e-5  # distance of an edge's end from its curve, over its length, up to which it lies on it
+OFF_CURVE = 1e-5  # distance of an edge's end from its curve, relative to its length, up to which it lies on it
 
 CELLS_AT_A_TIME = 10_000  # their corners stay in cache
 

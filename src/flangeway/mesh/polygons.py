@@ -315,11 +315,11 @@ def _glued(mesh: PolyMesh, tolerance: float) -> PolyMesh:
 
 
 BYTES_A_CELL = 10_000  # measured at the peak, with the clipped cells
-ONE_POINT = 1e-9  # distance over the outline's size below which two vertices are one
+ONE_POINT = 1e-9  # distance relative to the outline's size below which two vertices are one
 CHORD_ANGLE = 0.02
 """Angle in radians of an arc's chords that clip the cells: their sagitta is 5e-5 of the radius."""
 ENCLOSING = 20.0
-"""Distance of four points around everything, over the outline's size, that make all Voronoi cells bounded."""
+"""Distance of four points around everything, relative to the outline's size, that make all Voronoi cells bounded."""
 MAX_PIECES = 20
 """Rounds in which pieces of cells that the outline cuts in two get points of their own."""
 

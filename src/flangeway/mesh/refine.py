@@ -23,7 +23,7 @@ MAX_SIDE_TURN = np.deg2rad(15.0)  # turn at a point below which both edges belon
 MAX_HANGING_TURN = 1e-6  # turn in radians below which a point of a cell counts as one that hangs on its side
 MAX_DIVIDED_SIDES = 8  # above, the corners at the centre become sharp
 MAX_MIDDLE_DISTANCE = 0.25
-"""Distance from the middle of a side, over its length, within which a point of it divides the side."""
+"""Distance from the middle of a side, relative to its length, within which a point of it divides the side."""
 
 
 def refined(

@@ -30,8 +30,9 @@ MIN_FACED_FRACTION = 0.5
 beside a node presses on a sliver, whose pressure has no limit."""
 
 MIN_AREA_RATIO = 0.2
-"""Area of a node over its neighbour's below which the force of node-to-node contact counts with the neighbour's: what a
-short edge's node carries is a small part of the errors of its neighbours' forces, but not of their pressures."""
+"""Area of a node relative to its neighbour's below which the force of node-to-node contact counts with the
+neighbour's: what a short edge's node carries is a small part of the errors of its neighbours' forces, but not of
+their pressures."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -350,7 +351,8 @@ def _reaches_end(members: Ints, n_all: int) -> bool:
 
 
 SMALL_PENETRATION = 0.05
-"""Penetration over the elastic sinking of the surfaces: about the relative error that it makes in the pressure."""
+"""Penetration relative to the elastic sinking of the surfaces: about the relative error that it makes in the
+pressure."""
 
 MAX_PENETRATION = 1.0
 MAX_PULL = 1e-9

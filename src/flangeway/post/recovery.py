@@ -25,7 +25,8 @@ from flangeway.types import Floats, Ints
 
 
 MIN_SINGULAR_VALUE = 1e-11
-"""Eigenvalue of a patch's normal equations, over the maximum, below which a polynomial is not seen by its cells."""
+"""Eigenvalue of a patch's normal equations, relative to the maximum, below which a polynomial is not seen by its
+cells."""
 
 
 @dataclass(frozen=True, eq=False)

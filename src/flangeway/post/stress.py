@@ -154,7 +154,7 @@ def _cell_means(space: Space, polynomials: Polynomials, n_components: int) -> Fl
 
 
 BOUNDARY_TOLERANCE = 1e-9
-"""Distance from the boundary, over the size of the mesh, within which a point still belongs to the mesh."""
+"""Distance from the boundary, relative to the size of the mesh, within which a point still belongs to the mesh."""
 OUTSIDE = -1
 PIECES = 32  # of a curved edge as a polyline
 

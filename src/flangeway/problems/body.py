@@ -25,7 +25,7 @@ from flangeway.types import Bools, Floats, Indices
 Components = Literal["x", "y", "xy"]
 
 MIN_SPRING_STIFFNESS = 1e-12
-"""Stiffness of the springs against a rigid motion, over the maximum, below which they leave it free."""
+"""Stiffness of the springs against a rigid motion, relative to the maximum, below which they leave it free."""
 
 
 @dataclass(frozen=True, eq=False)

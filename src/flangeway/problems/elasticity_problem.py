@@ -174,9 +174,9 @@ def _boundary_moments(batch: CellBatch, reconstruction: Reconstruction) -> Float
 Kind = TypeVar("Kind")
 
 ON_AXIS = 1e-12
-"""Radius over the size of the mesh below which a node lies on the axis."""
+"""Radius relative to the size of the mesh below which a node lies on the axis."""
 SAME_PLACE = 1e-6
-"""Distance over the size of the mesh within which a given point is a node."""
+"""Distance relative to the size of the mesh within which a given point is a node."""
 
 
 def _of_kind(items: Sequence[Load | Support], kind: type[Kind]) -> tuple[Kind, ...]:

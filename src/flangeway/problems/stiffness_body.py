@@ -217,7 +217,8 @@ class LinearBody(ABC):
 
 
 MAX_FORCE = 1e-4
-"""Force of a rigid motion on a row over the sum of its terms' magnitudes: above what seven printed digits leave."""
+"""Force of a rigid motion on a row relative to the sum of its terms' magnitudes: above what seven printed digits
+leave."""
 
 MAX_WRONG = 0.5
 """Fraction of rows with such a force from which K does not belong to the nodes; fewer are springs to the ground."""
@@ -283,10 +284,10 @@ def _far_from(nodes: Floats, missing: Bools) -> Bools:
 
 
 MAX_ASYMMETRY = 1e-9
-"""Difference of two entries across the diagonal, over the maximum entry, that rounding explains."""
+"""Difference of two entries across the diagonal, relative to the maximum entry, that rounding explains."""
 
 MAX_EDGE_DISTANCE = 3.0
-"""Distance of a node from an edge, over its length, within which it shows the side of the body."""
+"""Distance of a node from an edge, relative to its length, within which it shows the side of the body."""
 
 
 def _directed(edges: Any, pairs: Indices, rows: Ints) -> Any:

@@ -42,7 +42,7 @@ OF_SIDES: dict[str, tuple[str, tuple[Column, ...]]] = {
         tuple((f"{kind}_force_kN", f"{kind} force", "kN") for kind in ("normal", "lateral", "vertical")),
     ),
 }
-"""Title and rows of the pictures of results of both sides over an input."""
+"""Title and rows of the pictures of results of both sides against an input."""
 
 MAX_LABELLED = 8
 ROUGH = "not reliable, see its remark"

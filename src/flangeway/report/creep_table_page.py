@@ -20,8 +20,8 @@ FRICTION, MAX_PERCENT, MAX_CURVES = 0.3, 1.0, 5
 """Coefficient of friction, creepage at the end and number of lateral positions in the picture."""
 DRAWN = ("normal_force_N", "contact_angle_rad", "stiffness_N", "forces")
 CAPTION = (
-    f"Creep forces of the table over friction times normal force, at a coefficient of friction of {FRICTION:g}, on "
-    "the most loaded patch of the right wheel at some lateral positions, over the longitudinal and the lateral "
+    f"Creep forces of the table relative to friction times normal force, at a coefficient of friction of {FRICTION:g}, "
+    "on the most loaded patch of the right wheel at some lateral positions, against the longitudinal and the lateral "
     "creepage without spin."
 )
 
@@ -128,7 +128,7 @@ def forces_figure(table: CreepTable, units: Units = "metric") -> Figure:
             creepages = size * FRICTION * normal / stiffness[component]
             axes.plot(creepages, shares[:, component], ".-", color=colour, lw=1.4, label=label)
     for axes, word in zip(both, ("longitudinal", "lateral"), strict=True):
-        name_axes(axes, (f"{word} creepage", "%"), f"{word} force over friction times normal force")
+        name_axes(axes, (f"{word} creepage", "%"), f"{word} force relative to friction times normal force")
         axes.set_xlim(0.0, MAX_PERCENT)
     both[0].legend(title="lateral position, contact angle", fontsize=8, title_fontsize=8)
     return figure

@@ -231,7 +231,7 @@ def profiles_figure(
 
 
 PICTURE = "strategies.png"
-CAPTION = "Depth of wear at the end of each strategy, and worn area over the distance."
+CAPTION = "Depth of wear at the end of each strategy, and worn area against the distance."
 
 
 def strategies_record(

@@ -46,11 +46,11 @@ CURVES = (
     ("von Mises", PURPLE, "--"), ("Tresca", "#2e7d32", "-."),
 )  # fmt: skip
 MIN_RATIO = 0.6
-"""Width of what is shown of a surface from above over its height, at least."""
+"""Width of what is shown of a surface from above relative to its height, at least."""
 MAX_WIDTH_IN, MAX_HEIGHT_IN, MIN_WIDTH_IN, MIN_HEIGHT_IN = 9.0, 6.0, 5.0, 3.0
 """Size of the picture of surfaces from above: without labels at most, with them at least."""
 MARGIN = 0.08
-"""About what is under pressure, over its longer side."""
+"""About what is under pressure, relative to its longer side."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +191,7 @@ FIELDS = {
 }
 """Words and units of fields of cells by the names of their arrays, for the viewer."""
 LENGTH = 1.7
-"""Longest arrow over the distance of arrows."""
+"""Longest arrow relative to the distance of arrows."""
 
 
 @dataclass(frozen=True, eq=False)

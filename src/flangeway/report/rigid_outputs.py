@@ -154,7 +154,7 @@ TABLE, CONICITY, SUMMARY = "table.csv", "conicity.csv", "geometry.json"
 CONICITY_PICTURE = "conicity.png"
 BATCH_TABLE, BATCH_SUMMARY = "geometries.csv", "geometries.json"
 LOCUS_SHOWN = (
-    "Contact points at each millimetre, rolling radius difference and contact angles over the lateral position"
+    "Contact points at each millimetre, rolling radius difference and contact angles against the lateral position"
 )
 CONICITY_SHOWN = "Equivalent conicity versus amplitude"
 AXES = {

@@ -43,7 +43,7 @@ MAPS, SECTION, CURVE = "rolling.png", "tractions.png", "creep-curve.png"
 CELLS, CURVE_TABLE, PATCH_FILE = "cells.csv", "creep-curve.csv", "patch.vtu"
 CAPTIONS = {
     MAPS: "The patch from above, ahead is up: where it sticks and slips, with arrows of the tractions on the upper "
-    "body; slip; frictional power over the area.",
+    "body; slip; frictional power per area.",
     SECTION: "Tractions on the upper body in the middle of the patch, along and across, below their limit, friction "
     "times pressure. Where the magnitude reaches it the surfaces slip. Steps across are those of the leading edge on "
     "the cells: more cells make them smaller.",
@@ -63,11 +63,12 @@ STYLES: dict[Theory, tuple[str, Any]] = {
 }  # fmt: skip
 CREEPAGE_OF = dict(zip(COMPONENTS, CREEPAGES, strict=True))
 MAX_DRAWN_FORCE = 1.3
-"""Highest force that is drawn over the limit of friction: linear theory goes on."""
+"""Highest force that is drawn relative to the limit of friction: linear theory goes on."""
 WIDE_IN = 7.5
 """Width of a picture with room for all names beside each other."""
 ROUND_OFF = 1e-6
-"""Force over the limit of friction, and moment over this times the semi-axis along, that is none and not drawn."""
+"""Force relative to the limit of friction, and moment over this times the semi-axis along, that is none and not
+drawn."""
 DIGITS = 6
 
 

@@ -111,7 +111,7 @@ def evenly(n: int, most: int) -> list[int]:
 # --- What the interactive pictures of the pages show: parts of wheelsets, bodies, sections.
 
 
-VIEW_WIDTHS = 8.0  # width of the view of a contact over the half width of the contact
+VIEW_WIDTHS = 8.0  # width of the view of a contact relative to the half width of the contact
 MAX_POINTS = 400_000  # points of all bodies above which the page shows whole elements, with values at their corners
 
 _STRESSES: tuple[tuple[str, str, Formula], ...] = (

@@ -35,7 +35,7 @@ from flangeway.types import Floats, Ints
 WIDTH_IN, MIN_HEIGHT_IN, MAX_HEIGHT_IN = 7.2, 3.4, 9.0
 N_ARROWS, N_LEVELS = 18, 12
 TITLE_LETTERS = 60
-MIN_ARROW = 0.03  # length of the shortest arrow over that of the longest
+MIN_ARROW = 0.03  # length of the shortest arrow relative to that of the longest
 SHADES = ("#f2f2f2", "#c9c9c9", "#e0e0e0", "#b4b4b4")
 STRESS_UNITS = {
     "mm": (1e6, "MPa/kNm"),

@@ -56,7 +56,7 @@ PICTURES: dict[str, tuple[Callable[[SpatialRun], Figure], str]] = {
 SURFACE = "surface.vtu"
 SECTIONS = ("section-lower.vtu", "section-upper.vtu")
 PATCH_VIEW_WIDTH = 6.0
-"""Width of the view of a patch over its longer semi-axis."""
+"""Width of the view of a patch relative to its longer semi-axis."""
 AXES = {
     "x, y, z": "to the right, up, and along the prisms towards the reader of a section",
     "force": "on the upper body",

@@ -29,24 +29,24 @@ come nearer by a node a round."""
 MEMORY, MAX_HALVINGS = 4, 10
 """Steps whose maximum error the next one has to fall below, and how often a step is halved until it does."""
 ROUND_OFF = 1e-12
-"""Error of the laws' equations, over the maximum force, that is round-off."""
+"""Error of the laws' equations, relative to the maximum force, that is round-off."""
 BARRIER_CHANGE = 1e-8
 """Relative change of a force by a barrier from one linearisation to the next, whose square is round-off."""
 LIMIT_MARGIN = 1e-9
 """Fraction of the limit by which a tangential force is below it where surfaces stick."""
 MIN_STIFFNESS = 1e-10
-"""Stiffness against a motion over the maximum one, below which nothing holds it."""
+"""Stiffness against a motion relative to the maximum one, below which nothing holds it."""
 NEUTRAL_STIFFNESS = 1.0
-"""Stiffness against a motion over the forces on a part by its size, below which the motion is neutral: what holds it is
-the curvature of surfaces under load, or the error of the meshes, not the materials."""
+"""Stiffness against a motion relative to the forces on a part by its size, below which the motion is neutral: what
+holds it is the curvature of surfaces under load, or the error of the meshes, not the materials."""
 NEUTRAL_FORCE = 1e-3
-"""Force along a neutral motion over the forces on the part, below which the motion is kept zero."""
+"""Force along a neutral motion relative to the forces on the part, below which the motion is kept zero."""
 MIN_COMPONENT = 0.03
 """Component of a neutral motion below which it is none of it: other motions are in equilibrium exactly."""
 
 UNHELD_FORCE = 1e-5
-"""Force that springs against the motions of a step hold, or that equations leave, over the forces along the motions,
-above which nothing else holds it."""
+"""Force that springs against the motions of a step hold, or that equations leave, relative to the forces along the
+motions, above which nothing else holds it."""
 
 
 class Answer(NamedTuple):

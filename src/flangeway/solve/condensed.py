@@ -34,7 +34,8 @@ POWER_ITERATIONS = 3
 """Iterations until the softest displacement has 1e-6 of others, if these are a hundred times as stiff."""
 
 ZERO_PIVOT = 1e-13
-"""Pivot over the diagonal entry that it began as which rounding leaves of a zero, as in the sparse factorisation."""
+"""Pivot relative to the diagonal entry that it began as which rounding leaves of a zero, as in the sparse
+factorisation."""
 
 
 class CondensedBody:
@@ -235,8 +236,9 @@ ENTRIES_AT_ONCE = 5_000_000
 """Numbers of right-hand sides that are solved together, so that loads on a long surface need no more memory."""
 
 SURFACE_SOFTNESS = 4000.0
-"""Displacement of a surface by forces on all its nodes over that of one node under its own force with all others held:
-some number of nodes. Friction is found in the fewest guesses if it is too large rather than too small."""
+"""Displacement of a surface by forces on all its nodes relative to that of one node under its own force with all
+others held: some number of nodes. Friction is found in the fewest guesses if it is too large rather than too
+small."""
 
 
 class SparseBodies(BodyResponse):

@@ -265,13 +265,13 @@ def _refuse_contradiction(problem: Elasticity, misfit: Floats, rows: Rows, handl
 
 
 ENERGY = 1e-13
-"""Energy of a rigid motion over that of the stiffness's diagonal alone, below which it is rounding."""
+"""Energy of a rigid motion relative to that of the stiffness's diagonal alone, below which it is rounding."""
 
 SINGLE_ENERGY = 1e-6
 """The same of a stiffness all of whose entries are numbers of single precision."""
 
 FREE = 1e-9
-"""Singular value of the constraints, over the maximum, below which a motion is free."""
+"""Singular value of the constraints, relative to the maximum, below which a motion is free."""
 
 
 def refuse_free_motions(problem: Elasticity, constraints: SupportConstraints) -> None:

@@ -27,7 +27,8 @@ from flangeway.solve.constraints import described_motions
 from flangeway.types import Bools, Floats, Ints
 
 LONGEST_MOVE = 0.1
-"""Motion of an iteration over the size of the part, above which it is shortened: gaps are linear over a part of it."""
+"""Motion of an iteration relative to the size of the part, above which it is shortened: gaps are linear over a part
+of it."""
 
 SOLVED = 1e6
 """Factor on the size by which soft motions are measured, for handles whose soft motions are solved for: what is softer

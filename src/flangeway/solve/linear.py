@@ -26,7 +26,7 @@ from flangeway.types import Bools, Floats
 
 
 SMALL_RESIDUAL = 1e-8
-"""Residual over the forces that it is the difference of, above which a solution is not accepted."""
+"""Residual relative to the forces that it is the difference of, above which a solution is not accepted."""
 
 SMALL_CORRECTION = 1e-9
 """Relative correction of a solution below which no further one is made: no input has more than nine digits."""
@@ -47,13 +47,13 @@ INVERSE_ITERATIONS = 3
 """Iterations until the softest motion has 1e-6 of other ones, if these are a hundred times as stiff."""
 
 ZERO_ENERGY = 1e-14
-"""Energy over that of the terms' magnitudes that is round-off.
+"""Energy relative to that of the terms' magnitudes that is round-off.
 
 It is about the third power of height over length where a body bends.
 """
 
 JUST_BELOW = 1e-7
-"""Energy over the maximum entry, within which it counts as zero in an error about a stiffness."""
+"""Energy relative to the maximum entry, within which it counts as zero in an error about a stiffness."""
 
 NO_UNKNOWNS = np.empty(0, dtype=np.int32)
 NO_UNKNOWNS.setflags(write=False)

@@ -163,7 +163,7 @@ def is_at_round_off(history: Sequence[Iteration]) -> bool:
 FEW_ITERATIONS = 8
 MANY_ITERATIONS = 15
 SMALL_ERROR = 0.2
-"""Error of a step, over its limit, below which the next one is longer: that of a step grows with its square."""
+"""Error of a step, relative to its limit, below which the next one is longer: that of a step grows with its square."""
 
 
 @dataclass(frozen=True)

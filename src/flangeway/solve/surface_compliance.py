@@ -99,15 +99,15 @@ def half_spaces_on(
 
 
 SAME = 1e-9
-"""Length over that of a surface that is round-off."""
+"""Length relative to that of a surface that is round-off."""
 STRAIGHT = 1e-6
 """Angle between edges of one straight piece, in rad."""
 WAVE_DEPTH = 10.0
 """Depth of a cut mesh times the wavenumber, at least: C(k) then changes by 1e-5 or less (at 5 it would be 1e-3)."""
 CUTS = (1.0 / 4.0, 1.0 / 16.0, 1.0 / 64.0)
-"""Depths of the cut meshes over the depth of the whole one."""
+"""Depths of the cut meshes relative to the depth of the whole one."""
 MIN_EDGES = 8.0
-"""Depth of a cut mesh over the longest edge below the cells, at least."""
+"""Depth of a cut mesh relative to the longest edge below the cells, at least."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -388,7 +388,7 @@ TAIL = 4.0
 PHASE = np.pi / 2.0
 """Largest phase k z of an interval of six Gauss points."""
 NEAREST = 3.0
-"""Distance up to which cells are corrected, over the largest of strip, cells' widths and edges below them."""
+"""Distance up to which cells are corrected, relative to the largest of strip, cells' widths and edges below them."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -112,7 +112,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     sleeper_spacing_mm: float = Field(RailSupport.spacing_mm, ge=RailSupport.pad_length_mm)
     """distance of the sleepers"""
     sleeper_position: float = Field(RailSupport.position, ge=0.0, lt=1.0)
-    """distance of the wheelset from the last sleeper over the spacing: 0 over it, 0.5 between two"""
+    """distance of the wheelset from the last sleeper relative to the spacing: 0 over it, 0.5 between two"""
     seat_vertical_kN_per_mm: Positive = RailSupport.vertical_kN_per_mm
     """vertical stiffness of rail seat, sleeper and ballast"""
     seat_lateral_kN_per_mm: Positive = RailSupport.lateral_kN_per_mm

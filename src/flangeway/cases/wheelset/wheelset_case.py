@@ -233,7 +233,7 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     enforcement: EnforcementName = Discretisation.enforcement
     """constraint enforcement"""
     penalty_factor: Positive = Discretisation.penalty_factor
-    """penalty (pressure per penetration) over the contact modulus per mm"""
+    """penalty (pressure per penetration) relative to the contact modulus per mm"""
     nodal_penalty_N_per_mm: Positive | None = None
     """penalty of node-to-segment as force per penetration at a node (default: from penalty_factor)"""
     penetration_mm: Positive = Discretisation.penetration_mm

@@ -23,7 +23,7 @@ MAX_ITERATIONS = 500
 NOTHING = 1e-20
 """Square of the residual over another one that is round-off."""
 CHANGE = 1e-9
-"""Change of the forces, over their sum, at which `Pressing` ends: single pressures are then within 1e-7."""
+"""Change of the forces, relative to their sum, at which `Pressing` ends: single pressures are then within 1e-7."""
 
 
 class Convolution:
@@ -241,11 +241,11 @@ MIN_WAVENUMBER = 2e-5
 TABLE_TOLERANCE = 1e-3
 """Error of the compliance between wavenumbers, see `flangeway.solve.compliance_table`."""
 CORRECTED = 1.0
-"""Distance up to which the table's own nearest cells are corrected, over a cell."""
+"""Distance up to which the table's own nearest cells are corrected, relative to a cell."""
 N_DISTANCES = 40
 """Distances along z at which the remainder is tabulated, the last of them `REACH` away."""
 REACH = 160.0
-"""Longest distance along z over a cell; beyond, the remainder hardly changes within a patch."""
+"""Longest distance along z relative to a cell; beyond, the remainder hardly changes within a patch."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,7 +31,7 @@ from flangeway.types import Bools, Floats
 ROUND_OFF = 1e-6
 """Cosine of an axis that is zero but for round-off."""
 MAX_PARABOLOID_DISTANCE = 0.05
-"""Distance of gaps from a paraboloid over the approach, above which Hertz's contact has no meaning."""
+"""Distance of gaps from a paraboloid relative to the approach, above which Hertz's contact has no meaning."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +207,7 @@ def covered(inside: Bools, pressures: Floats, gaps: Floats, stiffness: Floats | 
 MIN_WAVENUMBER = 1e-4
 """Per mm: a wave of 60 m, beyond which bodies that are held or on a foundation no longer change."""
 MAX_EDGE_PER_CELL = 1.05
-"""Maximum edge of a mesh over the cells on it: pressures on cells that are smaller than the edges oscillate."""
+"""Maximum edge of a mesh relative to the cells on it: pressures on cells that are smaller than the edges oscillate."""
 MAX_PHASE = np.pi
 """Maximum wavenumber times the width of the strips."""
 MAX_GRIDS = 4

@@ -18,9 +18,9 @@ from flangeway.types import Bools, Floats, Ints
 
 
 CHORD_TOLERANCE = 1e-8
-"""Distance of the chords of drawn arcs over the size of the curve."""
+"""Distance of the chords of drawn arcs relative to the size of the curve."""
 YAWED_SPACING = 1e-3
-"""Spacing of the drawn points of a body with yaw over the size of the curve."""
+"""Spacing of the drawn points of a body with yaw relative to the size of the curve."""
 MAX_YAW = np.pi / 4.0
 """Yaw of an axis, beyond which the elasticity of the body is no longer that of a prism along z."""
 
@@ -201,7 +201,7 @@ MAX_CELLS = 300
 MAX_CELL_RATIO = 3.0
 """Longer side over shorter side of a cell, at most."""
 MARGIN = 0.25
-"""Width of the window beyond the patch, on each side, over the patch."""
+"""Width of the window beyond the patch, on each side, relative to the patch."""
 N_COARSE = 32
 """Cells of each direction while the window is sought."""
 MIN_FILLED = 0.4

@@ -31,11 +31,12 @@ MAX_TURNS, MAX_SLOW = 60, 5
 SLOPE_STEP = 1e-7
 """Difference of creepages for the derivative of `Rolling.slope`."""
 FORCE_ERROR, FINER = 1e-6, 1e-3
-"""Error of a prescribed force over the limit of friction, and the finer tolerance of the law of friction for it."""
+"""Error of a prescribed force relative to the limit of friction, and the finer tolerance of the law of friction for
+it."""
 MIN_SLOPE = 1e-9
-"""Change of a force by its creepage, over that of cells by themselves, that is none: everything slips."""
+"""Change of a force by its creepage, relative to that of cells by themselves, that is none: everything slips."""
 PRESSURE_CHANGE = 1e-5
-"""Change of the normal forces by tangential ones, over their sum, at which the iteration of both ends."""
+"""Change of the normal forces by tangential ones, relative to their sum, at which the iteration of both ends."""
 
 
 class Start(NamedTuple):

@@ -129,14 +129,14 @@ Linear = Callable[[Floats], Floats]
 
 MAX_STEPS = 60
 FORCING = (1e-2, 0.1)
-"""Residual of the linear equations over that before, least and most: Newton's method is far from its end at first
-(Eisenstat and Walker, 1996, SIAM Journal on Scientific Computing 17, choice 2 with 0.9 and 2)."""
+"""Residual of the linear equations relative to that before, least and most: Newton's method is far from its end at
+first (Eisenstat and Walker, 1996, SIAM Journal on Scientific Computing 17, choice 2 with 0.9 and 2)."""
 MAX_BLOCKS, DEPENDENT = 120, 1e-10
 """Blocks of Krylov vectors, at most, and eigenvalue of their Gram matrix below which they depend on each other."""
 DECREASE, MIN_STEP = 0.1, 1.0 / 32.0
 """Part of a step by which the residual must fall, and the smallest part that is tried."""
 ROUND_OFF = 1e-12
-"""Residual over the limits that is none."""
+"""Residual relative to the limits that is none."""
 MIN_PART = 0.02
 """Smallest part of the rigid slip by which it grows where Newton's method does not converge at once."""
 HELD_LIMITS_ERROR = 1e-4

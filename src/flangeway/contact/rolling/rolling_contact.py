@@ -128,7 +128,7 @@ class Creepages:
 STRIPS_BEYOND = 2
 """Strips beyond the grid at each end, whose displacements are needed."""
 MAX_COUPLING = 1e-9
-"""Coupling of normal and tangential coefficients, over the others, that is none."""
+"""Coupling of normal and tangential coefficients, relative to the others, that is none."""
 
 
 @dataclass(frozen=True, eq=False)

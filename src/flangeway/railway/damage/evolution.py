@@ -41,7 +41,7 @@ Hollows of 1 mm in S1002 and 60E1: p0 of the greatest patch changes by 0.16 %, t
 OVER_PIECES = ("rates", "damage", "damage_rates")
 """Numbers of a step by the pieces of its surfaces."""
 SAFETY, GROWTH = 0.9, 2.0
-"""Next step over the one that the estimated error allows, and over the one before, at most."""
+"""Next step relative to the one that the estimated error allows, and relative to the one before, at most."""
 
 
 @dataclass(frozen=True)

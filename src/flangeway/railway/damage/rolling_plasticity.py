@@ -39,18 +39,18 @@ BASE = np.array(
 )
 """From stresses xx, zz, yy, xz to the deviator's components, whose squares sum to s : s."""
 WINDOW_HALF_LENGTH = 8.0
-"""Half length of the periodic window, and depth of its elements, over the half width of the contact."""
+"""Half length of the periodic window, and depth of its elements, relative to the half width of the contact."""
 SKIN_THICKNESS = 0.2
-"""Thickness of the uppermost layer over that of the others: where it flows, tractions are beyond yield in shear.
+"""Thickness of the uppermost layer relative to that of the others: where it flows, tractions are beyond yield in shear.
 
 With 8 to 20 cells it flows within 3 % of ``p0 / k = 1 / mu``; thinner layers of perfectly plastic steel have increments
 that Newton's method does not find."""
 NEWTON_TOLERANCE, MAX_NEWTON = 1e-10, 60
-"""Residual over the radius of yield at which a passage is solved."""
+"""Residual relative to the radius of yield at which a passage is solved."""
 MIN_PLASTIC_STRAIN = 1e-5
 """Plastic strain of a passage over k / G below which it is none."""
 MAX_STEADY_CHANGE = 1e-3
-"""Change of the plastic strain from a passage to the next, over it, below which it is steady."""
+"""Change of the plastic strain from a passage to the next, relative to it, below which it is steady."""
 
 State = Literal["elastic", "shakedown", "plastic shakedown", "ratchetting", "not settled"]
 

@@ -178,7 +178,7 @@ A shorter one would be in contact on the nominal outline, without a warning.
 """
 
 HEIGHTS_MM = (-30.0, 1.0)
-"""Height of a measured head's top over that of the nominal rail: worn, but never higher than new."""
+"""Height of a measured head's top relative to that of the nominal rail: worn, but never higher than new."""
 
 BELOW_HEAD_MM = 3.0  # depth below the nominal head from where a file shows the web, which the body has
 HALF_HEAD_MM = 36.0  # distance of a head's middle from its gauge face

@@ -27,7 +27,7 @@ WORN_MM = 0.5  # difference of both sides of a head from which one of them is th
 WORN_FACE_MM = 0.9
 """Difference of the half widths that a face worn by flanges makes, and an inclination of 1:15 does not."""
 LEFT_MM = 1.5  # difference of the drops that an inclination does not make; 1:40 makes 1.25 mm
-MAX_WIDTH = 0.5  # half width of a contact over a radius of its bodies up to which these are half planes
+MAX_WIDTH = 0.5  # half width of a contact relative to a radius of its bodies up to which these are half planes
 
 MAX_CHANGE = 1.5
 """Factor between the gap at an end of the contact and that of constant curvature up to which Hertz's theory applies."""

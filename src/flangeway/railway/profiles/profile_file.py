@@ -54,7 +54,7 @@ from flangeway.types import Ints, floats
 
 SAME_MM = 0.01  # neighbours nearer than this are one point given twice
 MERGED_NOISES = 8.0
-"""Distance over the noise within which neighbours are merged, if most are as near: farther ones are in order."""
+"""Distance relative to the noise within which neighbours are merged, if most are as near: farther ones are in order."""
 MAX_MERGED_MM = 0.25
 """The same at most: the usual spacing of points."""
 LENGTHS_MM = (5.0, 1000.0)  # lengths along a profile, for a unit that the file or the user names

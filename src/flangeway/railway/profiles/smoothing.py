@@ -331,7 +331,7 @@ def _tangent_piece(start: FloatArray, end: FloatArray, tangent: FloatArray) -> S
 STEEPEST_RAD = math.radians(89.0)
 """Steeper parts of a profile are left out: a wheel that comes from above cannot touch there first."""
 MAX_CLIPPED = 0.5
-"""Width of a part beyond an overhang over that of the running surface, above which it may be a second one."""
+"""Width of a part beyond an overhang relative to that of the running surface, above which it may be a second one."""
 
 
 def graphs_of(contour: Contour, steepest_rad: float = STEEPEST_RAD) -> list[Floats]:

@@ -32,7 +32,7 @@ from flangeway.types import Bools, Floats
 # zero there, the side touches in two points, and three normal forces follow from the three equations of equilibrium.
 
 
-MAX_RESIDUAL = 1e-5  # maximum residual force over the load in equilibrium
+MAX_RESIDUAL = 1e-5  # maximum residual force relative to the load in equilibrium
 NEUTRAL_MM = 1.0  # least length of the positions of a neutral equilibrium
 _TOGETHER_MM = 1e-7  # gap below which a further point touches as well
 _PRECISION_MM = 1e-13

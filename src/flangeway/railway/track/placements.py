@@ -35,7 +35,8 @@ def lateral_over_vertical(force_N: Floats, side: Side) -> float:
 
 
 RUNNING_CIRCLES_MM = 65.0
-"""Distance of the running circles over the gauge: 1500 mm on standard gauge (EN 13803: base of the superelevation)."""
+"""Distance of the running circles relative to the gauge: 1500 mm on standard gauge (EN 13803: base of the
+superelevation)."""
 
 
 @dataclass(frozen=True)

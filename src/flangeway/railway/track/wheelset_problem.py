@@ -16,7 +16,7 @@ from flangeway.results import sentence
 
 
 GRAVITY_M_S2 = 9.80665  # standard acceleration of free fall
-MAX_SLOPE = 0.2  # largest superelevation over its base width
+MAX_SLOPE = 0.2  # largest superelevation relative to its base width
 
 
 @dataclass(frozen=True)

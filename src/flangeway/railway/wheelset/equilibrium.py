@@ -22,8 +22,8 @@ MAX_STEP = np.array([0.3, 0.3, 3e-4])
 """Step limits in mm, mm and rad: the lateral stiffness jumps when a flange touches."""
 
 REVERSED_LIMIT, REVERSED_MAXIMUM = 0.3, 0.7
-"""The next step limit over the last step where the sense of the steps has changed, and the largest one over that
-before."""
+"""The next step limit relative to the last step where the sense of the steps has changed, and the largest one
+relative to that before."""
 REACHED_FRACTION = 0.999
 """Part of the limit from which on a step has reached it."""
 

@@ -12,27 +12,28 @@ from flangeway.railway.wheelset.side_contact import GriddedSide, SideState
 from flangeway.types import Bools, Floats, Ints
 
 MAX_SIZE_RATIO = 1.3
-"""Size of cells over the one that is wanted, at most."""
+"""Size of cells relative to the one that is wanted, at most."""
 SIZES_PER_DOUBLING = 8
 """Sizes of cells from one to its double."""
 MIN_PEAK_FALL = 1e-3
-"""Fall of the pressure beside a local maximum, over it, below which that is no narrow peak."""
+"""Fall of the pressure beside a local maximum, relative to it, below which that is no narrow peak."""
 PEAK_CELLS, MAX_DIVISION = 0.3, 4.0
-"""Cells across half a narrow peak of the pressure over those across a patch, and parts of a cell there, at most."""
+"""Cells across half a narrow peak of the pressure relative to those across a patch, and parts of a cell there, at
+most."""
 MARGIN = 0.2
-"""Width of the window beyond a patch on each side over the patch."""
+"""Width of the window beyond a patch on each side relative to the patch."""
 BROAD_MARGIN = 0.6
 """The same for a patch that has come to the end of its window."""
 MAX_CELL_RATIO = 6.0
 """Longer side over shorter side of a cell, at most."""
 MAX_STRIPS_RATIO = 1.8
-"""Strips along the longest patch over those wanted along the shortest, at most."""
+"""Strips along the longest patch relative to those wanted along the shortest, at most."""
 MIN_UNLOADED_SIZE, GAP_FRACTION = 2.0, 0.25
-"""Least size of cells without force over that of strips; part of a small gap up to which they reach along z."""
+"""Least size of cells without force relative to that of strips; part of a small gap up to which they reach along z."""
 MAX_ON_A_SIDE, MORE_CELLS_FACTOR = 5000, 2.0
 """Cells in the windows of a side, at most, and the factor on them where more cells across a patch are wanted."""
 CELL_TOLERANCE = 1e-6
-"""Distance of cells over the width of strips that is round-off."""
+"""Distance of cells relative to the width of strips that is round-off."""
 MIN_MAIN_FRACTION = 0.05
 """Share of a side's force above which a patch has its cells counted."""
 

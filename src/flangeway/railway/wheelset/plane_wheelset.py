@@ -242,7 +242,7 @@ def _timed(timings: dict[str, float], stage: str) -> Iterator[None]:
 # --- Stresses below the contact of a wheel and a rail, along the inward normal.
 
 
-DEPTH = 4.0  # default depth of a line over the half width of the contact
+DEPTH = 4.0  # default depth of a line relative to the half width of the contact
 
 SEARCHED_FRACTION = 0.5
 """Part of such a line on which the maximum stress is sought: two half widths. A wide contact's line ends in the web."""
@@ -250,7 +250,7 @@ SEARCHED_FRACTION = 0.5
 MIN_SMOOTHED_POINTS = 8  # points within that distance below which nothing is smoothed
 
 SMOOTHED_DISTANCE = 0.5
-"""Distance on both sides of the largest value, over its depth, within which a cubic smooths the cells' jumps."""
+"""Distance on both sides of the largest value, relative to its depth, within which a cubic smooths the cells' jumps."""
 
 
 @dataclass(frozen=True)

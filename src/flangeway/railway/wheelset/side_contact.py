@@ -112,7 +112,7 @@ def wheel_gap(
 
 
 RANK = 1e-4
-"""Singular value over the first one below which modes of bending are left out."""
+"""Singular value relative to the first one below which modes of bending are left out."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,11 +19,11 @@ from flangeway.types import Bools, Floats, Ints
 MAX_CELLS = 6000
 """Cells in contact up to which their matrix is factorised."""
 SAME = 1e-6
-"""Force over the mean force of the cells in contact that is round-off."""
+"""Force relative to the mean force of the cells in contact that is round-off."""
 FIRST = 1e-4
 """Tolerance of the forces on bodies that bend no further, from which the steps start."""
 MAX_STEPS, FORCE_CHANGE = 30, 1e-9
-"""Steps at one pose, and change of the forces in one, over their sum, at which they are found."""
+"""Steps at one pose, and change of the forces in one, relative to their sum, at which they are found."""
 MAX_MOVED_MM, MAX_BENT_MM = 0.5, 0.4
 """Displacement of a cell across the normal by normal forces, and by creep forces, by which the geometry changes in one
 step, at most."""

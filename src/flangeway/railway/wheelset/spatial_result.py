@@ -40,7 +40,8 @@ from flangeway.types import Floats
 KLINGEL_MM = 3.0
 """Amplitude of the kinematic motion."""
 NO_ELLIPSE = 0.8
-"""Area of a patch over that of its equivalent ellipse below which it is none; single patches have 0.95 to 1.02."""
+"""Area of a patch relative to that of its equivalent ellipse below which it is none; single patches have 0.95 to
+1.02."""
 
 
 @dataclass(frozen=True, eq=False)

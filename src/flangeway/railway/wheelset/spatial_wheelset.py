@@ -43,14 +43,14 @@ LIFTED, MIN_CARRIED, TORQUE, YAW_MOMENT = 0.1, 1e-3, 3, 4
 """Vertical or moment residual of wheels that do not carry the load, or torque of those that spin; share of the load
 that a wheel carries at least; numbers of torque and yaw moment in residuals."""
 NEARBY = 5.0
-"""Way over the step limits within which cells still fit."""
+"""Way relative to the step limits within which cells still fit."""
 NEAR_MM = 0.3, NEARBY * float(MAX_STEP[0])
 """Gap within which a wheel on the way to its equilibrium may come into contact on these cells, after their longest way
 across the track."""
 GRID_RESIDUAL = 1e-3
 """Residual at which the cells are chosen."""
 FEWER_ACROSS, NESTED_RESIDUAL = 0.35, 2e-3
-"""Cells across a patch over the final ones while creep forces are sought, and the residual on them."""
+"""Cells across a patch relative to the final ones while creep forces are sought, and the residual on them."""
 MAX_GRIDS = 6
 """Fine grids that are made near the equilibrium, also to add patches outside of them."""
 MAX_HANGING = 30

@@ -42,7 +42,7 @@ from flangeway.types import Floats, Ints
 
 
 HEIGHT_TOLERANCE = 1e-6
-"""Height of a base, over the size of a section, that is round-off."""
+"""Height of a base, relative to the size of a section, that is round-off."""
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ WAVENUMBERS = (5e-6, 0.3)
 PER_DECADE = 8
 """Wavenumbers for each decade; three times as many change no displacement by more than 1e-4."""
 MAX_LAST_LOAD = 0.02
-"""Load of the last sleepers over that of the most loaded one, above which there are too few."""
+"""Load of the last sleepers relative to that of the most loaded one, above which there are too few."""
 MAX_OFF_MM = 3.0
 """Distance from the section's surface above which points are in another frame; chords and corners make up to 1 mm."""
 CHUNK = 64
@@ -418,7 +418,7 @@ def sleeper_compliance(rail: SupportedRail, points: Floats, frames: Floats) -> F
 
 
 WEB_SHARES = np.linspace(0.2, 0.75, 221)
-"""Heights over that of the rail between which the web's narrowest place is sought."""
+"""Heights relative to that of the rail between which the web's narrowest place is sought."""
 
 DEVIATION_MM = 0.02  # of chords from the outline, for widths and heights
 

@@ -20,7 +20,8 @@ from flangeway.railway.wheelset.wheelset_model import WheelsetModel, region_of
 from flangeway.types import Floats
 
 DEPTHS = (0.05, 3.0)
-"""Least depth over the shorter semi-axis, and greatest one over the longer one, of the lines below patches."""
+"""Least depth relative to the shorter semi-axis, and greatest one relative to the longer one, of the lines below
+patches."""
 N_DEPTHS = 40
 MIN_CELLS_OF_PATCH = 10
 """Cells across or along a patch below which its maximum pressure is uncertain by more than 2 %."""

@@ -16,21 +16,21 @@ from flangeway.results import joined_text, sentence
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
-MAX_RESIDUAL = 1e-6  # difference of contact forces and load over the vertical load; the search stops below 1e-10
+MAX_RESIDUAL = 1e-6  # difference of contact forces and load relative to the vertical load; the search stops below 1e-10
 
 YIELD_MPa = 510.0
 """Least yield strength of standard rail steel, 74 ksi (AREMA Manual for Railway Engineering, chapter 4)."""
 
 MAX_DEFLECTION = 0.05
-"""Displacement over the rail's height, a mean rotation, above which linear strains of a rotation, half its square, are
-no longer small against the elastic ones: 0.00125, 260 MPa in steel."""
+"""Displacement relative to the rail's height, a mean rotation, above which linear strains of a rotation, half its
+square, are no longer small against the elastic ones: 0.00125, 260 MPa in steel."""
 
 STEEL_MPa = (190e3, 220e3)
 """Young's moduli that are taken for those of steel, whose yield strength is assumed where none is given."""
 
 DEPTH_BELOW = 2.0
-"""Distance from a centre of pressure, over the contact's half width, that is below the contact: the maximum stresses of
-Hertz's contact are at 0.7 to 0.8 half widths."""
+"""Distance from a centre of pressure, relative to the contact's half width, that is below the contact: the maximum
+stresses of Hertz's contact are at 0.7 to 0.8 half widths."""
 
 SLICE = (
     "Stresses in web, fillets and foot, the displacement of the rail's head and the approach are those of a prism of "

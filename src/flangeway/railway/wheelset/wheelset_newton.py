@@ -82,18 +82,18 @@ COARSE_FORCES = 1e-2
 FINE_RESIDUAL = 1e-8
 FINE_TILT_RAD = 1e-9
 FINE_FORCES = 1e-7
-"""Change of the forces of a step over their sum."""
+"""Change of the forces of a step relative to their sum."""
 MAX_GROWTH, HALVED = 4.0, 0.25
-"""Largest step across the track over its limit; the part to which a step lowers the residual that goes well."""
+"""Largest step across the track relative to its limit; the part to which a step lowers the residual that goes well."""
 SADDLE = 1e-6
-"""Push on the unknown that leads over its stiffness, in mm or rad, that is round-off."""
+"""Push on the unknown that leads relative to its stiffness, in mm or rad, that is round-off."""
 MIN_STIFFNESS = 1e-6
 """Of a wheel that does not touch, weight per mm, so that it goes where it is pushed; also for rate and yaw."""
 ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.03, 1e-2, 1e-3
-"""Error of the law of friction over the residual of the position before, its largest one, and the residual that other
-cells give an equilibrium."""
+"""Error of the law of friction relative to the residual of the position before, its largest one, and the residual
+that other cells give an equilibrium."""
 MAX_COARSER = 2.5
-"""Strips over those of other cells up to which derivatives of creep forces serve there too."""
+"""Strips relative to those of other cells up to which derivatives of creep forces serve there too."""
 DIRECT = 4.0
 """See `_leads`."""
 MAX_YAW_RAD, MAX_CREEPAGE = 1e-3, 2e-3

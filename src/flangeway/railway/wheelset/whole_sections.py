@@ -31,7 +31,7 @@ from flangeway.types import Floats
 MIN_HELD = 1e-3
 """Least wavenumber per mm of a body that is held: longer waves change no stress by 1e-3 of the maximum pressure."""
 END_TOLERANCE = 1e-6
-"""Distance of two ends of cells over the width of the strips that are one."""
+"""Distance of two ends of cells relative to the width of the strips that are one."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -350,7 +350,7 @@ def cells_path(mesh: PolyMesh, points: Floats, cells: NDArray[np.integer]) -> Pa
 
 
 MIN_ERROR = 1e-17  # value for errors of exactly zero on the logarithmic axis
-ERRORS = {"residual": "residual over the total force", "change": "change over the maximum displacement"}
+ERRORS = {"residual": "residual relative to the total force", "change": "change relative to the maximum displacement"}
 
 
 def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:

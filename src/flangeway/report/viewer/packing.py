@@ -16,7 +16,7 @@ LEVEL = 6
 """Of compression; 9 takes five times as long for a page that is two thousandths smaller."""
 
 VALUE_TOLERANCE = 1e-9
-"""Difference over the largest value of an array below which values count as the same."""
+"""Difference relative to the largest value of an array below which values count as the same."""
 
 
 def packed_parts(parts: Sequence[ShownPart]) -> tuple[list[dict[str, Any]], str]:

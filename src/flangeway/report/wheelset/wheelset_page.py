@@ -339,8 +339,8 @@ PLANE_PICTURES: tuple[Described, ...] = (
     (
         "pressure.png",
         nodes_figure,
-        "Contact pressure along the surface: nodal forces over their areas, and Hertz's theory for the same force "
-        "and the profiles' radii at the contact, where the profiles are not conforming.",
+        "Contact pressure along the surface: nodal forces divided by their areas, and Hertz's theory for the same "
+        "force and the profiles' radii at the contact, where the profiles are not conforming.",
     ),
 )
 """PICTURES, RAILS_PICTURE, PLANE_PICTURES: pictures of a wheelset in three dimensions, and in the plane."""
@@ -378,7 +378,7 @@ TRACK_AXES = {
         "axle. The left wheel is its mirror image."
     ),
     "forces": "Of the rail on the wheel, the track's axes: a positive lateral force pushes the wheel to the right.",
-    "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards",
+    "L/V": "ratio of the lateral to the vertical force of a wheel, positive where it pushes its rail outwards",
     "contact angle": "of the plane normal to the force from the track's plane, positive towards the flange",
 }
 AXES = TRACK_AXES | {
@@ -387,9 +387,9 @@ AXES = TRACK_AXES | {
     "as seen from ahead; with yaw, patches lie ahead of the axle or behind it",
     "angle": "from z to the longer semi-axis, positive towards the gauge side",
     "gauge-face deflection": "of the elastic rail, positive outwards, away from the middle of the track",
-    "p0/k": "maximum pressure over the shear strength k = yield strength / sqrt(3). Shakedown state of a circular "
-    "patch: elastic; shakedown, elastic after the first passages; hardening, the same with kinematic hardening; "
-    "yields, in each passage",
+    "p0/k": "ratio of the maximum pressure to the shear strength k = yield strength / sqrt(3). Shakedown state of a "
+    "circular patch: elastic; shakedown, elastic after the first passages; hardening, the same with kinematic "
+    "hardening; yields, in each passage",
     "stresses": "tension positive; maxima are those of the whole volume below a patch",
 }
 

@@ -62,7 +62,7 @@ from flangeway.types import Bools, Floats
 N_LEVELS = 13
 """Limits of colours of a stress, from 0 to its maximum."""
 DEPTH_OF_WIDTH = 0.7
-"""Depth of the pictures of stresses over their width."""
+"""Depth of the pictures of stresses relative to their width."""
 STEEL = "#c9ced6"
 HALF_VIEW_MM = 50.0
 """Half the width and height of what is shown of each side in section."""
@@ -249,14 +249,14 @@ def stresses_figure(run: WheelsetRun) -> Figure:
 MAPS, SHAKEDOWN = "rolling.png", "shakedown.png"
 CAPTIONS = {
     MAPS: "Each patch from above, ahead is up: where it sticks and slips, with arrows of the tractions on the wheel; "
-    "slip velocity; frictional power over the area.",
+    "slip velocity; frictional power per area.",
     SHAKEDOWN: "Maximum pressure over the shear strength and traction coefficient of each patch, among the limits of "
     "a circular patch and of a line contact. Above the highest limit steel yields under each wheel.",
 }
 AXES = {
     "creepage": "and creep force: of the wheel on the rail: ahead, and along the rail's surface to the right; spin "
     "and its moment counter-clockwise seen from above",
-    "T-gamma": "energy that friction dissipates over the distance rolled: its power over the speed; N is J/m. Without "
+    "T-gamma": "energy that friction dissipates per distance rolled: its power divided by the speed; N is J/m. Without "
     "and with spin: creep forces times creepages at the centre of the patch, and spin moment times spin",
 }
 
@@ -294,7 +294,7 @@ def rolling_pictures(run: WheelsetRun) -> list[Picture]:
 PARTS: tuple[tuple[Side, Role], ...] = tuple((side, role) for role in ROLES for side in ("left", "right"))
 DIGITS = 6
 DEPTH = 2.0
-"""Depth of the stresses that are written over the shorter semi-axis: deeper, normals of a gauge corner cross."""
+"""Depth of the stresses that are written relative to the shorter semi-axis: deeper, normals of a gauge corner cross."""
 
 
 def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> None:
@@ -302,7 +302,7 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
 
     The points are in the track's axes, z ahead of the axle: the rail's as it is bent, the wheel's in its place, both
     without the indentation at the contact. The gap is nan where no wheel is opposite. With friction also the tractions
-    on this body, the slip velocity of the wheel, the frictional power over the area, and the state: 0 no contact,
+    on this body, the slip velocity of the wheel, the frictional power per area, and the state: 0 no contact,
     1 sticks, 2 slips.
     """
     state = result.equilibrium.state.sides[side]

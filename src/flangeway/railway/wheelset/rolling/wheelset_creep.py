@@ -33,10 +33,10 @@ CLOSED: tuple[Theory, ...] = ("polach", "linear")
 STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
 """Differences by the axle's x, y and roll, the wheel's tilt, its rate of rotation over itself, and the yaw."""
 MERGED, TOUCHING = 0.25, 0.1
-"""Maximum force of a cell between two patches that were apart, over that of the lesser, at which they are one; and the
-same for patches of which nothing is known before."""
+"""Maximum force of a cell between two patches that were apart, relative to that of the lesser, at which they are one;
+and the same for patches of which nothing is known before."""
 DISTINCT = 1e-6
-"""Least singular value, over the first one, of places in a patch that has several rows and strips."""
+"""Least singular value, relative to the first one, of places in a patch that has several rows and strips."""
 N_SHAPES = 5
 TOLERANCE = 1e-9
 """Error of the law of friction in an equilibrium."""
@@ -45,7 +45,7 @@ SHAPE_STEP = 1e-3
 SLOPE_ERROR = 1e-2
 """Relative residual of the linear equations for derivatives of the exact theory."""
 DISTINCT_RESULTANTS = 1e-3
-"""Least singular value, over the first one, of numbers of a patch's forces whose derivatives are sought."""
+"""Least singular value, relative to the first one, of numbers of a patch's forces whose derivatives are sought."""
 
 
 class PatchCreep(NamedTuple):
