@@ -24,7 +24,7 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RAILS, REFERENCE_WHEELS, WHEELS
 from flangeway.railway.track.wheelset_problem import Prescribed
-from flangeway.railway.wheelset.equilibrium import Equilibrium, loads_of
+from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
@@ -108,9 +108,9 @@ def energy_of(result: SpatialResult) -> float:
     """Elastic energy of wheels and rails and potential energy of the load, N mm."""
     equilibrium: Equilibrium[SpatialState] = result.equilibrium
     elastic = sum(each.grid.elastic_energy(each.forces) for each in equilibrium.state.sides.values())
-    loads, (x, y, roll) = loads_of(result.problem), equilibrium.position.components
-    height = loads.height
-    return elastic + float(loads.onto * (y + height * np.cos(roll)) - loads.along * (x - height * np.sin(roll)))
+    (along, onto), (x, y, roll) = result.problem.load.in_track, equilibrium.position.components
+    height = result.problem.wheelset.centre_of_gravity_height_mm
+    return elastic + float(onto * (y + height * np.cos(roll)) - along * (x - height * np.sin(roll)))
 
 
 def energy_sweep(

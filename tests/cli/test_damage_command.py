@@ -125,6 +125,7 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
         ([("share = 1", "share = 0.9")], ("0.9", "sum of 1")),
         ([('law = "energy"', 'law = "usfdd"')], ("usfdd", "usfd")),
         ([("end = 100", "end = 100\nfilter = 2")], ("filter", "filter_mm")),
+        ([("order = 1", 'order = 1\nwheel = "gone.whl"')], ("line", "wheel = 'gone.whl'", "no such file")),
         ([("[evolution]", "[evolutoin]")], ("evolutoin", "evolution")),
         ([("[inputs]", 'collective = "metro"\n[inputs]')], ("collective",)),
         ([("friction = 0.3", "")], ("friction",)),

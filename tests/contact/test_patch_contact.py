@@ -245,20 +245,15 @@ def test_an_approach_gives_the_force_that_it_comes_from(seed, force) -> None:
 
 @given(seed=st.integers(0, 10**6))
 def test_products_by_transform_are_those_of_the_whole_matrix(seed) -> None:
-    """Coefficients that are symmetric in z and others give the sums over all cells, whatever cells are loaded."""
+    """Coefficients that are symmetric in z give the sums over all cells, whatever cells are loaded."""
     random = np.random.default_rng(seed)
     n, m = int(random.integers(1, 5)), int(random.integers(1, 6))
     coefficients = random.normal(size=(m, n, n))
-    if seed % 2:
-        coefficients = coefficients + coefficients.swapaxes(1, 2)
-    else:
-        coefficients[0] += coefficients[0].T
     forces = random.normal(size=(n, m)) * (random.uniform(size=(n, 1)) < 0.7)
     exact = np.zeros((n, m))
     for place in range(m):
         for source in range(m):
-            one = coefficients[place - source] if place >= source else coefficients[source - place].T
-            exact[:, place] += one @ forces[:, source]
+            exact[:, place] += coefficients[abs(place - source)] @ forces[:, source]
     np.testing.assert_allclose(Convolution(coefficients)(forces), exact, atol=1e-12)
 
 

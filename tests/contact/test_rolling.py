@@ -160,7 +160,7 @@ def test_bad_inputs(circle) -> None:
         (lambda: roll(circle, Creepages(), force_along=circle.force), "limit of friction"),
         (lambda: roll(circle, Creepages(), start=roll(ellipse(4), Creepages(0.1))), "same grid"),
         (lambda: roll(circle, Creepages(0.1), before=fastsim(circle, Creepages(0.1))), "a result of roll"),
-        (lambda: roll(circle, Creepages(0.1), differences=(1.0, 1.0)), "STEADY or FIRST"),
+        (lambda: roll(circle, Creepages(0.1), differences=(1.0, 1.0)), "two or three weights of sum 0"),
         (lambda: PatchGrid(np.array([0.0, 1.0, 0.5]), 0.1, 4), "rising ends"),
         (lambda: fastsim(circle, Creepages(0.1), flexibilities=(1e-4, 0.0, 1e-4)), "L1, L2 and L3"),
         (lambda: polach(circle, Creepages(0.1), adhesion=0.2, slip=0.3), "slip <= adhesion"),

@@ -13,7 +13,7 @@ import pytest
 
 from flangeway.cases import CASES, load_case
 from flangeway.cases.case import GivenText
-from flangeway.cases.case_file import read_case
+from flangeway.cases.case_file import read_case, write_case_file
 from flangeway.cases.section_run import TorsionCase
 from flangeway.post import corner_stresses
 from flangeway.report import scenes, write_case
@@ -21,7 +21,7 @@ from flangeway.report.bodies_page import bodies_record
 from flangeway.report.figures.display import shown_cells
 from flangeway.report.figures.drawing import load_steps, newton_figure, png, steps_table
 from flangeway.report.page import html_page
-from flangeway.report.page.html_page import case_text, command_line, report_page
+from flangeway.report.page.html_page import command_line, report_page
 from flangeway.report.scenes import bodies_fields, body_fields, body_steps
 from flangeway.report.section_page import section_record
 from flangeway.report.wheelset import wheelset_page as outputs
@@ -213,7 +213,7 @@ def test_the_command_and_the_case_file_give_the_same_case(tmp_path, name, values
     """Command and case file of the page hold every input to the last digit; tables have no room in a command."""
     case = CASES[name].from_values(values)
     file = tmp_path / "case.toml"
-    file.write_text(case_text(case), encoding="utf-8")
+    file.write_text(write_case_file(case), encoding="utf-8")
     assert read_case(file) == case
     if name == "two-bodies":
         return

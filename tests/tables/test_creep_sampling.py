@@ -61,7 +61,7 @@ def test_finer_directions_keep_the_solutions_of_coarser_ones(patch, monkeypatch)
     none = SimpleNamespace(along=0.0, across=0.0, moment=0.0, status=SimpleNamespace(converged=True))
     monkeypatch.setattr(SampledPatch, "exact", lambda _, *point: solved.append(point[1:3]) or none)
     for directions, n_rays in ((2, 3), (4, 13), (2, 13)):
-        sample(fresh, directions, AXES)
+        sample(fresh, directions)
         assert (len(set(solved)), fresh.n_exact) == (n_rays, len(solved))
     assert len(solved) == 13 * (len(AXES[0]) - 2)
 

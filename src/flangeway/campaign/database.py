@@ -4,7 +4,7 @@ import csv
 import importlib
 import json
 import sqlite3
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,14 +13,14 @@ from typing import IO, Any
 import numpy as np
 
 from flangeway.campaign.campaign import Campaign, Row
-from flangeway.cases.case import Run, RunnableCase
-from flangeway.cases.summary import plain_numbers
+from flangeway.cases.case import RunnableCase
+from flangeway.cases.summary import RunResult, plain_numbers
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
 from flangeway.results import Result, ResultTable, Units, in_us_units
 from flangeway.system.file_content import path_of
 from flangeway.system.operating_system import lock_file, optional_module
-from flangeway.system.output_folder import versions
+from flangeway.system.output_folder import Writer, versions
 from flangeway.types import Floats
 
 # --- A row of a campaign: how it ended, and its numbers by columns.
@@ -49,7 +49,7 @@ class RowResult:
     seconds: float = 0.0
 
 
-def row_of(case: RunnableCase, run: Run, seconds: float) -> RowResult:
+def row_of(case: RunnableCase, run: RunResult, seconds: float) -> RowResult:
     """Return the numbers of a run, which its case names."""
     message, warnings = run.status.message, tuple(case.warnings_of(run))
     if not run.status.converged:
@@ -444,7 +444,7 @@ def _columns(connection: sqlite3.Connection, table: str, names: list[str], order
     return {name: [row[column] for row in rows] for column, name in enumerate(names)}
 
 
-def export_writers(table: CampaignTable, kind: str, units: Units = "metric") -> dict[str, Callable[[Path], None]]:
+def export_writers(table: CampaignTable, kind: str, units: Units = "metric") -> dict[str, Writer]:
     """Return functions that write both tables, by the files' names.
 
     An `InputError` if it is neither. A `MissingLibraryError` if Parquet's library is not installed.
@@ -482,7 +482,7 @@ def _in_units(columns: Columns, units: Units, us_sentences: Mapping[str, str]) -
     return converted
 
 
-def _csv_writer(columns: Mapping[str, Any]) -> Callable[[Path], None]:
+def _csv_writer(columns: Mapping[str, Any]) -> Writer:
     def write(path: Path) -> None:
         with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)
@@ -492,7 +492,7 @@ def _csv_writer(columns: Mapping[str, Any]) -> Callable[[Path], None]:
     return write
 
 
-def _parquet_writer(library: Any, columns: Columns) -> Callable[[Path], None]:
+def _parquet_writer(library: Any, columns: Columns) -> Writer:
     arrow = importlib.import_module("pyarrow")
 
     def array(values: list[Value]) -> Any:

@@ -2,7 +2,7 @@
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
 from flangeway.cases.bodies.presets import NEARLY_INCOMPRESSIBLE_WORK, CookCode, cook_grid, solve_cook
-from flangeway.cases.case import Case, Convergence, Run, RunnableCase, run_halved
+from flangeway.cases.case import Case, Convergence, RunnableCase, run_halved
 from flangeway.cases.case_file import CASES, find_case, load_case, schema, write_template
 from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
@@ -16,7 +16,6 @@ __all__ = [
     "Case",
     "Convergence",
     "CookCode",
-    "Run",
     "RunResult",
     "RunnableCase",
     "SpatialWheelsetCase",

@@ -8,19 +8,19 @@ import sys
 from abc import abstractmethod
 from collections import ChainMap
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, TypeAlias, Union, cast, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias, Union, cast, get_args, get_origin
 
 import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, ValidationInfo, model_validator
 from pydantic.fields import FieldInfo
 
-from flangeway.cases.summary import mapped, summary_numbers
+from flangeway.cases.summary import RunResult, mapped, summary_numbers
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
 from flangeway.results import (
@@ -34,7 +34,6 @@ from flangeway.results import (
     sentence,
     us_key,
 )
-from flangeway.solve import Status
 from flangeway.system.file_content import toml_data
 from flangeway.types import Key, Progress
 
@@ -109,22 +108,6 @@ def _texts_below(module: str) -> dict[str, dict[str, str]]:
                     case ast.AnnAssign(target=ast.Name(key)), ast.Expr(ast.Constant(str(text))):
                         texts[node.name][key] = text
     return texts
-
-
-class Run(Protocol):
-    """What every run of a case has, whatever the case."""
-
-    @property
-    def case(self) -> "Case":
-        """The inputs."""
-
-    @property
-    def status(self) -> Status:
-        """How it ended."""
-
-    @property
-    def summary(self) -> dict[str, Any]:
-        """Plain numbers with their units in the names."""
 
 
 class Table(BaseModel):
@@ -318,7 +301,7 @@ class RunnableCase(Case):
         """Return the bodies with what all cases with the same bodies share."""
         raise NotImplementedError
 
-    def run_on(self, bodies: Any, progress: Progress = lambda _: None) -> Run:
+    def run_on(self, bodies: Any, progress: Progress = lambda _: None) -> RunResult:
         """Compute the case on bodies that are `prepared` for one that differs in `position_keys` only."""
         raise NotImplementedError
 
@@ -357,7 +340,7 @@ class RunnableCase(Case):
         return run.summary.get("warnings") or run.summary.get("notices") or ()
 
     @abstractmethod
-    def run(self, progress: Progress = lambda _: None) -> Run:
+    def run(self, progress: Progress = lambda _: None) -> RunResult:
         """Compute the case.
 
         Raises
@@ -530,12 +513,10 @@ def _typed(value: Any, annotation: Any) -> Any:
 def _read(text: GivenText, kinds: tuple[Any, ...]) -> Any:
     """Value of a text as TOML has it where an input is a number, true or false, or a list; else the text."""
     if text[:1] in ("[", "{") or not {int, float, bool, Any}.isdisjoint(kinds):
-        readers: tuple[Callable[[str], Any], ...] = (lambda toml: toml_data(f"value = {toml}", "")["value"], float)
-        for read in readers:
-            try:
-                return read(text)
-            except (ValueError, InputError):
-                continue
+        with suppress(InputError):
+            return toml_data(f"value = {text}", "")["value"]
+        with suppress(ValueError):
+            return float(text)
     return str(text)
 
 
@@ -563,13 +544,9 @@ def _input_error(
 ) -> InputError:
     """Say in the words of this program what pydantic refuses: what was given, what is allowed and what to do."""
     faults: dict[Key, tuple[str, str, str]] = {}
-    n_others = 0
     for error in reason.errors(include_url=False, include_context=False):
         key, table, field, given = _located(case, values, error["loc"])
         if key in faults:  # refused by each of several types
-            continue
-        if len(faults) == MAX_REPORTED:
-            n_others += 1
             continue
         last = next((item for item in reversed(key) if isinstance(item, str)), "")
         unit = table.input_named(last)[1]
@@ -589,8 +566,8 @@ def _input_error(
             text = f"{where(key)}there is no input called {short(last)}{f' in {inside}' if inside else ''}"
             names, advice = _known_inputs(table, last, in_us=values.get("units") == "us")
             faults[key] = text, f"the inputs of {inside or case.called()}: {names}", advice
-    given_texts, allow, advices = zip(*faults.values(), strict=True)
-    more = [f"and {n_others} more"] if n_others else []
+    given_texts, allow, advices = zip(*[*faults.values()][:MAX_REPORTED], strict=True)
+    more = [f"and {len(faults) - MAX_REPORTED} more"] if len(faults) > MAX_REPORTED else []
     return InputError(
         "; ".join([*given_texts, *more]), "; ".join(dict.fromkeys(allow)), "; ".join(dict.fromkeys(advices))
     )
@@ -644,7 +621,7 @@ class Convergence:
 
     case: RunnableCase
     sizes: dict[str, tuple[float, float]]
-    runs: tuple[Run, Run]
+    runs: tuple[RunResult, RunResult]
 
     @property
     def converged(self) -> bool:
@@ -684,7 +661,7 @@ def run_halved(case: RunnableCase, progress: Progress = lambda _: None) -> Conve
     halved = case.from_values({**case.model_dump(exclude_unset=True), **finer})
     halved.check()
 
-    def run(of: RunnableCase, sizes: str) -> Run:
+    def run(of: RunnableCase, sizes: str) -> RunResult:
         return of.run(lambda sentence: progress(f"{sizes}: {sentence}"))
 
     runs = run(case, "given sizes"), run(halved, "half of the sizes")

@@ -271,7 +271,8 @@ def resolved(file: TomlFile, values: Mapping[str, Any], folder: Path, above: Key
             )
         return name
 
-    return {name: mapped(value, path, (name,)) for name, value in values.items()}
+    made: dict[str, Any] = mapped(values, path)
+    return made
 
 
 def _with_tables(case: type[RunnableCase], values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -390,15 +391,21 @@ def write_template(case: type[RunnableCase], units: Units = "metric") -> str:
 
 
 def write_case_file(case: RunnableCase) -> str:
-    """Return the text of a case file in the current folder with the inputs of a case that are not the defaults."""
-    lines = [f"# {case.title}.", "", f"flangeway = {FORMAT}", f'case = "{case.name}"']
-    tables: list[str] = []
-    for key, value in case.model_dump(exclude_defaults=True).items():
-        if table_in(type(case).model_fields[key].annotation) is None:
-            lines.append(f"{key} = {toml_value(value)}")
+    """Return the text of a case file that computes a case again: all inputs that are set, with all digits.
+
+    Defaults are written too, but for those inside tables. Names of files are as given, in tables relative to the
+    current folder; a case file reads them from its own folder.
+    """
+    lines, tables = [f"flangeway = {FORMAT}", f"case = {toml_value(case.name)}"], list[str]()
+    of_tables = case.model_dump(exclude_defaults=True)
+    for key, field in type(case).model_fields.items():
+        value = getattr(case, key)
+        if table_in(field.annotation) is None:
+            lines += [] if value is None else [f"{key} = {toml_value(value)}"]
             continue
-        for item in value if isinstance(value, list) else [value]:
-            tables += ["", f"[[{key}]]" if isinstance(value, list) else f"[{key}]"]
+        several = isinstance(value, list)
+        for item in of_tables.get(key, []) if several else [of_tables.get(key, {})]:
+            tables += ["", f"[[{key}]]" if several else f"[{key}]"] if item else []
             for name, entry in item.items():
                 seen = os.path.relpath(entry) if name in FILE_KEYS else entry
                 tables.append(f"{name} = {toml_value(seen)}")

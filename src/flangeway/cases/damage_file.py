@@ -8,15 +8,14 @@ from typing import Any, Literal
 from pydantic import ConfigDict, Field, create_model
 
 from flangeway.cases.case import Table, require_known
-from flangeway.cases.case_file import FILE_KEYS
-from flangeway.cases.summary import mapped
+from flangeway.cases.case_file import resolved
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError, located
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
 from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, PerPatch, UsfdLaw, WearLaw
 from flangeway.railway.track.wheelset_problem import Role
-from flangeway.system.file_content import TomlFile, TomlKind, is_file
+from flangeway.system.file_content import TomlFile, TomlKind
 from flangeway.types import Key
 
 LAWS: dict[str, type[Any]] = {"archard": ArchardLaw, "usfd": UsfdLaw, "energy": EnergyLaw}
@@ -144,7 +143,7 @@ class DamageFile(TomlFile):
     def damage(self) -> DamageInputs:
         """Check all of it; an `InputError` names file, line, key, what is allowed and what to do."""
         tables, name = DamageTables.from_values(self.data, self.place), self.data.get("collective", "")
-        inputs: dict[str, Any] = mapped(tables.inputs, self._resolved)
+        inputs = self._resolved(tables.inputs, "inputs")
         if bool(name) == bool(tables.states):
             raise InputError(
                 f"{self.file}: {'both a' if name else 'no'} collective and states",
@@ -163,7 +162,7 @@ class DamageFile(TomlFile):
                     f"remove {key}, or write the states into the file",
                 )
         given = COLLECTIVES.get(name) or [
-            mapped(state.model_extra, self._resolved)
+            self._resolved(state.model_extra or {}, "states", number - 1)
             | {"name": state.name or f"state {number}", "share": state.share, "parts": state.parts}
             for number, state in enumerate(tables.states, 1)
         ]
@@ -185,7 +184,7 @@ class DamageFile(TomlFile):
         name, share = values.pop("name"), values.pop("share")
         location = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
         with located(f"{location}{name}: "):
-            case = SpatialWheelsetCase.from_values(values | mapped(self.changed_inputs, self._resolved))
+            case = SpatialWheelsetCase.from_values(values | self._resolved(self.changed_inputs, "inputs"))
             if case.model == "plane":
                 raise InputError("model = 'plane'", "spatial: wear needs cells along the rail", "leave model out")
             return RunningState(name, share, case.problem(), case.spatial_model())
@@ -207,10 +206,9 @@ class DamageFile(TomlFile):
         """Checked entries of a table of the file."""
         return table.from_values(given, lambda inner: self.place((*key, *inner))).model_dump(exclude_unset=True)
 
-    def _resolved(self, key: Key, value: Any) -> Any:
-        """Make the name of a file relative to this one independent of the current folder."""
-        path = self.file.parent / str(value)
-        return str(path.resolve()) if key[-1] in FILE_KEYS and is_file(path) else value
+    def _resolved(self, inputs: Mapping[str, Any], *above: str | int) -> dict[str, Any]:
+        """Inputs with the names of files that are relative to this one independent of the current folder."""
+        return resolved(self, inputs, self.file.parent.resolve(), above)
 
 
 def _merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

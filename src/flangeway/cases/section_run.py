@@ -140,9 +140,7 @@ def run_section(
     progress("meshing the section")
     space = Space(section_mesh(drawn.section, size, given.method), element)
     progress(f"solving for the warping function and Prandtl's function, {space.n_dofs} unknowns each")
-    moduli: float | dict[str, float] = 1.0
-    if drawn.materials:
-        moduli = {name: material.shear_modulus_MPa for name, material in drawn.materials.items()}
+    moduli = {name: material.shear_modulus_MPa for name, material in drawn.materials.items()} or 1.0
     constants = section_constants(space, shear_modulus=moduli, poisson=poisson)
     weights = _young_weights(drawn)
     exact = replace(
@@ -230,13 +228,14 @@ def _young_weights(drawn: DrawnSection) -> dict[str, float] | None:
     """Return each part's Young's modulus over their mean over the area, None for one material."""
     if not drawn.materials:
         return None
-    mean = _mean(drawn, {name: material.young_MPa for name, material in drawn.materials.items()})
+    mean = _mean(drawn, "young_MPa")
     return {name: material.young_MPa / mean for name, material in drawn.materials.items()}
 
 
-def _mean(drawn: DrawnSection, values: Mapping[str, float]) -> float:
-    parts = drawn.section.parts
-    return sum(values[name] * region.area for name, region in parts.items()) / drawn.section.area
+def _mean(drawn: DrawnSection, modulus: str) -> float:
+    """Return the mean over the area of a modulus, by its name in `PartMaterial`."""
+    moments = (getattr(drawn.materials[name], modulus) * part.area for name, part in drawn.section.parts.items())
+    return sum(moments) / drawn.section.area
 
 
 def _corner_notices(drawn: DrawnSection) -> list[str]:
@@ -287,8 +286,8 @@ def _numbers(run: SectionRun) -> dict[str, Any]:
     }
     if drawn.materials:
         summary["weights"] = {
-            "reference_young_MPa": _mean(drawn, {k: m.young_MPa for k, m in drawn.materials.items()}),
-            "reference_shear_modulus_MPa": _mean(drawn, {k: m.shear_modulus_MPa for k, m in drawn.materials.items()}),
+            "reference_young_MPa": _mean(drawn, "young_MPa"),
+            "reference_shear_modulus_MPa": _mean(drawn, "shear_modulus_MPa"),
             "meaning": "Centroid and second moments are weighted by Young's modulus over its reference, all that "
             "concerns torsion by shear modulus over its reference. Multiply by the reference for stiffnesses.",
         }

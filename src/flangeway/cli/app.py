@@ -3,7 +3,7 @@
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from io import TextIOWrapper
 from typing import Annotated, Any, cast
 
@@ -21,6 +21,7 @@ from flangeway.cli.common import (
     interruption_reported,
 )
 from flangeway.errors import DEBUG_VARIABLE, InputError, unforeseen
+from flangeway.system.operating_system import environment
 
 MEMORY = "--memory"
 MEMORY_VARIABLE = "FLANGEWAY_MEMORY_GB"
@@ -104,22 +105,8 @@ def _memory_limited(gigabytes: float) -> Iterator[None]:
     with errors_as_exit_status():
         if not gigabytes > 0.0:
             raise InputError(f"{MEMORY} {gigabytes:g}", "a positive number of gigabytes", "correct it, or leave it out")
-    with _variable(MEMORY_VARIABLE, repr(gigabytes)):
+    with environment({MEMORY_VARIABLE: repr(gigabytes)}):
         yield
-
-
-@contextmanager
-def _variable(name: str, value: str) -> Iterator[None]:
-    """Set a variable of the environment, which other processes inherit, for some time."""
-    before = os.environ.get(name)
-    os.environ[name] = value
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ[name]
-        else:
-            os.environ[name] = before
 
 
 def _wants_debugging(args: list[str]) -> bool:
@@ -128,7 +115,7 @@ def _wants_debugging(args: list[str]) -> bool:
 
 def main() -> None:
     """Run the command line and exit with its status; an error that nobody foresaw ends in one sentence."""
-    with _variable(DEBUG_VARIABLE, "1") if _wants_debugging(sys.argv[1:]) else nullcontext():
+    with environment({DEBUG_VARIABLE: "1"} if _wants_debugging(sys.argv[1:]) else {}):
         sys.exit(_status())
 
 

@@ -176,12 +176,9 @@ def errors_as_exit_status() -> Iterator[None]:
     try:
         with interruption_reported():
             yield
-    except InputError as error:
+    except (InputError, MissingLibraryError) as error:
         complain(str(error))
-        raise typer.Exit(WRONG_INPUT) from None
-    except MissingLibraryError as error:
-        complain(str(error))
-        raise typer.Exit(FAILED) from None
+        raise typer.Exit(WRONG_INPUT if isinstance(error, InputError) else FAILED) from None
     except MemoryError as error:
         if not isinstance(error, OutOfMemoryError):
             error = OutOfMemoryError(str(error.args[0]) if error.args else "a computation")
@@ -235,7 +232,7 @@ class Show:
 
     quiet: bool
     as_json: bool
-    pictures: bool
+    no_pictures: bool
     xlsx: bool = False
     units: "UnitSystem | None" = None
     marks_s: list[float] = field(default_factory=lambda: [STARTED_S])
@@ -272,7 +269,7 @@ class Show:
         if not self.as_json:
             print_record(console, record, quiet=self.quiet)
         with self.progress() as progress:
-            files = write_record(record, folder, progress, pictures=self.pictures, xlsx=self.xlsx)
+            files = write_record(record, folder, progress, pictures=not self.no_pictures, xlsx=self.xlsx)
         self.files(others())
         if not self.as_json:
             if not self.quiet:
@@ -329,11 +326,11 @@ def shows_results(command: Callable[..., bool]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def wrapped(**given: Any) -> None:
-        quiet, as_json, no_pictures, xlsx, units = (given.pop(name) for name in SHOWN)
+        shown = {name: given.pop(name) for name in SHOWN}
         with errors_as_exit_status():
-            if xlsx:
+            if shown["xlsx"]:
                 spreadsheet_library()  # before anything is computed
-            show = Show(quiet, as_json, not no_pictures, xlsx, units_given(units))
+            show = Show(**shown | {"units": units_given(shown["units"])})
             raise typer.Exit(DONE if command(**given, show=show) else FAILED)
 
     wrapped.__signature__ = signature.replace(parameters=[*own, *more], return_annotation=None)  # type: ignore[attr-defined]

@@ -174,7 +174,7 @@ def init(
     with errors_as_exit_status():
         from flangeway.cases import find_case, write_template  # noqa: PLC0415
         from flangeway.cases.case_file import CASE_FILES  # noqa: PLC0415
-        from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
+        from flangeway.system.output_folder import write_text  # noqa: PLC0415
 
         system = units_given(units) or "metric"
         if name in CASE_FILES:
@@ -194,7 +194,7 @@ def init(
                 "the name of a new file",
                 "choose another name with --to, or remove it",
             )
-        write_together(file.parent, {file.name: text_writer(text)})
+        write_text(file, text)
         stdout().print(f"{file}: edit it, then flangeway run {file}", soft_wrap=True)
 
 
@@ -233,13 +233,13 @@ def schema(
         import json  # noqa: PLC0415
 
         from flangeway.cases.case_file import schema as case_schema  # noqa: PLC0415
-        from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
+        from flangeway.system.output_folder import write_text  # noqa: PLC0415
 
         text = json.dumps(case_schema(), indent=2, ensure_ascii=False) + "\n"
         if to is None:
             typer.echo(text, nl=False)
             return
-        write_together(to.parent, {to.name: text_writer(text)})
+        write_text(to, text)
         stdout().print(f"{to}: name it in the first line of a case file, #:schema {to}", soft_wrap=True)
 
 

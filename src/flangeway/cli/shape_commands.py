@@ -249,7 +249,7 @@ def profile(
         profile_record,
         profiles_record,
     )
-    from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
+    from flangeway.system.output_folder import write_text  # noqa: PLC0415
 
     options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, position)
     with show.progress():
@@ -264,7 +264,7 @@ def profile(
     conversion = checked_conversion(done, to)
 
     def convert() -> list[Path]:
-        return [] if to is None else write_together(to.parent, {to.name: text_writer(conversion)})
+        return [] if to is None else write_text(to, conversion)
 
     show.record(profile_record(done, command_typed(), show.units or "metric"), folder, convert)
     return True

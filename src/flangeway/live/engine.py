@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from flangeway.cases.case import GivenText, grouped
-from flangeway.cases.case_file import FILE_KEYS, MAX_PREPARED, bodies_key, case_content, hash_of
+from flangeway.cases.case_file import FILE_KEYS, MAX_PREPARED, bodies_key, case_content, hash_of, write_case_file
 from flangeway.cases.rigid_run import GeometryCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetRun
@@ -28,7 +28,7 @@ from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import png
-from flangeway.report.page.html_page import case_text, command_line, report_page
+from flangeway.report.page.html_page import command_line, report_page
 from flangeway.report.wheelset.wheelset_page import below_fields, results_table, stresses_below, wheelset_facts
 from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.results import Units, us_unit, with_texts
@@ -170,7 +170,7 @@ class LiveEngine:
     def saved(self, inputs: Mapping[str, str]) -> dict[str, str]:
         """Return what computes the position again: a case file, a command, and a campaign over the lateral position."""
         case = self.case(inputs)
-        text, command = case_text(case), command_line(case)
+        text, command = write_case_file(case), command_line(case)
         for name, path in self.files.items():  # beside the files of the user, by their names
             text, command = text.replace(str(path), name), command.replace(str(path), name)
         shared = [line for line in text.splitlines() if line.split(" = ")[0] not in ("flangeway", "case", *VARIED)]

@@ -9,12 +9,13 @@ from matplotlib.figure import Figure
 from flangeway.campaign import CampaignTable
 from flangeway.cases import BodiesRun, WheelsetRun
 from flangeway.cases.bodies.bodies_run import BodiesCase
-from flangeway.cases.case import Case, Run
+from flangeway.cases.case import Case
 from flangeway.cases.profile_run import ProfileRun
 from flangeway.cases.rigid_run import ConicityRun, GeometryRun
 from flangeway.cases.rolling_patch_case import RollingPatchCase, RollingPatchRun
 from flangeway.cases.section_run import SectionRun, TorsionCase
 from flangeway.cases.spatial_case import SpatialCase, SpatialPreset, SpatialRun
+from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import InputError
@@ -67,17 +68,17 @@ for _kind, _draw in PLOTS.items():
     plot_result.register(_kind, _draw)
 
 
-def case_record(run: Run) -> Record:
+def case_record(run: RunResult) -> Record:
     """Return what a run found, for the terminal, the report and programs."""
     return next(RECORDS[kind] for kind in type(run.case).__mro__ if kind in RECORDS)(run)
 
 
-def run_html(run: Run) -> str | None:
+def run_html(run: RunResult) -> str | None:
     """Return how a run ended, its warnings and its table of results for a notebook; None if its case has no report."""
     return record_html(case_record(run)) if any(kind in RECORDS for kind in type(run.case).__mro__) else None
 
 
-def write_case(run: Run, folder: Path, progress: Progress = lambda _: None) -> list[Path]:
+def write_case(run: RunResult, folder: Path, progress: Progress = lambda _: None) -> list[Path]:
     """Write all files of a run, ``summary.json`` last, together or not at all.
 
     It is an `InputError` if the folder cannot be written.

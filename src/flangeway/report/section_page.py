@@ -9,11 +9,12 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from flangeway.cases.case_file import write_case_file
 from flangeway.cases.section_run import STEEL_KG_M3, SectionRun
 from flangeway.formats import write_vtu
 from flangeway.post import corner_shear_stresses
 from flangeway.quantities import Quantity, measured, present
-from flangeway.report.page.html_page import case_text, inputs_tables
+from flangeway.report.page.html_page import inputs_tables
 from flangeway.report.page.record import Again, Picture, Record, SummaryTable, fact, rows_of
 from flangeway.report.scenes import section_arrays, section_scene
 from flangeway.report.section_figures import (
@@ -64,7 +65,7 @@ def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -
         summary_file=summary_file,
         again=Again(
             command,
-            case_text(case),
+            write_case_file(case),
             files=f"The same numbers, for programs, are in `{summary_file}`; the fields are in `section.vtu`, for "
             "ParaView.",
         ),

@@ -41,23 +41,31 @@ def path_of(owner: str, path: object) -> Path:
     return Path(path)  # type: ignore[arg-type]
 
 
-def limited_bytes(file: Path, limit: int) -> tuple[int, bytes]:
-    """Size and bytes of a file, none of a larger one; an `OSError` for what is no file, such as a named pipe."""
-    status = file.stat()
-    if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):  # a folder has an error of its own
-        raise OSError(errno.EINVAL, "not a file but a pipe or a device")
-    return status.st_size, file.read_bytes() if status.st_size <= limit else b""
+def limited_bytes(
+    file: Path, limit: int, smaller: str, name: str = "file", instead: str = "", get_one: str = "check the name"
+) -> bytes:
+    """Bytes of a file; an `InputError` if it cannot be read, or is larger than a limit.
+
+    - `smaller`: advice for a file that is too large.
+    - `name`: what the file is called.
+    - `instead`: what may be given in its place.
+    - `get_one`: advice where it cannot be read.
+    """
+    try:
+        status = file.stat()
+        if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):  # a folder has an error of its own
+            raise OSError(errno.EINVAL, "not a file but a pipe or a device")
+        if status.st_size <= limit:
+            return file.read_bytes()
+    except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
+        why = getattr(reason, "strerror", None) or reason
+        raise InputError(f"{name} {file}: {why}", f"a file that can be read{instead}", get_one) from reason
+    raise InputError(f"{name} {file} of {status.st_size} bytes", f"a file of up to {limit} bytes", smaller)
 
 
 def file_content(file: Path, what: str) -> bytes:
     """Return the bytes of a file; an `InputError` if it cannot be read or is empty, "a profile" expected, say."""
-    try:
-        size, content = limited_bytes(file, MAX_BYTES)
-    except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
-        why = getattr(reason, "strerror", None) or reason
-        raise InputError(f"file {file}: {why}", "a file that can be read", "check the name") from reason
-    if size > MAX_BYTES:
-        raise InputError(f"file {file} of {size} bytes", f"up to {MAX_BYTES} bytes", f"give {what} and no more")
+    content = limited_bytes(file, MAX_BYTES, f"give {what} and no more")
     if not content.strip():
         raise InputError(f"{file}: an empty file", what, "check that it was saved")
     return content
@@ -216,18 +224,7 @@ class TomlFile:
     def read(cls, file: Path) -> Self:
         """Read a file; `InputError` if it cannot be read, is larger than `MAX_TOML_BYTES`, or is no TOML in UTF-8."""
         kind = cls.kind
-        try:
-            size, content = limited_bytes(file, MAX_TOML_BYTES)
-        except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
-            raise InputError(
-                f"{kind.name} {file}: {getattr(reason, 'strerror', None) or reason}",
-                f"a file that can be read{kind.instead}",
-                kind.get_one,
-            ) from reason
-        if size > MAX_TOML_BYTES:
-            raise InputError(
-                f"{kind.name} {file} of {size} bytes", f"a file of up to {MAX_TOML_BYTES} bytes", kind.too_large
-            )
+        content = limited_bytes(file, MAX_TOML_BYTES, kind.too_large, kind.name, kind.instead, kind.get_one)
         with located(f"{file}: "):
             text = utf8_text(content)
             return cls(file, text, toml_data(text, kind.lines))

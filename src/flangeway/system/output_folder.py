@@ -4,6 +4,7 @@ import os
 import platform
 import tempfile
 from collections.abc import Callable, Iterable
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -32,7 +33,7 @@ def version_of(name: str) -> str:
 # --- A folder of results that is filled at once or not at all.
 
 
-Writer = Callable[[Path], None]
+Writer = Callable[[Path], object]
 ENDINGS = (
     *(".html", ".json", ".md", ".png", ".pvd", ".vtu"),
     *(".csv", ".fmu", ".npz", ".parquet", ".sqlite", ".xlsx"),
@@ -89,16 +90,17 @@ def write_together(folder: Path, writers: dict[str, Writer]) -> list[Path]:
 
 def bytes_writer(data: bytes) -> Writer:
     """Return a function that writes bytes to a file."""
-
-    def write(path: Path) -> None:
-        path.write_bytes(data)
-
-    return write
+    return partial(Path.write_bytes, data=data)
 
 
 def text_writer(text: str) -> Writer:
     """Return a function that writes text to a file, in UTF-8."""
     return bytes_writer(text.encode("utf-8"))
+
+
+def write_text(file: Path, text: str) -> list[Path]:
+    """Write a text to a file, or nothing; see `write_together`."""
+    return write_together(file.parent, {file.name: text_writer(text)})
 
 
 def _refuse_folders(folder: Path, names: Iterable[str]) -> None:

@@ -15,7 +15,13 @@ from multiprocessing.connection import wait as wait_for
 from typing import Any, Generic, TypeVar
 
 from flangeway.errors import FlangewayError, InputError
-from flangeway.system.operating_system import interrupts_blocked, number_of_cores, optional_module, worker_start_method
+from flangeway.system.operating_system import (
+    environment,
+    interrupts_blocked,
+    number_of_cores,
+    optional_module,
+    worker_start_method,
+)
 
 Work = TypeVar("Work")
 Found = TypeVar("Found")
@@ -183,14 +189,9 @@ def computed_here(
 @contextmanager
 def _environment() -> Iterator[None]:
     """Set the variables of a new process that the user has not set, and block Ctrl-C in it, also while it imports."""
-    missing = [name for name in ONE_THREAD if name not in os.environ]
-    os.environ.update({name: ONE_THREAD[name] for name in missing})
-    try:
-        with interrupts_blocked():
-            yield
-    finally:
-        for name in missing:
-            os.environ.pop(name, None)
+    missing = {name: value for name, value in ONE_THREAD.items() if name not in os.environ}
+    with environment(missing), interrupts_blocked():
+        yield
 
 
 def _begin() -> None:

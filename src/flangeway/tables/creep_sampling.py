@@ -189,7 +189,6 @@ class SampledForces:
 def sample(
     patch: SampledPatch,
     directions: int,
-    axes: tuple[Floats, Floats, Floats] = AXES,
     near: Floats | float = 0.0,
 ) -> SampledForces:
     """Forces at all points of a table: exact ones less simple ones are interpolated by cubics, simple ones added again.
@@ -197,7 +196,7 @@ def sample(
     - `directions`: intervals of both angles between exact solutions, even and a divisor of the table's; 0: none at all.
     - `near`: `SampledForces.beyond` of a similar patch, which with FASTSIM's forces are the simple ones.
     """
-    slips, spins, creeps = axes
+    slips, spins, creeps = AXES
     fast = patch.simplified(slips, spins, creeps)
     simple = fast + near
     if directions == 0:
@@ -262,8 +261,8 @@ def refined(
     levels = deque((*(() if near is None else (0,)), *DIRECTIONS))
     while True:
         directions = levels.popleft()
-        sampled = sample(patch, directions, AXES, 0.0 if near is None else near)
-        errors = check(sampled, points, exact, AXES)
+        sampled = sample(patch, directions, 0.0 if near is None else near)
+        errors = check(sampled, points, exact)
         if errors.size <= wanted or not levels:
             return sampled, errors, directions
         while len(levels) > 1 and errors.size * (directions / levels[0]) ** ORDER > wanted:
@@ -283,9 +282,7 @@ def exact_forces(patch: SampledPatch, points: Floats) -> Floats:
     return np.array([patch.over_limit(patch.coupled(*point)) for point in points.tolist()]).reshape(-1, 3)
 
 
-def check(
-    sampled: SampledForces, points: Floats, exact: Floats, axes: tuple[Floats, Floats, Floats] = AXES
-) -> CreepErrors:
+def check(sampled: SampledForces, points: Floats, exact: Floats) -> CreepErrors:
     """Compare with exact forces at reduced creepages, both (n, 3)."""
-    error = ForceAxes.of(sampled.forces, axes).at((), tuple(points.T)) - exact
+    error = ForceAxes.of(sampled.forces, AXES).at((), tuple(points.T)) - exact
     return CreepErrors(points, norms(error), np.abs(error[:, 2]))

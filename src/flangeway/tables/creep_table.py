@@ -81,8 +81,10 @@ def stencil(axis: Floats, values: Floats, smooth: NDArray[np.bool_]) -> tuple[ND
     before, step, after = np.where(np.diff(x) > 0.0, np.diff(x), 1.0).T
     zero = np.zeros(len(values))
     line = np.stack((zero, -1.0 / step, 1.0 / step, zero), -1)
-    low = np.stack((-step / before, step / before - before / step, before / step, zero), -1) / (before + step)[:, None]
-    high = np.stack((zero, -after / step, after / step - step / after, step / after), -1) / (step + after)[:, None]
+    low, high = (
+        np.pad(middle_slope(before, step), ((0, 0), (0, 1))),
+        np.pad(middle_slope(step, after), ((0, 0), (1, 0))),
+    )
     shape = (len(values), *[1] * (smooth.ndim - 1), 4)
     line, low, high = (array.reshape(shape) for array in (line, low, high))
     left, right = smooth[below][..., None], smooth[np.minimum(below + 1, last)][..., None]
@@ -92,6 +94,12 @@ def stencil(axis: Floats, values: Floats, smooth: NDArray[np.bool_]) -> tuple[ND
     ends = t**2 * (3.0 - 2.0 * t) * h * line
     ends = ends + np.array([0.0, 1.0, 0.0, 0.0])
     return nodes, ends + h * t * (1.0 - t) * ((1.0 - t) * first - t * second)
+
+
+def middle_slope(before: Floats, after: Floats) -> Floats:
+    """Weights (n, 3) of three points in the slope at the second one of their parabola, by both distances (n,)."""
+    ratio = after / before
+    return np.stack((-ratio, ratio - before / after, before / after), -1) / (before + after)[:, None]
 
 
 def crossed(arrays: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], ...]:

@@ -12,7 +12,7 @@ from flangeway.railway.profiles.bundled import rail
 from flangeway.railway.profiles.formats.instrument_files import write_miniprof
 from flangeway.railway.rigid.rigid_side import RigidCurve
 from flangeway.railway.track.placements import SIDE_SIGN
-from flangeway.railway.wheelset.equilibrium import Reach, loads_of
+from flangeway.railway.wheelset.equilibrium import Reach, load_on_axle
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import FAR_MM, wheel_gap
@@ -39,7 +39,7 @@ def solved(wheel, rail, motion=None, **inputs):
 def unbalanced(found):
     """Sum of the cells' normal forces and the load, over the load, (2,)."""
     position = found.equilibrium.position
-    total = loads_of(found.problem).on_axle(position.roll_rad)[:2]
+    total = load_on_axle(found.problem, position.roll_rad)[:2]
     for side, state in found.equilibrium.state.sides.items():
         total = total + (state.forces.sum(axis=1) @ state.normals) * (SIDE_SIGN[side], 1.0)
     return total / found.problem.load.vertical_N

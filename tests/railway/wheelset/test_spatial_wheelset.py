@@ -14,7 +14,7 @@ from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset import fine_cells, spatial_wheelset
-from flangeway.railway.wheelset.equilibrium import loads_of
+from flangeway.railway.wheelset.equilibrium import load_on_axle
 from flangeway.railway.wheelset.fine_cells import divided, finer
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose
@@ -44,7 +44,7 @@ def test_contact_forces_are_in_equilibrium_with_the_load_and_a_curve_is_mirrored
             patch.centre_mm[:2] - left.equilibrium.position.axle(left.problem.wheelset),
         )
         total += (*force, place[0] * force[1] - place[1] * force[0])
-    load = loads_of(left.problem).on_axle(left.equilibrium.position.roll_rad)
+    load = load_on_axle(left.problem, left.equilibrium.position.roll_rad)
     assert total[:2] == pytest.approx(-load[:2], abs=1e-8 * 200e3)
     # the centre of pressure is a mean of points on a curved rail: the moment to less
     assert total[2] == pytest.approx(-load[2], abs=1e-4 * 200e3 * 750.0)

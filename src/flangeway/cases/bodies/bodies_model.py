@@ -227,14 +227,15 @@ class _Builder:
         return [(f"{group}[{number}]", table) for number, table in enumerate(tables, 1) if table.body == body]
 
     def _support(self, table: SupportTable, key: str) -> PrescribedDisplacement:
-        for component, value in (("x", table.x_mm), ("y", table.y_mm)):
+        given = {"x": table.x_mm, "y": table.y_mm}
+        for component, value in given.items():
             if value and component not in table.hold:
                 raise InputError(
                     assigned(f"{key}.{component}_mm", value, "g") + f" with hold = {table.hold!r}",
                     "displacements of held components",
                     f'set hold = "xy" or "{component}", or leave {component}_mm out',
                 )
-        x, y = (value if axis in table.hold else None for axis, value in (("x", table.x_mm), ("y", table.y_mm)))
+        x, y = (given[axis] if axis in table.hold else None for axis in "xy")
         return PrescribedDisplacement(self._position(table, key), x, y)
 
     def _spring(self, table: SpringTable, key: str) -> Spring:

@@ -375,8 +375,8 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
     placement = Placement(np.deg2rad(body.rotation_deg), body.shift_mm)
     if body.file is not None and Path(body.file).suffix.lower() not in ENDINGS:
         return BodyShape(_mesh_of_file(body, key, notices).placed(placement))
-    for name, value in (("cells", body.cells), ("materials", body.materials or None)):
-        if value is not None:
+    for name in ("cells", "materials"):
+        if value := getattr(body, name):
             raise InputError(f"{key}.{name} = {value!r} of an outline", "cell sets of a mesh file", f"leave {name} out")
     region = _region(body, key, notices)
     diagonal = float(norms(np.ptp(region.outer.bounds(), axis=0)))
@@ -458,8 +458,8 @@ def _refinement(fine: FineTable, key: str, region: Region) -> Refinement:
 
 
 def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
-    for name, value in (("size_mm", body.size_mm), ("fine", body.fine or None), ("halved_side", body.halved_side)):
-        if value is not None:
+    for name in ("size_mm", "fine", "halved_side"):
+        if getattr(body, name) not in (None, []):
             raise InputError(f"{key}.{name} with the mesh {body.file}", "the file's mesh as it is", f"leave {name} out")
     # bodies that touch must stay apart
     read = read_mesh(str(body.file), merge_points=body.cells is None)
@@ -560,13 +560,12 @@ def edges_at(
         pairs = np.vstack([mesh.edge_sets[name] for name in chosen])
     slack = ON_LINE * float(norms(np.ptp(mesh.points, axis=0)))
     ends = mesh.points[pairs]
-    inside = np.ones(len(pairs), dtype=np.bool_)
-    for axis, value in enumerate(lines):
-        if value is not None:
-            inside &= (np.abs(ends[:, :, axis] - value) <= slack).all(axis=1)
+    # a line is a box without width
+    low = np.array([-np.inf if at is None else at for at in lines])
+    high = np.array([np.inf if at is None else at for at in lines])
     if box is not None:
-        low, high = np.array(box[:2]) - slack, np.array(box[2:]) + slack
-        inside &= ((ends >= low) & (ends <= high)).all(axis=(1, 2))
+        low, high = np.maximum(low, box[:2]), np.minimum(high, box[2:])
+    inside = ((ends >= low - slack) & (ends <= high + slack)).all(axis=(1, 2))
     if not inside.any():
         (x0, y0), (x1, y1) = mesh.points.min(axis=0), mesh.points.max(axis=0)
         raise InputError(

@@ -5,7 +5,6 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -159,8 +158,8 @@ class HertzCase(PresetCase, BodiesCase):
 
     def theory(self, force_N: float) -> LineContact:
         """Hertz's solution for a force."""
-        upper, lower = (Elastic(of("young_MPa"), of("poisson")) for of in (partial(getattr, self), self._of_lower))
-        modulus = contact_modulus(upper.plane_modulus, lower.plane_modulus)
+        bodies = (Elastic(self._of(name, "young_MPa"), self._of(name, "poisson")) for name in ("upper", "lower"))
+        modulus = contact_modulus(*(body.plane_modulus for body in bodies))
         return LineContact(force_N / self.thickness_mm, self._curvature, modulus)
 
     def general(self) -> TwoBodiesCase:
@@ -210,7 +209,7 @@ class HertzCase(PresetCase, BodiesCase):
             raise InputError("halved_edges without fine_arc_deg", "both", "give the angle of the fine arc")
         if self.fine_arc_deg is not None:
             self._refuse_narrow(self.fine_arc_deg)
-        zone, size = self._zone(), min(self.size_mm, self._of_lower("size_mm"))
+        zone, size = self._zone(), min(self.size_mm, self._of("lower", "size_mm"))
         for key, value in (("radius_mm", radius), ("lower_radius_mm", below)):
             if value > MAX_RADIUS * size:
                 raise InputError(
@@ -250,8 +249,7 @@ class HertzCase(PresetCase, BodiesCase):
             )
 
     def _body(self, name: str, shape: dict[str, Any], zone: float) -> dict[str, Any]:
-        of = self._of_lower if name == "lower" else partial(getattr, self)
-        radius, size = of("radius_mm") * (-1.0 if name == "lower" else 1.0), of("size_mm")
+        radius, size = self._of(name, "radius_mm") * (-1.0 if name == "lower" else 1.0), self._of(name, "size_mm")
         n = max(math.ceil(zone / (2.0 * size)), 1)
         xs = [zone * i / n for i in range(-n, n + 1)]
         if self.fine_arc_deg is not None:
@@ -264,16 +262,16 @@ class HertzCase(PresetCase, BodiesCase):
         return {
             "name": name,
             **shape,
-            **{key: of(key) for key in ("young_MPa", "poisson", "method", "order")},
+            **{key: self._of(name, key) for key in ("young_MPa", "poisson", "method", "order")},
             "stabilisation": self.stabilisation,
             "halved_side": "arc" if self.halved_edges else None,
             "size_mm": max(self.body_size_mm, size),
             "fine": [fine],
         }
 
-    def _of_lower(self, key: str) -> Any:
-        """Return an input of the lower body, that of the upper one where it has none of its own."""
-        own = getattr(self, f"lower_{key}")
+    def _of(self, name: str, key: str) -> Any:
+        """Return an input of a body; that of the upper one where the lower one has none of its own."""
+        own = getattr(self, f"lower_{key}") if name == "lower" else None
         return getattr(self, key) if own is None else own
 
     @property
@@ -282,7 +280,7 @@ class HertzCase(PresetCase, BodiesCase):
 
     def _zone(self) -> float:
         """Half width of the zone where the bodies may touch."""
-        edges = ZONE_EDGES * max(self.size_mm, self._of_lower("size_mm"))
+        edges = ZONE_EDGES * max(self.size_mm, self._of("lower", "size_mm"))
         if self.force_N is not None:
             return ZONE_OF_HERTZ * self.theory(self.force_N).half_width + edges
         return ZONE_OF_LENS * math.sqrt(2.0 * self.indentation_mm / self._curvature) + edges

@@ -40,7 +40,7 @@ from flangeway.railway.profiles.profile_file import (
     read_profile,
     side_notices,
 )
-from flangeway.railway.track.placements import USUAL_GAUGES, Side, Track, Wheelset, usual_gauge
+from flangeway.railway.track.placements import SIDES, USUAL_GAUGES, Track, Wheelset, usual_gauge
 from flangeway.railway.track.wheelset_problem import (
     GRAVITY_M_S2,
     MAX_SLOPE,
@@ -142,7 +142,7 @@ def with_body(
         if isinstance(wanted, RailProfile) != (kind == "rail"):
             raise InputError(f"{kind}_body = {body}", ", ".join(bodies), f"a {kind} needs the body of a {kind}")
     try:
-        return on_plain_body(measured) if body == PLAIN else _joined(measured, body).profile
+        return _on_body(measured, body)
     except InputError as reason:
         others = [other_body for other_body in bodies if other_body != body and _fits(measured, other_body)]
         advice = (
@@ -184,9 +184,13 @@ def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProf
     return replace(measured, notices=tuple(_as_keys(notice, key) for notice in measured.notices))
 
 
+def _on_body(measured: MeasuredProfile, body: str) -> RailProfile | WheelProfile:
+    return on_plain_body(measured) if body == PLAIN else _joined(measured, body).profile
+
+
 def _fits(measured: MeasuredProfile, body: str) -> bool:
     try:
-        on_plain_body(measured) if body == PLAIN else _joined(measured, body)
+        _on_body(measured, body)
     except InputError:
         return False
     return True
@@ -222,23 +226,29 @@ def _means_file(name: str) -> bool:
 
 def profile_notes(track: Track, wheelset: Wheelset) -> list[str]:
     """Return how far the profiles can be trusted, and what was assumed when their files were read, in sentences."""
-    both: tuple[Side, Side] = ("right", "left")
-    wheels = [("Wheel", profile) for profile in dict.fromkeys(wheelset.wheel_of(side) for side in both)]
-    rails = [("Rail", profile) for profile in dict.fromkeys(track.rail_of(side) for side in both)]
-    profiles: list[tuple[str, RailProfile | WheelProfile]] = [*wheels, *rails]
-    notices = [(notice, profile.title) for _, profile in profiles for notice in profile.notices]
+    wheels = [wheelset.wheel_of(side) for side in SIDES[::-1]]
+    rails = [track.rail_of(side) for side in SIDES[::-1]]
+    profiles: dict[RailProfile | WheelProfile, None] = dict.fromkeys([*wheels, *rails])
     return [
-        *(sentence("{} {}. {}", word, profile.title, profile.certainty) for word, profile in profiles),
-        *(notice + f" ({title})" for notice, title in notices if not notice.startswith((MIRRORED, FIELD_WORN))),
+        *(
+            sentence("{} {}. {}", "Wheel" if profile in wheels else "Rail", profile.title, profile.certainty)
+            for profile in profiles
+        ),
+        *(
+            notice + f" ({profile.title})"
+            for profile in profiles
+            for notice in profile.notices
+            if not notice.startswith((MIRRORED, FIELD_WORN))
+        ),
     ]
 
 
 def side_warnings(track: Track) -> list[str]:
     """Return a warning for each rail that was mirrored, or is worn more at the side that no flange reaches."""
+    rails = {"rail": track.rail_of("right"), "left_rail": None if track.is_symmetric else track.rail_of("left")}
     warnings = []
-    for side, key in (("right", "rail"), ("left", "left_rail")):
-        if side == "right" or not track.is_symmetric:
-            one = track.rail_of("left" if side == "left" else "right")
+    for key, one in rails.items():
+        if one is not None:
             mirrored = [notice for notice in one.notices if notice.startswith(MIRRORED)]
             warnings += [_as_keys(notice, key) for notice in mirrored or side_notices(one.running_surface)]
     return warnings

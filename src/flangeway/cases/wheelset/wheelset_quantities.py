@@ -220,8 +220,8 @@ class WheelResult:
     @property
     def nadal_limit(self) -> float | None:
         """Nadal's limit of L/V; None without friction."""
-        rolls = isinstance(self.result, SpatialResult) and self.result.rolling
-        return self.result.nadal_limit(self.side) if isinstance(self.result, SpatialResult) and rolls else None
+        result = self.result
+        return result.nadal_limit(self.side) if isinstance(result, SpatialResult) and result.rolling else None
 
     @property
     def nadal_fraction(self) -> float | None:

@@ -14,7 +14,7 @@ from flangeway.materials import Elastic
 from flangeway.solve import Status, SurfaceCells, compliance_table
 from flangeway.solve.surface_compliance import half_spaces_on
 from flangeway.system.disk_cache import Arrays, Cache, cached
-from flangeway.types import Bools, Complex, Floats, Ints
+from flangeway.types import Bools, Floats, Ints
 
 # --- Normal contact on a grid of cells: dense across, a convolution along z.
 
@@ -24,30 +24,25 @@ NOTHING = 1e-20
 """Square of the residual over another one that is round-off."""
 CHANGE = 1e-9
 """Change of the forces, relative to their sum, at which `Pressing` ends: single pressures are then within 1e-7."""
-EVEN = 1e-9
-"""Asymmetry of coefficients over the largest one that is round-off: integrals of half-spaces cancel."""
 
 
 class Convolution:
     """Product of influence coefficients with forces on a grid of cells across and strips along z, by Fourier sums.
 
+    Of bodies that are symmetric about planes across z, as prisms and bodies of revolution are: coefficients at the
+    distances dz and -dz are equal, or opposite where one of displacement and force lies along z.
+
     Parameters
     ----------
     coefficients
         At the distances 0, dz, 2 dz, ... of all strips, shape (n_strips, m, n), by displacement and force.
-    behind
-        At the distances 0, -dz, -2 dz, ...; left out: the transpose.
     odd
-        Which displacements (m,) and which forces (n,) lie along z: coefficients of one of them with one of the others
-        change their sign with the distance in bodies that are symmetric about planes across z. Left out: none.
+        Which displacements (m,) and which forces (n,) lie along z. Left out: none.
 
     """
 
-    def __init__(
-        self, coefficients: Floats, behind: Floats | None = None, odd: tuple[Bools, Bools] | None = None
-    ) -> None:
+    def __init__(self, coefficients: Floats, odd: tuple[Bools, Bools] | None = None) -> None:
         n_strips = len(coefficients)
-        back = coefficients.swapaxes(1, 2) if behind is None else behind
         # F_tw = exp(-2 pi i t w / 2n) to the wavenumbers w = 0 ... n, and back: on so few strips as patches have,
         # products with matrices take half of the time of fast transforms
         self._forward = scipy.fft.rfft(np.eye(n_strips), 2 * n_strips).view(np.float64)
@@ -56,27 +51,17 @@ class Convolution:
         # even functions have a real spectrum, odd ones an imaginary one: with i times what is along z all is real
         masks = odd or (np.zeros(coefficients.shape[1], dtype=bool), np.zeros(coefficients.shape[2], dtype=bool))
         self._turns = [np.where(mask, 1.0j, 1.0)[:, None] for mask in masks]
-        signs = np.where(masks[0][:, None] == masks[1], 1.0, -1.0)
-        kernel = (coefficients + signs * back) / 2.0
-        if np.abs(coefficients - kernel).max() <= EVEN * np.abs(coefficients).max():
-            # S_w = c_0 + 2 sum over t of c_t cos(pi t w / n) + c_n cos(pi w), with sines for odd functions; the one at
-            # the distance n is not used, but a gap there would make the inverse rough
-            angles = np.pi / n_strips * np.outer(np.arange(n_strips + 1), np.arange(n_strips))
-            cosines = 2.0 * np.cos(angles)
-            cosines[:, 0] /= 2.0
-            cosines[:, -1] += np.cos(np.pi * np.arange(n_strips + 1))
-            self._spectrum = np.tensordot(cosines, kernel, axes=1)
-            for along, across, sign in ((masks[0], ~masks[1], 1.0), (~masks[0], masks[1], -1.0)):
-                indices = np.ix_(np.arange(n_strips + 1), along, across)
-                self._spectrum[indices] = np.tensordot(
-                    2.0 * sign * np.sin(angles), kernel[:, along][..., across], axes=1
-                )
-            return
-        kernel = np.zeros((2 * n_strips, *coefficients.shape[1:]))
-        kernel[:n_strips] = coefficients
-        kernel[n_strips + 1 :] = back[:0:-1]
-        kernel[n_strips] = (coefficients[-1] + back[-1]) / 2.0
-        self._spectrum = self._turns[0] * scipy.fft.rfft(kernel, axis=0) * self._turns[1].conj().T
+        # S_w = c_0 + 2 sum over t of c_t cos(pi t w / n) + c_n cos(pi w), with sines for odd functions; the one at
+        # the distance n is not used, but a gap there would make the inverse rough
+        angles = np.pi / n_strips * np.outer(np.arange(n_strips + 1), np.arange(n_strips))
+        cosines = 2.0 * np.cos(angles)
+        cosines[:, 0] /= 2.0
+        cosines[:, -1] += np.cos(np.pi * np.arange(n_strips + 1))
+        self._spectrum = np.tensordot(cosines, coefficients, axes=1)
+        for along, across, sign in ((masks[0], ~masks[1], 1.0), (~masks[0], masks[1], -1.0)):
+            place = np.ix_(np.arange(n_strips + 1), along, across)
+            kernel = coefficients[:, along][..., across]
+            self._spectrum[place] = np.tensordot(2.0 * sign * np.sin(angles), kernel, axes=1)
 
     def inverted(self) -> "Convolution":
         """The inverse on twice the strips without ends: near the inverse of this one."""
@@ -91,22 +76,13 @@ class Convolution:
         loaded = np.flatnonzero(at_once.any(axis=(0, 2)))
         rows = slice(int(loaded[0]), int(loaded[-1]) + 1) if len(loaded) else slice(0, 1)
         into, out = self._turns if transposed else self._turns[::-1]
+        spectrum = self._spectrum.swapaxes(1, 2) if transposed else self._spectrum
         # u_wik = sum over j of A_wij f_wjk for each wavenumber w, all k at once
         waves = (at_once[:, rows] @ self._forward).view(np.complex128).transpose(2, 1, 0)
         waves = np.ascontiguousarray(into[rows] * waves)
-        if transposed:  # A^H f is the conjugate of A^T times that of f: no copy of A
-            product = _product(self._spectrum[:, rows].swapaxes(1, 2), waves.conj()).conj()
-        else:
-            product = _product(self._spectrum[:, :, rows], waves)
+        product = np.matmul(spectrum[:, :, rows], waves.view(np.float64)).view(np.complex128)
         moved = np.ascontiguousarray((out.conj() * product).transpose(2, 1, 0)).view(np.float64) @ self._back
         return np.asarray(moved.reshape(*forces.shape[:-2], -1, n_strips), dtype=np.float64)
-
-
-def _product(matrices: Floats | Complex, waves: Complex) -> Complex:
-    """Products (n, m, k) of matrices (n, m, l), real or complex, with complex columns (n, l, k)."""
-    if np.isrealobj(matrices):
-        return np.matmul(matrices, waves.view(np.float64)).view(np.complex128)
-    return np.matmul(matrices, waves)
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,6 +238,8 @@ def _depth(gaps: Floats) -> float:
 
 MIN_WAVENUMBER = 2e-5
 """Per mm: a wave of 300 m, beyond which bodies that are held or on a foundation no longer change, along z either."""
+TABLE_TOLERANCE = 1e-3
+"""Error of the compliance between wavenumbers, see `flangeway.solve.compliance_table`."""
 CORRECTED = 1.0
 """Distance up to which the table's own nearest cells are corrected, relative to a cell."""
 N_DISTANCES = 40
@@ -343,7 +321,6 @@ class ElasticSurface:
 def elastic_surface(
     cells: SurfaceCells,
     *,
-    tolerance: float = 1e-3,
     cache: Cache | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> ElasticSurface:
@@ -353,8 +330,6 @@ def elastic_surface(
     ----------
     cells
         Even cells on the surface of a prism, isotropic below it.
-    tolerance
-        See `flangeway.solve.compliance_table`.
     cache
         Where the compliances are kept from one process to the next.
     progress
@@ -375,9 +350,9 @@ def elastic_surface(
 
     def make() -> Arrays:
         progress(f"compliance of the {body}")
-        return {"remainder": _remainder(cells, strip, numbers, tolerance)}
+        return {"remainder": _remainder(cells, strip, numbers)}
 
-    settings = numbers, tolerance, CORRECTED, MIN_WAVENUMBER
+    settings = numbers, TABLE_TOLERANCE, CORRECTED, MIN_WAVENUMBER
     remainder = cached(cache, make, "remainder", *cells.content, *settings)
     stations = (cells.limits[1:] + cells.limits[:-1]) / 2.0
     return ElasticSurface(
@@ -390,11 +365,11 @@ def elastic_surface(
     )
 
 
-def _remainder(cells: SurfaceCells, strip: float, numbers: Ints, tolerance: float) -> Floats:
+def _remainder(cells: SurfaceCells, strip: float, numbers: Ints) -> Floats:
     """Compliance less that of a half-space at multiples of a strip, in the axes x, y, z."""
     assert cells.material is not None
     n, n_strips = cells.n_cells, int(numbers[-1]) + 1
-    table = compliance_table(cells, MIN_WAVENUMBER, 2.0 * np.pi / strip, tolerance)
+    table = compliance_table(cells, MIN_WAVENUMBER, 2.0 * np.pi / strip, TABLE_TOLERANCE)
     own = table.influence(strip, n_strips, nearest=CORRECTED).reshape(n_strips, n, 3, n, 3)[numbers]
     own -= half_spaces_on((cells.material,), cells.limits, cells.frames, strip, n_strips)[numbers]
     return np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)

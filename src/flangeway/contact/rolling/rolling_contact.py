@@ -350,9 +350,8 @@ class RollingContact:
     def _normal_by_tangential(self) -> Convolution:
         def make() -> Convolution:
             blocks, n_cells = self._blocks[: self.grid.n_strips + 2 * STRIPS_BEYOND], len(self.pressures)
-            ahead = blocks[:, :, 1, :, ::2].reshape(-1, n_cells, 2 * n_cells)
-            behind = blocks[:, :, ::2, :, 1].reshape(-1, 2 * n_cells, n_cells).swapaxes(1, 2)
-            return Convolution(ahead, behind, (np.zeros(n_cells, dtype=bool), np.arange(2 * n_cells) % 2 == 1))
+            odd = np.zeros(n_cells, dtype=bool), np.arange(2 * n_cells) % 2 == 1
+            return Convolution(blocks[:, :, 1, :, ::2].reshape(-1, n_cells, 2 * n_cells), odd)
 
         return self._shared("normal", make)
 

@@ -66,31 +66,19 @@ class Reach:
         return Reach(limit, self.most, self.longest, math.copysign(REVERSED_LIMIT * limit, self.last))
 
 
-@dataclass(frozen=True)
-class AxleLoads:
-    """Load of a wheelset.
+def load_on_axle(problem: WheelsetProblem, roll: float) -> Floats:
+    """Load in the track's axes, and its moment about the axle's middle at a roll, shape (3,).
 
-    - `along`, `onto`: force in the track's plane, to the right, and force onto it, in N; they act at the centre of
-      gravity.
-    - `weight`: reference of the vertical residual in N.
-    - `height`: height of the centre of gravity above the axle in mm.
-    - `arm`: arm of the weight in the reference moment in mm: half of the distance between the wheels.
+    It acts at the centre of gravity: to the right in the track's plane, and onto it.
     """
+    (along, onto), height = problem.load.in_track, problem.wheelset.centre_of_gravity_height_mm
+    return np.array([along, -onto, height * (np.sin(roll) * onto - np.cos(roll) * along)])
 
-    along: float
-    onto: float
-    weight: float
-    height: float
-    arm: float
 
-    def on_axle(self, roll: float) -> Floats:
-        """Forces in the track's axes and moment about the axle's middle at a roll, shape (3,)."""
-        x, y = -self.height * np.sin(roll), self.height * np.cos(roll)
-        return np.array([self.along, -self.onto, -x * self.onto - y * self.along])
-
-    def moment_by_roll(self, roll: float) -> float:
-        """Derivative of that moment."""
-        return self.height * float(np.cos(roll) * self.onto + np.sin(roll) * self.along)
+def moment_by_roll(problem: WheelsetProblem, roll: float) -> float:
+    """Derivative of that moment by the roll."""
+    (along, onto), height = problem.load.in_track, problem.wheelset.centre_of_gravity_height_mm
+    return height * float(np.cos(roll) * onto + np.sin(roll) * along)
 
 
 @dataclass(frozen=True)
@@ -127,9 +115,9 @@ def with_loads(
     problem: WheelsetProblem, position: WheelsetPosition, on_axle: Floats
 ) -> tuple[Floats, RelativeResiduals]:
     """Residual and relative residuals by the contact's force on the wheels and moment about the axle's middle (3,)."""
-    loads = loads_of(problem)
-    residual: Floats = on_axle + loads.on_axle(position.roll_rad)
-    lateral, vertical, moment = residual / (LATERAL_REFERENCE_N, loads.weight, loads.weight * loads.arm)
+    weight, arm = problem.load.vertical_N, problem.wheelset.back_to_back_mm / 2.0
+    residual: Floats = on_axle + load_on_axle(problem, position.roll_rad)
+    lateral, vertical, moment = residual / (LATERAL_REFERENCE_N, weight, weight * arm)
     free = tuple(value is None for value in problem.prescribed.components)
     return residual, RelativeResiduals(float(vertical), float(lateral), float(moment), (free[0], free[1], free[2]))
 
@@ -144,13 +132,6 @@ def is_stable(problem: WheelsetProblem, jacobian: Floats) -> bool:
     scale = np.diag([1.0, 1.0, 1.0 / problem.wheelset.back_to_back_mm])
     stiffness = -scale @ jacobian @ scale
     return bool(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T)).min() > 0.0)
-
-
-def loads_of(problem: WheelsetProblem) -> AxleLoads:
-    """Load of a problem."""
-    wheelset, load = problem.wheelset, problem.load
-    arm = wheelset.back_to_back_mm / 2.0
-    return AxleLoads(*load.in_track, load.vertical_N, wheelset.centre_of_gravity_height_mm, arm)
 
 
 MAX_WAY = np.array([30.0, 30.0, 0.05])

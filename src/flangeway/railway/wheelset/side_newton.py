@@ -22,7 +22,8 @@ SAME = 1e-6
 """Force relative to the mean force of the cells in contact that is round-off."""
 FIRST = 1e-4
 """Tolerance of the forces on bodies that bend no further, from which the steps start."""
-MAX_STEPS = 30
+MAX_STEPS, FORCE_CHANGE = 30, 1e-9
+"""Steps at one pose, and change of the forces in one, relative to their sum, at which they are found."""
 MAX_MOVED_MM, MAX_BENT_MM = 0.5, 0.4
 """Displacement of a cell across the normal by normal forces, and by creep forces, by which the geometry changes in one
 step, at most."""
@@ -310,14 +311,12 @@ def solve_side(
     grid: GriddedSide,
     pose: WheelPose,
     start: Floats | float = 0.0,
-    tolerance: float = 1e-9,
     *,
     creep: Floats | float = 0.0,
 ) -> SideState:
     """Contact at a pose of the wheel.
 
     - `start`: forces to start from.
-    - `tolerance`: change of the forces in a step, over their sum, at which they are found.
     - `creep`: creep forces on rows of cells, (n, 2), that stay.
     """
     newton = SideNewton(grid, pose, start, creep)
@@ -326,6 +325,6 @@ def solve_side(
         forces, by_motion = newton.solve()
         newton.linearised_resultant(forces, by_motion)
         change = newton.take(forces, np.zeros(len(MOTIONS)))
-        if change < tolerance and not newton.changed:
+        if change < FORCE_CHANGE and not newton.changed:
             break
     return newton.state

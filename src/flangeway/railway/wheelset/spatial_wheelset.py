@@ -170,7 +170,7 @@ class SpatialWheelset:
         last = FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
         stages = (round(FEWER_ACROSS * across), NESTED_RESIDUAL), (across, last)
         cells = _Cells(self, position, stages, state.sides)
-        grids, _ = cells.fine(state)
+        grids = cells.fine(state)
         creep = WheelsetCreep(motion, rate)
         yaw, tilts = self.model.yaw_rad, self._tilts_by_forces
         return self._search(WheelsetNewton(self.problem, grids, position, yaw, tilts, state, creep), cells, progress)
@@ -429,7 +429,8 @@ class _Cells:
             forces, creep = transferred(each, whole[side]), transferred_creep(each, whole[side])
             self.touching = {**self.touching, side: solve_side(whole[side], each.pose, forces, creep=creep)}
         self.last = False
-        return self.fine(SpatialState(self.touching) if far else found.state, NEAR_MM)
+        state = SpatialState(self.touching) if far else found.state
+        return self.fine(state, NEAR_MM), state
 
     def _refined(self, found: Equilibrium[SpatialState]) -> Placed:
         """Cells of the next stage, or better ones for the equilibrium of the last one."""
@@ -439,18 +440,19 @@ class _Cells:
         elif not self.is_last:
             self.stage += bool(self.touching)
             self.touching = self.touching or state.sides
-            return self.fine(state)
+            return self.fine(state), state
         else:
             more = self.n_grids < MAX_GRIDS
             if more:
                 self.n_grids += 1
-                grids, _ = self.fine(state)
+                grids = self.fine(state)
             beyond = self.wheelset.beyond(found, self.touching) if grids == state.grids and self.last else {}
             if beyond and not more:
                 self.status = Status(False, OUTSIDE, found.status.iterations)
             elif beyond:
                 self.touching = {**self.touching, **beyond}
-                grids, state = self.fine(SpatialState({**state.sides, **beyond}))
+                state = SpatialState({**state.sides, **beyond})
+                grids = self.fine(state)
         if grids == found.state.grids and self.status is None:
             if self.last:
                 lost = any(each.grid.leaves(each.forces) for each in state.sides.values())
@@ -464,13 +466,10 @@ class _Cells:
             return state.grids
         return {side: divided(each, self.stages[-1][0]) for side, each in state.sides.items()}
 
-    def fine(self, state: SpatialState, near: tuple[float, float] = (0.0, 0.0)) -> Placed:
+    def fine(self, state: SpatialState, near: tuple[float, float] = (0.0, 0.0)) -> dict[Side, GriddedSide]:
         """Fine cells of both sides for a contact, see `finer`."""
-        across = self.stages[self.stage][0]
-        sides = state.sides.items()
-        return {
-            side: finer(each, across, state.insides(side), self.touching[side], near) for side, each in sides
-        }, state
+        across, sides = self.stages[self.stage][0], state.sides.items()
+        return {side: finer(each, across, state.insides(side), self.touching[side], near) for side, each in sides}
 
 
 def _is_far(position: WheelsetPosition, place: WheelsetPosition) -> bool:

@@ -134,9 +134,7 @@ class RailSupport:
         return positions
 
 
-def rail_problem(
-    space: Space, material: Elastic, base_edges: str, support: RailSupport, name: str = "rail"
-) -> Harmonic:
+def rail_problem(space: Space, material: Elastic, base_edges: str, support: RailSupport) -> Harmonic:
     """Put a rail on its support, spread along z.
 
     What discrete sleepers change of it is `sleeper_compliance`.
@@ -151,8 +149,6 @@ def rail_problem(
         Edge set of the whole base.
     support
         The support.
-    name
-        For messages.
 
     Raises
     ------
@@ -170,7 +166,7 @@ def rail_problem(
     if float(rule.points[..., 1].max()) > low[1] + near or abs(length - whole) > near:
         raise InputError(
             sentence(
-                "edges {} of {:g mm} as the base of `{}`, which is {:g mm} wide", short(base_edges), length, name, whole
+                "edges {} of {:g mm} as the base of a rail, which is {:g mm} wide", short(base_edges), length, whole
             ),
             "all edges of a flat base, and no others",
             "check the names of the outline's segments",
@@ -178,7 +174,7 @@ def rail_problem(
     lateral, vertical, roll = support.per_length
     along = 1e3 * support.longitudinal_kN_per_mm / support.spacing_mm
     foundation = Foundation(base_edges, lateral / length, vertical / length, along / length, roll)
-    return Harmonic(Elasticity(space, material, name=name), foundations=[foundation])
+    return Harmonic(Elasticity(space, material, name="rail"), foundations=[foundation])
 
 
 SPREAD = 0.003

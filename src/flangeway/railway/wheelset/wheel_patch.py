@@ -62,32 +62,35 @@ class SpatialPatch:
         return region_of(self.side, lateral, vertical)
 
     @cached_property
-    def _row(self) -> Floats:
-        """Shares of the cells across in the force."""
-        forces = np.where(self.ellipse.inside, self.state.forces, 0.0).sum(axis=1)
+    def _shares(self) -> Floats:
+        """Shares of all cells of the side in the force, (n, n_z)."""
+        forces = np.where(self.ellipse.inside, self.state.forces, 0.0)
         return forces / forces.sum()
+
+    @property
+    def _station(self) -> float:
+        """Length along the rail's elastic surface of the centre of pressure."""
+        return float(self._shares.sum(axis=1) @ self.state.grid.grid.stations)
 
     @property
     def rail_point_mm(self) -> Floats:
         """Centre of pressure on the undeformed rail, in the frame of its profile, shape (2,)."""
-        surfaces, station = self.state.grid.surfaces, np.array([self._row @ self.state.grid.grid.stations])
-        return surfaces.rail_frame.inverse().points(surfaces.rail_points(station)[0])[0]
+        surfaces = self.state.grid.surfaces
+        return surfaces.rail_frame.inverse().points(surfaces.rail_points(np.array([self._station]))[0])[0]
 
     @property
     def wheel_point_mm(self) -> Floats:
         """Centre of pressure on the undeformed wheel, in the frame of its profile, shape (2,)."""
         surfaces = self.state.grid.surfaces
-        inside = np.where(self.ellipse.inside, self.state.forces, 0.0)
-        along = np.array([(inside * self.state.gap.along).sum() / inside.sum()])
+        along = np.array([(self._shares * self.state.gap.along).sum()])
         point = np.stack((along, surfaces.wheel.over(along).y), axis=1)
         return surfaces.wheel_frame.inverse().points(point)[0]
 
     @property
     def rolling_radius_mm(self) -> float:
         """Distance of the centre of pressure from the axle."""
-        inside = np.where(self.ellipse.inside, self.state.forces, 0.0)
-        radii = -self.state.grid.surfaces.wheel.over(self.state.gap.along).y
-        return float((inside * radii).sum() / inside.sum())
+        heights = self.state.grid.surfaces.wheel.over(self.state.gap.along).y
+        return -float((self._shares * heights).sum())
 
     @property
     def conformity_deg(self) -> float:
@@ -123,7 +126,7 @@ class SpatialPatch:
         return half_space_profile(
             (grid.cells[window[0][:, 0]], pairs_of(grid.strip_bounds)[window[1][0]]),
             loads[..., 0],
-            (float(self._row @ grid.stations), float(self.ellipse.centre[2])),
+            (self._station, float(self.ellipse.centre[2])),
             self._depths,
             self._poisson(role),
             None if tractions is None else loads[..., 1:],

@@ -16,7 +16,7 @@ from flangeway.railway.wheelset.equilibrium import (
     Equilibrium,
     Reach,
     is_stable,
-    loads_of,
+    moment_by_roll,
     with_loads,
 )
 from flangeway.railway.wheelset.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep, patches_of
@@ -120,7 +120,7 @@ class WheelsetNewton:
         self.position, self.yaw, self.guided_yaw = position, yaw_rad, yaw_rad
         self.creep = creep
         if near is None:  # those by the vertical load on the tape circles
-            load = float(loads_of(problem).onto) / 2.0
+            load = problem.load.in_track[1] / 2.0
             arms = [problem.wheelset.placement(side).translation[0] for side in SIDES]
             self.tilts = np.sum([by_forces[i] @ (0.0, load, load * arm) for i, arm in enumerate(arms)], axis=0)
         else:
@@ -141,7 +141,7 @@ class WheelsetNewton:
         arm, radius = problem.wheelset.back_to_back_mm / 2.0, problem.wheelset.tape_radius_mm
         turning = [0.0 if creep is None else radius / creep.rate_rad_s, arm]
         least = np.array([1.0, 1.0, arm**2, 0.0, 0.0, *turning])
-        self._least = np.diag(MIN_STIFFNESS * float(loads_of(problem).weight) * least)
+        self._least = np.diag(MIN_STIFFNESS * problem.load.vertical_N * least)
 
     def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
         """Go on with other cells, from a contact if it is known."""
@@ -247,7 +247,7 @@ class WheelsetNewton:
             if self.creep is not None:
                 self._add_creep(number, side)
             total += self.resultants[side]
-        jacobian[2, 2] += loads_of(self.problem).moment_by_roll(self.position.roll_rad)
+        jacobian[2, 2] += moment_by_roll(self.problem, self.position.roll_rad)
         jacobian[3:5, 3:5] += np.eye(2)
         self.residual, self.relative = with_loads(self.problem, self.position, total)
         bent = sum(self.by_forces[number] @ self.resultants[side] for number, side in enumerate(SIDES))
@@ -289,7 +289,7 @@ class WheelsetNewton:
         self.jacobian[[0, 1, 2, RATE, YAW]] += self.creeping
         self.torque = float(self.creep_now[3])
         self.yaw_moment = float(self.creep_now[4]) + self.turning
-        weight, arm = float(loads_of(problem).weight), problem.wheelset.back_to_back_mm / 2.0
+        weight, arm = problem.load.vertical_N, problem.wheelset.back_to_back_mm / 2.0
         driven, guided = self.torque + 1e3 * motion.torque_Nm, 0.0
         if motion.yaw_is_free:
             guided = self.yaw_moment - self.yaw_stiffness * (self.yaw - self.guided_yaw)

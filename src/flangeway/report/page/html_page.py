@@ -15,9 +15,9 @@ from jinja2 import Template
 from markupsafe import Markup, escape
 
 from flangeway.cases import Convergence
-from flangeway.cases.case import OF_REPORT, Case, Run, RunnableCase, table_in
-from flangeway.cases.case_file import FORMAT, toml_value, write_case_file
-from flangeway.cases.summary import summary_text
+from flangeway.cases.case import OF_REPORT, Case, RunnableCase, table_in
+from flangeway.cases.case_file import toml_value, write_case_file
+from flangeway.cases.summary import RunResult, summary_text
 from flangeway.checks import is_number
 from flangeway.quantities import measured
 from flangeway.report.figures.drawing import png
@@ -35,7 +35,7 @@ from flangeway.types import Progress
 MAX_LETTERS = 60  # of a value on the page; longer ones are cut there, the case file has them whole
 
 
-def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any) -> Record:
+def run_record(run: RunResult, about_files: str, first: Sequence[str] = (), **own: Any) -> Record:
     """Return the record of a run: what every run has, and its own, see `Record`.
 
     - `about_files`: for `Again`.
@@ -50,7 +50,9 @@ def run_record(run: Run, about_files: str, first: Sequence[str] = (), **own: Any
         "converged": run.status.converged,
         "message": run.status.message,
         "summary": summary,
-        "again": Again(f"flangeway run {file}" if file else command_line(case), case_text(case), file, about_files),
+        "again": Again(
+            f"flangeway run {file}" if file else command_line(case), write_case_file(case), file, about_files
+        ),
         "units": case.units,
         "inputs": inputs_tables(case),
         "details": [*filter(None, (case.project, case.author)), case.date or date.today().isoformat()],
@@ -82,22 +84,6 @@ def _in_words(value: object, unit: str, units: Units) -> str:
     if isinstance(value, str) and Path(value).is_file():
         return f"{value}, file of {date.fromtimestamp(Path(value).stat().st_mtime).isoformat()}"
     return "not given" if value is None else _plain(value)
-
-
-def case_text(case: RunnableCase) -> str:
-    """Return a case file that computes a case again: every input that is set, with all digits, defaults too.
-
-    Names of files are as given; a case file reads them from its own folder. Tables have the inputs that are not the
-    defaults.
-    """
-    if has_tables(case):
-        return write_case_file(case)
-    lines = [f"flangeway = {FORMAT}", f"case = {toml_value(case.name)}"]
-    for key in type(case).model_fields:
-        value = getattr(case, key)
-        if value is not None:
-            lines.append(f"{key} = {toml_value(value)}")
-    return "\n".join(lines) + "\n"
 
 
 def inputs_tables(case: Case) -> list[SummaryTable]:
