@@ -36,7 +36,7 @@ _MAX_TRIANGLES = 30_000
 _MAX_EDGES = 10_000
 _CELLS_ACROSS_WALL = 4.0
 _SAGITTA = 1e-4  # of the mean thickness: chords then change the torsion constant by about 1e-4 of it
-_WORTHWHILE = 0.6  # chords hardly shorter than the size are not worth a refinement of their own
+_MAX_CHORD = 0.6  # chords hardly shorter than the size are not worth a refinement of their own
 _GROWTH = 0.3
 
 
@@ -196,7 +196,7 @@ def _along_arcs(section: Section, size: float) -> list[Refinement]:
     for arc in arcs.values():
         # rounded, so that arcs of one radius are refined alike, by one field of sizes
         chord = float(f"{math.sqrt(8.0 * arc.radius * sagitta):.10g}")
-        if chord < _WORTHWHILE * size:
+        if chord < _MAX_CHORD * size:
             n_chords = max(math.ceil(arc.length / chord), 2)
             refinements.append(Refinement(arc.point(np.linspace(0.0, 1.0, n_chords + 1)), chord, _GROWTH))
     return refinements

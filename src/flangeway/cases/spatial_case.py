@@ -143,9 +143,9 @@ BODY: Quantities[SpatialBodyResult] = (
 # --- The case of two bodies in contact in three dimensions: prisms and bodies of revolution by their sections.
 
 
-FINER = 0.85
+TRIANGLES_PER_CELL = 0.85
 """Size of triangles relative to that of the cells: Gmsh makes some edges longer."""
-BEYOND = 0.15
+FINE_MESH_MARGIN = 0.15
 """Length of the finer mesh beyond the window on each side, relative to the window."""
 DEPTHS = 3.0
 """Depth of the profiles relative to the longer semi-axis."""
@@ -296,10 +296,10 @@ class SpatialCase(RunnableCase):
 
     def _along(self, grid: PatchGrid, bodies: Sequence[PatchBody], number: int) -> FineTable | None:
         """Refinement along a body's surface in the window."""
-        table, size = self.bodies[number], FINER * min(float(grid.widths.min()), 2.0 * grid.strip)
+        table, size = self.bodies[number], TRIANGLES_PER_CELL * min(float(grid.widths.min()), 2.0 * grid.strip)
         if table.file is not None and not bodies[number].curve:
             return None
-        beyond = BEYOND * float(np.ptp(grid.bounds))
+        beyond = FINE_MESH_MARGIN * float(np.ptp(grid.bounds))
         stations: Floats = np.linspace(grid.bounds[0] - beyond, grid.bounds[-1] + beyond, 2 * len(grid.bounds))
         points, normals = points_along(bodies[0].chain, np.clip(stations, 0.0, bodies[0].length))
         if number == 1:

@@ -130,7 +130,7 @@ def no_expansion(owner: str) -> InputError:
 # --- Isotropic linear elasticity.
 
 
-NEAR = 0.01
+INCOMPRESSIBLE_MARGIN = 0.01
 """Distance of ``1 - 2 nu`` from zero that means a nearly incompressible material."""
 
 
@@ -184,7 +184,7 @@ class Elastic(Material):
             least = 1.0
         if least >= MIN_STIFFNESS:
             return
-        if abs(least) < NEAR and poisson > 0.0:
+        if abs(least) < INCOMPRESSIBLE_MARGIN and poisson > 0.0:
             advice = "for nearly incompressible materials take 0.4999 and elements of order 2"
         if least > 0.0:
             allowed += f", with 1 - 2 poisson and 1 + poisson of {MIN_STIFFNESS:g} or more"

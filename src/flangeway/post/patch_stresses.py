@@ -19,7 +19,7 @@ from flangeway.types import Bools, Floats, Progress
 
 TO_AXES = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
 """Signs of the components of a half-space in the axes of a `DepthProfile`, in which the depth is -y."""
-AROUND = 3
+CELLS_AROUND = 3
 """Cells around a patch below which stresses are computed: tension is greatest at its edge."""
 BELOW_BOUND = 1.0 - 1e-9
 """Part of a bound that counts as reaching it, for round-off."""
@@ -319,11 +319,11 @@ def stress_field(
     edges = first + width * (np.arange(count + 1, dtype=np.float64) - before)
     overlap = np.minimum(edges[1:, None], ends[:, 1]) - np.maximum(edges[:-1, None], ends[:, 0])
     even = np.einsum("ij,jzc->izc", np.maximum(overlap, 0.0) / width, tractions)
-    field = half_space_field(even, (width, strip), depths, poisson, AROUND)
-    middles = edges[0] + width * (np.arange(count + 2 * AROUND) - AROUND + 0.5)
-    near = np.flatnonzero((middles > first - AROUND * width) & (middles < last + AROUND * width))
-    # the field's strips begin `AROUND` ones before the first
-    along = slice(int(strips[0]), int(strips[-1]) + 2 * AROUND + 1)
+    field = half_space_field(even, (width, strip), depths, poisson, CELLS_AROUND)
+    middles = edges[0] + width * (np.arange(count + 2 * CELLS_AROUND) - CELLS_AROUND + 0.5)
+    near = np.flatnonzero((middles > first - CELLS_AROUND * width) & (middles < last + CELLS_AROUND * width))
+    # the field's strips begin `CELLS_AROUND` ones before the first
+    along = slice(int(strips[0]), int(strips[-1]) + 2 * CELLS_AROUND + 1)
     part = np.moveaxis(field[:, :, near[0] : near[-1] + 1, along], 0, -1) * TO_AXES
-    every: Floats = z[0] + strip * (np.arange(len(z) + 2 * AROUND) - AROUND)
+    every: Floats = z[0] + strip * (np.arange(len(z) + 2 * CELLS_AROUND) - CELLS_AROUND)
     return StressField(middles[near], every[along], depths, part)

@@ -270,7 +270,7 @@ ENERGY = 1e-13
 SINGLE_ENERGY = 1e-6
 """The same of a stiffness all of whose entries are numbers of single precision."""
 
-FREE = 1e-9
+MIN_CONSTRAINED = 1e-9
 """Singular value of the constraints, relative to the maximum, below which a motion is free."""
 
 
@@ -323,7 +323,7 @@ def _unheld(
     if problem.axisymmetric:  # a body of revolution only moves along its axis
         conditions.append(np.eye(3 * n_pieces)[np.arange(3 * n_pieces) % 3 != 1])
     _, values, vectors = np.linalg.svd(np.linalg.qr(np.concatenate(conditions), mode="r"))
-    return vectors[values <= FREE * max(values.max(), 1.0)].T
+    return vectors[values <= MIN_CONSTRAINED * max(values.max(), 1.0)].T
 
 
 def refuse_floating(body: LinearBody) -> None:
@@ -368,7 +368,7 @@ def _refuse_without_energy(body: LinearBody) -> None:
         weights = np.sqrt(part.diagonal())[:, None]
         # unit motions by the work that the diagonal alone would do
         left, values, right = np.linalg.svd(weights * motions, full_matrices=False)
-        there = values > FREE * values.max(initial=0.0)
+        there = values > MIN_CONSTRAINED * values.max(initial=0.0)
         units = left[:, there] / weights
         energies, shares = np.linalg.eigh(units.T @ (part @ units))
         loose = energies < -limit if energies[0] < -limit else energies <= limit

@@ -52,7 +52,7 @@ ZERO_ENERGY = 1e-14
 It is about the third power of height over length where a body bends.
 """
 
-JUST_BELOW = 1e-7
+MAX_ZERO_ENERGY = 1e-7
 """Energy relative to the maximum entry, within which it counts as zero in an error about a stiffness."""
 
 NO_UNKNOWNS = np.empty(0, dtype=np.int32)
@@ -193,12 +193,12 @@ def indefinite(body: LinearBody) -> InputError:
     stiffness = body.stiffness.full()
     most = float(stiffness.diagonal().max())
     start = np.ones(stiffness.shape[0])
-    energies, motions = sp.linalg.eigsh(stiffness, k=1, sigma=-JUST_BELOW * most, v0=start, tol=1e-2)
+    energies, motions = sp.linalg.eigsh(stiffness, k=1, sigma=-MAX_ZERO_ENERGY * most, v0=start, tol=1e-2)
     energy = float(energies[0]) / most
-    if energy > JUST_BELOW:  # a negative one is further away
+    if energy > MAX_ZERO_ENERGY:  # a negative one is further away
         energies, motions = sp.linalg.eigsh(stiffness, k=1, which="SA", v0=start, tol=1e-3)
         energy = float(energies[0]) / most
-    words = "negative" if energy < -JUST_BELOW else "zero"
+    words = "negative" if energy < -MAX_ZERO_ENERGY else "zero"
     most_moved = body.named(int(np.abs(motions[:, 0]).argmax()))
     return InputError(
         f"body {body.name!r}: its stiffness has {words} energy ({energy:.1e} of its maximum entry) in a motion that "
@@ -227,7 +227,7 @@ PROBES = 4
 """Random right-hand sides of the estimate of a condition: all together miss the softest motion by a factor of three in
 two of 100 matrices, by a factor of ten in one of 5,000."""
 MAX_SCALINGS = 5
-EVEN = 2.0
+MAX_SCALING_RATIO = 2.0
 """Ratio of the largest to the smallest of the rows' maxima that need no further scaling."""
 LEADING = 40
 """One in so many unknowns is surely a value at a point of the mesh, which are numbered first (`Space`)."""
@@ -474,7 +474,7 @@ def _unit_scale(matrix: sp.csr_array, scalings: int = MAX_SCALINGS) -> Floats:
     for _ in range(scalings):  # each takes the square root of what a row's maximum differs from one
         # max over j of s_i |A_ij| s_j
         maxima = np.maximum.reduceat(magnitudes * scale[matrix.indices], matrix.indptr[:-1][filled]) * scale[filled]
-        if maxima.max(initial=1.0) <= EVEN * maxima.min(initial=1.0):
+        if maxima.max(initial=1.0) <= MAX_SCALING_RATIO * maxima.min(initial=1.0):
             break
         scale[filled] /= np.sqrt(np.where(maxima > 0.0, maxima, 1.0))
     return scale

@@ -98,9 +98,9 @@ def half_spaces_on(
 # 1/k into the body: where it is short, the mesh is cut off below the surface.
 
 
-SAME = 1e-9
+LENGTH_TOLERANCE = 1e-9
 """Length relative to that of a surface that is round-off."""
-STRAIGHT = 1e-6
+MAX_STRAIGHT_ANGLE = 1e-6
 """Angle between edges of one straight piece, in rad."""
 WAVE_DEPTH = 10.0
 """Depth of a cut mesh times the wavenumber, at least: C(k) then changes by 1e-5 or less (at 5 it would be 1e-3)."""
@@ -183,7 +183,11 @@ class SurfaceCells:
             raise InputError("surface cells of a section that reaches the axis", "a hole along it", "draw a small bore")
         first, last = self.limits[0], self.limits[-1]
         length = self._stations[-1]
-        if not (np.diff(self.limits) > 0.0).all() or first < -SAME * length or last > (1.0 + SAME) * length:
+        if (
+            not (np.diff(self.limits) > 0.0).all()
+            or first < -LENGTH_TOLERANCE * length
+            or last > (1.0 + LENGTH_TOLERANCE) * length
+        ):
             raise InputError(
                 f"cells from {first:g} to {last:g} along a surface of the length {length:g}",
                 "rising lengths within the surface",
@@ -240,7 +244,7 @@ class SurfaceCells:
         curve does which they are chords of: edges of dual polygons are straight in pairs.
         """
         angles = np.unwrap(np.angle(np.diff(self.chain, axis=0) @ np.array([1.0, 1j])))
-        first = np.flatnonzero(np.abs(np.diff(angles, prepend=np.inf)) > STRAIGHT)
+        first = np.flatnonzero(np.abs(np.diff(angles, prepend=np.inf)) > MAX_STRAIGHT_ANGLE)
         bounds = np.append(self._stations[first], self._stations[-1])
         at_cells = (self.limits[1:] + self.limits[:-1]) / 2.0
         turned = np.interp(at_cells, (bounds[1:] + bounds[:-1]) / 2.0, angles[first])
@@ -381,13 +385,13 @@ PER_DECADE = 3
 """Wavenumbers for each decade before their number is doubled where the interpolation is not good enough."""
 MAX_DOUBLINGS = 4
 """Times that an interval between wavenumbers is halved at most."""
-HALVED = 8.0
+MIN_ERROR_RATIO = 8.0
 """Factor by which a cubic spline errs less with half the steps, at least (16 in the limit)."""
-TAIL = 4.0
+TAIL_FACTOR = 4.0
 """Factor on the largest wavenumber up to which C ~ 1 / k continues the table."""
-PHASE = np.pi / 2.0
+MAX_PHASE = np.pi / 2.0
 """Largest phase k z of an interval of six Gauss points."""
-NEAREST = 3.0
+NEAREST_CELLS = 3.0
 """Distance up to which cells are corrected, relative to the largest of strip, cells' widths and edges below them."""
 
 
@@ -415,7 +419,7 @@ class ComplianceTable:
     error: float
 
     def influence(
-        self, strip: float, n_strips: int, axes: Sequence[int] = (0, 1, 2), nearest: float = NEAREST
+        self, strip: float, n_strips: int, axes: Sequence[int] = (0, 1, 2), nearest: float = NEAREST_CELLS
     ) -> Floats:
         """Mean displacement of cells by unit forces on cells of strips at distances along z.
 
@@ -469,7 +473,7 @@ class ComplianceTable:
         growth = np.where(mixed, np.arange(last + 3)[:, None, None, None, None], 1.0)
         beyond = ((result[: last + 3] - exact)[last + 1 :] / growth[last + 1 :]).mean(axis=0)
         middles = (limits[1:] + limits[:-1]) / 2.0
-        near = (np.abs(middles[:, None] - middles) <= (1.0 + SAME) * reach)[:, None, :, None]
+        near = (np.abs(middles[:, None] - middles) <= (1.0 + LENGTH_TOLERANCE) * reach)[:, None, :, None]
         result[: last + 1] = np.where(near, exact + growth * beyond, result[: last + 3])[: last + 1]
 
 
@@ -514,7 +518,7 @@ def compliance_table(
     if cells.problem.revolution:
         raise InputError("surface cells of a body of revolution", "a prism", "take the prism of its section")
     settings = least, maximum, tolerance
-    content = *cells.content, *settings, PER_DECADE, MAX_DOUBLINGS, HALVED
+    content = *cells.content, *settings, PER_DECADE, MAX_DOUBLINGS, MIN_ERROR_RATIO
     table = cached(cache, lambda: _computed(cells, *settings, progress), "compliance", *content)
     return ComplianceTable(cells, table["wavenumbers"], table["values"], float(table["error"]))
 
@@ -532,7 +536,7 @@ def _computed(cells: SurfaceCells, least: float, maximum: float, tolerance: floa
         new = compliances(cells, np.exp(middles))
         scaled = values * np.exp(logs)[:, None, None]
         missed = _spline(logs, scaled)(middles) - new * np.exp(middles)[:, None, None]
-        errors = np.abs(missed).max(axis=(1, 2)) / np.abs(scaled).max() / HALVED
+        errors = np.abs(missed).max(axis=(1, 2)) / np.abs(scaled).max() / MIN_ERROR_RATIO
         rough = errors > tolerance if stage < MAX_DOUBLINGS - 1 else np.zeros(len(errors), dtype=np.bool_)
         error = max(error, float(errors[~rough].max(initial=0.0)))
         order = np.argsort(np.concatenate((logs, middles)))
@@ -568,12 +572,12 @@ def inverse_weights(wavenumbers: Floats, distances: Floats, strip: float, averag
     """
     logs = np.log(wavenumbers)
     cardinal = _spline(logs, np.eye(len(logs)))
-    bounds = np.concatenate(([0.0], wavenumbers, [TAIL * wavenumbers[-1]]))
+    bounds = np.concatenate(([0.0], wavenumbers, [TAIL_FACTOR * wavenumbers[-1]]))
     reach = max(float(distances.max()), strip)
     nodes, weights = np.polynomial.legendre.leggauss(6)
     points, lengths = [], []
     for start, end in pairwise(bounds):
-        pieces = np.linspace(start, end, int(np.ceil((end - start) * reach / PHASE)) + 2)
+        pieces = np.linspace(start, end, int(np.ceil((end - start) * reach / MAX_PHASE)) + 2)
         half = np.diff(pieces)[:, None] / 2.0
         points.append((pieces[:-1, None] + half * (1.0 + nodes)).ravel())
         lengths.append((half * weights).ravel())

@@ -25,9 +25,9 @@ N_POINTS = 16
 """Random creepages at which each patch of the table is checked."""
 N_RANDOM, N_CREEPAGES = 48, 6
 """Random positions at which the table's error is measured, and creepages of each wheel there."""
-FRESH, RISK = 500, 0.05
+N_CONTROL_POINTS, MAX_CONTROL_ERRORS = 500, 0.05
 """Further random points, and how many of them may be expected above the claimed error."""
-TAIL = 0.1
+TAIL_FRACTION = 0.1
 """Share of the largest errors, whose excess over the others falls exponentially."""
 MAX_POSITIONS = 2000
 MAX_PASSES = 4
@@ -429,7 +429,7 @@ def _differences(table: CreepTable, position: Position, exact: Arrays) -> list[d
 
 
 def claimed_error(errors: Floats, positions: Ints) -> float:
-    """Error that `RISK` of `FRESH` further random points are expected to exceed, so that mostly none does.
+    """Error that hardly any further random point exceeds: expected are `MAX_CONTROL_ERRORS` of `N_CONTROL_POINTS`.
 
     Errors above the largest tenth's least one are taken to fall exponentially beyond it, of which the mean excess is
     known from the positions in that tenth only: the predictive distribution is a Pareto distribution (Pickands, 1975,
@@ -441,10 +441,10 @@ def claimed_error(errors: Floats, positions: Ints) -> float:
     if not len(errors):
         return 0.0
     order = np.argsort(-errors)
-    n_tail = max(round(TAIL * len(errors)), 1)
+    n_tail = max(round(TAIL_FRACTION * len(errors)), 1)
     tail, n_places = errors[order[:n_tail]], len(np.unique(positions[order[:n_tail]]))
     least = float(errors[order[min(n_tail, len(errors) - 1)]])
-    rarer = n_tail / len(errors) * FRESH / RISK
+    rarer = n_tail / len(errors) * N_CONTROL_POINTS / MAX_CONTROL_ERRORS
     return least + n_places * float(tail.mean() - least) * (max(rarer, 1.0) ** (1.0 / n_places) - 1.0)
 
 

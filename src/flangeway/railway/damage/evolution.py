@@ -40,7 +40,7 @@ MAX_COMPLIANCE_WEAR_MM = 1.0
 Hollows of 1 mm in S1002 and 60E1: p0 of the greatest patch changes by 0.16 %, that of a lesser one by 0.9 %."""
 OVER_PIECES = ("rates", "damage", "damage_rates")
 """Numbers of a step by the pieces of its surfaces."""
-SAFETY, GROWTH = 0.9, 2.0
+SAFETY_FACTOR, GROWTH = 0.9, 2.0
 """Next step relative to the one that the estimated error allows, and relative to the one before, at most."""
 
 
@@ -298,7 +298,7 @@ class Evolution:
     def _stretch(self, error_mm: float) -> float:
         """Length of the next step over that of one with an error."""
         allowed = self.settings.max_error_mm / max(error_mm, np.finfo(float).tiny)
-        return min(GROWTH, SAFETY * float(np.sqrt(allowed)))
+        return min(GROWTH, SAFETY_FACTOR * float(np.sqrt(allowed)))
 
     def _limits_of(self, surfaces: Mapping[SurfaceKey, WornSurface]) -> tuple[str, ...]:
         """Limits that are reached, with the role of the profile."""

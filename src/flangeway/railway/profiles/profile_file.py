@@ -68,7 +68,7 @@ _TURN_OVER_GAP_DEG = 12.0
 _FOLD_DEG = 100.0
 _MAX_FOLD_MM = 1.0
 _MAX_FOLDED = 20
-_HOOK = 3  # points at the end of a file that may be a stray stroke
+_MAX_HOOK_POINTS = 3  # points at the end of a file that may be a stray stroke
 _OUTLIER_UM = 100.0
 MAX_OUTLIERS = 0.05  # part of the points that may be off the curve
 
@@ -204,7 +204,7 @@ def _without_folds(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines,
             kept.append(i)
             continue
         dropped.append(i)
-        if len(points) - i <= _HOOK:
+        if len(points) - i <= _MAX_HOOK_POINTS:
             notice = (
                 f"The last {len(points) - i} of {len(points)} points turn back and are left out, from line {lines[i]}."
             )
@@ -275,7 +275,7 @@ READABLE = (*FORMATS, *SLICES)  # endings of files that are read
 _KINDS_BY_ENDING: dict[str, Kind] = {".ban": "rail", ".whl": "wheel", ".prr": "rail", ".prw": "wheel"}
 _CONTROL = bytes(set(range(32)) - {9, 10, 12, 13, 26})
 _SPACING_MM = 0.25
-_MANY_HELD = 0.05
+_MAX_HELD = 0.05
 _DEVIATION_MM = 2e-4
 
 MIRRORED = "The file holds a left-hand rail, and is mirrored"
@@ -449,7 +449,7 @@ def _profile(
                 smoothing.wavelength_mm,
             )
         )
-    if smoothing.n_held > _MANY_HELD * len(points):
+    if smoothing.n_held > _MAX_HELD * len(points):
         more.append(
             f"{smoothing.n_held} of {len(points)} points were held to the limit: the waves that they show are smoothed "
             "with a larger --smooth and --limit."

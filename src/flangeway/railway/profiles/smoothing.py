@@ -49,7 +49,7 @@ Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 _FRACTIONS = np.linspace(0.0, 1.0, 40)  # between them the error grows by a few percent at most
 _FLAT_SAGITTA = 1e-7
 _FLAT_CURVATURE = 2e-6  # flatter arcs are lines: their centres would have no digits
-_DEEPEST = 14
+_MAX_DEPTH = 14
 
 MIN_POINTS = 10
 _PIECE_MM = 4.0
@@ -282,7 +282,7 @@ def biarcs(curve: Curve, breaks: FloatArray, tolerance: float) -> list[Segment]:
             pieces, error = _pair(curve, low, high)
             if error <= tolerance:
                 arcs += pieces
-            elif depth == _DEEPEST:
+            elif depth == _MAX_DEPTH:
                 x, y = curve(np.array([low]))[0][0]
                 raise InputError(
                     f"a curve that turns too sharply for arcs at ({x:.6g}, {y:.6g})",

@@ -36,7 +36,7 @@ MAX_RESIDUAL = 1e-5  # maximum residual force relative to the load in equilibriu
 NEUTRAL_MM = 1.0  # least length of the positions of a neutral equilibrium
 _TOGETHER_MM = 1e-7  # gap below which a further point touches as well
 _PRECISION_MM = 1e-13
-_NEAR_MM = 1e-6
+_POSITION_TOLERANCE_MM = 1e-6
 _ONE_POINT_MM = 1e-2
 
 
@@ -238,7 +238,7 @@ def _positions(
         intervals.level[~neutral], intervals.roll[~neutral] = zeros
     # a little to both sides as well: between conforming arcs the contact is decided by rounding at the jump itself
     levels, rolls = (np.concatenate((interval, interval), axis=1) for interval in intervals)
-    levels += np.array([0.0, 0.0, -_NEAR_MM, _NEAR_MM])
+    levels += np.array([0.0, 0.0, -_POSITION_TOLERANCE_MM, _POSITION_TOLERANCE_MM])
     settled = geometry.touching(levels.T.ravel(), roll=rolls.T.ravel(), gaps=True)
     lateral = ends.level - geometry.reference_height_mm * np.sin(ends.roll)
     count = len(candidates)

@@ -140,11 +140,12 @@ _CONFORMING_MM = 1e-5
 _MAX_JUMP_MM = 0.01
 """The same where the touch jumps between points nearer than the samples of the wheel, at sharp corners of a flat head.
 
-There the roll is between two that differ by `_CLOSED_RAD` at most, so that no other one balances the heights."""
-_CLOSED_RAD = 1e-11
+There the roll is between two that differ by `_ROLL_TOLERANCE_RAD` at most, so that no other balances the heights."""
+_ROLL_TOLERANCE_RAD = 1e-11
 
 _MAX_TURN_RAD = 0.02
-_FAST = 3.0  # displacement of the point of contact per lateral displacement, above which it may have jumped
+_MAX_CONTACT_SPEED = 3.0
+"""Displacement of the point of contact per lateral displacement, above which it may have jumped."""
 _MAX_ITERATIONS = 40
 _SECTIONS = 32
 
@@ -368,7 +369,7 @@ class RigidGeometry:
                 return np.abs(np.diff(arcs, axis=-1)) > JUMP_MM
 
             arcs = path.side(side).wheel_arc[:, 0]
-            fast = np.abs(np.diff(arcs)) > max(JUMP_MM, _FAST * PATH_STEP_MM)
+            fast = np.abs(np.diff(arcs)) > max(JUMP_MM, _MAX_CONTACT_SPEED * PATH_STEP_MM)
             pairs = self.narrowed(path.pairs(np.flatnonzero(within & fast)), jumped, TOUCH_TOLERANCE_MM)
             if len(pairs.level):
                 ends = self.located(self.touching(pairs.level.ravel(), roll=pairs.roll.ravel(), gaps=True))
@@ -540,7 +541,7 @@ class RigidGeometry:
             active, remainder = active[~done], remainder[~done]
             if not len(active):
                 break
-        closed = high[active] - low[active] < _CLOSED_RAD
+        closed = high[active] - low[active] < _ROLL_TOLERANCE_RAD
         lost = active[~(remainder < np.where(closed, _MAX_JUMP_MM, _CONFORMING_MM))]
         return TouchingPositions(eta, phi, Touches(*kept[:6]), Touches(*kept[6:])), lost
 

@@ -33,7 +33,7 @@ from flangeway.types import Bools, Floats, Ints, floats
 # back lies inside the wheel.
 
 
-UPRIGHT = np.finfo(float).eps
+UPRIGHT_COSINE = np.finfo(float).eps
 """Cosine of the angle of an upright tangent: its slope stays a number."""
 
 
@@ -184,7 +184,7 @@ class RigidCurve:
         step = inside - self.starts[piece, 0]
         # sin(b) = sin(a) + k dx along an arc, and its chord has the slope tan((a + b) / 2)
         sine_there = np.clip(sine + curvature * step, -1.0, 1.0)
-        cosine_there = np.sqrt(np.maximum(1.0 - sine_there**2, UPRIGHT**2))
+        cosine_there = np.sqrt(np.maximum(1.0 - sine_there**2, UPRIGHT_COSINE**2))
         height = self.starts[piece, 1] + step * (sine + sine_there) / (cosine + cosine_there)
         slope, beyond = sine_there / cosine_there, at - inside
         return height + beyond * slope, slope, np.where(beyond == 0.0, curvature, 0.0)

@@ -91,7 +91,7 @@ ROUND_MM = 12.0
 """Length of rail that is shown ahead of the patches and behind them."""
 DEEP_MM, LOWER_MM = 14.0, 5.0
 """Depth of the heads that is shown, and at least below what is in contact."""
-NEAR = 40.0
+PATCH_VIEW_MM = 40.0
 """Width of the view of a patch in mm."""
 PRESSURE_FIELD = "pressure_MPa"
 BELOW_MM = (0.5, 1.0, 2.0, 3.0, 5.0, 8.0)
@@ -102,7 +102,7 @@ MISES = "von_mises_MPa"
 def pressure_scene(run: WheelsetRun) -> Scene:
     """Running surfaces of both rails, raised where there is pressure, stresses below, and a view of each patch."""
     patches = run.space.patches
-    views = [View(patch_name(patch), (patch.centre_mm[0], patch.centre_mm[2]), NEAR) for patch in patches]
+    views = [View(patch_name(patch), (patch.centre_mm[0], patch.centre_mm[2]), PATCH_VIEW_MM) for patch in patches]
     note = sentence(
         "Running surfaces of the rails in the track's axes: x to the right, z ahead of the axle, y up. For the eye "
         "they are raised where there is pressure, by {:g mm} for {1 MPa}; y is that of the raised "
