@@ -59,6 +59,9 @@ IN_TEXTS = {
 }
 """Words in docstrings, messages, titles and pages, with what to write instead."""
 
+NO_NAMES = {"each", "found", "insides", "mine"}
+"""Names that do not say what a thing is: `solution`, `patch`, `rows_of_contact` do."""
+
 TEXT = re.compile(rf"\b(?:{'|'.join(IN_TEXTS)})\b", re.IGNORECASE)
 
 
@@ -95,6 +98,14 @@ def test_identifiers_and_keys_are_terms_of_the_field(module: str) -> None:
     """No identifier, no key and no name of a module has a word that was replaced; a failure shows the term to use."""
     names = names_of(TREES[module]) | {*module.split(".")}
     assert {name: terms_for(name) for name in sorted(names - ALLOWED) if terms_for(name)} == {}
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_variables_say_what_a_thing_is(module: str) -> None:
+    """No variable and no argument has a name that fits anything."""
+    names = {node.id if isinstance(node, ast.Name) else node.arg for node in ast.walk(TREES[module])
+             if isinstance(node, ast.Name | ast.arg)}  # fmt: skip
+    assert names & NO_NAMES == set()
 
 
 @pytest.mark.parametrize("module", MODULES)

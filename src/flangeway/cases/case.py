@@ -265,13 +265,13 @@ class Case(Table):
         return in_us_units(message, None if self.units == "us" else self._us_keys)
 
     @contextmanager
-    def errors_as_written(self, place: Callable[[str], str] = lambda _: "") -> Iterator[None]:
+    def errors_as_written(self, location: Callable[[str], str] = lambda _: "") -> Iterator[None]:
         """Raise errors with all parts `as_written`, after the place that a function finds for what was given."""
         try:
             yield
         except InputError as reason:
             given, allowed, advice = map(self.as_written, (reason.given, reason.allowed, reason.advice))
-            raise InputError(f"{place(given)}{given}", allowed, advice) from reason
+            raise InputError(f"{location(given)}{given}", allowed, advice) from reason
 
 
 def example_of(name: str) -> dict[str, Any]:

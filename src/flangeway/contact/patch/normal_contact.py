@@ -20,9 +20,9 @@ from flangeway.types import Bools, Floats, Ints
 
 
 MAX_ITERATIONS = 500
-NOTHING = 1e-20
+MIN_RESIDUAL_RATIO = 1e-20
 """Square of the residual over another one that is round-off."""
-CHANGE = 1e-9
+MAX_CHANGE = 1e-9
 """Change of the forces, relative to their sum, at which `Pressing` ends: single pressures are then within 1e-7."""
 
 
@@ -59,9 +59,9 @@ class Convolution:
         cosines[:, -1] += np.cos(np.pi * np.arange(n_strips + 1))
         self._spectrum = np.tensordot(cosines, coefficients, axes=1)
         for along, across, sign in ((masks[0], ~masks[1], 1.0), (~masks[0], masks[1], -1.0)):
-            place = np.ix_(np.arange(n_strips + 1), along, across)
+            indices = np.ix_(np.arange(n_strips + 1), along, across)
             kernel = coefficients[:, along][..., across]
-            self._spectrum[place] = np.tensordot(2.0 * sign * np.sin(angles), kernel, axes=1)
+            self._spectrum[indices] = np.tensordot(2.0 * sign * np.sin(angles), kernel, axes=1)
 
     def inverted(self) -> "Convolution":
         """The inverse on twice the strips without ends: near the inverse of this one."""
@@ -161,7 +161,7 @@ def solve_normal(
         rigid = approach if approach is not None else _along(deformed, shares, touching)
         residual = deformed - rigid * shares
         norm = float((residual[touching] ** 2).sum())
-        entering = norm <= NOTHING * float((residual[residual < 0.0] ** 2).sum())
+        entering = norm <= MIN_RESIDUAL_RATIO * float((residual[residual < 0.0] ** 2).sum())
         if entering:
             # what touches is in equilibrium: the step is found with the cells that overlap
             touching, restart = touching | (residual < 0.0), True
@@ -215,7 +215,7 @@ class Pressing:
             approach=self.approach,
             share=self.share,
             start=start,
-            tolerance=CHANGE,
+            tolerance=MAX_CHANGE,
         )
 
 
@@ -240,7 +240,7 @@ MIN_WAVENUMBER = 2e-5
 """Per mm: a wave of 300 m, beyond which bodies that are held or on a foundation no longer change, along z either."""
 TABLE_TOLERANCE = 1e-3
 """Error of the compliance between wavenumbers, see `flangeway.solve.compliance_table`."""
-CORRECTED = 1.0
+CORRECTED_DISTANCE = 1.0
 """Distance up to which the table's own nearest cells are corrected, relative to a cell."""
 N_DISTANCES = 40
 """Distances along z at which the remainder is tabulated, the last of them `REACH` away."""
@@ -352,7 +352,7 @@ def elastic_surface(
         progress(f"compliance of the {body}")
         return {"remainder": _remainder(cells, strip, numbers)}
 
-    settings = numbers, TABLE_TOLERANCE, CORRECTED, MIN_WAVENUMBER
+    settings = numbers, TABLE_TOLERANCE, CORRECTED_DISTANCE, MIN_WAVENUMBER
     remainder = cached(cache, make, "remainder", *cells.content, *settings)
     stations = (cells.limits[1:] + cells.limits[:-1]) / 2.0
     return ElasticSurface(
@@ -370,6 +370,6 @@ def _remainder(cells: SurfaceCells, strip: float, numbers: Ints) -> Floats:
     assert cells.material is not None
     n, n_strips = cells.n_cells, int(numbers[-1]) + 1
     table = compliance_table(cells, MIN_WAVENUMBER, 2.0 * np.pi / strip, TABLE_TOLERANCE)
-    own = table.influence(strip, n_strips, nearest=CORRECTED).reshape(n_strips, n, 3, n, 3)[numbers]
+    own = table.influence(strip, n_strips, nearest=CORRECTED_DISTANCE).reshape(n_strips, n, 3, n, 3)[numbers]
     own -= half_spaces_on((cells.material,), cells.limits, cells.frames, strip, n_strips)[numbers]
     return np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)

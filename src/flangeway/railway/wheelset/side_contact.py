@@ -90,14 +90,14 @@ def wheel_gap(
         ray = rays[:, left]
         arms[:2, left] = start[:, left] + gaps[left] * ray
         x, y, ahead = arms[:, left]
-        place = u * x + v * y + w * ahead
-        from_axis = x - place * u, y - place * v, ahead - place * w
+        station = u * x + v * y + w * ahead
+        from_axis = x - station * u, y - station * v, ahead - station * w
         far = np.sqrt(from_axis[0] ** 2 + from_axis[1] ** 2 + from_axis[2] ** 2)
-        height, steep, _ = wheel.graph(place)
+        height, steep, _ = wheel.graph(station)
         # f = r + y(x): positive outside of the wheel
         wrong = far + height
         slope = (from_axis[0] * ray[0] + from_axis[1] * ray[1]) / far + steep * (u * ray[0] + v * ray[1])
-        along[left], error[left], falling[left], radius[left], steepness[left] = place, wrong, slope, far, steep
+        along[left], error[left], falling[left], radius[left], steepness[left] = station, wrong, slope, far, steep
         further = np.abs(wrong) >= MET_MM
         if not further.any():
             break
@@ -107,8 +107,8 @@ def wheel_gap(
     first, last = wheel.joints[[0, -1]]
     met = (np.abs(error) < 1e4 * MET_MM) & (falling < 0.0) & (along > first) & (along < last)
     gradient = (arms - along * axis[:, None]) / radius + steepness * axis[:, None]
-    each = (np.where(met, gaps, FAR_MM), along, gradient / np.where(met, falling, -1.0), arms)
-    return WheelGap(*(values.T.reshape(len(points), len(z), *values.shape[:-1]) for values in each))
+    arrays = (np.where(met, gaps, FAR_MM), along, gradient / np.where(met, falling, -1.0), arms)
+    return WheelGap(*(values.T.reshape(len(points), len(z), *values.shape[:-1]) for values in arrays))
 
 
 RANK = 1e-4
@@ -369,8 +369,8 @@ class GriddedSide:
         grid, (rail_weights, wheel_weights) = self.grid, self._weights
         moved = []
         for elastic, loads, turn in zip(self._elastic, forces, self._turns, strict=True):
-            found = (elastic.on_splines[:, 0] @ loads).reshape(-1, 3, loads.shape[1])[:, :2]
-            moved.append(np.einsum("xy,ayj->axj", turn, found))
+            in_section = (elastic.on_splines[:, 0] @ loads).reshape(-1, 3, loads.shape[1])[:, :2]
+            moved.append(np.einsum("xy,ayj->axj", turn, in_section))
         rail = -np.einsum("ia,axj->ixj", rail_weights, moved[0])
         wheel = np.einsum("ia,axj->ixj", wheel_weights, moved[1])
         slope = self.surfaces.rail_elastic.interpolation(grid.stations, 1)

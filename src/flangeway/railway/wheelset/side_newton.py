@@ -18,9 +18,9 @@ from flangeway.types import Bools, Floats, Ints
 
 MAX_CELLS = 6000
 """Cells in contact up to which their matrix is factorised."""
-SAME = 1e-6
+FORCE_TOLERANCE = 1e-6
 """Force relative to the mean force of the cells in contact that is round-off."""
-FIRST = 1e-4
+START_TOLERANCE = 1e-4
 """Tolerance of the forces on bodies that bend no further, from which the steps start."""
 MAX_STEPS, FORCE_CHANGE = 30, 1e-9
 """Steps at one pose, and change of the forces in one, relative to their sum, at which they are found."""
@@ -71,11 +71,11 @@ class SideNewton:
         self.points, self.normals, self.gap, self.values = grid.deformed(pose, start, self.creep[:, 0])
         self.values = self.values + self.raised
         # cells that touch on these bodies: the steps would find them one after the other
-        found = solve_normal(
-            grid.influence, self.values, approach=0.0, start=start if start.any() else None, tolerance=FIRST
+        solution = solve_normal(
+            grid.influence, self.values, approach=0.0, start=start if start.any() else None, tolerance=START_TOLERANCE
         )
-        self.forces = self.raw = found.forces
-        self.total = found.gaps
+        self.forces = self.raw = solution.forces
+        self.total = solution.gaps
         self.touching: Bools = self.forces > 0.0
         self.expected: Floats | None = None
         """With friction, gaps after the step before as far as they are linear, (n, n_z): they decide what touches."""
@@ -99,7 +99,7 @@ class SideNewton:
         self.values = self.values + self.raised
         self.total = self.values + grid.influence(self.forces)
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
-        least = SAME * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
+        least = FORCE_TOLERANCE * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
         width = least * float(grid.coefficients[0].diagonal().max())
         # with friction by the linear step: its normal and creep forces and these gaps belong together; without it the
         # overlaps of the deformed geometry push the wheelset on
@@ -165,9 +165,9 @@ class SideNewton:
         # h is that of the forces so far: their part in D is taken off
         values = self.values[rows, strips] - left @ (right @ self.forces.sum(axis=1)) - of_shape @ self.shape
         left, right = np.hstack((left, of_shape)), np.vstack((right[:, rows], self.slopes.weights[:, rows, strips]))
-        found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
+        solutions = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
         n = 1 + slopes.shape[1]
-        solved, inner = found[:, :n], found[:, n:]
+        solved, inner = solutions[:, :n], solutions[:, n:]
         small = np.eye(len(right)) + right @ inner
         solved = solved - inner @ np.linalg.solve(small, right @ solved)
         return -solved[:, 0], -solved[:, 1:]
@@ -194,7 +194,7 @@ class SideNewton:
         (modes, _), (across, loads_across) = grid.bending_modes, grid.bending_modes_across
         by_across = -np.einsum("mx,mxk->mk", by, across[rows])
         left = np.hstack((np.einsum("mx,mxk->mk", grid.undeformed_normals[rows] - by, modes[rows]), by_across))
-        by_motion, by_shape = (loads_across @ each[N_RESULTANTS:] for each in self.slopes[:2])
+        by_motion, by_shape = (loads_across @ slopes[N_RESULTANTS:] for slopes in self.slopes[:2])
         return slopes + by_across @ by_motion, left, by_across @ by_shape
 
     @property
@@ -222,16 +222,16 @@ class SideNewton:
 
     def linearised_resultant(self, forces: Floats, by_motion: Floats) -> Floats:
         """Resultant of forces of `solve`, (3,); its derivatives are then `stiffness`."""
-        found = self.resultants(np.column_stack((forces, by_motion)))
+        resultants = self.resultants(np.column_stack((forces, by_motion)))
         # the moment changes too as the axle's middle moves away from where the forces act
-        found[2, 1:3] += (-found[1, 0], found[0, 0])
-        self.stiffness = found[:, 1:]
-        return found[:, 0]
+        resultants[2, 1:3] += (-resultants[1, 0], resultants[0, 0])
+        self.stiffness = resultants[:, 1:]
+        return resultants[:, 0]
 
-    def creep_now(self, forces: Floats, by_motion: Floats, found: Floats) -> tuple[Floats, Floats]:
+    def creep_now(self, forces: Floats, by_motion: Floats, at_bend: Floats) -> tuple[Floats, Floats]:
         """Resultant of creep forces (7,), and its derivatives (7, 6), at forces of `solve` from that at `bend`."""
         weights, own = self.slopes.weights[:, self.touching], self.slopes.shape[:N_RESULTANTS]
-        now = found + own @ (weights @ forces - self.shape)
+        now = at_bend + own @ (weights @ forces - self.shape)
         return now, self.slopes.motion[:N_RESULTANTS] + own @ (weights @ by_motion)
 
     def take(self, forces: Floats, step: Floats) -> float:
@@ -288,9 +288,11 @@ def transferred(state: SideState, grid: GriddedSide) -> Floats:
     """Forces of a contact on the cells of another grid, each spread evenly over its cell; the sum stays."""
     old, new = state.grid.grid, grid.grid
     # f_kl = sum_ij R_ki f_ij S_lj with the fractions R and S of the old cells and strips that lie in the new ones
-    found: Floats = _fractions(old.bounds, new.bounds) @ state.forces @ _fractions(old.strip_bounds, new.strip_bounds).T
-    total = float(found.sum())
-    return found * (float(state.forces.sum()) / total) if total > 0.0 else found
+    forces: Floats = (
+        _fractions(old.bounds, new.bounds) @ state.forces @ _fractions(old.strip_bounds, new.strip_bounds).T
+    )
+    total = float(forces.sum())
+    return forces * (float(state.forces.sum()) / total) if total > 0.0 else forces
 
 
 def _fractions(old: Floats, new: Floats) -> Floats:
@@ -301,10 +303,10 @@ def _fractions(old: Floats, new: Floats) -> Floats:
 
 def transferred_creep(state: SideState, grid: GriddedSide) -> Floats:
     """Creep forces of rows on the nearest rows of another grid."""
-    found, stations = np.zeros((len(grid.grid.widths), 2)), grid.grid.stations
+    creep, stations = np.zeros((len(grid.grid.widths), 2)), grid.grid.stations
     nearest = np.abs(state.grid.grid.stations[:, None] - stations).argmin(axis=1)
-    np.add.at(found, nearest, state.creep)
-    return found
+    np.add.at(creep, nearest, state.creep)
+    return creep
 
 
 def solve_side(

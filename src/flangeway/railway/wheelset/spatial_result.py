@@ -77,7 +77,7 @@ class SpatialResult:
 
     def rolling_of(self, patch: SpatialPatch) -> RollingPatch | None:
         """Return a patch with its creep forces, None without friction."""
-        return next((each for each in self.rolling if each.patch is patch), None)
+        return next((rolled_patch for rolled_patch in self.rolling if rolled_patch.patch is patch), None)
 
     def load_factor(self, patch: SpatialPatch) -> float | None:
         """Maximum pressure over the shear strength, p0 / k; None if the yield strength is not known."""
@@ -90,20 +90,26 @@ class SpatialResult:
 
     def tractions_of(self, side: Side) -> Floats | None:
         """Tractions (t, z) by friction on the wheel's cells of a side, (n, n_z, 2); None: the theory has none."""
-        found = [each.tractions for each in self.rolling if each.patch.side == side and each.tractions is not None]
-        return sum(found[1:], found[0]) if found else None
+        tractions = [
+            rolled_patch.tractions
+            for rolled_patch in self.rolling
+            if rolled_patch.patch.side == side and rolled_patch.tractions is not None
+        ]
+        return sum(tractions[1:], tractions[0]) if tractions else None
 
     @cached_property
     def stress_fields(self) -> dict[SpatialPatch, dict[Role, StressField]]:
         """Stresses in the volumes below the patches of both bodies, by the tractions of all cells of a side."""
-        found: dict[SpatialPatch, dict[Role, StressField]] = {}
+        fields: dict[SpatialPatch, dict[Role, StressField]] = {}
         for patch in self.patches:
             tractions = self.tractions_of(patch.side)
             rail = patch.field("rail", tractions)
             # without tractions both bodies of one material have the same stresses
-            alike = tractions is None and len({each.poisson for each in patch.state.grid.surfaces.materials}) == 1
-            found[patch] = {"rail": rail, "wheel": rail if alike else patch.field("wheel", tractions)}
-        return found
+            alike = (
+                tractions is None and len({material.poisson for material in patch.state.grid.surfaces.materials}) == 1
+            )
+            fields[patch] = {"rail": rail, "wheel": rail if alike else patch.field("wheel", tractions)}
+        return fields
 
     @property
     def approach_mm(self) -> float:
@@ -116,13 +122,13 @@ class SpatialResult:
         support, track = self.wheelset.model.support, self.problem.track
         if support is None:
             return {}
-        found, sides = dict[Side, RailAlongTrack](), self.equilibrium.state.sides
-        for profile in {id(each): each for each in map(track.rail_of, SIDES)}.values():
+        rails_by_side, sides = dict[Side, RailAlongTrack](), self.equilibrium.state.sides
+        for profile in {id(profile): profile for profile in map(track.rail_of, SIDES)}.values():
             rail = supported_rail(profile, self.problem.material_of("rail"), support, cache=self.cache)
             alike = [side for side in SIDES if track.rail_of(side) is profile]
             rails = rails_along_track(rail, profile, [_on_rail(sides[side]) for side in alike])
-            found |= dict(zip(alike, rails, strict=True))
-        return found
+            rails_by_side |= dict(zip(alike, rails, strict=True))
+        return rails_by_side
 
     @property
     def position_in_space(self) -> WheelsetPosition:
@@ -146,13 +152,13 @@ class SpatialResult:
         geometry, problem = self.wheelset.geometry, self.problem
         lateral = np.linspace(-2.0, 2.0, 401) * KLINGEL_MM
         try:
-            found = float(equivalent_conicity(RollingRadiusDifference.of(geometry.locus(lateral)), KLINGEL_MM)[0])
+            conicity = float(equivalent_conicity(RollingRadiusDifference.of(geometry.locus(lateral)), KLINGEL_MM)[0])
         except InputError:
             return None
-        if not found > 0.0:
+        if not conicity > 0.0:
             return None
         distance = problem.track.gauge_mm + RUNNING_CIRCLES_MM
-        return float(klingel_wavelength(found, distance, problem.wheelset.tape_radius_mm))
+        return float(klingel_wavelength(conicity, distance, problem.wheelset.tape_radius_mm))
 
     def nadal_limit(self, side: Side) -> float:
         """Nadal's limit of L/V (1908): ``(tan d - mu) / (1 + mu tan d)`` at the steepest angle d of a wheel's flange.
@@ -236,8 +242,8 @@ def solve_position(
     for side in SIDES if equilibrium.status.converged else ():
         state = equilibrium.state.sides[side]
         rolled = equilibrium.state.rolled
-        insides = None if rolled is None else rolled.creep[side].insides
-        patches += [SpatialPatch(side, state, each) for each in state.cells.patches(insides)]
+        interiors = None if rolled is None else rolled.creep[side].interiors
+        patches += [SpatialPatch(side, state, ellipse) for ellipse in state.cells.patches(interiors)]
     timings["contact"] = time.perf_counter() - begun
     status = equilibrium.status
     warnings = equilibrium.warnings(status, {patch.side for patch in patches})
@@ -248,7 +254,7 @@ def solve_position(
     ]
     lateral, position = problem.prescribed.lateral_mm, equilibrium.position
     rise = wheelset.rise(position)
-    hangs = not status.converged and not all(each.forces.any() for each in equilibrium.state.sides.values())
+    hangs = not status.converged and not all(side_state.forces.any() for side_state in equilibrium.state.sides.values())
     if (rise > CLIMBED_MM and status.converged) or (lateral is not None and (rise > CLIMBED_MM or hangs)):
         reason = sentence("derailed, at {:.1f mm} ", position.lateral_mm)
         reason += (
@@ -277,11 +283,11 @@ def solve_position(
 
 def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[SpatialPatch]) -> tuple[RollingPatch, ...]:
     """Patches with their creep forces."""
-    motion, rolled, found = wheelset.model.rolling, state.rolled, []
+    motion, rolled, rolled_patches = wheelset.model.rolling, state.rolled, []
     if motion is None or rolled is None:
         return ()
     for patch in patches:
-        most = max(rolled.creep[patch.side].patches, key=lambda each: int((each.inside & patch.ellipse.inside).sum()))
+        most = max(rolled.creep[patch.side].patches, key=lambda creep: int((creep.inside & patch.ellipse.inside).sum()))
         if (most.inside & patch.ellipse.inside).any():
             forces, contact = most.forces, most.contact
             if isinstance(forces, Rolling):
@@ -289,8 +295,8 @@ def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[Spati
                     patch.ellipse.inside[rows_of(patch.state, contact), strips_of(patch.state, contact)]
                 )
                 contact = forces.contact
-            found.append(RollingPatch(patch, forces, contact, motion.speed_m_s))
-    return tuple(found)
+            rolled_patches.append(RollingPatch(patch, forces, contact, motion.speed_m_s))
+    return tuple(rolled_patches)
 
 
 def _of_yielding(result: SpatialResult) -> list[str]:
@@ -305,11 +311,16 @@ def _of_yielding(result: SpatialResult) -> list[str]:
 
 def _of_rolling(result: SpatialResult) -> list[str]:
     """Warnings on creep forces."""
-    found = []
-    for each in result.rolling:
-        found += [f"{each.patch.side} side, {each.patch.region}: {notice}" for notice in each.forces.notices]
+    warnings = []
+    for rolled_patch in result.rolling:
+        warnings += [
+            f"{rolled_patch.patch.side} side, {rolled_patch.patch.region}: {notice}"
+            for notice in rolled_patch.forces.notices
+        ]
     for side in SIDES if result.rolling else ():
         ratio = result.lateral_over_vertical(side)
         if result.flange_touches(side) and ratio > (limit := result.nadal_limit(side)):
-            found.append(f"{side} wheel: L/V of {ratio:.2f} above Nadal's limit of {limit:.2f}: its flange may climb")
-    return found
+            warnings.append(
+                f"{side} wheel: L/V of {ratio:.2f} above Nadal's limit of {limit:.2f}: its flange may climb"
+            )
+    return warnings

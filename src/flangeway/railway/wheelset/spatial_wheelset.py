@@ -28,7 +28,7 @@ COARSE_MM, COARSE_STRIP_MM = 1.4, 3.0
 """Cells of the whole running surfaces; the contact at a flange root jumps between wider ones."""
 CLOSED_MM = 1.0
 """Gap of the rigid wheel within which strips may come into contact."""
-EVERY = 3
+STRIP_STEP = 3
 """Strips from one to the next at which these gaps are looked at."""
 FAR_APART_MM = 12.0
 """Gap of the rigid wheel beyond which its surface is too far from the rail's to come into contact."""
@@ -39,17 +39,17 @@ MAX_ITERATIONS = 120
 """Newton steps until the equilibrium."""
 FAST_RESIDUAL = 1e-7
 """Equilibrium residual with friction by fast theories, whose forces are not smooth."""
-LIFTED, MIN_CARRIED, TORQUE, YAW_MOMENT = 0.1, 1e-3, 3, 4
+LIFTED_RESIDUAL, MIN_CARRIED, TORQUE, YAW_MOMENT = 0.1, 1e-3, 3, 4
 """Vertical or moment residual of wheels that do not carry the load, or torque of those that spin; share of the load
 that a wheel carries at least; numbers of torque and yaw moment in residuals."""
-NEARBY = 5.0
+MAX_STEPS_ON_CELLS = 5.0
 """Way relative to the step limits within which cells still fit."""
-NEAR_MM = 0.3, NEARBY * float(MAX_STEP[0])
+CELL_REACH = 0.3, MAX_STEPS_ON_CELLS * float(MAX_STEP[0])
 """Gap within which a wheel on the way to its equilibrium may come into contact on these cells, after their longest way
 across the track."""
 GRID_RESIDUAL = 1e-3
 """Residual at which the cells are chosen."""
-FEWER_ACROSS, NESTED_RESIDUAL = 0.35, 2e-3
+COARSER_ACROSS, NESTED_RESIDUAL = 0.35, 2e-3
 """Cells across a patch relative to the final ones while creep forces are sought, and the residual on them."""
 MAX_GRIDS = 6
 """Fine grids that are made near the equilibrium, also to add patches outside of them."""
@@ -75,12 +75,12 @@ class RollingPlace(NamedTuple):
     rate_rad_s: float
 
     @classmethod
-    def of(cls, found: Equilibrium[SpatialState]) -> "RollingPlace":
+    def of(cls, equilibrium: Equilibrium[SpatialState]) -> "RollingPlace":
         """Place of an equilibrium with friction."""
-        rolled = found.state.rolled
+        rolled = equilibrium.state.rolled
         assert rolled is not None
-        left, right = (SIDE_SIGN[side] * found.state.sides[side].pose.tilt_rad for side in SIDES)
-        return cls(*found.position.components, left, right, rolled.yaw_rad, rolled.rate_rad_s)
+        left, right = (SIDE_SIGN[side] * equilibrium.state.sides[side].pose.tilt_rad for side in SIDES)
+        return cls(*equilibrium.position.components, left, right, rolled.yaw_rad, rolled.rate_rad_s)
 
     @property
     def position(self) -> WheelsetPosition:
@@ -95,8 +95,10 @@ class RollingPlace(NamedTuple):
 
 Placed: TypeAlias = tuple[dict[Side, GriddedSide], SpatialState]
 """Cells, and a contact to start from on them."""
-OUTSIDE = "wheel and rail touch outside of the cells that are fine enough for their patches; give more patch_cells"
-AT_END = "a contact reaches the end of the running surface; check the profiles and the load"
+OUTSIDE_CELLS = (
+    "wheel and rail touch outside of the cells that are fine enough for their patches; give more patch_cells"
+)
+AT_SURFACE_END = "a contact reaches the end of the running surface; check the profiles and the load"
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +123,9 @@ class SpatialWheelset:
 
     def on(self, surfaces: Mapping[Side, SideSurfaces]) -> "SpatialWheelset":
         """The same wheelset with its running surfaces; its rigid equilibrium is kept."""
-        found = replace(self, surfaces=surfaces)
-        found.__dict__["start"] = self.start
-        return found
+        wheelset = replace(self, surfaces=surfaces)
+        wheelset.__dict__["start"] = self.start
+        return wheelset
 
     @property
     def geometry(self) -> RigidGeometry:
@@ -168,19 +170,19 @@ class SpatialWheelset:
         motion, across = self.model.rolling, self.model.patch_cells
         assert motion is not None
         last = FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
-        stages = (round(FEWER_ACROSS * across), NESTED_RESIDUAL), (across, last)
+        stages = (round(COARSER_ACROSS * across), NESTED_RESIDUAL), (across, last)
         cells = _Cells(self, position, stages, state.sides)
         grids, _ = cells.fine(state)
         creep = WheelsetCreep(motion, rate)
         yaw, tilts = self.model.yaw_rad, self._tilts_by_forces
         return self._search(WheelsetNewton(self.problem, grids, position, yaw, tilts, state, creep), cells, progress)
 
-    def _touching(self, place: RollingPlace) -> SpatialState:
+    def _touching(self, start: RollingPlace) -> SpatialState:
         """Contact without friction on coarse cells at a place."""
-        grids, found = self.whole(place.position, None, {}), dict[Side, SideState]()
-        for side, tilt in zip(SIDES, place.tilts_rad, strict=True):
-            found[side] = solve_side(grids[side], pose_of(self.problem, place.position, side, place.yaw_rad, tilt))
-        return SpatialState(found)
+        grids, sides = self.whole(start.position, None, {}), dict[Side, SideState]()
+        for side, tilt in zip(SIDES, start.tilts_rad, strict=True):
+            sides[side] = solve_side(grids[side], pose_of(self.problem, start.position, side, start.yaw_rad, tilt))
+        return SpatialState(sides)
 
     def whole(
         self, position: WheelsetPosition, near: SpatialState | None, before: Mapping[Side, GriddedSide]
@@ -204,18 +206,20 @@ class SpatialWheelset:
             progress(f"equilibrium residual {error:.1e} after {iteration} steps")
             settled = newton.step(cells.tolerance)
             message = f"contact forces and load are in equilibrium to {error:.1e}"
-            found = newton.found(Status(settled, message, iteration))
-            grids, state = cells.after(found, at_end=newton.reaches_an_end)
+            equilibrium = newton.found(Status(settled, message, iteration))
+            grids, state = cells.after(equilibrium, at_end=newton.reaches_an_end)
             if cells.status is not None:
-                return replace(found, status=cells.status)
-            if grids != found.state.grids:
+                return replace(equilibrium, status=cells.status)
+            if grids != equilibrium.state.grids:
                 newton.place(grids, state)
                 at_peaks = cells.at_peaks(newton.contact)
                 if at_peaks != grids:
                     newton.place(at_peaks, state)
             if self._is_off(newton, begun):
                 break
-        return replace(found, status=self._none(found, None if newton.creep is None else newton.creep.motion))
+        return replace(
+            equilibrium, status=self._none(equilibrium, None if newton.creep is None else newton.creep.motion)
+        )
 
     def rise(self, position: WheelsetPosition) -> float:
         """How much higher the axle is at a position than rigid in the middle of the track, mm."""
@@ -244,7 +248,7 @@ class SpatialWheelset:
         errors = np.abs([residuals.lateral_residual, residuals.vertical_residual, residuals.moment_residual,
                          residuals.torque_residual, residuals.yaw_residual]) * free  # fmt: skip
         force, torque_kNm = float(last.residual[0]), 0.0 if motion is None else 1e-3 * abs(motion.torque_Nm)
-        place = sentence(
+        location = sentence(
             "where the search ended, {:.1f mm} to the {}", abs(position.lateral_mm), _way(position.lateral_mm)
         )
         remedy = "a smaller lateral force, or friction"
@@ -257,12 +261,12 @@ class SpatialWheelset:
             advice = "give a lateral_mm nearer to the middle of the track"
             advice += "" if motion is None else f", {remedy}"
         turned = 0.0 if last.state.rolled is None else last.state.rolled.yaw_rad - self.model.yaw_rad
-        carried = min(float(each.forces.sum()) for each in last.state.sides.values())
+        carried = min(float(side_state.forces.sum()) for side_state in last.state.sides.values())
         lifted = carried < MIN_CARRIED * self.problem.load.in_track[1] or self.rise(position) > CLIMBED_MM
-        lifted = lifted or any(_is_on_flange(each) for each in last.state.sides.values())
-        if lifted or errors[1:3].max() > LIFTED:
-            cause = place + ", a wheel no longer carries its load: it lifts, or climbs its rail (derailment)"
-        elif torque_kNm and (errors.argmax() == TORQUE or errors[TORQUE] > LIFTED):
+        lifted = lifted or any(_is_on_flange(side_state) for side_state in last.state.sides.values())
+        if lifted or errors[1:3].max() > LIFTED_RESIDUAL:
+            cause = location + ", a wheel no longer carries its load: it lifts, or climbs its rail (derailment)"
+        elif torque_kNm and (errors.argmax() == TORQUE or errors[TORQUE] > LIFTED_RESIDUAL):
             unit = 1e-6 * self.problem.load.in_track[1] * self.problem.wheelset.tape_radius_mm
             missing = unit * abs(residuals.torque_residual)
             cause = sentence(
@@ -273,22 +277,24 @@ class SpatialWheelset:
             arm = self.problem.wheelset.back_to_back_mm / 2.0
             missing = 1e-6 * abs(residuals.yaw_residual) * self.problem.load.vertical_N * arm
             turn = f"turned by {1e3 * abs(turned):.0f} mrad"
-            cause = sentence("{} and {}, a yaw moment of {:.1f kN m} is not balanced", place, turn, missing)
+            cause = sentence("{} and {}, a yaw moment of {:.1f kN m} is not balanced", location, turn, missing)
             advice = "give the yaw, or a yaw stiffness that holds it"
         elif errors.argmax() == 0:
             cause = sentence(
-                "{}, a lateral force of {:.1f kN} to the {} is not balanced", place, 0.001 * abs(force), _way(force)
+                "{}, a lateral force of {:.1f kN} to the {} is not balanced", location, 0.001 * abs(force), _way(force)
             )
             if force * position.lateral_mm > 0.0:
                 cause += f", which pushes the {_way(force)} flange up its rail"
         else:
-            cause = place + ", the forces still change from step to step"
+            cause = location + ", the forces still change from step to step"
             advice = "give a neighbouring lateral_mm, yaw, torque or friction"
         kind = "no equilibrium" if motion is None else "no equilibrium with friction"
         message = sentence("{} in {} steps: {}; {}", kind, last.status.iterations, cause, advice)
         return Status(False, message, last.status.iterations)
 
-    def beyond(self, found: Equilibrium[SpatialState], touching: Mapping[Side, SideState]) -> dict[Side, SideState]:
+    def beyond(
+        self, equilibrium: Equilibrium[SpatialState], touching: Mapping[Side, SideState]
+    ) -> dict[Side, SideState]:
         """Contact on coarse cells of the sides where wheel and rail overlap outside of the fine cells.
 
         The forces of the fine cells stay: a contact anew on coarse cells would carry more.
@@ -296,8 +302,10 @@ class SpatialWheelset:
         - `touching`: contact on coarse cells before, whose cells serve where they reach as far.
         """
         sides: dict[Side, SideState] = {}
-        grids = self.whole(found.position, found.state, {side: each.grid for side, each in touching.items()})
-        for side, fine in found.state.sides.items():
+        grids = self.whole(
+            equilibrium.position, equilibrium.state, {side: side_state.grid for side, side_state in touching.items()}
+        )
+        for side, fine in equilibrium.state.sides.items():
             whole, inner = grids[side], fine.grid.grid
             forces, creep = transferred(fine, whole), transferred_creep(fine, whole)
             deformed = whole.deformed(fine.pose, forces, creep[:, 0])
@@ -325,16 +333,16 @@ class SpatialWheelset:
 
         By side, tilt and resultant, in the track's axes.
         """
-        found = np.zeros((2, 2, 3))
+        tilts = np.zeros((2, 2, 3))
         if self.model.axle is None:
-            return found
-        places = np.array([self.problem.wheelset.placement(side).translation[0] for side in SIDES])
-        for number, place in enumerate(places.tolist()):
-            for axis, unit in ((1, (1.0, -place)), (2, (0.0, 1.0))):
+            return tilts
+        positions = np.array([self.problem.wheelset.placement(side).translation[0] for side in SIDES])
+        for number, position in enumerate(positions.tolist()):
+            for axis, unit in ((1, (1.0, -position)), (2, (0.0, 1.0))):
                 forces = np.zeros((2, 2))
                 forces[number] = unit
-                found[number, :, axis] = self.model.axle.tilts(places, forces)
-        return found
+                tilts[number, :, axis] = self.model.axle.tilts(positions, forces)
+        return tilts
 
     def _coarse(self, side: Side, position: WheelsetPosition, near: SpatialState | None) -> GriddedSide:
         """Cells of a whole running surface at a position; `near`: contact there, if it is known."""
@@ -354,7 +362,7 @@ class SpatialWheelset:
         lead = float(pose.axis[2]) * pose.seat_mm
         reach = SEARCHED_MM + FLANGE_SLOPE * abs(pose.yaw_rad) * self.problem.wheelset.radius_mm
         searched = np.arange(int((lead - reach) / strip), int((lead + reach) / strip) + 1)
-        searched = searched[::EVERY]
+        searched = searched[::STRIP_STEP]
         z = strip * searched.astype(np.float64)
         points, normals = surfaces.rail_points((ends[1:] + ends[:-1]) / 2.0)
         gaps = wheel_gap(surfaces.wheel, pose.middle, pose.axis, points, normals, z).gaps
@@ -364,7 +372,7 @@ class SpatialWheelset:
         planes = searched[gaps.min(axis=0) < CLOSED_MM]
         if len(planes) == 0:
             planes = int(lead / strip) + np.arange(-5, 6)
-        grid = PatchGrid.on_planes(ends, strip, int(planes[0]) - EVERY + 1, int(planes[-1]) + EVERY - 1)
+        grid = PatchGrid.on_planes(ends, strip, int(planes[0]) - STRIP_STEP + 1, int(planes[-1]) + STRIP_STEP - 1)
         return GriddedSide(surfaces, grid, pose)
 
 
@@ -403,39 +411,39 @@ class _Cells:
         wanted = self.stages[self.stage][1]
         return wanted if self.last else max(GRID_RESIDUAL, wanted)
 
-    def after(self, found: Equilibrium[SpatialState], *, at_end: bool) -> Placed:
-        """Cells after a step, and a contact to start from on them; those of `found` where they stay.
+    def after(self, equilibrium: Equilibrium[SpatialState], *, at_end: bool) -> Placed:
+        """Cells after a step, and a contact to start from on them; those of `equilibrium` where they stay.
 
         - `at_end`: whether a patch has come to an end of its cells.
         """
-        settled, state = found.status.converged, found.state
-        far = _is_far(found.position, self.place)
+        settled, state = equilibrium.status.converged, equilibrium.state
+        far = _is_far(equilibrium.position, self.place)
         if far or (at_end if self.touching else settled):
-            self.place = found.position
+            self.place = equilibrium.position
             grids = self.wheelset.whole(self.place, state, {} if self.touching else state.grids)
             if self.touching:
-                return self._anew(grids, found, far=far)
+                return self._anew(grids, equilibrium, far=far)
             if grids != state.grids:
                 return grids, state
-        return self._refined(found) if settled else (state.grids, state)
+        return self._refined(equilibrium) if settled else (state.grids, state)
 
-    def _anew(self, whole: Mapping[Side, GriddedSide], found: Equilibrium[SpatialState], *, far: bool) -> Placed:
+    def _anew(self, whole: Mapping[Side, GriddedSide], equilibrium: Equilibrium[SpatialState], *, far: bool) -> Placed:
         """Fine cells by the contact on coarse ones at the same poses, with the same creep forces.
 
         Where the wheelset is not far from the place of its cells, a patch that came to their end has wider ones about
         itself: coarse cells may end at the same place again.
         """
-        for side, each in found.state.sides.items():
-            forces, creep = transferred(each, whole[side]), transferred_creep(each, whole[side])
-            self.touching = {**self.touching, side: solve_side(whole[side], each.pose, forces, creep=creep)}
+        for side, side_state in equilibrium.state.sides.items():
+            forces, creep = transferred(side_state, whole[side]), transferred_creep(side_state, whole[side])
+            self.touching = {**self.touching, side: solve_side(whole[side], side_state.pose, forces, creep=creep)}
         self.last = False
-        return self.fine(SpatialState(self.touching) if far else found.state, NEAR_MM)
+        return self.fine(SpatialState(self.touching) if far else equilibrium.state, CELL_REACH)
 
-    def _refined(self, found: Equilibrium[SpatialState]) -> Placed:
+    def _refined(self, equilibrium: Equilibrium[SpatialState]) -> Placed:
         """Cells of the next stage, or better ones for the equilibrium of the last one."""
-        state, grids = found.state, found.state.grids
+        state, grids = equilibrium.state, equilibrium.state.grids
         if not self.stages:
-            self.status = found.status
+            self.status = equilibrium.status
         elif not self.is_last:
             self.stage += bool(self.touching)
             self.touching = self.touching or state.sides
@@ -445,16 +453,18 @@ class _Cells:
             if more:
                 self.n_grids += 1
                 grids, _ = self.fine(state)
-            beyond = self.wheelset.beyond(found, self.touching) if grids == state.grids and self.last else {}
+            beyond = self.wheelset.beyond(equilibrium, self.touching) if grids == state.grids and self.last else {}
             if beyond and not more:
-                self.status = Status(False, OUTSIDE, found.status.iterations)
+                self.status = Status(False, OUTSIDE_CELLS, equilibrium.status.iterations)
             elif beyond:
                 self.touching = {**self.touching, **beyond}
                 grids, state = self.fine(SpatialState({**state.sides, **beyond}))
-        if grids == found.state.grids and self.status is None:
+        if grids == equilibrium.state.grids and self.status is None:
             if self.last:
-                lost = any(each.grid.leaves(each.forces) for each in state.sides.values())
-                self.status = Status(False, AT_END, found.status.iterations) if lost else found.status
+                lost = any(side_state.grid.leaves(side_state.forces) for side_state in state.sides.values())
+                self.status = (
+                    Status(False, AT_SURFACE_END, equilibrium.status.iterations) if lost else equilibrium.status
+                )
             self.last = True
         return grids, state
 
@@ -462,20 +472,21 @@ class _Cells:
         """Cells of the last stage divided at narrow peaks of the pressure, which coarser ones do not show."""
         if not self.is_last:
             return state.grids
-        return {side: divided(each, self.stages[-1][0]) for side, each in state.sides.items()}
+        return {side: divided(side_state, self.stages[-1][0]) for side, side_state in state.sides.items()}
 
     def fine(self, state: SpatialState, near: tuple[float, float] = (0.0, 0.0)) -> Placed:
         """Fine cells of both sides for a contact, see `finer`."""
         across = self.stages[self.stage][0]
         sides = state.sides.items()
         return {
-            side: finer(each, across, state.insides(side), self.touching[side], near) for side, each in sides
+            side: finer(side_state, across, state.interiors(side), self.touching[side], near)
+            for side, side_state in sides
         }, state
 
 
-def _is_far(position: WheelsetPosition, place: WheelsetPosition) -> bool:
+def _is_far(position: WheelsetPosition, other: WheelsetPosition) -> bool:
     """Whether cells that are for a place do not fit at a position."""
-    return bool((np.abs(np.subtract(position.components, place.components)) > NEARBY * MAX_STEP).any())
+    return bool((np.abs(np.subtract(position.components, other.components)) > MAX_STEPS_ON_CELLS * MAX_STEP).any())
 
 
 def _is_on_flange(state: SideState) -> bool:

@@ -54,12 +54,12 @@ class SpatialState:
     @property
     def grids(self) -> dict[Side, GriddedSide]:
         """Cells of both sides."""
-        return {side: each.grid for side, each in self.sides.items()}
+        return {side: side_state.grid for side, side_state in self.sides.items()}
 
-    def insides(self, side: Side) -> list[Bools] | None:
+    def interiors(self, side: Side) -> list[Bools] | None:
         """Cells of patches that roll by themselves, (n, n_z) each; None without friction, or by the exact theory."""
-        insides = None if self.rolled is None else self.rolled.creep[side].insides
-        return None if insides is None else patches_of(self.sides[side].forces, insides)
+        interiors = None if self.rolled is None else self.rolled.creep[side].interiors
+        return None if interiors is None else patches_of(self.sides[side].forces, interiors)
 
 
 def signs_of(side: Side) -> Floats:
@@ -178,7 +178,7 @@ class WheelsetNewton:
     @property
     def contact(self) -> SpatialState:
         """Contact of both sides; on cells from which no step was taken yet, of bodies that bend no further."""
-        return SpatialState({side: each.state for side, each in self.sides.items()})
+        return SpatialState({side: newton.state for side, newton in self.sides.items()})
 
     @property
     def yaw_stiffness(self) -> float:
@@ -194,12 +194,12 @@ class WheelsetNewton:
     @property
     def bends(self) -> bool:
         """Whether creep forces that were found still bend the bodies in part only."""
-        return any(each.bent for each in self.sides.values())
+        return any(side.bent for side in self.sides.values())
 
     @property
     def reaches_an_end(self) -> bool:
         """Whether a patch has come to an end of its cells."""
-        return any(each.grid.cuts(each.forces) for each in self.sides.values())
+        return any(side.grid.cuts(side.forces) for side in self.sides.values())
 
     @property
     def _is_halved(self) -> bool:
@@ -256,18 +256,18 @@ class WheelsetNewton:
         if self.creep is not None:
             self._add_equations(self.creep)
         self.errors.append(self.relative.equilibrium_residual)
-        self.hanging = 0 if all(each.touching.any() for each in self.sides.values()) else self.hanging + 1
+        self.hanging = 0 if all(side.touching.any() for side in self.sides.values()) else self.hanging + 1
 
     def _bent_by_creep(self, side: Side, newton: SideNewton, forces: Floats) -> None:
         """Find creep forces under normal ones, and let them bend the bodies."""
         assert self.creep is not None
         normal = np.zeros(newton.forces.shape)
         normal[newton.touching] = np.maximum(forces, 0.0)
-        found = self.rolled[side] = self.creep.of_side(side, newton, normal)
+        creep = self.rolled[side] = self.creep.of_side(side, newton, normal)
         if side not in self._slopes:
-            self._slopes[side] = self.creep.derivatives(side, newton, normal, found)
+            self._slopes[side] = self.creep.derivatives(side, newton, normal, creep)
         slopes = self._slopes[side]
-        newton.bend(found.rows, found.raised, forces, slopes)
+        newton.bend(creep.rows, creep.raised, forces, slopes)
 
     def _add_creep(self, number: int, side: Side) -> None:
         """Add creep forces of a side and what they change."""
@@ -385,7 +385,7 @@ class WheelsetNewton:
         moving = (
             self.bends
             or self.way_left != 0.0
-            or (most < COARSE_FORCES and any(each.changed for each in self.sides.values()))
+            or (most < COARSE_FORCES and any(side.changed for side in self.sides.values()))
         )
         tilted = float(np.abs(self.tilts - self.bent).max()) > share * FINE_TILT_RAD
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))
@@ -413,9 +413,9 @@ class WheelsetNewton:
 
 def _solved(jacobian: Floats, right: Floats, rows: Bools, columns: Bools) -> Floats:
     """Solutions of some equations for some unknowns, the others 0, one for each right-hand side (n, k); (k, n)."""
-    found = np.zeros(right.shape[::-1])
-    found[:, columns] = np.linalg.solve(jacobian[np.ix_(rows, columns)], right[rows]).T
-    return found
+    solutions = np.zeros(right.shape[::-1])
+    solutions[:, columns] = np.linalg.solve(jacobian[np.ix_(rows, columns)], right[rows]).T
+    return solutions
 
 
 def _leads(jacobian: Floats, free: Bools, yaw_stiffness: float) -> tuple[int, int]:
@@ -445,6 +445,6 @@ def _leads(jacobian: Floats, free: Bools, yaw_stiffness: float) -> tuple[int, in
 def signs_of_creep(side: Side) -> Floats:
     """From `SideCreep.resultant` to force (x, y), moment, torque and yaw moment in the track's axes, (5, 7)."""
     sign = SIDE_SIGN[side]
-    found = np.zeros((5, 7))
-    found[0, 0], found[1, 1], found[2, 5], found[3, 6], found[4, 4] = sign, 1.0, sign, 1.0, -sign
-    return found
+    signs = np.zeros((5, 7))
+    signs[0, 0], signs[1, 1], signs[2, 5], signs[3, 6], signs[4, 4] = sign, 1.0, sign, 1.0, -sign
+    return signs

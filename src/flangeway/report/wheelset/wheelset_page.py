@@ -144,10 +144,10 @@ def _part(
     window = slice(row, row + len(grid.widths)), slice(first, first + grid.n_strips)
     later = np.ones(shape)
     later[window] = 0.0
-    fields, found = shown_fields({PRESSURE_FIELD: cells.pressures} | friction_fields(result, side, "rail"))
-    fields, found = fields + below_fields(units), found | stresses_below(result, side)
-    arrays = {name: np.zeros(shape) for name in found}
-    for name, values in found.items():
+    fields, by_name = shown_fields({PRESSURE_FIELD: cells.pressures} | friction_fields(result, side, "rail"))
+    fields, by_name = fields + below_fields(units), by_name | stresses_below(result, side)
+    arrays = {name: np.zeros(shape) for name in by_name}
+    for name, values in by_name.items():
         arrays[name][window] = values
     around = np.pad(arrays[PRESSURE_FIELD], 1)
     at_nodes = (around[1:, 1:] + around[:-1, 1:] + around[1:, :-1] + around[:-1, :-1]) / 4.0

@@ -28,14 +28,14 @@ from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, Whee
 from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton, interpolated
 from flangeway.types import Bools, Floats
 
-CLOSED: tuple[Theory, ...] = ("polach", "linear")
+CLOSED_FORMS: tuple[Theory, ...] = ("polach", "linear")
 """Theories with a closed form."""
-STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
+DIFFERENCE_STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
 """Differences by the axle's x, y and roll, the wheel's tilt, its rate of rotation over itself, and the yaw."""
-MERGED, TOUCHING = 0.25, 0.1
+MERGED_FORCE, FIRST_MERGED_FORCE = 0.25, 0.1
 """Maximum force of a cell between two patches that were apart, relative to that of the lesser, at which they are one;
 and the same for patches of which nothing is known before."""
-DISTINCT = 1e-6
+MIN_SEPARATION = 1e-6
 """Least singular value, relative to the first one, of places in a patch that has several rows and strips."""
 N_SHAPES = 5
 TOLERANCE = 1e-9
@@ -79,7 +79,7 @@ class SideCreep:
     raised: Floats
 
     @property
-    def insides(self) -> list[Bools] | None:
+    def interiors(self) -> list[Bools] | None:
         """Cells of the patches that roll by themselves; None by the exact theory."""
         if any(isinstance(patch.forces, Rolling) for patch in self.patches):
             return None
@@ -202,7 +202,7 @@ class WheelsetCreep:
         By differences of the theory itself, or of the exact one by its linearised law of friction.
         """
         n = N_RESULTANTS + len(normal)
-        columns = np.zeros((n, len(STEPS)))
+        columns = np.zeros((n, len(DIFFERENCE_STEPS)))
         changes, weights = [np.zeros((n, 0))], [np.zeros((0, *normal.shape))]
         for patch in side_creep.patches:
             if isinstance(patch.forces, Rolling):
@@ -214,8 +214,8 @@ class WheelsetCreep:
             grid = newton.grid.grid
             shapes = shapes_of(grid.middles, normal, patch.inside)
             changed = self._changed(side, newton, normal, patch, shapes)
-            columns += changed[:, : len(STEPS)]
-            changes.append(changed[:, len(STEPS) :])
+            columns += changed[:, : len(DIFFERENCE_STEPS)]
+            changes.append(changed[:, len(DIFFERENCE_STEPS) :])
             weights.append(shapes / normal[patch.inside].sum())
         return CreepSlopes(columns, np.hstack(changes), np.concatenate(weights))
 
@@ -248,7 +248,7 @@ class WheelsetCreep:
         slopes = np.log([EllipticContact.slope_of(contact, moved_motion) for moved_motion in motions])
         by_motion = np.tensordot(by_slip, slips[1:] - slips[0], axes=([1, 2, 3], [1, 2, 3]))
         changes = right.T @ (by_motion + np.outer(by_slope, slopes[1:] - slopes[0]))
-        moved = np.array([_resultant(*place, forces, ahead, none) for place in places])
+        moved = np.array([_resultant(*arguments, forces, ahead, none) for arguments in places])
         changes[:N_RESULTANTS] += (moved[1:] - moved[0]).T
         to_rows = np.linalg.pinv(loads)
         spread = np.vstack((np.eye(N_RESULTANTS, len(right.T)), np.hstack((np.zeros((n, N_RESULTANTS)), to_rows))))
@@ -259,12 +259,15 @@ class WheelsetCreep:
     def _moved(
         self, side: Side, newton: SideNewton, patch: PatchCreep
     ) -> tuple[Floats, list[tuple[tuple[Floats, Floats], WheelPose]], list[Creepages]]:
-        """Sizes of `STEPS`; points and normals of a patch's rows with the pose, and creepages, now and after each."""
+        """Sizes of `DIFFERENCE_STEPS`; points and normals of a patch's rows with the pose, and creepages.
+
+        Those now come first, then those after each step.
+        """
         contact, pose, rate = patch.contact, newton.pose, self.rate_rad_s
         rows = rows_of(newton, contact)
-        sizes = np.array(STEPS) * [1.0, 1.0, 1.0, 1.0, rate, 1.0]
+        sizes = np.array(DIFFERENCE_STEPS) * [1.0, 1.0, 1.0, 1.0, rate, 1.0]
         places, motions = [], []
-        for x, y, roll_rad, tilt, turning, yaw in np.vstack((np.zeros(len(STEPS)), np.diag(sizes))).tolist():
+        for x, y, roll_rad, tilt, turning, yaw in np.vstack((np.zeros(len(DIFFERENCE_STEPS)), np.diag(sizes))).tolist():
             moved = replace(
                 pose,
                 x=pose.x + x,
@@ -283,7 +286,7 @@ class WheelsetCreep:
         return sizes, places, motions
 
     def _changed(self, side: Side, newton: SideNewton, normal: Floats, patch: PatchCreep, shapes: Floats) -> Floats:
-        """Derivatives of the resultant of a patch and of lateral forces of rows by `STEPS` and by shapes, (7 + n, m).
+        """Derivatives of a patch's resultant and rows' lateral forces by `DIFFERENCE_STEPS` and by shapes, (7 + n, m).
 
         - `shapes`: (k, n, n_z); normal forces grow by their product with these.
         """
@@ -292,7 +295,9 @@ class WheelsetCreep:
         sizes, places, motions = self._moved(side, newton, patch)
         places, motions = places + len(shapes) * places[:1], motions + len(shapes) * motions[:1]
         forces = np.where(patch.inside, normal, 0.0)[rows, strips]
-        parts = [forces] * (1 + len(STEPS)) + [forces * (1.0 + SHAPE_STEP * shape[rows, strips]) for shape in shapes]
+        parts = [forces] * (1 + len(DIFFERENCE_STEPS)) + [
+            forces * (1.0 + SHAPE_STEP * shape[rows, strips]) for shape in shapes
+        ]
         lateral, resultants = np.zeros((len(parts), len(normal))), []
         of_parts = _forces_of_rows(self.motion.theory, contact, motions, parts)
         for number, (of_rows, ahead, missing) in enumerate(of_parts):
@@ -332,7 +337,7 @@ def _forces_of_rows(
     s, z = contact.places
     middle = contact.grid.along[0] - z[0]
     origin = contact.grid.bounds[:2].mean() - s[0], middle
-    if theory not in CLOSED:
+    if theory not in CLOSED_FORMS:
         ellipses = [
             EllipticContact.under(contact, motion, part.sum(axis=1), part.sum(axis=0))
             for motion, part in zip(motions, parts, strict=True)
@@ -362,8 +367,8 @@ def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
     """Patches of normal forces (n, n_z), by falling force.
 
     Creep forces jump where two patches become one. So patches that touch are divided at the row with the least forces,
-    as long as these are below `TOUCHING` of the lesser maximum of both, or `MERGED` if they were apart before,
-    (n, n_z) each.
+    as long as these are below `FIRST_MERGED_FORCE` of the lesser maximum of both, or `MERGED_FORCE` if they were apart
+    before, (n, n_z) each.
     """
     patches = []
     for region in separate_patches(normal > 0.0):
@@ -377,7 +382,9 @@ def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
         while len(peaks) > 1:
             cuts = [first + int(most[first : last + 1].argmin()) for first, last in pairwise(peaks)]
             lesser = [min(most[first], most[last]) for first, last in pairwise(peaks)]
-            apart = [MERGED if number[first] != number[last] else TOUCHING for first, last in pairwise(peaks)]
+            apart = [
+                MERGED_FORCE if number[first] != number[last] else FIRST_MERGED_FORCE for first, last in pairwise(peaks)
+            ]
             ratios = most[cuts] / np.multiply(lesser, apart)
             worst = int(ratios.argmax())
             if ratios[worst] < 1.0:
@@ -404,7 +411,7 @@ def shapes_of(places: tuple[Floats, Floats], normal: Floats, inside: Bools) -> F
     terms = np.stack((np.ones(len(s)), s, z, s**2, z**2), axis=1)
     _, sizes, turned = np.linalg.svd(np.sqrt(share)[:, None] * terms, full_matrices=False)
     shapes = np.zeros((N_SHAPES, *inside.shape))
-    kept = sizes > DISTINCT * sizes[0]
+    kept = sizes > MIN_SEPARATION * sizes[0]
     shapes[: kept.sum(), rows, columns] = (terms @ turned[kept].T / sizes[kept]).T
     return shapes
 
