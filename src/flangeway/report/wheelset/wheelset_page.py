@@ -221,7 +221,7 @@ def _foot(rail: RailAlongTrack) -> Floats:
 
 LINES: tuple[tuple[str, str, Callable[[RailAlongTrack], Floats]], ...] = (
     ("top of the rail down", "mm", lambda rail: -rail.head[:, 1]),
-    ("gauge-face deflection, outwards", "mm", lambda rail: rail.gauge_outward_mm),
+    ("gauge face outwards", "mm", lambda rail: rail.gauge_outward_mm),
     ("stress under the foot", "MPa", _foot),
 )
 """What is drawn along the track, one panel each."""
